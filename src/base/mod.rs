@@ -1,0 +1,11 @@
+//! Floor 0: units, typed ids, errors with places, random numbers, warps, statistics, event strings.
+
+pub mod fault;
+pub mod ids;
+pub mod path;
+pub mod rng;
+pub mod stats;
+pub mod units;
+pub mod warp;
+
+pub use fault::{Fault, Where};

@@ -1,0 +1,174 @@
+//! Event strings of light paths and the automaton that classifies them (`design/layers.md`).
+//!
+//! Read from the eye: `E` eye, `S` specular (delta) reflection or transmission, `G` a narrow lobe, `D` a broad lobe,
+//! `L` a lamp. Every estimator uses this automaton, so a path has one class whoever computes it.
+
+/// What happened at a vertex between the eye and the lamp. The declared finish decides, never a sampled width.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub enum Event {
+    /// Exactly delta: a polished face, a mirror, a slide.
+    Specular,
+    /// Scattering in a lobe too narrow to gather photons at; for the layers it counts as scattering.
+    Glossy,
+    /// Scattering in a broad lobe.
+    Diffuse,
+}
+
+/// The layer class of a complete path. Disjoint and complete over all event strings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Class {
+    /// `E S* L`: direct vision of a source.
+    Vision,
+    /// `E S* D L`: a scatterer lit directly.
+    Primary,
+    /// `E S* D S+ L`
+    Caustic,
+    /// `E S* D … D … L`
+    Secondary,
+}
+
+impl Class {
+    pub const ALL: [Class; 4] = [Class::Vision, Class::Primary, Class::Caustic, Class::Secondary];
+    pub fn name(self) -> &'static str {
+        match self {
+            Class::Vision => "vision",
+            Class::Primary => "primary",
+            Class::Caustic => "caustic",
+            Class::Secondary => "secondary",
+        }
+    }
+}
+
+/// State of the automaton. It can be fed from the eye ([`Trail::EYE`]) or from the lamp, and an eye-side and a
+/// lamp-side piece can be [joined](Trail::join); the class is the same either way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub struct Trail {
+    /// Scattering vertices so far, saturating at 2.
+    scatters: u8,
+    /// Specular events since the last scattering vertex (or the end the trail started from), saturating at 1.
+    specular_after: u8,
+    /// Specular events before the first scattering vertex, saturating at 1.
+    specular_before: u8,
+    /// A broad lobe was among the scattering vertices.
+    broad: bool,
+}
+
+impl Trail {
+    /// The empty trail, at the eye or at the lamp.
+    pub const START: Trail = Trail { scatters: 0, specular_after: 0, specular_before: 0, broad: false };
+
+    /// The trail after one more event.
+    #[must_use]
+    pub fn then(self, event: Event) -> Trail {
+        match event {
+            Event::Specular if self.scatters == 0 => Trail { specular_before: 1, specular_after: 1, ..self },
+            Event::Specular => Trail { specular_after: 1, ..self },
+            Event::Glossy => Trail { scatters: (self.scatters + 1).min(2), specular_after: 0, ..self },
+            Event::Diffuse => Trail { scatters: (self.scatters + 1).min(2), specular_after: 0, broad: true, ..self },
+        }
+    }
+
+    /// The class of the complete path when this trail was walked from the eye and has met a lamp.
+    pub fn class_from_eye(self) -> Class {
+        match (self.scatters, self.specular_after) {
+            (0, _) => Class::Vision,
+            (1, 0) => Class::Primary,
+            (1, _) => Class::Caustic,
+            (_, _) => Class::Secondary,
+        }
+    }
+
+    /// The class of the complete path when this trail was walked from the lamp and has met the eye.
+    pub fn class_from_lamp(self) -> Class {
+        match (self.scatters, self.specular_before) {
+            (0, _) => Class::Vision,
+            (1, 0) => Class::Primary,
+            (1, _) => Class::Caustic,
+            (_, _) => Class::Secondary,
+        }
+    }
+
+    /// The trail (as seen from the eye) of an eye-side piece and a lamp-side piece that meet at a vertex where
+    /// `event` happens; neither piece contains that vertex.
+    #[must_use]
+    pub fn join(eye: Trail, event: Event, lamp: Trail) -> Trail {
+        let middle = eye.then(event);
+        if lamp.scatters == 0 {
+            return if lamp.specular_after > 0 { middle.then(Event::Specular) } else { middle };
+        }
+        Trail {
+            scatters: (middle.scatters + lamp.scatters).min(2),
+            specular_before: if middle.scatters == 0 {
+                middle.specular_before | lamp.specular_after
+            } else {
+                middle.specular_before
+            },
+            // From the eye the lamp-side piece ends with what it had before its first scattering vertex.
+            specular_after: lamp.specular_before,
+            broad: middle.broad || lamp.broad,
+        }
+    }
+
+    /// Whether a broad scattering vertex is on the trail: the photon map can own the path.
+    pub fn has_broad(self) -> bool {
+        self.broad
+    }
+    /// Whether any scattering vertex, broad or narrow, is on the trail.
+    pub fn has_scatter(self) -> bool {
+        self.scatters > 0
+    }
+    /// Whether nothing at all has happened yet.
+    pub fn is_empty(self) -> bool {
+        self == Trail::START
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The definition of `design/layers.md`, written again as a plain scan over the string: `S`, `G`, `D` between E and L.
+    fn reference(string: &[Event]) -> Class {
+        let scatters: Vec<usize> = (0..string.len()).filter(|&i| string[i] != Event::Specular).collect();
+        match scatters.as_slice() {
+            [] => Class::Vision,
+            [at] if *at + 1 == string.len() => Class::Primary,
+            [_] => Class::Caustic,
+            [_, _, ..] => Class::Secondary,
+        }
+    }
+
+    fn strings(length: usize) -> impl Iterator<Item = Vec<Event>> {
+        const LETTERS: [Event; 3] = [Event::Specular, Event::Glossy, Event::Diffuse];
+        (0..3usize.pow(length as u32)).map(move |mut code| {
+            (0..length)
+                .map(|_| {
+                    let letter = LETTERS[code % 3];
+                    code /= 3;
+                    letter
+                })
+                .collect()
+        })
+    }
+
+    #[test]
+    fn from_eye_from_lamp_and_joined_agree_with_the_definition() {
+        for length in 0..=9 {
+            for string in strings(length) {
+                let want = reference(&string);
+                let eye = string.iter().fold(Trail::START, |t, &e| t.then(e));
+                let lamp = string.iter().rev().fold(Trail::START, |t, &e| t.then(e));
+                assert_eq!(eye.class_from_eye(), want, "{string:?}");
+                assert_eq!(lamp.class_from_lamp(), want, "{string:?}");
+                for cut in 0..length {
+                    let head = string[..cut].iter().fold(Trail::START, |t, &e| t.then(e));
+                    let tail = string[cut + 1..].iter().rev().fold(Trail::START, |t, &e| t.then(e));
+                    let joined = Trail::join(head, string[cut], tail);
+                    assert_eq!(joined.class_from_eye(), want, "{string:?} cut at {cut}");
+                    assert_eq!(joined.has_broad(), string.contains(&Event::Diffuse), "{string:?}");
+                }
+            }
+        }
+    }
+}

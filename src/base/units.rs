@@ -1,0 +1,44 @@
+//! Physical quantities with their units, as written by people: `"4 mm"`, `"12 deg"`.
+
+/// Photometric luminous efficacy at 555 nm, lm/W.
+pub const LUMINOUS_EFFICACY: f64 = 683.0;
+
+/// Parses a length with a unit (`"4 mm"`, `"0.12 m"`, `"68 nm"`, `"inf"`) into metres.
+/// Errors: a text that says what is wrong.
+pub fn parse_length_m(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    if matches!(text, "inf" | "infinity" | "∞") {
+        return Ok(f64::INFINITY);
+    }
+    let split = text.find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E' || c == 'µ').unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let value: f64 =
+        number.trim().parse().map_err(|_| format!("`{text}` is not a length; write a number and a unit, e.g. `4 mm`"))?;
+    let metres = match unit.trim() {
+        "nm" => 1e-9,
+        "um" | "µm" | "μm" => 1e-6,
+        "mm" => 1e-3,
+        "cm" => 1e-2,
+        "m" => 1.0,
+        "km" => 1e3,
+        "in" => 0.0254,
+        "" => return Err(format!("`{text}` has no unit; write e.g. `{text} mm`")),
+        other => return Err(format!("unknown unit `{other}` in `{text}`; use nm, um, mm, cm, m, km or in")),
+    };
+    Ok(value * metres)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths() {
+        assert_eq!(parse_length_m("4 mm"), Ok(0.004));
+        assert_eq!(parse_length_m("2e-1m"), Ok(0.2));
+        assert_eq!(parse_length_m("inf"), Ok(f64::INFINITY));
+        assert!(parse_length_m("4").unwrap_err().contains("no unit"));
+        assert!(parse_length_m("4 furlong").unwrap_err().contains("unknown unit"));
+        assert!(parse_length_m("").is_err());
+    }
+}
