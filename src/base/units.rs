@@ -12,8 +12,10 @@ pub fn parse_length_m(text: &str) -> Result<f64, String> {
     }
     let split = text.find(|c: char| c.is_alphabetic() && c != 'e' && c != 'E' || c == 'µ').unwrap_or(text.len());
     let (number, unit) = text.split_at(split);
-    let value: f64 =
-        number.trim().parse().map_err(|_| format!("`{text}` is not a length; write a number and a unit, e.g. `4 mm`"))?;
+    let value: f64 = number
+        .trim()
+        .parse()
+        .map_err(|_| format!("`{text}` is not a length; write a number and a unit, e.g. `4 mm`"))?;
     let metres = match unit.trim() {
         "nm" => 1e-9,
         "um" | "µm" | "μm" => 1e-6,
