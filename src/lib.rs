@@ -1,16 +1,10 @@
 //! `eyebox` traces light through head-up-display and AR assemblies into layered EXR in absolute cd/m².
 //!
 //! The corridor, one function per arrow:
-//! `path ─import→ Scene ─check→ Checked ─plan→ Plan ─freeze→ World ─estimate→ Film ─finish→ Frame ─write→ EXR`.
+//! `path ─import→ Scene ─check→ Checked ─freeze→ World ─plan→ Plan ─estimate→ Films ─finish→ Frame ─write→ EXR`.
+//! (The plan comes after the world is frozen, since its pilots trace.)
 //! Modules are floors; a module imports only from lower floors (`tests/floors.rs` enforces it).
 
 pub mod base; // floor 0: units, ids, randomness, statistics, path strings, errors
-pub mod check; // floor 2: facts of a scene, and the proof that it can be rendered
-pub mod cmd; // floor 7: one file per subcommand
-pub mod estimate; // floor 4: the estimators, the shared vertex step, the energy ledger
 pub mod film; // floor 1: layers, accumulators, frames, the plan as data
-pub mod import; // floor 2: glTF, sidecar → Scene
-pub mod output; // floor 2: EXR, view
-pub mod plan; // floor 5: who owns which paths
 pub mod scene; // floor 1: plain scene data
-pub mod world; // floor 3: what is traced

@@ -1,5 +1,6 @@
 //! Floor 0: units, typed ids, errors with places, random numbers, warps, statistics, event strings.
 
+pub mod complex;
 pub mod fault;
 pub mod ids;
 pub mod path;
@@ -8,4 +9,5 @@ pub mod stats;
 pub mod units;
 pub mod warp;
 
-pub use fault::{Fault, Where};
+pub use complex::Complex;
+pub use fault::{Fault, Result, Where, nearest_name};

@@ -110,6 +110,22 @@ impl Trail {
         }
     }
 
+    /// A number for this state, below the number of [`Trail::states`].
+    pub fn state(self) -> usize {
+        ((self.scatters as usize * 2 + self.specular_after as usize) * 2 + self.specular_before as usize) * 2
+            + usize::from(self.broad)
+    }
+
+    /// Every state of the automaton, in the order of [`Trail::state`] (some can't be reached).
+    pub fn states() -> impl Iterator<Item = Trail> {
+        (0..24u8).map(|code| Trail {
+            scatters: code / 8,
+            specular_after: code / 4 % 2,
+            specular_before: code / 2 % 2,
+            broad: code % 2 == 1,
+        })
+    }
+
     /// Whether a broad scattering vertex is on the trail: the photon map can own the path.
     pub fn has_broad(self) -> bool {
         self.broad
@@ -128,15 +144,24 @@ impl Trail {
 mod tests {
     use super::*;
 
-    /// The definition of `design/layers.md`, written again as a plain scan over the string: `S`, `G`, `D` between E and L.
-    fn reference(string: &[Event]) -> Class {
-        let scatters: Vec<usize> = (0..string.len()).filter(|&i| string[i] != Event::Specular).collect();
-        match scatters.as_slice() {
-            [] => Class::Vision,
-            [at] if *at + 1 == string.len() => Class::Primary,
-            [_] => Class::Caustic,
-            [_, _, ..] => Class::Secondary,
-        }
+    /// The definition of the classes as regular expressions over `S`, `G`, `D` between eye and lamp.
+    fn expressions() -> [(Class, regex::Regex); 4] {
+        let expression = |text: &str| regex::Regex::new(text).expect("a sound expression");
+        [
+            (Class::Vision, expression("^S*$")),
+            (Class::Primary, expression("^S*[GD]$")),
+            (Class::Caustic, expression("^S*[GD]S+$")),
+            (Class::Secondary, expression("^S*[GD].*[GD].*$")),
+        ]
+    }
+
+    fn letters(string: &[Event]) -> String {
+        let letter = |event: &Event| match event {
+            Event::Specular => 'S',
+            Event::Glossy => 'G',
+            Event::Diffuse => 'D',
+        };
+        string.iter().map(letter).collect()
     }
 
     fn strings(length: usize) -> impl Iterator<Item = Vec<Event>> {
@@ -152,21 +177,26 @@ mod tests {
         })
     }
 
+    /// Every string up to 12 events has exactly one class, the same from both ends, joined anywhere or not.
     #[test]
-    fn from_eye_from_lamp_and_joined_agree_with_the_definition() {
-        for length in 0..=9 {
+    fn every_string_has_one_class_from_either_end() {
+        let expressions = expressions();
+        for length in 0..=12 {
             for string in strings(length) {
-                let want = reference(&string);
+                let text = letters(&string);
+                let matching: Vec<Class> =
+                    expressions.iter().filter(|(_, e)| e.is_match(&text)).map(|(class, _)| *class).collect();
+                let [want] = matching[..] else { panic!("{text} is in {matching:?}") };
                 let eye = string.iter().fold(Trail::START, |t, &e| t.then(e));
                 let lamp = string.iter().rev().fold(Trail::START, |t, &e| t.then(e));
-                assert_eq!(eye.class_from_eye(), want, "{string:?}");
-                assert_eq!(lamp.class_from_lamp(), want, "{string:?}");
-                for cut in 0..length {
+                assert_eq!(eye.class_from_eye(), want, "{text}");
+                assert_eq!(lamp.class_from_lamp(), want, "{text}");
+                for cut in 0..length.min(9) {
                     let head = string[..cut].iter().fold(Trail::START, |t, &e| t.then(e));
                     let tail = string[cut + 1..].iter().rev().fold(Trail::START, |t, &e| t.then(e));
                     let joined = Trail::join(head, string[cut], tail);
-                    assert_eq!(joined.class_from_eye(), want, "{string:?} cut at {cut}");
-                    assert_eq!(joined.has_broad(), string.contains(&Event::Diffuse), "{string:?}");
+                    assert_eq!(joined.class_from_eye(), want, "{text} cut at {cut}");
+                    assert_eq!(joined.has_broad(), text.contains('D'), "{text}");
                 }
             }
         }

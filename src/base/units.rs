@@ -30,6 +30,27 @@ pub fn parse_length_m(text: &str) -> Result<f64, String> {
     Ok(value * metres)
 }
 
+/// `digits` significant digits, without trailing zeros; an exponent only for the very large and very small.
+pub fn significant(x: f64, digits: i32) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return if x == 0.0 { "0".to_owned() } else { format!("{x}") };
+    }
+    // Of the rounded number: 9.9999 has one digit more than it seems.
+    let rounded: f64 = format!("{x:.*e}", (digits - 1).max(0) as usize).parse().unwrap_or(x);
+    let exponent = rounded.abs().log10().floor();
+    if !(-4.0..7.0).contains(&exponent) {
+        let text = format!("{x:.*e}", (digits - 1).max(0) as usize);
+        let Some((mantissa, power)) = text.split_once('e') else { return text };
+        return format!("{}e{power}", trimmed(mantissa));
+    }
+    let places = (f64::from(digits) - 1.0 - exponent).max(0.0) as usize;
+    trimmed(&format!("{rounded:.places$}")).to_owned()
+}
+
+fn trimmed(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,5 +63,23 @@ mod tests {
         assert!(parse_length_m("4").unwrap_err().contains("no unit"));
         assert!(parse_length_m("4 furlong").unwrap_err().contains("unknown unit"));
         assert!(parse_length_m("").is_err());
+    }
+
+    #[test]
+    fn numbers_are_short_and_right() {
+        for (x, digits, text) in [
+            (0.0, 4, "0"),
+            (103.70448, 6, "103.704"),
+            (99.638, 6, "99.638"),
+            (9.99999, 4, "10"),
+            (-2.22781837, 6, "-2.22782"),
+            (143_239.4, 4, "143200"),
+            (3.6e9, 4, "3.6e9"),
+            (1.5e-7, 4, "1.5e-7"),
+            (100.0, 2, "100"),
+            (f64::INFINITY, 4, "inf"),
+        ] {
+            assert_eq!(significant(x, digits), text);
+        }
     }
 }

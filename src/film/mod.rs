@@ -1,1 +1,8 @@
-//! (floor)
+//! Floor 1: what is measured: layers, accumulators, frames, and the plan as data.
+
+pub mod accumulate;
+pub mod finish;
+pub mod frame;
+pub mod guide;
+pub mod layer;
+pub mod plan;

@@ -1,1 +1,98 @@
-//! (floor)
+//! Floor 1: the scene as plain data. Importers fill it through [`SceneBuilder`](crate::import); after that nobody can
+//! tell which format an assembly came from. Lengths of the world are metres; a mesh keeps the units of its file.
+
+pub mod attribute;
+pub mod coating;
+pub mod dispersion;
+
+pub mod eye;
+pub mod finish;
+pub mod glass;
+pub mod lamp;
+pub mod mesh;
+pub mod note;
+pub mod part;
+pub mod shape;
+pub mod slide;
+
+pub use coating::{Coating, FilmLayer};
+pub use dispersion::Dispersion;
+
+pub use eye::Eye;
+pub use finish::Finish;
+pub use lamp::{Angular, Emitter, Photometry, Sky};
+pub use mesh::{FaceRange, Mesh};
+pub use note::{Note, Severity};
+pub use part::{Face, Medium, Part};
+pub use shape::Shape;
+pub use slide::Slide;
+
+use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, SlideId};
+
+/// At which wavelengths the scene is defined.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Wavelengths {
+    /// One wavelength, nm.
+    Mono { nm: f64 },
+    /// The visible range. Until colour rendering exists the scene is traced at [`Wavelengths::VISIBLE_NM`] and the
+    /// plan says so.
+    Visible,
+}
+
+impl Wavelengths {
+    /// Peak of photopic vision (CIE 1931 V(λ)), nm.
+    pub const VISIBLE_NM: f64 = 555.0;
+    /// The wavelength that is traced, nm.
+    pub fn traced_nm(self) -> f64 {
+        match self {
+            Wavelengths::Mono { nm } => nm,
+            Wavelengths::Visible => Self::VISIBLE_NM,
+        }
+    }
+}
+
+/// A light group: light that is stored in layers of its own.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Group {
+    /// `[A-Za-z][A-Za-z0-9_]*`, part of layer names.
+    pub name: String,
+}
+
+/// An assembly with its optical attributes, its lamps and its eye.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Scene {
+    /// Name of the asset, for messages and the header.
+    pub name: String,
+    /// Metres per unit of the asset's coordinates (already contained in every `Part::to_world`).
+    pub unit_m: f64,
+    pub wavelengths: Wavelengths,
+    pub meshes: Vec<Mesh>,
+    pub parts: Vec<Part>,
+    pub media: Vec<Medium>,
+    pub coatings: Vec<Coating>,
+    pub slides: Vec<Slide>,
+    pub groups: Vec<Group>,
+    pub sky: Option<Sky>,
+    pub eye: Eye,
+    /// What was found, repaired, defaulted or not understood on the way in.
+    pub notes: Vec<Note>,
+    /// Hash of every byte that the scene was made of (asset, sidecar, images, `--set`), hex.
+    pub hash: String,
+}
+
+macro_rules! table {
+    ($($method:ident: $id:ty => $field:ident: $item:ty),* $(,)?) => {
+        impl Scene {
+            $(pub fn $method(&self, id: $id) -> &$item { &self.$field[id.index()] })*
+        }
+    };
+}
+table! {
+    mesh: MeshId => meshes: Mesh,
+    part: PartId => parts: Part,
+    medium: MediumId => media: Medium,
+    coating: CoatingId => coatings: Coating,
+    slide: SlideId => slides: Slide,
+    group: GroupId => groups: Group,
+}

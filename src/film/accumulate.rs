@@ -1,0 +1,228 @@
+//! Sums of light per pixel, layer and group. A film belongs to one estimator; films are added up when the frame is made.
+
+use super::layer::Layer;
+use crate::base::ids::GroupId;
+
+/// Light of one path or pixel, cd/m² (or lm before it is measured), as it depends on the slide's contrast.
+///
+/// With u = 1 − 1/C a slide transmits T_white·(1 − u·(1 − s)): the light of a path that crosses it n times is a
+/// polynomial of degree n in u, and so is any sum. Degrees above [`Light::DEGREE`] are dropped from `powers` (not from
+/// `value`); the frame's maker measures what that costs.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Light {
+    /// At the scene's own contrast.
+    pub value: f64,
+    /// Coefficients of 1, u, u², …
+    pub powers: [f64; Light::DEGREE + 1],
+}
+
+impl Light {
+    pub const DEGREE: usize = 4;
+    /// One, at every contrast.
+    pub const ONE: Light = Light { value: 1.0, powers: [1.0, 0.0, 0.0, 0.0, 0.0] };
+
+    /// With the slide fully open, C = 1.
+    pub fn open(self) -> f64 {
+        self.powers[0]
+    }
+    /// At C = ∞.
+    pub fn content(self) -> f64 {
+        self.powers.iter().sum()
+    }
+    pub fn add(&mut self, other: Light) {
+        self.value += other.value;
+        self.powers.iter_mut().zip(other.powers).for_each(|(a, b)| *a += b);
+    }
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Light {
+        Light { value: self.value * factor, powers: self.powers.map(|p| p * factor) }
+    }
+    /// Crosses a slide: transmittance `t_white` when open, `value` at its contrast, picture value `s`.
+    pub fn cross(&mut self, t_white: f64, value: f64, s: f64) {
+        self.value *= value;
+        for k in (0..=Self::DEGREE).rev() {
+            let below = if k > 0 { self.powers[k - 1] } else { 0.0 };
+            self.powers[k] = t_white * (self.powers[k] - (1.0 - s) * below);
+        }
+    }
+    /// Two pieces of a path one after the other.
+    #[must_use]
+    pub fn times(self, other: Light) -> Light {
+        let mut powers = [0.0; Self::DEGREE + 1];
+        for (i, a) in self.powers.iter().enumerate() {
+            for (j, b) in other.powers.iter().enumerate().take(Self::DEGREE + 1 - i) {
+                powers[i + j] += a * b;
+            }
+        }
+        Light { value: self.value * other.value, powers }
+    }
+    pub fn is_finite(self) -> bool {
+        (self.value + self.content()).is_finite()
+    }
+}
+
+/// Which light a plane of a film holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+pub struct PlaneKey {
+    pub layer: Layer,
+    pub group: GroupId,
+}
+
+/// How the samples of a film are counted, for its standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub enum Sampling {
+    /// Each pass gives one independent value per pixel.
+    PerPass,
+    /// A pass is `paths` independent paths; each lands in at most one pixel.
+    PerPath { paths: u64 },
+}
+
+/// Sums over passes, pixel-major so that a row is one contiguous piece.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Film {
+    pub width: usize,
+    pub height: usize,
+    pub planes: Vec<PlaneKey>,
+    pub sampling: Sampling,
+    /// Passes added so far.
+    pub passes: u64,
+    /// `[pixel][plane]`
+    sums: Vec<Light>,
+    /// `[pixel][plane]`, then one more for the sum over planes: squares of `value`.
+    squares: Vec<f64>,
+}
+
+/// One row of a film, for the thread that owns it.
+pub struct Row<'f> {
+    planes: usize,
+    sums: &'f mut [Light],
+    squares: &'f mut [f64],
+}
+
+impl Film {
+    pub fn new(width: usize, height: usize, planes: Vec<PlaneKey>, sampling: Sampling) -> Self {
+        let (pixels, count) = (width * height, planes.len());
+        Film {
+            width,
+            height,
+            planes,
+            sampling,
+            passes: 0,
+            sums: vec![Light::default(); pixels * count],
+            squares: vec![0.0; pixels * (count + 1)],
+        }
+    }
+
+    pub fn plane(&self, key: PlaneKey) -> Option<usize> {
+        self.planes.iter().position(|&plane| plane == key)
+    }
+
+    /// The rows, top to bottom, to be filled in parallel.
+    pub fn rows(&mut self) -> impl Iterator<Item = (usize, Row<'_>)> {
+        let planes = self.planes.len();
+        let width = self.width;
+        self.sums
+            .chunks_mut((width * planes).max(1))
+            .zip(self.squares.chunks_mut(width * (planes + 1)))
+            .map(move |(sums, squares)| Row { planes, sums, squares })
+            .enumerate()
+    }
+
+    /// Adds the light of one path that landed in `pixel`.
+    pub fn splat(&mut self, pixel: usize, plane: usize, light: Light) {
+        let planes = self.planes.len();
+        self.sums[pixel * planes + plane].add(light);
+        let square = light.value * light.value;
+        self.squares[pixel * (planes + 1) + plane] += square;
+        self.squares[pixel * (planes + 1) + planes] += square;
+    }
+
+    /// Mean light of a pixel in a plane.
+    pub fn mean(&self, pixel: usize, plane: usize) -> Light {
+        self.sums[pixel * self.planes.len() + plane].scaled(1.0 / self.passes.max(1) as f64)
+    }
+
+    /// Variance of the mean `value` of a pixel: of one plane, or of the sum over planes (`plane == planes.len()`).
+    /// Zero when there are not yet two samples.
+    pub fn variance(&self, pixel: usize, plane: usize) -> f64 {
+        let planes = self.planes.len();
+        let all = &self.sums[pixel * planes..(pixel + 1) * planes];
+        let sum: f64 = if plane < planes { all[plane].value } else { all.iter().map(|light| light.value).sum() };
+        let square = self.squares[pixel * (planes + 1) + plane];
+        let passes = self.passes as f64;
+        let samples = match self.sampling {
+            Sampling::PerPass => passes,
+            Sampling::PerPath { paths } => passes * paths as f64,
+        };
+        if samples < 2.0 {
+            return 0.0;
+        }
+        let of_sum = (square - sum * sum / samples).max(0.0) * samples / (samples - 1.0);
+        of_sum / (passes * passes)
+    }
+}
+
+impl Row<'_> {
+    /// Adds one pass's light of pixel `x` (one entry per plane).
+    pub fn add_pass(&mut self, x: usize, pass: &[Light]) {
+        let mut total = 0.0;
+        for (plane, light) in pass.iter().enumerate() {
+            self.sums[x * self.planes + plane].add(*light);
+            self.squares[x * (self.planes + 1) + plane] += light.value * light.value;
+            total += light.value;
+        }
+        self.squares[x * (self.planes + 1) + self.planes] += total * total;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KEY: PlaneKey = PlaneKey { layer: Layer::Direct, group: GroupId(0) };
+
+    fn light(value: f64) -> Light {
+        Light::ONE.scaled(value)
+    }
+
+    /// The polynomial of up to four crossings equals the product of the slide's transmittances at any contrast.
+    #[test]
+    fn crossings_are_a_polynomial_in_the_contrast() {
+        let crossings = [(0.9, 0.0), (0.9, 1.0), (0.9, 0.3), (0.9, 0.75)];
+        for count in 0..=4 {
+            let mut light = Light::ONE;
+            crossings[..count].iter().for_each(|(t, s)| light.cross(*t, 0.5, *s));
+            for contrast in [1.0, 2.0, 50.0, 300.0, f64::INFINITY] {
+                let u: f64 = 1.0 - 1.0 / contrast;
+                let want: f64 = crossings[..count].iter().map(|(t, s)| t * (1.0 - u * (1.0 - s))).product();
+                let got: f64 = light.powers.iter().rev().fold(0.0, |sum, p| sum * u + p);
+                assert!((got - want).abs() < 1e-14, "{count} crossings at {contrast}: {got} {want}");
+            }
+            assert_eq!(light.times(light).open(), light.open().powi(2));
+        }
+    }
+
+    #[test]
+    fn mean_and_variance_per_pass() {
+        let mut film = Film::new(1, 1, vec![KEY], Sampling::PerPass);
+        for x in [1.0, 2.0, 4.0, 5.0] {
+            film.rows().for_each(|(_, mut row)| row.add_pass(0, &[light(x)]));
+            film.passes += 1;
+        }
+        assert_eq!(film.mean(0, 0).value, 3.0);
+        // Unbiased variance 10/3 of one value, /4 for the mean.
+        assert!((film.variance(0, 0) - 10.0 / 12.0).abs() < 1e-15);
+        assert_eq!(film.variance(0, 0), film.variance(0, 1));
+    }
+
+    #[test]
+    fn variance_per_path_counts_the_paths_that_missed() {
+        // 100 paths, 25 of them add 2: mean of the sum 50, variance 100·p(1−p)·4·(100/99).
+        let mut film = Film::new(1, 1, vec![KEY], Sampling::PerPath { paths: 100 });
+        (0..25).for_each(|_| film.splat(0, 0, light(2.0)));
+        film.passes = 1;
+        assert_eq!(film.mean(0, 0).value, 50.0);
+        let want = 100.0 * 0.25 * 0.75 * 4.0 * 100.0 / 99.0;
+        assert!((film.variance(0, 0) - want).abs() < 1e-12);
+    }
+}

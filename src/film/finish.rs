@@ -1,0 +1,148 @@
+//! From films to a frame: means, layers per group, the contrast split, `hybrid`, standard errors.
+
+use super::accumulate::{Film, Light, PlaneKey};
+use super::frame::{Channel, Frame};
+use super::layer::Layer;
+use crate::base::ids::GroupId;
+use std::collections::BTreeMap;
+
+/// What the frame's maker knows of a light group.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GroupInfo {
+    pub name: String,
+    /// Contrast C of the slide that the group's light crosses, if its layers are to be split into `open` and `content`.
+    pub contrast: Option<f64>,
+}
+
+/// What was decided about splitting a group, for the header.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Split {
+    pub layer: Layer,
+    pub group: String,
+    pub written: bool,
+    pub because: String,
+}
+
+/// The picture layers of a set of films (of different estimators) and what was decided about splits.
+pub struct Finished {
+    pub frame: Frame,
+    pub splits: Vec<Split>,
+    /// Channels that hold NaN or infinity, with the first pixel: none in a sound run.
+    pub invalid: Vec<String>,
+}
+
+/// The largest share of a layer's peak by which recombining `open` and `content` may miss the layer.
+const SPLIT_TOLERANCE: f64 = 1e-7;
+
+/// Makes the picture layers. `always`: layers that are written even if no estimator filled them.
+pub fn finish(films: &[&Film], groups: &[GroupInfo], always: &[Layer]) -> Finished {
+    let (width, height) = films.first().map_or((0, 0), |film| (film.width, film.height));
+    let pixels = width * height;
+    let mut planes: BTreeMap<PlaneKey, Vec<Light>> = BTreeMap::new();
+    for film in films {
+        for (index, key) in film.planes.iter().enumerate() {
+            let plane = planes.entry(*key).or_insert_with(|| vec![Light::default(); pixels]);
+            plane.iter_mut().enumerate().for_each(|(pixel, light)| light.add(film.mean(pixel, index)));
+        }
+    }
+    let mut out = Maker { frame: Frame { width, height, ..Frame::default() }, splits: Vec::new() };
+    let mut hybrid = vec![0f32; pixels];
+    for layer in Layer::SUM_ORDER {
+        let own: Vec<(GroupId, &Vec<Light>)> =
+            planes.iter().filter(|(key, _)| key.layer == layer).map(|(key, plane)| (key.group, plane)).collect();
+        let lit = |plane: &[Light]| plane.iter().any(|l| l.value != 0.0 || l.open() != 0.0);
+        let filled = own.iter().any(|(_, plane)| lit(plane));
+        if !filled && !always.contains(&layer) {
+            continue;
+        }
+        let mut sum = vec![0f32; pixels];
+        for (group, plane) in own.into_iter().filter(|(_, plane)| lit(plane)) {
+            let stored = out.group(layer, &groups[group.index()], plane);
+            sum.iter_mut().zip(&stored).for_each(|(a, b)| *a += b);
+        }
+        hybrid.iter_mut().zip(&sum).for_each(|(a, b)| *a += b);
+        out.grey(layer.name(), sum);
+    }
+    out.grey("hybrid", hybrid.clone());
+    out.grey("", hybrid);
+    out.stderr(films, pixels);
+    let invalid = out.frame.channels.iter().filter_map(first_invalid).collect();
+    Finished { frame: out.frame, splits: out.splits, invalid }
+}
+
+fn first_invalid(channel: &Channel) -> Option<String> {
+    let pixel = channel.data.iter().position(|v| !v.is_finite())?;
+    Some(format!("{} at pixel number {pixel}", channel.name))
+}
+
+struct Maker {
+    frame: Frame,
+    splits: Vec<Split>,
+}
+
+impl Maker {
+    /// Adds an achromatic layer; the empty name is the default image. Light traced at one wavelength is grey: R = G = B
+    /// = Y, which keeps Y = 0.2126 R + 0.7152 G + 0.0722 B in cd/m².
+    fn grey(&mut self, layer: &str, data: Vec<f32>) {
+        for channel in ["R", "G", "B"] {
+            let name = if layer.is_empty() { channel.to_owned() } else { format!("{layer}.{channel}") };
+            self.frame.channels.push(Channel { name, data: data.clone() });
+        }
+    }
+
+    /// Adds the layers of one group; returns what was stored for the group itself.
+    fn group(&mut self, layer: Layer, group: &GroupInfo, plane: &[Light]) -> Vec<f32> {
+        let name = format!("{}_{}", layer.name(), group.name);
+        if let Some(contrast) = group.contrast {
+            self.split(layer, group, &name, contrast, plane);
+        }
+        let stored: Vec<f32> = plane.iter().map(|light| light.value as f32).collect();
+        self.grey(&name, stored.clone());
+        stored
+    }
+
+    fn split(&mut self, layer: Layer, group: &GroupInfo, name: &str, contrast: f64, plane: &[Light]) {
+        // Light that crossed no slide does not depend on the contrast: there is nothing to split.
+        if plane.iter().all(|l| l.powers[1..].iter().all(|p| *p == 0.0)) {
+            return;
+        }
+        let (u, v) = (1.0 - 1.0 / contrast, 1.0 / contrast);
+        // Σ aₖuᵏ = content·u + open·(1 − u) + u(1 − u)·(q₀ + q₁u + q₂u²) with qⱼ = −Σ aₖ over k > j + 1.
+        let cross = |l: &Light, j: usize| -l.powers[j + 2..].iter().sum::<f64>();
+        let orders = Light::DEGREE - 1;
+        let recombined = |l: &Light| {
+            let crossings: f64 = (0..orders).rev().fold(0.0, |sum, j| sum * u + cross(l, j));
+            l.content() * u + l.open() * v + crossings * u * v
+        };
+        let peak = plane.iter().fold(0.0f64, |peak, l| peak.max(l.value.abs()));
+        let miss = plane.iter().map(|l| (recombined(l) - l.value).abs()).fold(0.0f64, f64::max);
+        let written = miss <= SPLIT_TOLERANCE * peak;
+        let because = if written {
+            format!("recombining misses by {:.1e} of the peak", miss / peak.max(f64::MIN_POSITIVE))
+        } else {
+            let share = miss / peak;
+            let most = Light::DEGREE;
+            format!("light that crosses the slide more than {most} times makes up to {share:.1e} of the peak")
+        };
+        self.splits.push(Split { layer, group: group.name.clone(), written, because });
+        if !written {
+            return;
+        }
+        self.grey(&format!("{name}_open"), plane.iter().map(|l| l.open() as f32).collect());
+        self.grey(&format!("{name}_content"), plane.iter().map(|l| l.content() as f32).collect());
+        for (order, suffix) in ["_cross", "_cross2", "_cross3"].into_iter().enumerate().take(orders) {
+            if plane.iter().any(|l| cross(l, order) != 0.0) {
+                self.grey(&format!("{name}{suffix}"), plane.iter().map(|l| cross(l, order) as f32).collect());
+            }
+        }
+    }
+
+    /// `stderr`: one sigma of `hybrid`; `<layer>_stderr` for each layer. Films of different estimators are independent.
+    fn stderr(&mut self, films: &[&Film], pixels: usize) {
+        let mut total = vec![0f64; pixels];
+        for film in films {
+            total.iter_mut().enumerate().for_each(|(pixel, sum)| *sum += film.variance(pixel, film.planes.len()));
+        }
+        self.grey("stderr", total.iter().map(|v| v.sqrt() as f32).collect());
+    }
+}

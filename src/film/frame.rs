@@ -1,0 +1,144 @@
+//! A finished picture: named channels of one size, and what is to be known about them.
+
+use std::collections::{BTreeMap, HashSet};
+
+/// One value of the metadata that travels with a frame.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(untagged)]
+pub enum Meta {
+    Text(String),
+    Number(f64),
+    Integer(i64),
+}
+
+/// One channel, row by row from the top left, `width × height` values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// `R`, `direct.R`, `Z.Z`: the layer, a dot, the component; no dot for the default layer.
+    pub name: String,
+    pub data: Vec<f32>,
+}
+
+impl Channel {
+    /// The part of the name before the last dot; empty for the default layer.
+    pub fn layer(&self) -> &str {
+        split_name(&self.name).0
+    }
+    /// The part of the name after the last dot.
+    pub fn component(&self) -> &str {
+        split_name(&self.name).1
+    }
+}
+
+/// `direct.R` → (`direct`, `R`); `R` → (empty, `R`).
+pub fn split_name(name: &str) -> (&str, &str) {
+    name.rsplit_once('.').unwrap_or(("", name))
+}
+
+/// The frame: what is written to an EXR and read from one. Pictures are in cd/m².
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Frame {
+    /// Pixels.
+    pub width: usize,
+    /// Pixels.
+    pub height: usize,
+    pub channels: Vec<Channel>,
+    pub meta: BTreeMap<String, Meta>,
+}
+
+impl Frame {
+    /// A frame without channels.
+    pub fn new(width: usize, height: usize) -> Self {
+        Frame { width, height, ..Frame::default() }
+    }
+
+    /// Adds a channel; `data` is row by row from the top left. The shape is checked when the frame is written.
+    pub fn push(&mut self, name: impl Into<String>, data: Vec<f32>) {
+        self.channels.push(Channel { name: name.into(), data });
+    }
+
+    /// The layers in the order in which they first appear; the default layer is the empty string.
+    pub fn layer_names(&self) -> Vec<&str> {
+        let mut seen = HashSet::new();
+        self.channels.iter().map(Channel::layer).filter(|layer| seen.insert(*layer)).collect()
+    }
+
+    /// The channel with this full name.
+    pub fn get(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// One component of a layer (the empty string is the default layer).
+    pub fn component(&self, layer: &str, component: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| split_name(&channel.name) == (layer, component))
+    }
+
+    /// Red, green and blue of a layer. A layer that has `Y` (luminance) and no colour gives `Y` three times, except
+    /// where `Y` is the second of the coordinates `X`, `Y`, `Z`.
+    pub fn rgb(&self, layer: &str) -> Option<[&[f32]; 3]> {
+        let one = |name: &str| self.component(layer, name).map(|channel| channel.data.as_slice());
+        match (one("R"), one("G"), one("B")) {
+            (Some(r), Some(g), Some(b)) => Some([r, g, b]),
+            (None, None, None) if one("X").is_none() => one("Y").map(|y| [y, y, y]),
+            _ => None,
+        }
+    }
+
+    pub fn text(&self, key: &str) -> Option<&str> {
+        match self.meta.get(key)? {
+            Meta::Text(text) => Some(text),
+            Meta::Number(_) | Meta::Integer(_) => None,
+        }
+    }
+
+    pub fn number(&self, key: &str) -> Option<f64> {
+        match self.meta.get(key)? {
+            Meta::Number(number) => Some(*number),
+            Meta::Integer(integer) => Some(*integer as f64),
+            Meta::Text(_) => None,
+        }
+    }
+
+    /// An integer, also one that was too wide for EXR's 32 bits and travelled as text.
+    pub fn integer(&self, key: &str) -> Option<i64> {
+        match self.meta.get(key)? {
+            Meta::Integer(integer) => Some(*integer),
+            Meta::Text(text) => text.parse().ok(),
+            Meta::Number(_) => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_layers_and_colours() {
+        let mut frame = Frame::new(1, 1);
+        for (value, name) in
+            ["R", "direct.R", "G", "direct.G", "B", "direct.B", "normal.X", "normal.Y", "normal.Z"].iter().enumerate()
+        {
+            frame.push(*name, vec![value as f32]);
+        }
+        frame.push("stderr.Y", vec![9.0]);
+        assert_eq!(frame.layer_names(), ["", "direct", "normal", "stderr"]);
+        assert_eq!(frame.rgb(""), Some([&[0.0][..], &[2.0], &[4.0]]));
+        assert_eq!(frame.rgb("direct"), Some([&[1.0][..], &[3.0], &[5.0]]));
+        assert_eq!(frame.rgb("stderr"), Some([&[9.0][..], &[9.0], &[9.0]]));
+        assert_eq!(frame.rgb("normal"), None, "the Y of a vector is no luminance");
+        assert_eq!(frame.rgb("absent"), None);
+        assert_eq!(frame.get("direct.G").map(|c| (c.layer(), c.component())), Some(("direct", "G")));
+        assert_eq!(split_name("a.b.C"), ("a.b", "C"));
+    }
+
+    #[test]
+    fn metadata_by_type() {
+        let mut frame = Frame::new(1, 1);
+        frame.meta.insert("seed".into(), Meta::Text("12345678901234".into()));
+        frame.meta.insert("passes".into(), Meta::Integer(7));
+        assert_eq!(frame.integer("seed"), Some(12_345_678_901_234));
+        assert_eq!((frame.integer("passes"), frame.number("passes")), (Some(7), Some(7.0)));
+        assert_eq!((frame.text("passes"), frame.number("seed"), frame.integer("absent")), (None, None, None));
+    }
+}

@@ -1,0 +1,232 @@
+//! The one table of optical attributes (`design/attributes.md`): importers, writers, schemas and the documentation walk
+//! these rows. An attribute is a row here, a field in `scene/<noun>.rs` and its effect in `world/<noun>.rs`.
+
+use std::fmt;
+
+/// What an attribute describes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Noun {
+    Medium,
+    Finish,
+    Coating,
+    Shape,
+    Emitter,
+    Slide,
+    Sky,
+    Eye,
+    Asset,
+}
+
+impl fmt::Display for Noun {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Noun::Medium => "medium",
+            Noun::Finish => "finish",
+            Noun::Coating => "coating",
+            Noun::Shape => "shape",
+            Noun::Emitter => "emitter",
+            Noun::Slide => "slide",
+            Noun::Sky => "sky",
+            Noun::Eye => "eye",
+            Noun::Asset => "asset",
+        })
+    }
+}
+
+/// The form of an attribute's value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Form {
+    Number,
+    Integer,
+    /// A name or a path.
+    Text,
+    /// A file name relative to the file that names it.
+    File,
+    /// A text with a number and its unit: `"4 mm"`.
+    Length,
+    /// A list of that many numbers.
+    Numbers(usize),
+    /// A list of three lengths, each with its unit.
+    Place,
+    /// Coefficients, films, table rows: a list or a table that its reader knows.
+    List,
+    /// One of the [`KINDS`] of this attribute, with its parameters.
+    Kind,
+}
+
+/// Which numbers are allowed. Every bound also refuses NaN; infinity is allowed only where it is said.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub enum Range {
+    /// Any finite number.
+    Any,
+    /// `>= min`, finite.
+    AtLeast(f64),
+    /// `>= min` or infinite.
+    AtLeastOrInfinite(f64),
+    /// `> 0`, finite.
+    Positive,
+    /// `> 0` or infinite.
+    PositiveOrInfinite,
+    /// Finite and not 0.
+    NonZero,
+    /// `low <= x <= high`.
+    Within(f64, f64),
+    /// `low < x <= high`.
+    Above(f64, f64),
+    /// `low < x < high`.
+    Between(f64, f64),
+}
+
+impl Range {
+    pub fn holds(self, x: f64) -> bool {
+        match self {
+            Range::Any => x.is_finite(),
+            Range::AtLeast(min) => x >= min && x.is_finite(),
+            Range::AtLeastOrInfinite(min) => x >= min,
+            Range::Positive => x > 0.0 && x.is_finite(),
+            Range::PositiveOrInfinite => x > 0.0,
+            Range::NonZero => x != 0.0 && x.is_finite(),
+            Range::Within(low, high) => low <= x && x <= high,
+            Range::Above(low, high) => low < x && x <= high,
+            Range::Between(low, high) => low < x && x < high,
+        }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Range::Any => write!(f, "a finite number"),
+            Range::AtLeast(min) => write!(f, "a number >= {min}"),
+            Range::AtLeastOrInfinite(min) => write!(f, "a number >= {min}, or inf"),
+            Range::Positive => write!(f, "a number > 0"),
+            Range::PositiveOrInfinite => write!(f, "a number > 0, or inf"),
+            Range::NonZero => write!(f, "a finite number other than 0"),
+            Range::Within(low, high) => write!(f, "a number from {low} to {high}"),
+            Range::Above(low, high) => write!(f, "a number above {low} and up to {high}"),
+            Range::Between(low, high) => write!(f, "a number above {low} and below {high}"),
+        }
+    }
+}
+
+/// Whether this version of the program acts on an attribute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Support {
+    /// It is rendered.
+    Rendered,
+    /// It is kept and reported, and changes no picture yet.
+    Kept,
+    /// It would change the picture and can't be rendered yet: using it is an error.
+    NotYet,
+}
+
+/// One attribute.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Row {
+    pub noun: Noun,
+    pub name: &'static str,
+    pub form: Form,
+    /// Unit of the number, empty for pure numbers and texts. `mesh units` are the part's own.
+    pub unit: &'static str,
+    /// Of each number of the value.
+    pub range: Range,
+    /// What holds when it isn't said, in words; none where it must be said or where nothing holds.
+    pub default: Option<&'static str>,
+    pub support: Support,
+    pub doc: &'static str,
+}
+
+impl Row {
+    /// What a value of this row must be, for messages: `a number >= 0 in lm`.
+    pub fn expected(&self) -> String {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
+        match self.form {
+            Form::Number => format!("{}{unit}", self.range),
+            Form::Integer => "a whole number".to_owned(),
+            Form::Text => "a text".to_owned(),
+            Form::File => "a file name".to_owned(),
+            Form::Length => "a length with its unit, e.g. \"4 mm\"".to_owned(),
+            Form::Numbers(count) => format!("a list of {count} numbers{unit}"),
+            Form::Place => "a list of three lengths with their units, e.g. [\"0 mm\", \"0 mm\", \"120 mm\"]".to_owned(),
+            Form::List => self.doc.to_owned(),
+            Form::Kind => {
+                let names: Vec<_> = kinds(self.name).filter(|kind| kind.rendered).map(|kind| kind.name).collect();
+                format!("one of {}", names.join(", "))
+            }
+        }
+    }
+}
+
+/// One kind of a finish, coating, shape or angular distribution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct Kind {
+    /// The attribute it is a value of.
+    pub attribute: &'static str,
+    pub name: &'static str,
+    /// Rows of the same noun that it takes.
+    pub parameters: &'static [&'static str],
+    pub rendered: bool,
+    pub doc: &'static str,
+}
+
+mod rows;
+pub use rows::{KINDS, ROWS};
+
+/// The rows of a noun.
+pub fn rows(noun: Noun) -> impl Iterator<Item = &'static Row> {
+    ROWS.iter().filter(move |row| row.noun == noun)
+}
+
+/// The row `name` of a noun.
+pub fn row(noun: Noun, name: &str) -> Option<&'static Row> {
+    rows(noun).find(|row| row.name == name)
+}
+
+/// The kinds of `attribute`.
+pub fn kinds(attribute: &str) -> impl Iterator<Item = &'static Kind> {
+    KINDS.iter().filter(move |kind| kind.attribute == attribute)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_unique_and_kinds_refer_to_rows() {
+        for (i, row) in ROWS.iter().enumerate() {
+            assert!(!ROWS[..i].iter().any(|other| (other.noun, other.name) == (row.noun, row.name)), "{}", row.name);
+            assert!(!row.doc.is_empty(), "{}", row.name);
+        }
+        for kind in KINDS {
+            let holder = ROWS.iter().find(|row| row.name == kind.attribute && row.form == Form::Kind);
+            let noun = holder.unwrap_or_else(|| panic!("no row for kind {}", kind.name)).noun;
+            for parameter in kind.parameters {
+                assert!(row(noun, parameter).is_some(), "{} {parameter}", kind.name);
+            }
+        }
+    }
+
+    #[test]
+    fn every_range_refuses_nan_and_says_its_bounds() {
+        let ranges = [
+            (Range::Any, -1.0, f64::INFINITY),
+            (Range::AtLeast(1.0), 1.0, 0.999),
+            (Range::AtLeastOrInfinite(1.0), f64::INFINITY, 0.5),
+            (Range::Positive, 1e-300, 0.0),
+            (Range::PositiveOrInfinite, f64::INFINITY, 0.0),
+            (Range::NonZero, -5.0, 0.0),
+            (Range::Within(0.0, 1.0), 1.0, 1.0 + f64::EPSILON),
+            (Range::Above(0.0, 1.0), 1.0, 0.0),
+            (Range::Between(0.0, 180.0), 179.0, 180.0),
+        ];
+        for (range, inside, outside) in ranges {
+            assert!(range.holds(inside), "{range} {inside}");
+            assert!(!range.holds(outside), "{range} {outside}");
+            assert!(!range.holds(f64::NAN), "{range}");
+        }
+        assert_eq!(row(Noun::Emitter, "flux_lm").map(Row::expected).as_deref(), Some("a number >= 0 in lm"));
+    }
+}

@@ -1,0 +1,39 @@
+//! The eye: a thin lens with a pupil, focused at a distance (`design/eye.md`).
+
+use glam::DVec3;
+
+/// A thin lens whose image plane is a tangent-plane grid of directions.
+///
+/// Pixel (px, py) looks along `look + ax·right + ay·up` with ax = tan(fov/2)·(2(px+½)/W − 1),
+/// ay = tan(fov/2)·(H/W)·(1 − 2(py+½)/H), the same from every pupil point when focused at infinity.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Eye {
+    /// Centre of the pupil, world metres.
+    pub position: DVec3,
+    /// Unit viewing direction, world.
+    pub look: DVec3,
+    /// Unit up direction, orthogonal to `look`, world.
+    pub up: DVec3,
+    /// Diameter of the pupil, m; 0 is a pinhole.
+    pub pupil_diameter_m: f64,
+    /// Distance of the plane of focus, m; infinite is allowed.
+    pub focus_distance_m: f64,
+    /// Full horizontal field of view, degrees, in (0, 180).
+    pub fov_deg: f64,
+    /// Width and height in pixels.
+    pub resolution: [usize; 2],
+    /// Years; for glare and the adaptive pupil.
+    pub age: f64,
+}
+
+impl Eye {
+    /// Unit vector to the right in the picture.
+    pub fn right(&self) -> DVec3 {
+        self.look.cross(self.up)
+    }
+    /// Half width and half height of the picture in tangents.
+    pub fn half_tangents(&self) -> [f64; 2] {
+        let half = (self.fov_deg.to_radians() / 2.0).tan();
+        [half, half * self.resolution[1] as f64 / self.resolution[0] as f64]
+    }
+}

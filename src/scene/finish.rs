@@ -1,0 +1,27 @@
+//! What a face does with light that meets it.
+
+/// Finish of a face. A coating, if any, acts on `Polished` faces.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case", tag = "kind")]
+pub enum Finish {
+    /// Not there for light: the sides of a thin CAD sheet.
+    None,
+    /// Refracts and reflects by Fresnel's equations, or by the face's coating.
+    Polished,
+    /// Reflects specularly: a metal `n + ik`.
+    MirrorMetal { n: f64, k: f64 },
+    /// Reflects specularly the share `reflectance` (0–1) at every angle and absorbs the rest.
+    MirrorIdeal { reflectance: f64 },
+    /// Scatters diffusely: shares 0–1 with `reflectance + transmittance <= 1`.
+    Lambert { reflectance: f64, transmittance: f64 },
+    /// Gaussian lobe about the specular directions (`design/formulas.md` section 10), sigma in degrees.
+    Gauss { sigma_deg: f64, reflectance: f64, transmittance: f64 },
+    /// Takes everything.
+    Absorber,
+}
+
+impl Finish {
+    /// A Gaussian lobe narrower than this is `G` in event strings: photons are not gathered there, the gathering
+    /// waits for the first broad lobe. At 1° a lobe's solid angle 2πσ² is 1.9e-3 sr.
+    pub const NARROW_SIGMA_DEG: f64 = 1.0;
+}
