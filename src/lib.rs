@@ -7,4 +7,5 @@
 
 pub mod base; // floor 0: units, ids, randomness, statistics, path strings, errors
 pub mod film; // floor 1: layers, accumulators, frames, the plan as data
+pub mod import; // floor 2: glTF, sidecar → Scene
 pub mod scene; // floor 1: plain scene data

@@ -1,0 +1,214 @@
+//! The bytes behind the buffers: the binary chunk, `data:` URIs, and files beside the asset.
+
+use super::at::At;
+use crate::base::fault::Result;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::io::Read;
+use std::path::PathBuf;
+
+#[derive(Debug)]
+pub(super) struct Buffers<'a> {
+    /// The bytes of each buffer, exactly `byteLength` of them; none if the asset says of no place where they are.
+    pub data: Vec<Option<Slice>>,
+    store: Vec<Cow<'a, [u8]>>,
+    /// External files that were read.
+    pub files: Vec<PathBuf>,
+}
+
+/// The first `length` bytes of a stored block: buffers over the same file share the block.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Slice {
+    block: usize,
+    length: usize,
+}
+
+impl<'a> Buffers<'a> {
+    pub fn bytes(&self, slice: Slice) -> &[u8] {
+        self.store.get(slice.block).and_then(|block| block.get(..slice.length)).unwrap_or_default()
+    }
+    /// All bytes that were read or decoded.
+    pub fn total(&self) -> usize {
+        self.store.iter().map(|block| block.len()).sum()
+    }
+
+    /// Loads all buffers of the document `root`. No more is read of an external file than the largest `byteLength`
+    /// that a buffer claims of it.
+    ///
+    /// # Errors
+    /// A file that is missing, not a regular file, or shorter than claimed; a URI that is not relative; broken base64.
+    pub fn load(root: &At<'a>, bin: Option<&'a [u8]>) -> Result<Self> {
+        let list = root.list("buffers")?;
+        let mut claims: HashMap<PathBuf, usize> = HashMap::new();
+        let mut sources = Vec::with_capacity(list.len());
+        for (index, at) in list.iter().enumerate() {
+            let claim = at.want("byteLength")?;
+            let length = claim.count()?;
+            let source = match at.get("uri")? {
+                Some(uri) => {
+                    let text = uri.text()?;
+                    match text.strip_prefix("data:") {
+                        Some(rest) => Source::Data(uri, rest),
+                        None => {
+                            let path = resolve(&uri, text)?;
+                            let most = claims.entry(path.clone()).or_default();
+                            *most = length.max(*most);
+                            Source::File(uri, path)
+                        }
+                    }
+                }
+                None if index == 0 && bin.is_some() => Source::Chunk,
+                None => Source::Nowhere,
+            };
+            sources.push((claim, length, source));
+        }
+        let mut buffers = Buffers { data: Vec::with_capacity(list.len()), store: Vec::new(), files: Vec::new() };
+        let mut loaded: HashMap<PathBuf, usize> = HashMap::new();
+        for (claim, length, source) in sources {
+            let (block, what) = match source {
+                Source::Nowhere => {
+                    buffers.data.push(None);
+                    continue;
+                }
+                Source::Chunk => (buffers.keep(Cow::Borrowed(bin.unwrap_or_default())), "the binary chunk".to_owned()),
+                Source::Data(uri, rest) => (buffers.keep(Cow::Owned(data_uri(&uri, rest)?)), "the URI".to_owned()),
+                Source::File(uri, path) => {
+                    let block = match loaded.get(&path) {
+                        Some(&block) => block,
+                        None => {
+                            let most = claims.get(&path).copied().unwrap_or(length);
+                            let block = buffers.keep(Cow::Owned(read(&uri, &path, most)?));
+                            buffers.files.push(path.clone());
+                            loaded.insert(path, block);
+                            block
+                        }
+                    };
+                    (block, "the file".to_owned())
+                }
+            };
+            let there = buffers.store.get(block).map_or(0, |block| block.len());
+            if length > there {
+                return Err(claim.fault(format!("the buffer claims {length} bytes, {what} has {there}")));
+            }
+            buffers.data.push(Some(Slice { block, length }));
+        }
+        Ok(buffers)
+    }
+
+    fn keep(&mut self, block: Cow<'a, [u8]>) -> usize {
+        self.store.push(block);
+        self.store.len() - 1
+    }
+}
+
+enum Source<'a> {
+    Nowhere,
+    Chunk,
+    Data(At<'a>, &'a str),
+    File(At<'a>, PathBuf),
+}
+
+/// The path of a relative URI reference, percent-decoded (RFC 3986), beside the asset.
+fn resolve(uri: &At<'_>, text: &str) -> Result<PathBuf> {
+    let scheme = text.split(['/', '?', '#']).next().is_some_and(|head| head.contains(':'));
+    if text.is_empty() || scheme || text.starts_with('/') {
+        return Err(uri.fault("this URI cannot be read").expected("a data: URI or a path relative to the asset"));
+    }
+    let wrong = || uri.fault("broken percent-encoding in the URI").expected("%XX with two hexadecimal digits, UTF-8");
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.bytes();
+    while let Some(byte) = rest.next() {
+        if byte == b'%' {
+            let mut digit = || rest.next().and_then(|c| char::from(c).to_digit(16)).ok_or_else(wrong);
+            bytes.push((digit()? * 16 + digit()?) as u8);
+        } else {
+            bytes.push(byte);
+        }
+    }
+    let relative = String::from_utf8(bytes).map_err(|_| wrong())?;
+    let folder = uri.file.parent().map(PathBuf::from).unwrap_or_default();
+    Ok(folder.join(relative.trim_start_matches('/')))
+}
+
+/// At most `most` bytes of a regular file. (Opening a pipe would wait for ever, a device has no end.)
+fn read(uri: &At<'_>, path: &std::path::Path, most: usize) -> Result<Vec<u8>> {
+    let failed = |error: std::io::Error| uri.fault(format!("cannot read {}: {error}", path.display()));
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
+        return Err(uri.fault(format!("{} is not a regular file", path.display())));
+    }
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(failed)?;
+    file.take(u64::try_from(most).unwrap_or(u64::MAX)).read_to_end(&mut bytes).map_err(failed)?;
+    Ok(bytes)
+}
+
+fn data_uri(uri: &At<'_>, rest: &str) -> Result<Vec<u8>> {
+    let form = || uri.fault("this data: URI cannot be read").expected("data:application/octet-stream;base64,…");
+    let (head, body) = rest.split_once(',').ok_or_else(form)?;
+    if !head.ends_with(";base64") {
+        return Err(form());
+    }
+    base64(body).ok_or_else(|| uri.fault("broken base64 in the data: URI"))
+}
+
+/// Decodes base64 with the standard alphabet (RFC 4648, section 4); the padding may be left out.
+fn base64(text: &str) -> Option<Vec<u8>> {
+    let text = text.trim_end_matches('=').as_bytes();
+    let mut out = Vec::with_capacity(text.len() / 4 * 3 + 2);
+    for group in text.chunks(4) {
+        let mut word = 0u32;
+        for &c in group {
+            let six = match c {
+                b'A'..=b'Z' => c - b'A',
+                b'a'..=b'z' => c - b'a' + 26,
+                b'0'..=b'9' => c - b'0' + 52,
+                b'+' => 62,
+                b'/' => 63,
+                _ => return None,
+            };
+            word = word << 6 | u32::from(six);
+        }
+        // 2, 3, 4 letters hold 1, 2, 3 bytes; a single letter holds none.
+        let bits = group.len() * 6;
+        let whole = bits / 8;
+        if whole == 0 {
+            return None;
+        }
+        let word = word << (24 - bits);
+        out.extend_from_slice(word.to_be_bytes().get(1..=whole)?);
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The test vectors of RFC 4648, section 10.
+    #[test]
+    fn base64_vectors() {
+        let vectors =
+            [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYg==", "foob"), ("Zm9vYmFy", "foobar")];
+        for (text, want) in vectors {
+            assert_eq!(base64(text).as_deref(), Some(want.as_bytes()), "{text}");
+        }
+        assert_eq!(base64("+/+/").unwrap(), [0xFB, 0xFF, 0xBF]);
+        assert_eq!(base64("Zg"), Some(b"f".to_vec()));
+        for broken in ["Z", "Zm9vY", "Zm 9", "Zm9-", "=Zm9v", "Zm9vé"] {
+            assert_eq!(base64(broken), None, "{broken}");
+        }
+    }
+
+    #[test]
+    fn uris_are_relative_and_decoded() {
+        let json = serde_json::Value::Null;
+        let at = At::root(std::path::Path::new("models/a.gltf"), &json);
+        assert_eq!(resolve(&at, "sub%20dir/b%C3%BC.bin").unwrap(), PathBuf::from("models/sub dir/bü.bin"));
+        for wrong in ["", "/etc/passwd", "http://example.org/a.bin", "file:///a.bin", "C:/a.bin", "a%2", "a%zz", "a%FF"]
+        {
+            assert!(resolve(&at, wrong).is_err(), "{wrong}");
+        }
+        // An absolute path cannot be smuggled in by percent-encoding its first slash.
+        assert_eq!(resolve(&at, "%2Fetc/passwd").unwrap(), PathBuf::from("models/etc/passwd"));
+    }
+}

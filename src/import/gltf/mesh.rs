@@ -1,0 +1,54 @@
+//! A glTF mesh: one CAD face per primitive, in order.
+
+use super::accessor::Document;
+use super::at::At;
+use super::notes::Ledger;
+use super::primitive::{self, FaceMesh, FaceName};
+use crate::base::fault::Result;
+use crate::import::assembly::MeshSource;
+use crate::scene::{FaceRange, Mesh};
+
+/// Reads mesh `index`, which stands at `at`. Vertices are not merged between faces.
+pub(super) fn read(document: &Document<'_>, at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<MeshSource> {
+    let primitives = at.want("primitives")?.items()?;
+    if primitives.is_empty() {
+        return Err(at.fault("a mesh without primitives").expected("at least 1"));
+    }
+    let mut mesh = Mesh { name: at.name("mesh", index)?, ..Mesh::default() };
+    let (mut materials, mut attributes) = (Vec::new(), Vec::new());
+    for (number, at) in primitives.iter().enumerate() {
+        let name = FaceName { mesh: &mesh.name, face: number };
+        let face = primitive::read(document, at, name, ledger)?;
+        append(&mut mesh, face).ok_or_else(|| at.fault("the mesh has more than 4294967295 vertices or triangles"))?;
+        materials.push(match at.get("material")? {
+            Some(reference) => {
+                document.find("materials", "material", &reference)?;
+                Some(reference.count()?)
+            }
+            None => None,
+        });
+        attributes.push(at.optics(&mut ledger.budget)?);
+    }
+    Ok(MeshSource { mesh, materials, attributes, at: at.place() })
+}
+
+/// Appends a face; none if its indices do not fit into 32 bits.
+fn append(mesh: &mut Mesh, face: FaceMesh) -> Option<()> {
+    let base = u32::try_from(mesh.positions.len()).ok()?;
+    u32::try_from(mesh.positions.len() + face.positions.len()).ok()?;
+    let first = u32::try_from(mesh.triangles.len()).ok()?;
+    let count = u32::try_from(face.triangles.len()).ok()?;
+    first.checked_add(count)?;
+    // Texture coordinates are for all vertices of the mesh or for none.
+    if !face.uvs.is_empty() {
+        mesh.uvs.resize(mesh.positions.len(), [0.0; 2]);
+        mesh.uvs.extend(face.uvs);
+    } else if !mesh.uvs.is_empty() {
+        mesh.uvs.resize(mesh.positions.len() + face.positions.len(), [0.0; 2]);
+    }
+    mesh.triangles.extend(face.triangles.iter().map(|triangle| triangle.map(|vertex| base + vertex)));
+    mesh.positions.extend(face.positions);
+    mesh.normals.extend(face.normals);
+    mesh.faces.push(FaceRange { first, count });
+    Some(())
+}

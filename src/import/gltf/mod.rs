@@ -1,0 +1,141 @@
+//! glTF 2.0, `.gltf` and `.glb`, into an [`Assembly`].
+//!
+//! Everything is read from the raw JSON and the raw bytes with checked arithmetic; the `gltf` crate is only the second
+//! opinion of a test. It types transforms as f32, panics on some indices out of range and knows no quantized positions,
+//! so each of its answers would need a check that is as long as the reading itself.
+
+mod accessor;
+mod at;
+mod buffers;
+mod container;
+mod features;
+mod hierarchy;
+mod material;
+mod mesh;
+mod node;
+mod normals;
+mod notes;
+mod primitive;
+mod transform;
+
+#[cfg(test)]
+pub(crate) mod testing;
+#[cfg(test)]
+mod tests;
+
+use super::assembly::Assembly;
+use crate::base::{Fault, Where, fault::Result};
+use crate::scene::{Note, Severity};
+use accessor::Document;
+use at::At;
+use buffers::Buffers;
+use glam::DVec3;
+use notes::{Budget, Ledger, Notes};
+use std::path::Path;
+
+/// Reads the asset at `path` with the buffer files it refers to. One mesh per glTF mesh, one face per primitive, one
+/// node per node of the default scene (all nodes if there is none); `unit_m` is 1, as glTF declares.
+///
+/// Only what is used is checked: an animation may be as broken as it likes.
+///
+/// # Errors
+/// Whatever is wrong in the file, with its JSON pointer. A hostile file gives a fault, too: no panic, no hang, and no
+/// more memory than a small multiple of the file.
+pub fn read(path: &Path) -> Result<Assembly> {
+    let failed = |error: std::io::Error| Fault::new(Where::file(path), format!("cannot read the asset: {error}"));
+    if std::fs::metadata(path).map_err(failed)?.is_dir() {
+        return Err(Fault::new(Where::file(path), "this is a folder").expected("a .gltf or .glb file"));
+    }
+    read_bytes(path, &std::fs::read(path).map_err(failed)?)
+}
+
+/// Reads an asset whose content is `bytes`; `file` says where it would be (other files are looked for beside it).
+pub(crate) fn read_bytes(file: &Path, bytes: &[u8]) -> Result<Assembly> {
+    let mut notes = Notes::default();
+    let container = container::open(file, bytes, &mut notes)?;
+    let root = At::root(file, &container.json);
+    check_version(&root)?;
+    features::check_required(&root)?;
+    let buffers = Buffers::load(&root, container.bin)?;
+    let budget = Budget::new(bytes.len().saturating_add(buffers.total()));
+    let document = Document { root, buffers };
+    let mut ledger = Ledger { notes, budget };
+
+    let mut assembly = Assembly { file: file.to_owned(), unit_m: 1.0, ..Assembly::default() };
+    assembly.dependencies.push(file.to_owned());
+    assembly.dependencies.extend(document.buffers.files.iter().cloned());
+    assembly.optics = document.root.optics(&mut ledger.budget)?;
+    for (index, at) in document.root.list("materials")?.iter().enumerate() {
+        assembly.materials.push(material::read(at, index, &mut ledger)?);
+    }
+    for (index, at) in document.root.list("meshes")?.iter().enumerate() {
+        assembly.meshes.push(mesh::read(&document, at, index, &mut ledger)?);
+    }
+    node::read(&document, &mut assembly, &mut ledger)?;
+    features::note_unused(&document.root, &mut ledger.notes)?;
+    assembly.notes = ledger.notes.finish();
+    Ok(assembly)
+}
+
+/// `asset.version` must be 2.x, `asset.minVersion` at most 2.0.
+fn check_version(root: &At<'_>) -> Result<()> {
+    let asset = root.want("asset")?;
+    let version = asset.want("version")?;
+    let parse = |text: &str| -> Option<(u32, u32)> {
+        let (major, minor) = text.split_once('.')?;
+        Some((major.parse().ok()?, minor.parse().ok()?))
+    };
+    if !matches!(parse(version.text()?), Some((2, _))) {
+        return Err(version.fault("this version of glTF is not read").expected("\"2.0\" (or a later 2.x)"));
+    }
+    if let Some(least) = asset.get("minVersion")?
+        && parse(least.text()?) != Some((2, 0))
+    {
+        return Err(least.fault("the asset asks for a newer reader").expected("\"2.0\""));
+    }
+    Ok(())
+}
+
+/// Largest extent of an honest assembly in metres, and the size of a part, in metres, that no optical part has.
+const LARGE_ASSEMBLY_M: f64 = 20.0;
+const LARGE_PART_M: f64 = 5.0;
+
+/// A note if the asset, taken in metres, looks like one that a CAD kernel wrote in millimetres without saying so: it is
+/// larger than 20 m, and a quarter of its parts are larger than 5 m each (a street that a display is looked at in is large, too, but
+/// most things in it are not). To be dropped where the sidecar sets `unit`.
+pub fn looks_like_millimetres(assembly: &Assembly) -> Option<Note> {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let mut sizes = Vec::new();
+    let boxes: Vec<Option<(DVec3, DVec3)>> =
+        assembly.meshes.iter().map(|source| bounds(source.mesh.positions.iter().copied())).collect();
+    for node in &assembly.nodes {
+        let Some(&Some((least, most))) = node.mesh.and_then(|mesh| boxes.get(mesh)) else { continue };
+        let (mut part_low, mut part_high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for corner in 0..8 {
+            let pick = |bit: u32, low: f64, high: f64| if corner >> bit & 1 == 0 { low } else { high };
+            let local = DVec3::new(pick(0, least.x, most.x), pick(1, least.y, most.y), pick(2, least.z, most.z));
+            let point = node.to_world.transform_point3(local);
+            (part_low, part_high) = (part_low.min(point), part_high.max(point));
+        }
+        sizes.push((part_high - part_low).max_element() * assembly.unit_m);
+        (low, high) = (low.min(part_low), high.max(part_high));
+    }
+    let extent = (high - low).max_element() * assembly.unit_m;
+    sizes.sort_by(f64::total_cmp);
+    let upper_quartile = sizes.get(sizes.len() * 3 / 4).copied()?;
+    (extent > LARGE_ASSEMBLY_M && extent.is_finite() && upper_quartile > LARGE_PART_M).then(|| Note {
+        severity: Severity::Warning,
+        at: Where::file(&assembly.file),
+        text: format!(
+            "largest extent {extent:.0} m: this looks like millimetres; set `unit = 0.001` in the sidecar (or `unit = 1` if it is right)"
+        ),
+    })
+}
+
+/// The corners of the smallest box around some points.
+fn bounds(points: impl Iterator<Item = [f32; 3]>) -> Option<(DVec3, DVec3)> {
+    points.map(|p| DVec3::from(p.map(f64::from))).fold(None, |found, p| {
+        let (low, high) = found.unwrap_or((p, p));
+        Some((low.min(p), high.max(p)))
+    })
+}

@@ -1,0 +1,154 @@
+//! Nodes of the scene with their world transforms, their instances and their cameras.
+
+use super::accessor::{Component, Document};
+use super::at::At;
+use super::hierarchy::{self, Tree};
+use super::notes::Ledger;
+use super::transform;
+use crate::base::fault::Result;
+use crate::import::assembly::{Assembly, Camera, Node};
+use glam::{DAffine3, DQuat};
+use std::mem::size_of;
+
+/// Fills `assembly.nodes` and `assembly.cameras`, depth first in the order of the file.
+pub(super) fn read(document: &Document<'_>, assembly: &mut Assembly, ledger: &mut Ledger) -> Result<()> {
+    let Tree { nodes, children, roots } = hierarchy::read(document)?;
+    // (node, index of its parent in `assembly.nodes`); the last is taken first.
+    let mut stack: Vec<(usize, Option<usize>)> = roots.iter().rev().map(|&root| (root, None)).collect();
+    while let Some((index, parent)) = stack.pop() {
+        let at = &nodes[index];
+        let place = assembly.nodes.len();
+        one(document, at, index, parent, assembly, ledger)?;
+        stack.extend(children[index].iter().rev().map(|&child| (child, Some(place))));
+    }
+    if assembly.nodes.is_empty() {
+        ledger.notes.warn(&document.root, "the scene has no nodes");
+    }
+    Ok(())
+}
+
+/// Appends the node, and after it the instances that it stands for.
+fn one(
+    document: &Document<'_>,
+    at: &At<'_>,
+    index: usize,
+    parent: Option<usize>,
+    assembly: &mut Assembly,
+    ledger: &mut Ledger,
+) -> Result<()> {
+    let name = at.name("node", index)?;
+    let above = parent.and_then(|parent| assembly.nodes.get(parent));
+    let (prefix, frame) = above.map_or(("", DAffine3::IDENTITY), |above| (above.path.as_str(), above.to_world));
+    ledger.budget.charge(at, 1, size_of::<Node>() + prefix.len() + 2 * name.len() + at.pointer.len())?;
+    let below = |name: &str| if prefix.is_empty() { name.to_owned() } else { format!("{prefix}/{name}") };
+    let world = |transform: DAffine3| {
+        let overflow = || at.fault("the node's world transform overflows").expected("finite numbers");
+        if transform.is_finite() { Ok(transform) } else { Err(overflow()) }
+    };
+    let to_world = world(frame * transform::local(at, &mut ledger.notes)?)?;
+    let mesh = match at.get("mesh")? {
+        Some(reference) => Some(reference.index(assembly.meshes.len(), "mesh")?),
+        None => None,
+    };
+    if at.get("skin")?.is_some() {
+        ledger.notes.warn(at, "skins are ignored: the geometry is in its rest pose");
+    }
+    if let Some(reference) = at.get("camera")? {
+        assembly.cameras.push(camera(document, &reference, &name, to_world)?);
+    }
+    let attributes = at.optics(&mut ledger.budget)?;
+    let node = Node { path: below(&name), name, parent, to_world, mesh, attributes, at: at.place() };
+    let Some(instancing) = at.extension("EXT_mesh_gpu_instancing")?.filter(|_| mesh.is_some()) else {
+        assembly.nodes.push(node);
+        return Ok(());
+    };
+    let transforms = instances(document, &instancing, ledger)?;
+    let size = size_of::<Node>() + node.path.len() + 2 * node.name.len() + at.pointer.len() + 64;
+    let carried = at.extension("EYEBOX_optics")?.map_or(0, |optics| optics.weight());
+    ledger.budget.charge(&instancing, transforms.len(), size.saturating_add(carried))?;
+    let mut copies = Vec::with_capacity(transforms.len());
+    for (i, transform) in transforms.into_iter().enumerate() {
+        let name = format!("{}[{i}]", node.name);
+        let to_world = world(node.to_world * transform)?;
+        copies.push(Node { path: below(&name), name, to_world, ..node.clone() });
+    }
+    // The node itself stays for its children; its mesh and attributes are the instances'.
+    assembly.nodes.push(Node { mesh: None, attributes: None, ..node });
+    assembly.nodes.extend(copies);
+    Ok(())
+}
+
+/// The transforms of `EXT_mesh_gpu_instancing`, in the node's own frame.
+fn instances(document: &Document<'_>, at: &At<'_>, ledger: &mut Ledger) -> Result<Vec<DAffine3>> {
+    let attributes = at.want("attributes")?;
+    let mut open = |key: &str, lanes: usize, types: &[Component]| {
+        let Some(reference) = attributes.get(key)? else { return Ok(None) };
+        let accessor = document.accessor(&reference)?;
+        ledger.budget.charge(&reference, accessor.opening_cost(), 8)?;
+        let integer = accessor.component != Component::F32;
+        if accessor.lanes != lanes || !types.contains(&accessor.component) || integer && !accessor.normalized {
+            let expected = if lanes == 4 { "VEC4 of floats or normalised signed integers" } else { "VEC3 of floats" };
+            return Err(reference.fault(format!("an accessor of another type for {key}")).expected(expected));
+        }
+        Ok(Some(accessor))
+    };
+    let translation = open("TRANSLATION", 3, &[Component::F32])?;
+    let rotation = open("ROTATION", 4, &[Component::F32, Component::I8, Component::I16])?;
+    let scale = open("SCALE", 3, &[Component::F32])?;
+    let mut given = [&translation, &rotation, &scale].into_iter().flatten();
+    let Some(first) = given.next() else {
+        return Err(attributes.fault("instances without transforms").expected("TRANSLATION, ROTATION or SCALE"));
+    };
+    let count = first.count;
+    if let Some(other) = given.find(|other| other.count != count) {
+        return Err(attributes.fault(format!("{count} and {} instances", other.count)).expected("equal counts"));
+    }
+    ledger.budget.charge(at, count, size_of::<DAffine3>())?;
+    let mut out = Vec::with_capacity(count);
+    for i in 0..count {
+        let wide = |x: [f32; 3]| glam::DVec3::from(x.map(f64::from));
+        let shift = translation.as_ref().map_or(glam::DVec3::ZERO, |accessor| wide(accessor.floats(i)));
+        let size = scale.as_ref().map_or(glam::DVec3::ONE, |accessor| wide(accessor.floats(i)));
+        let turn = match &rotation {
+            Some(accessor) => {
+                // A normalised byte is good to half a step of 1/127 in each of four components.
+                let tolerance = if accessor.component == Component::F32 { 1e-3 } else { 0.02 };
+                let xyzw = accessor.floats::<4>(i).map(f64::from);
+                transform::unit_rotation(&accessor.at, xyzw, tolerance, &mut ledger.notes)?
+            }
+            None => DQuat::IDENTITY,
+        };
+        out.push(DAffine3::from_scale_rotation_translation(size, turn, shift));
+    }
+    Ok(out)
+}
+
+fn camera(document: &Document<'_>, reference: &At<'_>, node: &str, to_world: DAffine3) -> Result<Camera> {
+    let at = document.find("cameras", "camera", reference)?;
+    let name = match at.get("name")? {
+        Some(name) => name.text()?.to_owned(),
+        None => node.to_owned(),
+    };
+    let kind = at.want("type")?;
+    match kind.text()? {
+        "perspective" => {
+            let lens = at.want("perspective")?;
+            let angle = lens.want("yfov")?;
+            let yfov = angle.number()?;
+            if !(yfov > 0.0 && yfov < std::f64::consts::PI) {
+                return Err(angle.fault(format!("field of view {yfov} rad")).expected("between 0 and π"));
+            }
+            let aspect = match lens.get("aspectRatio")? {
+                Some(field) if field.number()? > 0.0 => Some(field.number()?),
+                Some(field) => return Err(field.fault("aspect ratio out of range").expected("more than 0")),
+                None => None,
+            };
+            Ok(Camera { name, to_world, yfov: Some(yfov), aspect })
+        }
+        "orthographic" => Ok(Camera { name, to_world, yfov: None, aspect: None }),
+        other => Err(kind
+            .fault("unknown camera type")
+            .expected("perspective or orthographic")
+            .nearest(other, ["perspective", "orthographic"])),
+    }
+}

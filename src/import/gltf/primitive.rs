@@ -1,0 +1,249 @@
+//! One mesh primitive, which is one CAD face: its corners, and the vertices they use.
+
+use super::accessor::{Accessor, Component, Document};
+use super::at::At;
+use super::normals;
+use super::notes::Ledger;
+use crate::base::fault::Result;
+use crate::import::normals::repair;
+
+/// The geometry of one face, indices from 0.
+#[derive(Debug, Default)]
+pub(super) struct FaceMesh {
+    pub positions: Vec<[f32; 3]>,
+    pub normals: Vec<[f32; 3]>,
+    /// One per position, or none.
+    pub uvs: Vec<[f32; 2]>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Mesh and number of a face, for people.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FaceName<'a> {
+    pub mesh: &'a str,
+    pub face: usize,
+}
+
+/// Bytes of a vertex with normal and texture coordinates, and of a triangle.
+const VERTEX: usize = 32;
+const TRIANGLE: usize = 12;
+
+/// Reads the primitive at `at`. Without a surface (points, lines, no positions) the face is empty, with a note, so that
+/// the numbers of the other faces stay. Vertices that no triangle uses are left out; the others keep their order.
+pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, ledger: &mut Ledger) -> Result<FaceMesh> {
+    let attributes = at.want("attributes")?;
+    let mode = at.count_or("mode", 4)?;
+    if at.get("targets")?.is_some() {
+        ledger.notes.warn(at, "morph targets are ignored: the geometry is the undeformed one");
+    }
+    let shape = match mode {
+        0..=3 => {
+            ledger.notes.warn(at, "points and lines have no surface: the face is empty");
+            return Ok(FaceMesh::default());
+        }
+        4 => Shape::List,
+        5 => Shape::Strip,
+        6 => Shape::Fan,
+        other => return Err(at.want("mode")?.fault(format!("primitive mode {other}")).expected("0 to 6")),
+    };
+    let Some(reference) = attributes.get("POSITION")? else {
+        ledger.notes.warn(at, "a primitive without positions: the face is empty");
+        return Ok(FaceMesh::default());
+    };
+    let positions = open(document, &reference, 3, ledger)?;
+    if !positions.is_backed() {
+        let draco = at.extension("KHR_draco_mesh_compression")?.is_some();
+        let why = if draco { ": they are compressed by Draco, which is not decoded here" } else { "" };
+        return Err(positions.at.fault(format!("positions without data{why}")).expected("a bufferView"));
+    }
+    check_type(document, &positions, &[Component::I8, Component::U8, Component::I16, Component::U16], ledger)?;
+
+    let corners = corners(document, at, shape, positions.count, ledger)?;
+    let (used, triangles) = compact(corners, positions.count);
+    ledger.budget.charge(at, used.len(), VERTEX)?;
+    let mut face = FaceMesh { triangles, ..FaceMesh::default() };
+    face.positions.reserve_exact(used.len());
+    for &vertex in &used {
+        let position: [f32; 3] = positions.floats(vertex as usize);
+        if !position.iter().all(|x| x.is_finite()) {
+            let [x, y, z] = position;
+            return Err(positions
+                .at
+                .fault(format!("vertex {vertex} is at ({x}, {y}, {z})"))
+                .expected("finite positions"));
+        }
+        face.positions.push(position);
+    }
+    if let Some(reference) = attributes.get("TEXCOORD_0")? {
+        let uvs = open(document, &reference, 2, ledger)?;
+        same_count(&reference, &uvs, &positions)?;
+        check_type(document, &uvs, &[Component::I8, Component::I16], ledger)?;
+        let finite = |uv: [f32; 2]| uv.iter().all(|x| x.is_finite());
+        face.uvs = used.iter().map(|&vertex| uvs.floats(vertex as usize)).collect();
+        for uv in face.uvs.iter_mut().filter(|uv| !finite(**uv)) {
+            ledger.notes.warn(&uvs.at, "texture coordinates that are not finite: set to 0");
+            *uv = [0.0; 2];
+        }
+    }
+    match attributes.get("NORMAL")? {
+        Some(reference) => {
+            let stored = open(document, &reference, 3, ledger)?;
+            same_count(&reference, &stored, &positions)?;
+            check_type(document, &stored, &[Component::I8, Component::I16], ledger)?;
+            let read = used.iter().map(|&vertex| stored.floats(vertex as usize)).collect();
+            face.normals = normals::settled(read, &face.positions, &face.triangles, &stored, &mut ledger.notes);
+            mend(&mut face, at, name, ledger)?;
+        }
+        None => {
+            ledger.budget.charge(at, face.triangles.len(), 3 * VERTEX)?;
+            ledger.notes.info(at, "no normals: the face is flat-shaded, as glTF says");
+            face = normals::flat(face, at, &mut ledger.notes);
+        }
+    }
+    Ok(face)
+}
+
+/// Mends normals that contradict their triangles, and says so.
+fn mend(face: &mut FaceMesh, at: &At<'_>, name: FaceName<'_>, ledger: &mut Ledger) -> Result<()> {
+    if normals::are_sound(&face.positions, &face.normals, &face.triangles) {
+        return Ok(());
+    }
+    let found = repair(&face.positions, &mut face.normals, &face.triangles);
+    if found.flipped + found.replaced > 0 {
+        let (flipped, replaced, worst) = (found.flipped, found.replaced, found.worst_deg);
+        let FaceName { mesh, face } = name;
+        ledger.budget.charge(at, 2, mesh.len())?;
+        let text = format!(
+            "{mesh} face {face}: normals contradict their triangles by up to {worst:.0}°: {flipped} turned round, {replaced} replaced"
+        );
+        ledger.notes.warn(at, text);
+    }
+    if found.inverted {
+        ledger
+            .notes
+            .warn(at, "the normals of a face point into the side that its winding calls the inside: kept as they are");
+    }
+    Ok(())
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Shape {
+    List,
+    Strip,
+    Fan,
+}
+
+/// Opens an attribute's accessor, which must have `lanes` components per element.
+fn open<'d>(document: &'d Document<'_>, reference: &At<'_>, lanes: usize, ledger: &mut Ledger) -> Result<Accessor<'d>> {
+    let accessor = document.accessor(reference)?;
+    ledger.budget.charge(reference, accessor.opening_cost(), 8)?;
+    if accessor.lanes != lanes {
+        let what = format!("the accessor has {} components per element", accessor.lanes);
+        return Err(accessor.at.want("type")?.fault(what).expected(format!("{lanes} (for {})", reference.pointer)));
+    }
+    Ok(accessor)
+}
+
+/// Floats always do; `quantized` types with `KHR_mesh_quantization` (if it is not declared, we read them and say so).
+/// Texture coordinates may be normalised unsigned integers without it.
+fn check_type(
+    document: &Document<'_>,
+    accessor: &Accessor<'_>,
+    quantized: &[Component],
+    ledger: &mut Ledger,
+) -> Result<()> {
+    let picture = accessor.lanes == 2 && matches!(accessor.component, Component::U8 | Component::U16);
+    if accessor.component == Component::F32 || picture && accessor.normalized {
+        return Ok(());
+    }
+    if !quantized.contains(&accessor.component) && !picture {
+        let fault = accessor.at.want("componentType")?.fault("this attribute cannot have this component type");
+        return Err(fault.expected("5126 (float), or the types of KHR_mesh_quantization"));
+    }
+    let declared = document.root.list("extensionsUsed")?;
+    if !declared.iter().any(|name| name.json == "KHR_mesh_quantization") {
+        ledger.notes.warn(&accessor.at, "quantized attributes without KHR_mesh_quantization in extensionsUsed");
+    }
+    Ok(())
+}
+
+fn same_count(reference: &At<'_>, accessor: &Accessor<'_>, positions: &Accessor<'_>) -> Result<()> {
+    if accessor.count == positions.count {
+        return Ok(());
+    }
+    let what = format!("{} elements for {} positions", accessor.count, positions.count);
+    Err(reference.fault(what).expected("one element per position"))
+}
+
+/// The vertex indices of each triangle (glTF 2.0, section 3.7.2.1), all below `vertices`. Triangles of strips and fans
+/// that use a vertex twice only stitch and are left out.
+fn corners(
+    document: &Document<'_>,
+    at: &At<'_>,
+    shape: Shape,
+    vertices: usize,
+    ledger: &mut Ledger,
+) -> Result<Vec<[u32; 3]>> {
+    let indices = match at.get("indices")? {
+        Some(reference) => Some(open(document, &reference, 1, ledger)?),
+        None => None,
+    };
+    if let Some(accessor) = indices.as_ref().filter(|accessor| !accessor.component.is_index()) {
+        let fault = accessor.at.want("componentType")?.fault("indices of this component type");
+        return Err(fault.expected("5121, 5123 or 5125 (unsigned)"));
+    }
+    let count = indices.as_ref().map_or(vertices, |accessor| accessor.count);
+    let place = indices.as_ref().map_or(at, |accessor| &accessor.at);
+    let whole = match shape {
+        Shape::List => count % 3 == 0,
+        Shape::Strip | Shape::Fan => count >= 3,
+    };
+    if !whole {
+        let expected = if shape == Shape::List { "a multiple of 3" } else { "at least 3" };
+        return Err(place.fault(format!("{count} corners do not make triangles")).expected(expected));
+    }
+    let triangles = if shape == Shape::List { count / 3 } else { count - 2 };
+    // The compaction below needs the corners once more and a table of up to four entries per corner.
+    ledger.budget.charge(at, triangles, 5 * TRIANGLE)?;
+    let vertex = |corner: usize| -> Result<u32> {
+        let index = indices.as_ref().map_or(corner, |accessor| accessor.unsigned(corner) as usize);
+        if index < vertices {
+            return u32::try_from(index).map_err(|_| at.fault("more than 4294967295 vertices"));
+        }
+        let expected = format!("0 to {}", vertices - 1);
+        Err(place.fault(format!("index {index} at position {corner} is not a vertex")).expected(expected))
+    };
+    let mut out = Vec::with_capacity(triangles);
+    for i in 0..triangles {
+        let [a, b, c] = match shape {
+            Shape::List => [3 * i, 3 * i + 1, 3 * i + 2],
+            Shape::Strip => [i, i + 1 + i % 2, i + 2 - i % 2],
+            Shape::Fan => [i + 1, i + 2, 0],
+        };
+        let triangle = [vertex(a)?, vertex(b)?, vertex(c)?];
+        let [a, b, c] = triangle;
+        if shape == Shape::List || a != b && b != c && c != a {
+            out.push(triangle);
+        }
+    }
+    Ok(out)
+}
+
+/// The vertices that the corners use, in ascending order, and the corners counted in them.
+fn compact(mut corners: Vec<[u32; 3]>, vertices: usize) -> (Vec<u32>, Vec<[u32; 3]>) {
+    let mut used: Vec<u32>;
+    // A table of all vertices is quicker; a small face in a large shared accessor is better sorted.
+    if vertices / 4 <= corners.len() * 3 {
+        let mut table = vec![u32::MAX; vertices];
+        corners.iter().flatten().for_each(|&vertex| table[vertex as usize] = 0);
+        used = (0..vertices as u32).filter(|&vertex| table[vertex as usize] == 0).collect();
+        used.iter().enumerate().for_each(|(new, &vertex)| table[vertex as usize] = new as u32);
+        corners.iter_mut().flatten().for_each(|vertex| *vertex = table[*vertex as usize]);
+    } else {
+        used = corners.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        corners.iter_mut().flatten().for_each(|vertex| *vertex = used.partition_point(|other| other < vertex) as u32);
+    }
+    (used, corners)
+}

@@ -1,0 +1,118 @@
+//! Floor 2: from files to a [`Scene`](crate::scene::Scene). A format reader fills an [`Assembly`]; the attribute
+//! vocabulary, the sidecar and the binding rules turn it into a scene, the same for every format.
+
+pub mod assembly;
+pub mod bind; // which value holds for an attribute of a part or face
+pub mod build; // assembly + sidecar + sets → scene
+pub mod explain; // which line won
+mod files;
+pub mod fit; // exact surfaces from the points of a CAD face
+pub mod gltf; // .gltf and .glb
+pub mod json; // attributes that travel inside JSON
+mod mapped; // what a format's own material fields mean
+mod measure; // normals and bounds of CAD faces
+pub mod normals; // vertex normals that contradict their triangles
+pub mod optics; // readers of the attribute vocabulary
+mod outline; // the geometry alone
+mod patch; // changing a value in place
+mod picture; // PNG, EXR, HDR → luminance
+mod pictures; // slides and the sky
+mod place; // frames, the eye, fitted shapes
+pub mod select; // which parts and faces a selector means
+pub mod set; // --set
+pub mod sheet; // what is said about the asset as a whole
+pub mod skeleton; // a sidecar to start from
+pub mod slots; // the places that values are offered for
+#[cfg(test)]
+pub mod testing;
+#[cfg(test)]
+mod tests;
+pub mod toml; // sidecars
+pub mod value;
+mod weld; // which vertices are one point
+
+pub use assembly::Assembly;
+pub use build::{Built, build};
+pub use explain::Explained;
+pub use outline::outline;
+pub use set::Set;
+pub use value::{Data, Value};
+
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::scene::{Note, Severity};
+use std::path::{Path, PathBuf};
+
+/// A format of assemblies. A new one is a module with a reader and a line in [`FORMATS`].
+pub struct Format {
+    /// Lower-case file name extensions.
+    pub extensions: &'static [&'static str],
+    pub name: &'static str,
+    pub read: fn(&Path) -> Result<Assembly>,
+}
+
+/// What can be imported.
+pub const FORMATS: &[Format] = &[Format { extensions: &["glb", "gltf"], name: "glTF 2.0", read: gltf::read }];
+
+/// How to import.
+#[derive(Debug, Clone, Default)]
+pub struct ImportOptions {
+    /// `--set`, in order.
+    pub sets: Vec<Set>,
+}
+
+/// Imports a scene: `path` is an asset, or a sidecar (`.toml`) that names its asset.
+///
+/// An asset without attributes of its own takes the sidecar `NAME.optics.toml` beside it, with a note.
+pub fn import(path: &Path, options: &ImportOptions) -> Result<Built> {
+    let (mut assembly, sidecar) = read(path)?;
+    if let Some((file, _)) = &sidecar {
+        assembly.dependencies.push(file.clone());
+    }
+    build(assembly, sidecar.as_ref().map(|(_, value)| value), &options.sets)
+}
+
+/// The assembly that `path` means and its sidecar, as they were read.
+pub fn read(path: &Path) -> Result<(Assembly, Option<(PathBuf, Value)>)> {
+    if extension(path) == "toml" {
+        let sidecar = toml::read(path)?;
+        let Some(asset) = sidecar.get("asset") else {
+            return Err(Fault::new(Where::file(path), "`asset` is missing").expected("asset = \"FILE.glb\""));
+        };
+        let Some(name) = asset.text() else {
+            return Err(Fault::new(asset.at.clone(), format!("`asset` is {}", asset.kind())).expected("a file name"));
+        };
+        let file = files::resolve(name, &asset.at);
+        if !file.is_file() {
+            return Err(Fault::new(
+                asset.at.clone(),
+                format!("can't read the asset {}: there is no such file", file.display()),
+            ));
+        }
+        return Ok((read_asset(&file, &asset.at)?, Some((path.to_owned(), sidecar))));
+    }
+    let mut assembly = read_asset(path, &Where::Nowhere)?;
+    let beside = path.with_extension("optics.toml");
+    if assembly.optics.is_some() || !beside.is_file() {
+        return Ok((assembly, None));
+    }
+    let sidecar = toml::read(&beside)?;
+    let text = format!("the asset carries no optical attributes; {} beside it is used", beside.display());
+    assembly.notes.push(Note { severity: Severity::Info, at: Where::file(path), text });
+    Ok((assembly, Some((beside, sidecar))))
+}
+
+fn read_asset(path: &Path, at: &Where) -> Result<Assembly> {
+    let extension = extension(path);
+    if let Some(format) = FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str())) {
+        return (format.read)(path);
+    }
+    let known: Vec<String> =
+        FORMATS.iter().flat_map(|format| format.extensions).map(|known| format!(".{known}")).collect();
+    Err(Fault::new(at.clone(), format!("{} is of no format that can be imported", path.display()))
+        .expected(format!("{} or a sidecar .toml", known.join(", "))))
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default()
+}

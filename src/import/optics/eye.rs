@@ -1,0 +1,84 @@
+//! `eye`: where the picture is seen from.
+
+use super::fields::{Fields, not_yet};
+use super::slide::ORTHOGONAL;
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::import::value::Value;
+use crate::scene::Note;
+use crate::scene::attribute::Noun;
+use glam::DVec3;
+
+/// Where an eye stands and looks, in its frame: metres from the frame's origin along its axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pose {
+    pub position_m: DVec3,
+    /// Unit, `up` orthogonal to `look`.
+    pub look: DVec3,
+    pub up: DVec3,
+    /// A node, or none for the asset's world.
+    pub frame: Option<(String, Where)>,
+}
+
+/// An eye as it is described; what isn't said is left open, since a camera of the asset may say it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EyeSpec {
+    pub at: Where,
+    /// None if neither position, look, up nor frame is said.
+    pub pose: Option<Pose>,
+    pub pupil_diameter_m: f64,
+    pub focus_distance_m: f64,
+    pub fov_deg: Option<f64>,
+    pub resolution: Option<[usize; 2]>,
+    pub age: f64,
+}
+
+pub fn eye(value: &Value, notes: &mut Vec<Note>) -> Result<EyeSpec> {
+    let fields = Fields::of(Noun::Eye, "eye", value, &[])?;
+    let pose = if ["position", "look", "up", "frame"].iter().any(|name| fields.has(name)) {
+        let (look, up) = (fields.need_direction("look")?, fields.need_direction("up")?);
+        let cosine = look.dot(up);
+        if cosine.abs() > ORTHOGONAL {
+            let at = fields.value("up").map_or(&value.at, |value| &value.at);
+            let [x, y, z] = (up - cosine * look).normalize_or_zero().to_array();
+            return Err(Fault::new(at.clone(), "`up` of eye is not orthogonal to `look`")
+                .expected(format!("a right angle, e.g. up = [{x:.6}, {y:.6}, {z:.6}]")));
+        }
+        Some(Pose {
+            position_m: fields.place_m("position")?.ok_or_else(|| fields.missing("position"))?,
+            look,
+            up: (up - cosine * look).normalize(),
+            frame: super::sky::frame(&fields, notes)?,
+        })
+    } else {
+        None
+    };
+    if let Some(value) = fields.value("pupil_diameter").filter(|value| value.text() == Some("auto")) {
+        return Err(not_yet(&value.at, "`pupil_diameter` \"auto\" (from adaptation)"));
+    }
+    let mut or = |given: Option<f64>, name: &str, default: f64| {
+        given.unwrap_or_else(|| {
+            notes.push(fields.defaulted(name));
+            default
+        })
+    };
+    let resolution = match fields.numbers::<2>("resolution")? {
+        Some(pixels) if pixels.iter().all(|pixels| pixels.fract() == 0.0) => Some(pixels.map(|pixels| pixels as usize)),
+        Some([w, h]) => {
+            let at = fields.value("resolution").map_or(&value.at, |value| &value.at);
+            return Err(
+                Fault::new(at.clone(), format!("`resolution` is {w} x {h}")).expected("whole numbers of pixels")
+            );
+        }
+        None => None,
+    };
+    Ok(EyeSpec {
+        at: value.at.clone(),
+        pose,
+        pupil_diameter_m: or(fields.length_m("pupil_diameter")?, "pupil_diameter", 4e-3),
+        focus_distance_m: or(fields.length_m("focus_distance")?, "focus_distance", f64::INFINITY),
+        fov_deg: fields.number("fov_deg")?,
+        resolution,
+        age: or(fields.number("age")?, "age", 45.0),
+    })
+}

@@ -1,0 +1,279 @@
+//! Checked access to a table of attributes: unknown names, wrong forms and numbers out of range become faults with the
+//! row's range and the nearest name.
+
+use crate::base::fault::Result;
+use crate::base::units::parse_length_m;
+use crate::base::{Fault, Where};
+use crate::import::value::{Data, Value};
+use crate::scene::attribute::{self, Kind, Noun, Row, Support};
+use crate::scene::{Note, Severity};
+use glam::DVec3;
+
+/// The attributes of one thing.
+#[derive(Debug, Clone)]
+pub struct Fields<'a> {
+    noun: Noun,
+    /// What they are attributes of, for messages: `emitter`, `finish gauss`.
+    what: String,
+    at: &'a Where,
+    entries: Vec<(&'a str, &'a Value)>,
+}
+
+impl<'a> Fields<'a> {
+    /// The table `value`, whose keys must be rows of `noun`, those in `allowed` if that isn't empty.
+    /// Faults: not a table, unknown or not yet rendered attributes.
+    pub fn of(noun: Noun, what: &str, value: &'a Value, allowed: &[&str]) -> Result<Self> {
+        let Some(entries) = value.table() else {
+            return Err(Fault::new(value.at.clone(), format!("{what} is {} ({value})", value.kind()))
+                .expected(format!("a table, e.g. {{ {} = … }}", allowed.first().copied().unwrap_or("name"))));
+        };
+        Self::from_entries(noun, what, &value.at, entries.iter().map(|(k, v)| (k.as_str(), v)).collect(), allowed)
+    }
+
+    fn from_entries(
+        noun: Noun,
+        what: &str,
+        at: &'a Where,
+        entries: Vec<(&'a str, &'a Value)>,
+        allowed: &[&str],
+    ) -> Result<Self> {
+        let valid =
+            || attribute::rows(noun).map(|row| row.name).filter(|name| allowed.is_empty() || allowed.contains(name));
+        for (key, value) in &entries {
+            let row = attribute::row(noun, key).filter(|_| valid().any(|name| name == *key));
+            let Some(row) = row else {
+                return Err(Fault::new(value.at.clone(), format!("unknown attribute `{key}` of {what}"))
+                    .expected(one_of(valid()))
+                    .nearest(key, valid()));
+            };
+            if row.support == Support::NotYet {
+                return Err(not_yet(&value.at, &format!("`{key}` of {what}")));
+            }
+        }
+        Ok(Fields { noun, what: what.to_owned(), at, entries })
+    }
+
+    pub fn at(&self) -> &'a Where {
+        self.at
+    }
+    pub fn value(&self, name: &str) -> Option<&'a Value> {
+        self.entries.iter().find(|(key, _)| *key == name).map(|(_, value)| *value)
+    }
+    pub fn has(&self, name: &str) -> bool {
+        self.value(name).is_some()
+    }
+    fn row(&self, name: &str) -> Result<&'static Row> {
+        attribute::row(self.noun, name)
+            .ok_or_else(|| Fault::new(self.at.clone(), format!("`{name}` is no attribute of {}", self.what)))
+    }
+    /// A fault that `name` is missing.
+    pub fn missing(&self, name: &str) -> Box<Fault> {
+        let fault = Fault::new(self.at.clone(), format!("{} has no `{name}`", self.what));
+        match attribute::row(self.noun, name) {
+            Some(row) => fault.expected(row.expected()),
+            None => fault,
+        }
+    }
+    fn get<T>(&self, name: &str, read: impl Fn(&Value, &Row) -> Result<T>) -> Result<Option<T>> {
+        let row = self.row(name)?;
+        self.value(name).map(|value| read(value, row)).transpose()
+    }
+
+    pub fn number(&self, name: &str) -> Result<Option<f64>> {
+        self.get(name, number)
+    }
+    pub fn need_number(&self, name: &str) -> Result<f64> {
+        self.number(name)?.ok_or_else(|| self.missing(name))
+    }
+    /// The number, or the row's default with a note that it was used.
+    pub fn number_or(&self, name: &str, default: f64, notes: &mut Vec<Note>) -> Result<f64> {
+        Ok(match self.number(name)? {
+            Some(number) => number,
+            None => {
+                notes.push(self.defaulted(name));
+                default
+            }
+        })
+    }
+    /// The note that the default of `name` was used.
+    pub fn defaulted(&self, name: &str) -> Note {
+        let default = attribute::row(self.noun, name).and_then(|row| row.default).unwrap_or("nothing");
+        Note {
+            severity: Severity::Info,
+            at: self.at.clone(),
+            text: format!("`{name}` of {} is not said: {default}", self.what),
+        }
+    }
+    pub fn text(&self, name: &str) -> Result<Option<&'a str>> {
+        let row = self.row(name)?;
+        self.value(name).map(|value| value.text().ok_or_else(|| wrong(value, row))).transpose()
+    }
+    pub fn need_text(&self, name: &str) -> Result<&'a str> {
+        self.text(name)?.ok_or_else(|| self.missing(name))
+    }
+    pub fn numbers<const N: usize>(&self, name: &str) -> Result<Option<[f64; N]>> {
+        self.get(name, numbers)
+    }
+    pub fn need_numbers<const N: usize>(&self, name: &str) -> Result<[f64; N]> {
+        self.numbers(name)?.ok_or_else(|| self.missing(name))
+    }
+    /// A unit vector.
+    pub fn direction(&self, name: &str) -> Result<Option<DVec3>> {
+        let Some([x, y, z]) = self.numbers::<3>(name)? else { return Ok(None) };
+        let at = self.value(name).map_or(self.at, |value| &value.at);
+        // Scaled first, so that squares neither overflow nor vanish.
+        let largest = x.abs().max(y.abs()).max(z.abs());
+        let scaled = DVec3::new(x, y, z) / largest;
+        match scaled.try_normalize() {
+            Some(unit) if largest > 0.0 => Ok(Some(unit)),
+            Some(_) | None => {
+                Err(Fault::new(at.clone(), format!("`{name}` of {} is the zero vector", self.what))
+                    .expected("a direction"))
+            }
+        }
+    }
+    pub fn need_direction(&self, name: &str) -> Result<DVec3> {
+        self.direction(name)?.ok_or_else(|| self.missing(name))
+    }
+    /// A length with a unit, m.
+    pub fn length_m(&self, name: &str) -> Result<Option<f64>> {
+        self.get(name, |value, row| {
+            let metres = length(value, row)?;
+            if row.range.holds(metres) {
+                return Ok(metres);
+            }
+            Err(Fault::new(value.at.clone(), format!("`{name}` is {value}"))
+                .expected(format!("a length with its unit: {}", row.range)))
+        })
+    }
+    /// Three lengths with units, m.
+    pub fn place_m(&self, name: &str) -> Result<Option<DVec3>> {
+        self.get(name, |value, row| match value.list() {
+            Some([x, y, z]) => {
+                let place = DVec3::new(length(x, row)?, length(y, row)?, length(z, row)?);
+                if place.is_finite() { Ok(place) } else { Err(wrong(value, row)) }
+            }
+            Some(_) | None => Err(wrong(value, row)),
+        })
+    }
+}
+
+/// A number that the row allows.
+pub fn number(value: &Value, row: &Row) -> Result<f64> {
+    let number = match &value.data {
+        Data::Number(number) => *number,
+        // JSON has no infinity.
+        Data::Text(text) if matches!(text.as_str(), "inf" | "infinity") => f64::INFINITY,
+        Data::Bool(_) | Data::Text(_) | Data::List(_) | Data::Table(_) => return Err(wrong(value, row)),
+    };
+    if row.range.holds(number) {
+        return Ok(number);
+    }
+    let unit = if row.unit.is_empty() { String::new() } else { format!(" in {}", row.unit) };
+    Err(Fault::new(value.at.clone(), format!("`{}` is {number}", row.name)).expected(format!("{}{unit}", row.range)))
+}
+
+fn numbers<const N: usize>(value: &Value, row: &Row) -> Result<[f64; N]> {
+    let list = value.list().filter(|list| list.len() == N).ok_or_else(|| wrong(value, row))?;
+    let mut out = [0.0; N];
+    for (out, item) in out.iter_mut().zip(list) {
+        *out = number(item, row)?;
+    }
+    Ok(out)
+}
+
+fn length(value: &Value, row: &Row) -> Result<f64> {
+    match &value.data {
+        Data::Text(text) => parse_length_m(text)
+            .map_err(|why| Fault::new(value.at.clone(), format!("`{}`: {why}", row.name)).expected(row.expected())),
+        // Zero is the same in every unit, and so is infinity.
+        Data::Number(number) if *number == 0.0 || *number == f64::INFINITY => Ok(*number),
+        Data::Number(number) => {
+            Err(Fault::new(value.at.clone(), format!("`{}` is {number} without a unit", row.name))
+                .expected(row.expected()))
+        }
+        Data::Bool(_) | Data::List(_) | Data::Table(_) => Err(wrong(value, row)),
+    }
+}
+
+/// The fault of a value of the wrong form.
+fn wrong(value: &Value, row: &Row) -> Box<Fault> {
+    Fault::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind())).expected(row.expected())
+}
+
+/// The fault of something that would change the picture and can't be rendered yet.
+pub fn not_yet(at: &Where, what: &str) -> Box<Fault> {
+    Fault::new(at.clone(), format!("{what} is not rendered by this version yet"))
+}
+
+pub(super) fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    format!("one of {}", names.collect::<Vec<_>>().join(", "))
+}
+
+/// A value that is one of several kinds, with the parameters of that kind.
+#[derive(Debug, Clone)]
+pub struct Union<'a> {
+    pub kind: &'static Kind,
+    pub fields: Fields<'a>,
+}
+
+/// Reads `"polished"`, `{ kind = "gauss", sigma_deg = 6 }`, `{ gauss = { sigma_deg = 6 } }` or `{ stack = […] }` as a kind
+/// of `attribute`. Faults: unknown or not yet rendered kinds, parameters that the kind doesn't take.
+pub fn union<'a>(noun: Noun, attribute: &str, value: &'a Value) -> Result<Union<'a>> {
+    let names = || attribute::kinds(attribute).map(|kind| kind.name);
+    let rendered = || attribute::kinds(attribute).filter(|kind| kind.rendered).map(|kind| kind.name);
+    let unknown = |name: &str, at: &Where| {
+        Fault::new(at.clone(), format!("unknown {attribute} `{name}`"))
+            .expected(one_of(rendered()))
+            .nearest(name, names())
+    };
+    let find = |name: &str| attribute::kinds(attribute).find(|kind| kind.name == name);
+    let (name, at, entries) = match &value.data {
+        Data::Text(name) => (name.as_str(), &value.at, Vec::new()),
+        Data::Table(table) => {
+            let all = || table.iter().map(|(key, value)| (key.as_str(), value));
+            if let Some(tag) = value.get("kind") {
+                let name = tag.text().ok_or_else(|| unknown(&tag.to_string(), &tag.at))?;
+                (name, &tag.at, all().filter(|(key, _)| *key != "kind").collect())
+            } else {
+                let mut tags = all().filter(|(key, _)| find(key).is_some());
+                match (tags.next(), tags.next()) {
+                    (Some((name, inner)), None) => match &inner.data {
+                        Data::Table(inner_table) => {
+                            let beside = all().filter(|(key, _)| *key != name);
+                            let inside = inner_table.iter().map(|(key, value)| (key.as_str(), value));
+                            (name, &inner.at, beside.chain(inside).collect())
+                        }
+                        // The parameter itself names the kind.
+                        Data::Bool(_) | Data::Number(_) | Data::Text(_) | Data::List(_) => {
+                            (name, &inner.at, all().collect())
+                        }
+                    },
+                    (Some((one, _)), Some((two, at))) => {
+                        return Err(Fault::new(at.at.clone(), format!("{attribute} is both `{one}` and `{two}`"))
+                            .expected("one of them"));
+                    }
+                    (None, _) => {
+                        let first = table.first().map_or("", |(key, _)| key.as_str());
+                        return Err(Fault::new(value.at.clone(), format!("{attribute} {value} has no kind"))
+                            .expected(one_of(rendered()))
+                            .nearest(first, names()));
+                    }
+                }
+            }
+        }
+        Data::Bool(_) | Data::Number(_) | Data::List(_) => {
+            return Err(Fault::new(value.at.clone(), format!("{attribute} is {} ({value})", value.kind()))
+                .expected(one_of(rendered())));
+        }
+    };
+    let kind = find(name).ok_or_else(|| unknown(name, at))?;
+    if !kind.rendered {
+        return Err(not_yet(at, &format!("{attribute} `{name}`")));
+    }
+    let what = format!("{attribute} `{name}`");
+    if let (true, Some((key, value))) = (kind.parameters.is_empty(), entries.first()) {
+        return Err(Fault::new(value.at.clone(), format!("{what} takes no `{key}`")));
+    }
+    Ok(Union { kind, fields: Fields::from_entries(noun, &what, &value.at, entries, kind.parameters)? })
+}

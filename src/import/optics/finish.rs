@@ -1,0 +1,45 @@
+//! `finish`: what a face does with light.
+
+use super::fields::union;
+use crate::base::Fault;
+use crate::base::fault::Result;
+use crate::import::value::Value;
+use crate::scene::attribute::Noun;
+use crate::scene::{Finish, Note};
+
+/// Faults: unknown kinds and parameters, shares out of range or together above 1.
+pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<Finish> {
+    let read = union(Noun::Finish, "finish", value)?;
+    let fields = &read.fields;
+    let mut shares = || -> Result<(f64, f64)> {
+        let (reflectance, transmittance) =
+            (fields.number_or("reflectance", 0.0, notes)?, fields.number_or("transmittance", 0.0, notes)?);
+        if reflectance + transmittance > 1.0 {
+            let what = format!("reflectance {reflectance} + transmittance {transmittance} is above 1");
+            return Err(Fault::new(value.at.clone(), what).expected("shares that together are at most 1"));
+        }
+        Ok((reflectance, transmittance))
+    };
+    Ok(match read.kind.name {
+        "none" => Finish::None,
+        "polished" => Finish::Polished,
+        "absorber" => Finish::Absorber,
+        "lambert" => {
+            let (reflectance, transmittance) = shares()?;
+            Finish::Lambert { reflectance, transmittance }
+        }
+        "gauss" => {
+            let (reflectance, transmittance) = shares()?;
+            Finish::Gauss { sigma_deg: fields.need_number("sigma_deg")?, reflectance, transmittance }
+        }
+        "mirror" => match (fields.number("reflectance")?, fields.number("n")?, fields.number("k")?) {
+            (Some(reflectance), None, None) => Finish::MirrorIdeal { reflectance },
+            (None, Some(n), Some(k)) => Finish::MirrorMetal { n, k },
+            (Some(_), _, _) | (None, _, _) => {
+                return Err(Fault::new(value.at.clone(), "a mirror is a metal or a reflectance")
+                    .expected("both `n` and `k`, or `reflectance` alone"));
+            }
+        },
+        name => return Err(super::fields::not_yet(&value.at, &format!("finish `{name}`"))),
+    })
+}

@@ -1,0 +1,149 @@
+//! The attributes of a medium: its index in one of several laws, absorption, priority.
+
+use super::fields::{Fields, number};
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::import::value::{Data, Value};
+use crate::scene::attribute::{self, Noun, Row};
+use crate::scene::{Dispersion, glass};
+
+/// A glass of the catalogue: its name there and its law.
+pub(super) fn catalogue(name: &str, at: &Where) -> Result<(String, Dispersion)> {
+    match glass::find(name) {
+        Some(found) => Ok((found.name.to_owned(), found.dispersion.clone())),
+        None => Err(Fault::new(at.clone(), format!("unknown glass `{name}`"))
+            .expected("a name of the catalogue")
+            .nearest(name, glass::names())),
+    }
+}
+
+/// The index that the attribute `key` (`ior`, `glass`, …) gives, with a name for the medium. It must be a possible one at
+/// the traced wavelength `nm`: n from 1 to 10 (the longest-known transparent solids end at 5), no gain.
+pub fn index(key: &str, value: &Value, nm: f64) -> Result<(String, Dispersion)> {
+    let row = row(key, value)?;
+    let (name, law) = match key {
+        "ior" => {
+            let n = number(value, row)?;
+            (format!("n={n}"), Dispersion::Constant(n))
+        }
+        "glass" => {
+            let name = value.text().ok_or_else(|| form(value, row))?;
+            catalogue(name, &value.at)?
+        }
+        "sellmeier" => {
+            let terms = |name: &str| -> Result<[f64; 3]> {
+                let item = value.get(name).ok_or_else(|| form(value, row))?;
+                let list = item.list().filter(|list| (1..=3).contains(&list.len())).ok_or_else(|| form(value, row))?;
+                coefficients(list, row)
+            };
+            if let Some((key, odd)) = value.table().and_then(|t| t.iter().find(|(key, _)| key != "b" && key != "c_um2"))
+            {
+                return Err(Fault::new(odd.at.clone(), format!("unknown attribute `{key}` of sellmeier"))
+                    .expected("b and c_um2")
+                    .nearest(key, ["b", "c_um2"]));
+            }
+            ("Sellmeier".to_owned(), Dispersion::Sellmeier { b: terms("b")?, c_um2: terms("c_um2")? })
+        }
+        "cauchy" => {
+            let list = value.list().filter(|list| (1..=3).contains(&list.len())).ok_or_else(|| form(value, row))?;
+            ("Cauchy".to_owned(), Dispersion::Cauchy(coefficients(list, row)?))
+        }
+        "abbe" => match value.list() {
+            Some([n_d, v_d]) => {
+                let (n_d, v_d) = (number(n_d, row)?, number(v_d, row)?);
+                (format!("n_d={n_d} V_d={v_d}"), Dispersion::Abbe { n_d, v_d })
+            }
+            Some(_) | None => return Err(form(value, row)),
+        },
+        "index_table" => {
+            let rows = table::<3>(value, row)?;
+            ("index table".to_owned(), Dispersion::Table(rows.into_iter().map(|[nm, n, k]| (nm, n, k)).collect()))
+        }
+        _ => return Err(Fault::new(value.at.clone(), format!("`{key}` gives no index"))),
+    };
+    if let Some(problem) = law.problem() {
+        return Err(Fault::new(value.at.clone(), format!("`{key}`: {problem}")).expected(row.expected()));
+    }
+    let at_nm = law.index(nm);
+    if !(at_nm.re >= 1.0 && at_nm.re <= 10.0 && at_nm.im >= 0.0 && at_nm.im.is_finite()) {
+        let what = format!("impossible index: `{key}` gives n = {} at {nm} nm", at_nm.re);
+        return Err(Fault::new(value.at.clone(), what).expected("n from 1 to 10 and k >= 0"));
+    }
+    Ok((name, law))
+}
+
+/// `absorption_per_m` at the traced wavelength, 1/m.
+pub fn absorption(value: &Value, nm: f64) -> Result<f64> {
+    let row = row("absorption_per_m", value)?;
+    if let Data::Number(_) = value.data {
+        return number(value, row);
+    }
+    let rows = table::<2>(value, row)?;
+    let mut below: Option<[f64; 2]> = None;
+    for [at, a] in rows {
+        match below {
+            Some([nm_0, _]) if nm_0 >= at => {
+                return Err(Fault::new(
+                    value.at.clone(),
+                    format!("the wavelengths of `absorption_per_m` do not rise at {at} nm"),
+                )
+                .expected(row.expected()));
+            }
+            Some([nm_0, a_0]) if nm_0 <= nm && nm <= at => return Ok(a_0 + (a - a_0) * (nm - nm_0) / (at - nm_0)),
+            Some(_) | None if at == nm => return Ok(a),
+            Some(_) | None => below = Some([at, a]),
+        }
+    }
+    Err(Fault::new(value.at.clone(), format!("`absorption_per_m` does not cover {nm} nm"))
+        .expected("rows on both sides of it"))
+}
+
+/// `priority`.
+pub fn priority(value: &Value) -> Result<i32> {
+    let row = row("priority", value)?;
+    let number = number(value, row)?;
+    let whole = number as i32;
+    if f64::from(whole) == number { Ok(whole) } else { Err(form(value, row)) }
+}
+
+fn row(key: &str, value: &Value) -> Result<&'static Row> {
+    attribute::row(Noun::Medium, key)
+        .ok_or_else(|| Fault::new(value.at.clone(), format!("unknown attribute `{key}` of a medium")))
+}
+
+fn form(value: &Value, row: &Row) -> Box<Fault> {
+    Fault::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind())).expected(row.expected())
+}
+
+/// Up to three coefficients, the rest 0.
+fn coefficients(list: &[Value], row: &Row) -> Result<[f64; 3]> {
+    let mut out = [0.0; 3];
+    for (out, item) in out.iter_mut().zip(list) {
+        *out = number(item, row)?;
+    }
+    Ok(out)
+}
+
+/// Rows of N numbers, at least one.
+fn table<const N: usize>(value: &Value, row: &Row) -> Result<Vec<[f64; N]>> {
+    let items = value.list().filter(|list| !list.is_empty()).ok_or_else(|| form(value, row))?;
+    items
+        .iter()
+        .map(|item| {
+            let list = item.list().filter(|list| list.len() == N).ok_or_else(|| form(item, row))?;
+            let mut out = [0.0; N];
+            for (out, item) in out.iter_mut().zip(list) {
+                *out = number(item, row)?;
+            }
+            Ok(out)
+        })
+        .collect()
+}
+
+/// The table `value` of medium attributes, checked for unknown names. Returns its entries.
+pub fn entries(value: &Value) -> Result<&[(String, Value)]> {
+    const ALLOWED: &[&str] =
+        &["name", "ior", "glass", "sellmeier", "cauchy", "abbe", "index_table", "absorption_per_m", "priority"];
+    Fields::of(Noun::Medium, "a medium", value, ALLOWED)?;
+    Ok(value.table().unwrap_or(&[]))
+}

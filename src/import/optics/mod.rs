@@ -1,0 +1,24 @@
+//! Readers of the attribute vocabulary: a [`Value`](super::Value) → typed rows, the same for every carrier. They know
+//! `scene::attribute`'s rows and nothing about glTF, TOML or where a value is bound.
+
+mod coating;
+mod emitter;
+mod eye;
+mod fields;
+mod finish;
+mod medium;
+mod shape;
+mod sky;
+mod slide;
+mod wavelengths;
+
+pub use coating::{coating, unknown as unknown_coating};
+pub use emitter::{ATTRIBUTES as EMITTER, EmitterSpec, STRENGTHS, emitter, group_name};
+pub use eye::{EyeSpec, Pose, eye};
+pub use fields::{Fields, Union, not_yet, number, union};
+pub use finish::finish;
+pub use medium::{absorption, entries as medium_entries, index, priority};
+pub use shape::{ShapeSpec, shape};
+pub use sky::{SkySpec, sky};
+pub use slide::{ATTRIBUTES as SLIDE, ORTHOGONAL, SlideSpec, slide};
+pub use wavelengths::{unit, version, wavelengths};

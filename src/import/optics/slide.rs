@@ -1,0 +1,52 @@
+//! `slide`: a thin transmissive picture on a face.
+
+use super::fields::Fields;
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::import::value::Value;
+use crate::scene::Note;
+use crate::scene::attribute::Noun;
+use glam::DVec3;
+
+/// A slide before its picture is read and placed. Lengths in mesh units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SlideSpec {
+    /// The file as it is written, and where.
+    pub image: String,
+    pub image_at: Where,
+    pub at: Where,
+    pub size: [f64; 2],
+    pub u: DVec3,
+    pub v: DVec3,
+    pub centre: Option<DVec3>,
+    pub transmittance: f64,
+    pub contrast: f64,
+}
+
+/// The attributes of a slide's table.
+pub const ATTRIBUTES: [&str; 9] =
+    ["name", "image", "size", "u", "v", "centre", "transmittance", "contrast", "polarisation"];
+
+pub fn slide(value: &Value, notes: &mut Vec<Note>) -> Result<SlideSpec> {
+    let fields = Fields::of(Noun::Slide, "slide", value, &ATTRIBUTES)?;
+    let (u, v) = (fields.need_direction("u")?, fields.need_direction("v")?);
+    if u.dot(v).abs() > ORTHOGONAL {
+        let at = fields.value("v").map_or(&value.at, |value| &value.at);
+        return Err(Fault::new(at.clone(), "`u` and `v` of slide are not orthogonal")
+            .expected(format!("a right angle; it is {:.3}°", u.angle_between(v).to_degrees())));
+    }
+    Ok(SlideSpec {
+        image: fields.need_text("image")?.to_owned(),
+        image_at: fields.value("image").map_or_else(|| value.at.clone(), |value| value.at.clone()),
+        at: value.at.clone(),
+        size: fields.need_numbers("size")?,
+        u,
+        v,
+        centre: fields.numbers("centre")?.map(DVec3::from_array),
+        transmittance: fields.number_or("transmittance", 1.0, notes)?,
+        contrast: fields.number_or("contrast", f64::INFINITY, notes)?,
+    })
+}
+
+/// Cosine of the angle by which two directions may miss a right angle: what people round away when they write decimals.
+pub const ORTHOGONAL: f64 = 1e-3;

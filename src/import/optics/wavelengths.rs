@@ -1,0 +1,53 @@
+//! The attributes of the whole asset: wavelengths, unit, version of the vocabulary.
+
+use super::fields::{Fields, number};
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::import::value::Value;
+use crate::scene::attribute::{self, Noun};
+use crate::scene::{Note, Severity, Wavelengths};
+
+/// `{ mono_nm = 550 }` or `"visible"` (the default, noted).
+pub fn wavelengths(value: Option<&Value>, notes: &mut Vec<Note>) -> Result<Wavelengths> {
+    let Some(value) = value else {
+        let text = format!("`wavelengths` is not said: visible, traced at {} nm", Wavelengths::VISIBLE_NM);
+        notes.push(Note { severity: Severity::Info, at: Where::Nowhere, text });
+        return Ok(Wavelengths::Visible);
+    };
+    if let Some(text) = value.text() {
+        return if text == "visible" {
+            Ok(Wavelengths::Visible)
+        } else {
+            Err(Fault::new(value.at.clone(), format!("unknown wavelengths `{text}`"))
+                .expected("{ mono_nm = 550 } or \"visible\"")
+                .nearest(text, ["visible"]))
+        };
+    }
+    let fields = Fields::of(Noun::Asset, "wavelengths", value, &["mono_nm"])?;
+    Ok(Wavelengths::Mono { nm: fields.need_number("mono_nm")? })
+}
+
+/// `unit`, metres per unit of the asset.
+pub fn unit(value: &Value) -> Result<f64> {
+    match attribute::row(Noun::Asset, "unit") {
+        Some(row) => number(value, row),
+        None => Err(Fault::new(value.at.clone(), "there is no attribute `unit`")),
+    }
+}
+
+/// Checks the version `name` (`schema` of a sidecar, `version` of an asset's root).
+pub fn version(table: &Value, name: &str) -> Result<()> {
+    let Some(value) = table.get(name) else {
+        return Err(Fault::new(table.at.clone(), format!("`{name}` is missing")).expected(format!("{name} = 1")));
+    };
+    match value.number() {
+        Some(1.0) => Ok(()),
+        Some(newer) if newer > 1.0 => {
+            Err(Fault::new(value.at.clone(), format!("{name} {newer} is newer than this program"))
+                .expected(format!("{name} = 1")))
+        }
+        Some(_) | None => {
+            Err(Fault::new(value.at.clone(), format!("`{name}` is {value}")).expected(format!("{name} = 1")))
+        }
+    }
+}

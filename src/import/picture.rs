@@ -1,0 +1,168 @@
+//! Pictures that a scene is made of: slides (PNG) and panoramas (OpenEXR, Radiance HDR), as plain luminance.
+
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use std::io::Cursor;
+use std::path::Path;
+
+/// Luminance of pixels, row-major from the top left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    pub width: usize,
+    pub height: usize,
+    pub pixels: Vec<f32>,
+}
+
+/// Rec. 709 luminance of linear RGB (ITU-R BT.709-6, item 3.2).
+fn luminance([r, g, b]: [f32; 3]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// More pixels than this are a broken header, not a picture.
+const MAX_PIXELS: usize = 1 << 28;
+
+fn broken(path: &Path, at: &Where, why: impl std::fmt::Display) -> Box<Fault> {
+    Fault::new(at.clone(), format!("can't read the picture {}: {why}", path.display()))
+}
+
+/// A slide: grey PNG of 8 or 16 bits, value/max, values taken as linear; colours as their luminance.
+pub fn slide(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
+    let reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png);
+    let decoded = reader.decode().map_err(|error| broken(path, at, error).expected("a PNG of 8 or 16 bits"))?;
+    if decoded.color().has_alpha() {
+        return Err(broken(path, at, "it has an alpha channel").expected("a grey PNG of 8 or 16 bits"));
+    }
+    let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+    let pixels = match &decoded {
+        image::DynamicImage::ImageLuma8(grey) => grey.iter().map(|value| f32::from(*value) / 255.0).collect(),
+        image::DynamicImage::ImageLuma16(grey) => grey.iter().map(|value| f32::from(*value) / 65535.0).collect(),
+        colour => colour.to_rgb32f().pixels().map(|pixel| luminance(pixel.0).clamp(0.0, 1.0)).collect(),
+    };
+    checked(Picture { width, height, pixels }, path, at)
+}
+
+/// A panorama: OpenEXR with channel Y or R, G, B, or Radiance HDR. Values are linear.
+pub fn panorama(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
+    let picture = if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        exr_luminance(bytes, path, at)?
+    } else if bytes.starts_with(b"#?") {
+        let reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Hdr);
+        let decoded = reader.decode().map_err(|error| broken(path, at, error))?;
+        let pixels = decoded.to_rgb32f().pixels().map(|pixel| luminance(pixel.0)).collect();
+        Picture { width: decoded.width() as usize, height: decoded.height() as usize, pixels }
+    } else {
+        return Err(broken(path, at, "it is neither OpenEXR nor Radiance HDR").expected("a .exr or .hdr file"));
+    };
+    checked(picture, path, at)
+}
+
+fn exr_luminance(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
+    use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|error| broken(path, at, error))?;
+    for header in &meta.headers {
+        let (w, h) = (header.layer_size.width(), header.layer_size.height());
+        if w.checked_mul(h).is_none_or(|pixels| pixels > MAX_PIXELS) {
+            return Err(broken(path, at, format!("{w} x {h} pixels are too many")));
+        }
+    }
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|error| broken(path, at, error))?;
+    let layer = &image.layer_data;
+    let (width, height) = (layer.size.width(), layer.size.height());
+    let channels = &layer.channel_data.list;
+    let samples = |name: &str| -> Option<Vec<f32>> {
+        let channel = channels.iter().find(|channel| channel.name.to_string() == name)?;
+        let values: Vec<f32> = channel.sample_data.values_as_f32().collect();
+        (values.len() == width * height).then_some(values)
+    };
+    let pixels = match (samples("Y"), samples("R"), samples("G"), samples("B")) {
+        (None, Some(r), Some(g), Some(b)) => {
+            r.iter().zip(&g).zip(&b).map(|((r, g), b)| luminance([*r, *g, *b])).collect()
+        }
+        (Some(y), _, _, _) => y,
+        (None, _, _, _) => {
+            let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
+            return Err(broken(path, at, format!("its channels are {}", names.join(", "))).expected("Y, or R, G and B"));
+        }
+    };
+    Ok(Picture { width, height, pixels })
+}
+
+fn checked(picture: Picture, path: &Path, at: &Where) -> Result<Picture> {
+    if picture.width == 0 || picture.height == 0 || picture.pixels.len() != picture.width.saturating_mul(picture.height)
+    {
+        return Err(broken(path, at, "it has no pixels"));
+    }
+    if let Some(bad) = picture.pixels.iter().position(|value| !value.is_finite() || *value < 0.0) {
+        let (x, y) = (bad % picture.width, bad / picture.width);
+        let value = picture.pixels[bad];
+        return Err(broken(path, at, format!("pixel ({x}, {y}) is {value}")).expected("finite values >= 0"));
+    }
+    Ok(picture)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use exr::prelude::*;
+
+    fn here() -> (std::path::PathBuf, Where) {
+        ("picture".into(), Where::Nowhere)
+    }
+
+    fn png(image: image::DynamicImage) -> Vec<u8> {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn slides_are_linear_grey() {
+        let (path, at) = here();
+        let grey8 = image::GrayImage::from_raw(2, 1, vec![0, 51]).unwrap();
+        assert_eq!(slide(&png(grey8.into()), &path, &at).unwrap().pixels, [0.0, 0.2]);
+        let grey16 = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(1, 2, vec![65535, 13107]).unwrap();
+        let picture = slide(&png(grey16.into()), &path, &at).unwrap();
+        assert_eq!((picture.width, picture.height, picture.pixels), (1, 2, vec![1.0, 0.2]));
+        let colour = image::RgbImage::from_raw(1, 1, vec![0, 255, 0]).unwrap();
+        assert!((slide(&png(colour.into()), &path, &at).unwrap().pixels[0] - 0.7152).abs() < 1e-6);
+        let alpha = image::RgbaImage::from_raw(1, 1, vec![0, 255, 0, 7]).unwrap();
+        assert_eq!(
+            slide(&png(alpha.into()), &path, &at).unwrap_err().to_string(),
+            "can't read the picture picture: it has an alpha channel; expected a grey PNG of 8 or 16 bits"
+        );
+        assert!(slide(b"not a picture", &path, &at).is_err());
+    }
+
+    #[test]
+    fn panoramas_are_luminance() {
+        let (path, at) = here();
+        let mut bytes = Cursor::new(Vec::new());
+        let rgb = SpecificChannels::rgb(|Vec2(x, y)| (x as f32, 1.0, y as f32));
+        Image::from_channels((4, 2), rgb).write().to_buffered(&mut bytes).unwrap();
+        let bytes = bytes.into_inner();
+        let picture = panorama(&bytes, &path, &at).unwrap();
+        assert_eq!((picture.width, picture.height), (4, 2));
+        assert!((picture.pixels[7] - (3.0 * 0.2126 + 0.7152 + 0.0722)).abs() < 1e-6);
+        for length in 0..bytes.len() {
+            assert!(panorama(&bytes[..length], &path, &at).is_err(), "cut after {length}");
+        }
+        let mut negative = Cursor::new(Vec::new());
+        let grey = SpecificChannels::build().with_channel("Y").with_pixel_fn(|Vec2(x, _)| (-(x as f32),));
+        Image::from_channels((2, 1), grey).write().to_buffered(&mut negative).unwrap();
+        assert_eq!(
+            panorama(&negative.into_inner(), &path, &at).unwrap_err().to_string(),
+            "can't read the picture picture: pixel (1, 0) is -1; expected finite values >= 0"
+        );
+        assert_eq!(
+            panorama(b"P6", &path, &at).unwrap_err().to_string(),
+            "can't read the picture picture: it is neither OpenEXR nor Radiance HDR; expected a .exr or .hdr file"
+        );
+    }
+}

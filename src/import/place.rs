@@ -1,0 +1,197 @@
+//! Where things stand: units, frames of reference, the eye, and exact surfaces fitted to faces.
+
+use super::assembly::{Assembly, Camera};
+use super::fit::{self, Fitted};
+use super::optics::{self, Pose};
+use super::select;
+use super::value::{Data, Value};
+use crate::base::fault::Result;
+use crate::base::units::significant;
+use crate::base::{Fault, Where};
+use crate::scene::{Eye, Mesh, Note, Severity, Shape};
+use glam::{DAffine3, DMat3, DVec3};
+
+/// Node → world in metres.
+pub fn in_metres(to_world: &DAffine3, unit_m: f64) -> DAffine3 {
+    DAffine3 { matrix3: to_world.matrix3 * unit_m, translation: to_world.translation * unit_m }
+}
+
+/// The scale of a similarity; none if axes are scaled differently or not orthogonal (beyond 1e-6, what f32 files round).
+pub fn uniform_scale(to_world: &DAffine3) -> Option<f64> {
+    let m = to_world.matrix3;
+    let scale = m.determinant().abs().cbrt();
+    let product = m.transpose() * m;
+    let square = scale * scale;
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * square;
+    let axes = [product.x_axis, product.y_axis, product.z_axis];
+    let ok = (0..3).all(|i| (0..3).all(|j| near(axes[i][j], if i == j { square } else { 0.0 })));
+    (ok && scale > 0.0 && scale.is_finite()).then_some(scale)
+}
+
+/// Axes of a frame → world: a rotation. Faults: no such node, or its axes are skewed or mirrored.
+pub fn frame_rotation(assembly: &Assembly, frame: Option<&(String, Where)>) -> Result<DMat3> {
+    Ok(frame_of(assembly, frame)?.matrix3)
+}
+
+fn frame_of(assembly: &Assembly, frame: Option<&(String, Where)>) -> Result<DAffine3> {
+    let Some((name, at)) = frame else { return Ok(DAffine3::IDENTITY) };
+    let index = select::node(assembly, name, at)?;
+    let Some(node) = assembly.nodes.get(index) else { return Ok(DAffine3::IDENTITY) };
+    let m = node.to_world.matrix3;
+    let axes =
+        DMat3::from_cols(m.x_axis.normalize_or_zero(), m.y_axis.normalize_or_zero(), m.z_axis.normalize_or_zero());
+    let orthogonal = (axes.transpose() * axes - DMat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() <= 1e-6);
+    if !orthogonal || axes.determinant() < 0.0 {
+        return Err(Fault::new(at.clone(), format!("the axes of frame `{name}` are skewed, mirrored or flat"))
+            .expected("a node that is moved, rotated and scaled only"));
+    }
+    Ok(DAffine3 { matrix3: axes, translation: node.to_world.translation })
+}
+
+/// The eye that `value` and the asset's camera describe; none if neither does.
+/// Faults: incomplete or contradictory descriptions.
+pub fn eye(assembly: &Assembly, value: Option<&Value>, unit_m: f64, notes: &mut Vec<Note>) -> Result<Option<Eye>> {
+    let usable = |camera: &&Camera| camera.yfov.is_some();
+    let mut cameras = assembly.cameras.iter().filter(usable);
+    let camera = cameras.next();
+    let empty = Value::new(Data::Table(Vec::new()), Where::file(&assembly.file));
+    let value = match (value, camera) {
+        (Some(value), _) => value,
+        (None, Some(_)) => &empty,
+        (None, None) => return Ok(None),
+    };
+    let spec = optics::eye(value, notes)?;
+    // A camera gives what the eye leaves open only if the eye says nothing of where it stands.
+    let camera = camera.filter(|_| spec.pose.is_none());
+    let resolution = match (spec.resolution, camera.and_then(|camera| camera.aspect)) {
+        (Some(given), _) => given,
+        (None, aspect) => {
+            let height = aspect.map_or(180.0, |aspect| (360.0 / aspect).round().clamp(1.0, 65536.0));
+            let text = format!("`resolution` of eye is not said: 360 x {height}");
+            notes.push(Note { severity: Severity::Info, at: spec.at.clone(), text });
+            [360, height as usize]
+        }
+    };
+    let (position, look, up) = match (&spec.pose, camera) {
+        (Some(Pose { position_m, look, up, frame }), _) => {
+            let frame = frame_of(assembly, frame.as_ref())?;
+            (frame.translation * unit_m + frame.matrix3 * *position_m, frame.matrix3 * *look, frame.matrix3 * *up)
+        }
+        (None, Some(camera)) => {
+            let m = camera.to_world.matrix3;
+            let look = (-m.z_axis).normalize_or_zero();
+            let up = (m.y_axis - m.y_axis.dot(look) * look).normalize_or_zero();
+            if look == DVec3::ZERO || up == DVec3::ZERO {
+                return Err(Fault::new(spec.at.clone(), format!("camera `{}` has no direction", camera.name)));
+            }
+            let more = if cameras.next().is_some() { ", the first of several" } else { "" };
+            let text = format!("the eye is the asset's camera `{}`{more}", camera.name);
+            notes.push(Note { severity: Severity::Info, at: spec.at.clone(), text });
+            (camera.to_world.translation * unit_m, look, up)
+        }
+        (None, None) => {
+            return Err(Fault::new(
+                spec.at.clone(),
+                "eye has no `position`, `look` and `up`, and the asset has no perspective camera",
+            )
+            .expected("position = [\"0 mm\", \"0 mm\", \"0 mm\"], look = [0, 0, -1], up = [0, 1, 0]"));
+        }
+    };
+    let [width, height] = resolution.map(|pixels| pixels as f64);
+    let fov_deg = match (spec.fov_deg, camera.and_then(|camera| camera.yfov)) {
+        (Some(given), _) => given,
+        // The camera's is vertical.
+        (None, Some(yfov)) => (2.0 * (width / height * (yfov / 2.0).tan()).atan()).to_degrees(),
+        (None, None) => {
+            return Err(Fault::new(spec.at.clone(), "eye has no `fov_deg`")
+                .expected("the full horizontal field of view, a number above 0 and below 180 in deg"));
+        }
+    };
+    if !(fov_deg > 0.0 && fov_deg < 180.0 && position.is_finite()) {
+        return Err(Fault::new(spec.at.clone(), format!("the camera's field of view of {fov_deg}° can't be used"))
+            .expected("a number above 0 and below 180 in deg"));
+    }
+    Ok(Some(Eye {
+        position,
+        look: look.normalize(),
+        up: up.normalize(),
+        pupil_diameter_m: spec.pupil_diameter_m,
+        focus_distance_m: spec.focus_distance_m,
+        fov_deg,
+        resolution,
+        age: spec.age,
+    }))
+}
+
+/// Which face a fit is for, and where it is asked for.
+#[derive(Debug, Clone, Copy)]
+pub struct FacePlace<'a> {
+    pub part: &'a str,
+    pub number: usize,
+    pub at: &'a Where,
+}
+
+/// How a face is to be fitted.
+#[derive(Debug, Clone, Copy)]
+pub struct FitOrder {
+    pub surface: Option<fit::Kind>,
+    /// Largest distance of a point, µm.
+    pub tolerance_um: f64,
+    /// Replace what was found; the radius in mesh units.
+    pub radius: Option<f64>,
+    pub conic: Option<f64>,
+}
+
+/// Fits the surface of a face; `metres` is the length of a mesh unit. The fit and its residual are noted.
+/// Faults: the points can't be fitted, or the surface misses the tolerance.
+pub fn fitted(mesh: &Mesh, place: FacePlace<'_>, order: FitOrder, metres: f64, notes: &mut Vec<Note>) -> Result<Shape> {
+    let range = mesh.faces.get(place.number).copied();
+    let end = range.and_then(|range| range.first.checked_add(range.count));
+    let triangles = range.zip(end).and_then(|(range, end)| mesh.triangles.get(range.first as usize..end as usize));
+    let Some(triangles) = triangles.filter(|triangles| !triangles.is_empty()) else {
+        let what = format!("part {} face {} has no triangles to fit", place.part, place.number);
+        return Err(Fault::new(place.at.clone(), what));
+    };
+    // The tolerance is physical, the mesh has its own unit.
+    let tolerance = order.tolerance_um * 1e-6 / metres;
+    let found = fit::fit(&mesh.positions, triangles, order.surface, tolerance).map_err(|error| {
+        let mut fault = error.fault(place.at.clone(), metres);
+        fault.what = format!("part {} face {}: {}", place.part, place.number, fault.what);
+        fault
+    })?;
+    let (shape, text) = match (found.surface, order.radius, order.conic) {
+        (Fitted::Plane { vertex, axis }, None, None) => (Shape::Plane { vertex, axis }, "plane".to_owned()),
+        (Fitted::Sphere { vertex, axis, radius }, given, None) => {
+            // Which side the centre lies on is the mesh's business: the magnitude counts.
+            let radius = given.map_or(radius, |given| radius.signum() * given.abs());
+            (Shape::Sphere { vertex, axis, radius }, format!("sphere of radius {radius}"))
+        }
+        (Fitted::Sphere { vertex, axis, radius }, given, Some(conic)) => {
+            let radius = given.map_or(radius, |given| radius.signum() * given.abs());
+            (Shape::Conic { vertex, axis, radius, conic }, format!("conic of radius {radius}, conic constant {conic}"))
+        }
+        (Fitted::Conic { vertex, axis, radius, conic }, given, other) => {
+            let radius = given.map_or(radius, |given| radius.signum() * given.abs());
+            let conic = other.unwrap_or(conic);
+            (Shape::Conic { vertex, axis, radius, conic }, format!("conic of radius {radius}, conic constant {conic}"))
+        }
+        (Fitted::Plane { .. }, _, _) => {
+            let what =
+                format!("part {} face {} is a plane; it has no radius or conic to replace", place.part, place.number);
+            return Err(Fault::new(place.at.clone(), what));
+        }
+    };
+    let um = metres * 1e6;
+    let replaced = if order.radius.is_some() || order.conic.is_some() { " (partly replaced)" } else { "" };
+    notes.push(Note {
+        severity: Severity::Info,
+        at: Where::Part { path: place.part.to_owned(), face: Some(place.number) },
+        text: format!(
+            "fitted {text}{replaced}: {} points miss it by {} µm rms, {} µm at most",
+            found.points,
+            significant(found.rms * um, 3),
+            significant(found.max_residual * um, 3)
+        ),
+    });
+    Ok(shape)
+}

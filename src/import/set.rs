@@ -1,0 +1,324 @@
+//! `--set TARGET.attribute=VALUE`: the strongest binding. Targets are `eye`, `sky`, `default`, `unit`, `wavelengths`,
+//! `coating.NAME`, `medium.NAME`, a light group, or parts by name, path or pattern (`LENS_01.faces[0].shape.radius=50`).
+
+use super::bind::{BINDABLE, said};
+use super::optics::{EMITTER, SLIDE, STRENGTHS};
+use super::patch::{Step, patch, patch_parameter, steps};
+use super::select::{Candidate, is_glob, listed};
+use super::sheet::Sheet;
+use super::slots::{Entry, PartBound, Slot};
+use super::toml::parse_value;
+use super::value::{Data, Value};
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use std::rc::Rc;
+
+/// One `--set`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Set {
+    /// As it was written, without `--set`.
+    pub text: String,
+    /// What stands left of the `=`.
+    left: String,
+    value: Value,
+}
+
+const TOP: [&str; 7] = ["eye", "sky", "default", "unit", "wavelengths", "coating", "medium"];
+
+impl Set {
+    /// Parses `TARGET.attribute=VALUE`; VALUE is a TOML value or a bare text.
+    pub fn parse(text: &str) -> Result<Set> {
+        let at = Where::Option(format!("--set {text}"));
+        let form = "TARGET.attribute=VALUE, e.g. led.flux_lm=0.5";
+        let Some((left, right)) = text.split_once('=') else {
+            return Err(Fault::new(at, "there is no `=`").expected(form));
+        };
+        let (left, right) = (left.trim(), right.trim());
+        if left.is_empty() || right.is_empty() {
+            return Err(Fault::new(at, "one side of the `=` is empty").expected(form));
+        }
+        Ok(Set { text: text.to_owned(), left: left.to_owned(), value: parse_value(right, &at) })
+    }
+
+    fn at(&self) -> &Where {
+        &self.value.at
+    }
+
+    /// Whether it changes something at the top level; then it is applied to the sheet, before anything is bound.
+    pub(super) fn apply_to_sheet(&self, sheet: &mut Sheet) -> Result<bool> {
+        let (head, tail) = self.left.split_once('.').unwrap_or((&self.left, ""));
+        let Some(top) = TOP.into_iter().find(|top| *top == head) else { return Ok(false) };
+        let (target, steps) = match top {
+            "coating" | "medium" => {
+                let library = if top == "coating" { &mut sheet.coatings } else { &mut sheet.media };
+                let names: Vec<String> = library.names().map(str::to_owned).collect();
+                // The longest name that fits: names may hold dots.
+                let own = library
+                    .named
+                    .iter_mut()
+                    .filter(|(name, _)| {
+                        tail == name || tail.strip_prefix(name.as_str()).is_some_and(|t| t.starts_with('.'))
+                    })
+                    .max_by_key(|(name, _)| name.len());
+                let Some((name, value)) = own else {
+                    return Err(Fault::new(self.at().clone(), format!("there is no {top} `{tail}`"))
+                        .expected(format!("{top}.NAME.attribute with one of {}", names.join(", ")))
+                        .nearest(tail.split('.').next().unwrap_or(tail), names.iter().map(String::as_str)));
+                };
+                let steps = steps(tail[name.len()..].trim_start_matches('.'), self.at())?;
+                (value, steps)
+            }
+            _ => {
+                let place = match top {
+                    "eye" => &mut sheet.eye,
+                    "sky" => &mut sheet.sky,
+                    "default" => &mut sheet.default,
+                    "unit" => &mut sheet.unit,
+                    _ => &mut sheet.wavelengths,
+                };
+                let steps = steps(tail, self.at())?;
+                let empty = || Value::new(Data::Table(Vec::new()), self.at().clone());
+                (place.get_or_insert_with(empty), steps)
+            }
+        };
+        if steps.is_empty() && matches!(top, "eye" | "sky" | "default") {
+            return Err(Fault::new(self.at().clone(), format!("`{top}` is no attribute"))
+                .expected(format!("{top}.attribute=VALUE")));
+        }
+        // `wavelengths.mono_nm` over "visible": a new table.
+        if matches!(target.data, Data::Text(_)) && !steps.is_empty() {
+            target.data = Data::Table(Vec::new());
+        }
+        if let (Slot::Index, Some(Step::Key(key)), Data::Table(table)) =
+            (top_slot(&steps), steps.first(), &mut target.data)
+        {
+            // Another law replaces the one that is there.
+            table.retain(|(other, _)| other == key || Slot::of(other) != Some(Slot::Index));
+        }
+        patch(target, &steps, &self.value)?;
+        Ok(true)
+    }
+
+    /// Applies it to what is bound. Faults: nobody is called so, or has such an attribute.
+    pub(super) fn apply(&self, sheet: &Sheet, parts: &[Candidate], bound: &mut [PartBound]) -> Result<()> {
+        for (dot, _) in self.left.rmatch_indices('.') {
+            let (target, tail) = (&self.left[..dot], &self.left[dot + 1..]);
+            let target_part = target.strip_prefix("slide:").unwrap_or(target);
+            let matches = |part: &Candidate| part.has_path(target_part) || part.has_name(target_part);
+            let chosen: Vec<usize> = (0..parts.len()).filter(|index| matches(&parts[*index])).collect();
+            let group = in_group(target, sheet, bound);
+            match (chosen.as_slice(), group.is_empty()) {
+                ([], true) => {}
+                ([], false) => return self.apply_to_group(target, tail, group, sheet, bound),
+                (_, true) => {
+                    if chosen.len() > 1 && !is_glob(target_part) {
+                        let paths = listed(chosen.iter().map(|index| parts[*index].path.as_str()));
+                        return Err(Fault::new(
+                            self.at().clone(),
+                            format!("`{target}` means {} parts: {paths}", chosen.len()),
+                        )
+                        .expected("the path of one part, or a pattern for all of them"));
+                    }
+                    return self.apply_to_parts(target, tail, &chosen, sheet, parts, bound);
+                }
+                (_, false) => {
+                    let path = chosen.first().map_or("", |index| parts[*index].path.as_str());
+                    return Err(Fault::new(self.at().clone(), format!("`{target}` is a part and a light group"))
+                        .expected(format!("the part's path `{path}`, or another name for the group")));
+                }
+            }
+        }
+        let target = self.left.split('.').next().unwrap_or("");
+        let groups = groups(sheet, bound);
+        let names = || {
+            let parts = parts.iter().flat_map(|part| [part.name.as_str(), part.path.as_str()]);
+            parts.chain(groups.iter().map(String::as_str)).chain(TOP)
+        };
+        let what = if self.left.contains('.') { "is neither a part nor a light group" } else { "names no attribute" };
+        Err(Fault::new(self.at().clone(), format!("`{target}` {what}"))
+            .expected("TARGET.attribute=VALUE with a part, a light group, eye, sky, default, unit, wavelengths, coating.NAME or medium.NAME")
+            .nearest(target, names()))
+    }
+
+    fn apply_to_group(
+        &self,
+        group: &str,
+        tail: &str,
+        members: Vec<(usize, usize)>,
+        sheet: &Sheet,
+        bound: &mut [PartBound],
+    ) -> Result<()> {
+        let steps = steps(tail, self.at())?;
+        self.known(&steps, &format!("light group `{group}`"))?;
+        for (part, face) in members {
+            self.patch_face(bound, part, face, Slot::Emitter, &steps, sheet)?;
+        }
+        Ok(())
+    }
+
+    /// Checks that the first step is an attribute of an emitter.
+    fn known(&self, steps: &[Step], what: &str) -> Result<()> {
+        match steps.first() {
+            Some(Step::Key(key)) if EMITTER.contains(&key.as_str()) => Ok(()),
+            Some(Step::Key(key)) => Err(Fault::new(self.at().clone(), format!("unknown attribute `{key}` of {what}"))
+                .expected(format!("one of {}", EMITTER.join(", ")))
+                .nearest(key, EMITTER)),
+            Some(Step::Index(_)) | None => {
+                Err(Fault::new(self.at().clone(), format!("no attribute of {what} is named"))
+                    .expected("TARGET.attribute=VALUE"))
+            }
+        }
+    }
+
+    fn apply_to_parts(
+        &self,
+        target: &str,
+        tail: &str,
+        chosen: &[usize],
+        sheet: &Sheet,
+        parts: &[Candidate],
+        bound: &mut [PartBound],
+    ) -> Result<()> {
+        let all = steps(tail, self.at())?;
+        let (only, steps) = match all.as_slice() {
+            [Step::Key(faces), Step::Index(face), rest @ ..] if faces == "faces" => (Some(*face), rest),
+            rest => (None, rest),
+        };
+        let Some(Step::Key(key)) = steps.first() else {
+            return Err(Fault::new(self.at().clone(), format!("no attribute of `{target}` is named"))
+                .expected("TARGET.attribute=VALUE or TARGET.faces[N].attribute=VALUE"));
+        };
+        // `LED.flux_lm` is short for `LED.emitter.flux_lm`, `LCD.contrast` for `LCD.slide.contrast`.
+        let short = [(EMITTER, Slot::Emitter), (SLIDE, Slot::Slide)];
+        let short = short.into_iter().find(|(names, _)| names.contains(&key.as_str()));
+        let (slot, inner) = match (Slot::of(key), short) {
+            (Some(slot), _) => (slot, &steps[1..]),
+            (None, Some((_, slot))) => (slot, steps),
+            (None, None) => {
+                let rows = EMITTER.into_iter().chain(SLIDE);
+                return Err(Fault::new(self.at().clone(), format!("unknown attribute `{key}` of a part"))
+                    .expected(format!("one of {}, or an attribute of its emitter or slide", BINDABLE.join(", ")))
+                    .nearest(key, BINDABLE.into_iter().chain(rows)));
+            }
+        };
+        if let (true, Some(_)) = (slot.of_part(), only) {
+            return Err(Fault::new(self.at().clone(), format!("`{key}` fills a whole part, not a face"))
+                .expected(format!("{target}.{key}=VALUE")));
+        }
+        if let Some((face, part)) = only.zip(chosen.iter().map(|i| &parts[*i]).find(|part| only >= Some(part.faces))) {
+            return Err(Fault::new(self.at().clone(), format!("part {} has no face {face}", part.path))
+                .expected(format!("a face below {}", part.faces)));
+        }
+        if inner.is_empty() {
+            let entries = said(&[(key.clone(), self.value.clone())], sheet, "`--set`", &[])?;
+            for index in chosen {
+                let Some(part) = bound.get_mut(*index) else { continue };
+                for entry in &entries {
+                    if entry.slot.of_part() {
+                        part.part.set(entry.clone());
+                    } else {
+                        let faces =
+                            part.faces.iter_mut().enumerate().filter(|(face, _)| only.is_none_or(|o| o == *face));
+                        faces.for_each(|(_, face)| face.set(entry.clone()));
+                    }
+                }
+            }
+            return Ok(());
+        }
+        if slot.of_part() {
+            return Err(Fault::new(self.at().clone(), format!("`{key}` of a part is set as a whole"))
+                .expected(format!("{target}.{key}=VALUE")));
+        }
+        let mut members = Vec::new();
+        for index in chosen {
+            let Some(part) = bound.get(*index) else { continue };
+            for (face, slots) in part.faces.iter().enumerate() {
+                let table = slots.get(slot).map(|won| sheet.followed(slot, &won.entry.value)).transpose()?;
+                if only.is_none_or(|only| only == face) && table.is_some_and(|value| value.table().is_some()) {
+                    members.push((*index, face));
+                }
+            }
+        }
+        let noun = key_of(slot);
+        if members.is_empty() {
+            return Err(Fault::new(self.at().clone(), format!("`{target}` has no {noun} whose attributes can be set"))
+                .expected(format!("a part with {} {noun} = {{ … }}", if noun == "emitter" { "an" } else { "a" })));
+        }
+        if slot == Slot::Shape && members.len() > chosen.len() {
+            return Err(Fault::new(self.at().clone(), format!("several faces of `{target}` have a shape"))
+                .expected(format!("one face, e.g. {target}.faces[0].{tail}=VALUE")));
+        }
+        for (part, face) in members {
+            self.patch_face(bound, part, face, slot, inner, sheet)?;
+        }
+        Ok(())
+    }
+
+    /// Patches the value that holds for a face.
+    fn patch_face(
+        &self,
+        bound: &mut [PartBound],
+        part: usize,
+        face: usize,
+        slot: Slot,
+        steps: &[Step],
+        sheet: &Sheet,
+    ) -> Result<()> {
+        let Some(slots) = bound.get_mut(part).and_then(|part| part.faces.get_mut(face)) else { return Ok(()) };
+        let Some(won) = slots.get(slot) else { return Ok(()) };
+        let mut value = sheet.followed(slot, &won.entry.value)?.clone();
+        if let Some(Step::Key(key)) = steps.first() {
+            // One strength replaces the other.
+            if let (true, Data::Table(table)) = (STRENGTHS.contains(&key.as_str()), &mut value.data) {
+                table.retain(|(other, _)| other == key || !STRENGTHS.contains(&other.as_str()));
+            }
+        }
+        patch_parameter(&mut value, steps, &self.value)?;
+        let entry = Entry { value, at: self.at().clone(), ..(*won.entry).clone() };
+        slots.set(Rc::new(entry));
+        Ok(())
+    }
+}
+
+fn top_slot(steps: &[Step]) -> Slot {
+    match steps.first() {
+        Some(Step::Key(key)) => Slot::of(key).unwrap_or(Slot::Finish),
+        Some(Step::Index(_)) | None => Slot::Finish,
+    }
+}
+
+fn key_of(slot: Slot) -> &'static str {
+    match slot {
+        Slot::Index => "medium",
+        Slot::Absorption => "absorption_per_m",
+        Slot::Priority => "priority",
+        Slot::Finish => "finish",
+        Slot::Coating => "coating",
+        Slot::Shape => "shape",
+        Slot::Emitter => "emitter",
+        Slot::Slide => "slide",
+    }
+}
+
+/// The faces that emit in `group`.
+fn in_group(group: &str, sheet: &Sheet, bound: &[PartBound]) -> Vec<(usize, usize)> {
+    members(sheet, bound).filter(|(_, own)| own == group).map(|(member, _)| member).collect()
+}
+
+fn groups(sheet: &Sheet, bound: &[PartBound]) -> Vec<String> {
+    let mut all: Vec<String> = members(sheet, bound).map(|(_, group)| group).collect();
+    all.sort();
+    all.dedup();
+    all
+}
+
+fn members(sheet: &Sheet, bound: &[PartBound]) -> impl Iterator<Item = ((usize, usize), String)> {
+    bound.iter().enumerate().flat_map(move |(part, bound)| {
+        bound.faces.iter().enumerate().filter_map(move |(face, slots)| {
+            let value = sheet.followed(Slot::Emitter, &slots.get(Slot::Emitter)?.entry.value).ok()?;
+            value.table()?;
+            let group = value.get("group").and_then(Value::text).unwrap_or("lamp");
+            Some(((part, face), group.to_owned()))
+        })
+    })
+}
