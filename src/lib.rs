@@ -9,3 +9,4 @@ pub mod base; // floor 0: units, ids, randomness, statistics, path strings, erro
 pub mod film; // floor 1: layers, accumulators, frames, the plan as data
 pub mod import; // floor 2: glTF, sidecar → Scene
 pub mod scene; // floor 1: plain scene data
+pub mod world; // floor 3: what is traced

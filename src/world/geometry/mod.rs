@@ -1,0 +1,234 @@
+//! Ray intersection with everything that light can meet: f32 hierarchies propose candidates, f64 decides on exact
+//! surfaces or triangles.
+//!
+//! Two levels: a tree over parts in the world, and per distinct mesh a tree in its own coordinates. The world's origin
+//! is moved to the middle of the scene, so an assembly 10 km away is traced like one at the origin. There are no
+//! absolute epsilons: a ray that starts on a plane leaves it out, one that starts on a curved exact surface divides the
+//! known root out, and only on a faceted one rounding decides how near is too near.
+
+mod bound;
+pub mod exact;
+mod grid;
+mod instance;
+mod line;
+mod patch;
+mod prepare;
+mod solid;
+mod top;
+mod tree;
+
+#[cfg(test)]
+mod brute_tests;
+#[cfg(test)]
+mod hostile_tests;
+#[cfg(test)]
+mod leave_tests;
+#[cfg(test)]
+mod scenes;
+#[cfg(test)]
+mod tests;
+
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::scene::Scene;
+use bound::Bounds;
+use glam::{DAffine3, DVec3};
+use instance::Instance;
+use line::Touch;
+use solid::Solid;
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+use top::Top;
+
+/// A ray in the recentred world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// m.
+    pub origin: DVec3,
+    /// Unit.
+    pub dir: DVec3,
+    /// The surface that the origin lies on.
+    pub from: Option<Site>,
+}
+
+/// A place of the scene's surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Site {
+    pub part: u32,
+    /// Face of the part.
+    pub face: u32,
+    /// Triangle of the part's mesh.
+    pub triangle: u32,
+}
+
+/// Where a ray meets a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// m along the ray.
+    pub t: f64,
+    pub site: Site,
+    /// In the recentred world, m.
+    pub point: DVec3,
+    /// In mesh units, on the exact surface.
+    pub local: DVec3,
+    /// Unit normal of the surface, outward of the solid by the mesh's winding, world.
+    pub normal: DVec3,
+    /// Unit normal for optics, in the hemisphere of `normal`: the same on exact surfaces, interpolated on meshes.
+    pub shading: DVec3,
+}
+
+/// All surfaces of a scene, ready for rays.
+#[derive(Debug)]
+pub struct Geometry {
+    origin: DVec3,
+    /// Of all parts, mesh → recentred world.
+    to_world: Vec<DAffine3>,
+    solids: Vec<Solid>,
+    /// In the order of the slots of `top`.
+    instances: Vec<Instance>,
+    top: Top,
+}
+
+impl Geometry {
+    /// Prepares a scene. Faults: a transform that is not finite or flattens its part, an exact face of a part that is
+    /// scaled unevenly, a shape that misses its mesh, indices out of range, vertices that are not finite, nothing to
+    /// trace at all.
+    pub fn build(scene: &Scene) -> Result<Geometry> {
+        let mut solids: Vec<Solid> = Vec::new();
+        let mut known: HashMap<Vec<u64>, Option<usize>> = HashMap::new();
+        let mut placed: Vec<(u32, usize)> = Vec::new();
+        for (index, part) in scene.parts.iter().enumerate() {
+            let fault = |what: String| Fault::new(Where::part(&part.path), what);
+            let mesh = scene.meshes.get(part.mesh.index());
+            let mesh = mesh.ok_or_else(|| fault(format!("mesh {} of {}", part.mesh.0, scene.meshes.len())))?;
+            if part.faces.len() != mesh.faces.len() {
+                return Err(fault(format!("{} faces for a mesh with {}", part.faces.len(), mesh.faces.len())));
+            }
+            let faces = prepare::traced(part);
+            instance::check(part, &faces)?;
+            let key = prepare::key(part.mesh.index(), &faces);
+            let solid = match known.get(&key) {
+                Some(solid) => *solid,
+                None => {
+                    let solid = prepare::solid(mesh, part, &faces)?.map(|solid| {
+                        solids.push(solid);
+                        solids.len() - 1
+                    });
+                    known.insert(key, solid);
+                    solid
+                }
+            };
+            placed.extend(solid.map(|solid| (index as u32, solid)));
+        }
+        if placed.is_empty() {
+            return Err(Fault::new(Where::Nowhere, "nothing in the scene has a surface that light meets")
+                .expected("at least one face with a finish, an emitter or a slide"));
+        }
+        if !scene.eye.position.is_finite() {
+            return Err(Fault::new(Where::Nowhere, format!("the eye is at {}", scene.eye.position)));
+        }
+        let spread = placed.iter().fold(Bounds::of([scene.eye.position]), |all, (part, solid)| {
+            all.join(solids[*solid].bounds.map(&scene.parts[*part as usize].to_world))
+        });
+        let origin = spread.centre();
+        if !spread.is_finite() || !spread.half().is_finite() {
+            return Err(Fault::new(Where::Nowhere, "the scene is too large to be traced"));
+        }
+        let recentre = |to_world: DAffine3| DAffine3 { translation: to_world.translation - origin, ..to_world };
+        let to_world: Vec<DAffine3> = scene.parts.iter().map(|part| recentre(part.to_world)).collect();
+        let mut instances: Vec<Instance> = placed
+            .iter()
+            .map(|(part, solid)| {
+                let solid_bounds = solids[*solid].bounds;
+                let medium = scene.parts[*part as usize].medium.is_some();
+                Instance::new(
+                    *part,
+                    *solid,
+                    medium,
+                    to_world[*part as usize],
+                    solid_bounds,
+                    spread.half().max_element(),
+                )
+            })
+            .collect();
+        let boxes: Vec<Bounds> = instances.iter().map(|i| i.bounds).collect();
+        let many = || Fault::new(Where::Nowhere, "the scene has too many parts").expected("less than 2^32");
+        let (top, order) = Top::build(&boxes).ok_or_else(many)?;
+        instances = order.iter().filter_map(|i| instances.get(*i as usize).cloned()).collect();
+        Ok(Geometry { origin, to_world, solids, instances, top })
+    }
+
+    /// The point of the scene's world that is (0, 0, 0) here: the middle of its parts and the eye.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Mesh units → recentred world of a part.
+    ///
+    /// # Panics
+    /// If the scene has no such part.
+    pub fn part_to_world(&self, part: u32) -> DAffine3 {
+        self.to_world[part as usize]
+    }
+
+    /// Lower and upper corner of a box around all surfaces, recentred world.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let bounds = self.top.bounds();
+        (bounds.lo, bounds.hi)
+    }
+
+    /// The first thing that the ray meets at 0 < t < `t_max`. A ray that is not finite or not unit meets nothing.
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
+        if !is_valid(ray) {
+            return None;
+        }
+        let mut best: Option<(u32, Touch)> = None;
+        let mut reach = t_max;
+        let _ = self.top.along(ray.origin, ray.dir, reach, |slot| {
+            if let Some(instance) = self.instances.get(slot as usize)
+                && let Some((touch, t)) = instance.nearest(&self.solids[instance.solid], ray, reach)
+            {
+                reach = t;
+                best = Some((slot, touch));
+            }
+            ControlFlow::Continue(reach)
+        });
+        let (slot, touch) = best?;
+        let instance = &self.instances[slot as usize];
+        instance.hit(&self.solids[instance.solid], &touch, reach)
+    }
+
+    /// Whether anything but the face of `target` is met at 0 < t < `t_max`.
+    pub fn occluded(&self, ray: &Ray, t_max: f64, target: Option<Site>) -> bool {
+        let blocks = |slot: u32| {
+            let instance = self.instances.get(slot as usize);
+            instance.is_some_and(|instance| instance.blocks(&self.solids[instance.solid], ray, t_max, target))
+        };
+        is_valid(ray)
+            && self
+                .top
+                .along(ray.origin, ray.dir, t_max, |slot| {
+                    if blocks(slot) { ControlFlow::Break(()) } else { ControlFlow::Continue(t_max) }
+                })
+                .is_break()
+    }
+
+    /// The parts with a medium that the point is inside of, ascending. A part contains the point if most of several
+    /// rays meet it from inside first, so a missing side or a hit on a seam does not turn it.
+    pub fn solids_containing(&self, p: DVec3) -> Vec<u32> {
+        let mut parts: Vec<u32> = self
+            .instances
+            .iter()
+            .filter(|instance| instance.medium && instance.bounds.contains(p))
+            .filter(|instance| instance.contains(&self.solids[instance.solid], p))
+            .map(|instance| instance.part)
+            .collect();
+        parts.sort_unstable();
+        parts
+    }
+}
+
+/// Finite, and unit as far as it matters.
+fn is_valid(ray: &Ray) -> bool {
+    ray.origin.is_finite() && (0.25..=4.0).contains(&ray.dir.length_squared())
+}

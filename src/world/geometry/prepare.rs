@@ -1,0 +1,223 @@
+//! From a mesh and the shapes of its faces to a [`Solid`].
+
+use super::bound::{Bounds, patch_box, triangle_box};
+use super::exact::Quadric;
+use super::grid::Grid;
+use super::patch::{Projection, vertex};
+use super::solid::{Sheet, Solid, Surface, Triangle, winding};
+use super::tree::Tree;
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::scene::{FaceRange, Finish, Mesh, Part, Shape};
+use glam::DVec3;
+use std::ops::Range;
+
+/// The shape that a face of a part is traced as; none if light never meets it.
+pub type Traced = Option<Shape>;
+
+/// How each face of a part is traced. Lamps are sampled on their triangles, so an emitting face is its triangles.
+pub fn traced(part: &Part) -> Vec<Traced> {
+    let shape = |face: &crate::scene::Face| match (face.finish, &face.emitter, face.slide) {
+        (_, Some(_), _) => Some(Shape::Mesh),
+        (Finish::None, None, None) => None,
+        (
+            Finish::None
+            | Finish::Polished
+            | Finish::MirrorMetal { .. }
+            | Finish::MirrorIdeal { .. }
+            | Finish::Lambert { .. }
+            | Finish::Gauss { .. }
+            | Finish::Absorber,
+            None,
+            _,
+        ) => Some(face.shape),
+    };
+    part.faces.iter().map(shape).collect()
+}
+
+/// Two parts with the same key share a solid.
+pub fn key(mesh: usize, faces: &[Traced]) -> Vec<u64> {
+    let mut key = vec![mesh as u64];
+    for face in faces {
+        let (tag, vertex, axis, rest) = match *face {
+            None => (0, DVec3::ZERO, DVec3::ZERO, [0.0; 2]),
+            Some(Shape::Mesh) => (1, DVec3::ZERO, DVec3::ZERO, [0.0; 2]),
+            Some(Shape::Plane { vertex, axis }) => (2, vertex, axis, [0.0; 2]),
+            Some(Shape::Sphere { vertex, axis, radius }) => (3, vertex, axis, [radius, 0.0]),
+            Some(Shape::Conic { vertex, axis, radius, conic }) => (4, vertex, axis, [radius, conic]),
+        };
+        key.push(tag);
+        if tag > 1 {
+            key.extend(vertex.to_array().into_iter().chain(axis.to_array()).chain(rest).map(f64::to_bits));
+        }
+    }
+    key
+}
+
+/// Builds the solid of a part; none if no face of it is there.
+pub fn solid(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Solid>> {
+    let mut triangles = Vec::new();
+    let mut normals = Vec::new();
+    let mut boxes = Vec::new();
+    let mut sheets = Vec::with_capacity(faces.len());
+    for (index, (range, shape)) in mesh.faces.iter().zip(faces).enumerate() {
+        let at = || Where::Part { path: part.path.clone(), face: Some(index) };
+        let face = index as u32;
+        let Some(shape) = shape else {
+            sheets.push(Sheet { identity: face, surface: Surface::Absent });
+            continue;
+        };
+        let first = triangles.len();
+        gather(mesh, *range, face, &mut triangles, &mut normals).map_err(|what| Fault::new(at(), what))?;
+        let own = &triangles[first..];
+        let surface = match shape {
+            Shape::Mesh => triangles_alone(own),
+            Shape::Plane { .. } | Shape::Sphere { .. } | Shape::Conic { .. } => exact(shape, own).map_err(|what| {
+                Fault::new(at(), what).expected("the shape of this face in mesh units, or shape mesh")
+            })?,
+        };
+        boxes.extend(own.iter().map(|t| match &surface {
+            Surface::Absent | Surface::Flat | Surface::Faceted => triangle_box(&t.corners),
+            Surface::Exact { quadric, projection, .. } => patch_box(&t.corners, quadric, projection),
+        }));
+        let same = |other: &&Sheet| match (&other.surface, &surface) {
+            (Surface::Exact { quadric: a, .. }, Surface::Exact { quadric: b, .. }) => a == b,
+            (Surface::Exact { .. } | Surface::Absent | Surface::Flat | Surface::Faceted, _) => false,
+        };
+        let identity = sheets.iter().find(same).map_or(face, |sheet| sheet.identity);
+        sheets.push(Sheet { identity, surface });
+    }
+    if triangles.is_empty() {
+        return Ok(None);
+    }
+    let bounds = boxes.iter().fold(Bounds::EMPTY, |all, b| all.join(*b));
+    if !bounds.is_finite() {
+        return Err(Fault::new(Where::part(&part.path), "its surfaces have no finite bounds"));
+    }
+    let (order, tree, grids) = arrange(&triangles, &boxes, &sheets)
+        .ok_or_else(|| Fault::new(Where::part(&part.path), "it has too many triangles").expected("less than 2^32"))?;
+    Ok(Some(Solid {
+        bounds: bounds.widen(DVec3::splat(1e-6 * bounds.half().max_element() + 1e-12 * bounds.reach())),
+        tree,
+        grids,
+        triangles: order.iter().filter_map(|i| triangles.get(*i as usize).copied()).collect(),
+        normals: order.iter().filter_map(|i| normals.get(*i as usize).copied()).collect(),
+        faces: sheets,
+    }))
+}
+
+/// Triangles by slot, the tree over the first of them, the grids of faces over the rest.
+type Arranged = (Vec<u32>, Tree, Vec<(u32, Grid)>);
+
+/// Decides which triangles go into the tree and which into grids.
+fn arrange(triangles: &[Triangle], boxes: &[Bounds], sheets: &[Sheet]) -> Option<Arranged> {
+    // Faces' triangles follow each other.
+    let mut own = vec![0..0; sheets.len()];
+    for (i, t) in triangles.iter().enumerate() {
+        let range = own.get_mut(t.face as usize)?;
+        *range = if range.start == range.end { i..i + 1 } else { range.start..i + 1 };
+    }
+    let corners = |range: &Range<usize>| triangles[range.clone()].iter().map(|t| t.corners).collect::<Vec<_>>();
+    let grid = |face: usize| match &sheets[face].surface {
+        Surface::Exact { projection: Projection::Axial(shear), .. } if !own[face].is_empty() => {
+            let base = boxes[own[face].start].centre();
+            Grid::build(&corners(&own[face]), shear, base)
+        }
+        Surface::Exact { .. } | Surface::Absent | Surface::Flat | Surface::Faceted => None,
+    };
+    // Many exact faces on one part would be tried one after the other.
+    let is_exact = |sheet: &&Sheet| matches!(sheet.surface, Surface::Exact { .. });
+    let few = sheets.iter().filter(is_exact).count() <= MOST_GRIDS;
+    let found: Vec<Option<Grid>> = (0..sheets.len()).map(|face| if few { grid(face) } else { None }).collect();
+    let has_no_grid = |i: &u32| found[triangles[*i as usize].face as usize].is_none();
+    let in_tree: Vec<u32> = (0..u32::try_from(triangles.len()).ok()?).filter(has_no_grid).collect();
+    let (tree, slots) = Tree::build(&in_tree.iter().map(|i| boxes[*i as usize]).collect::<Vec<_>>())?;
+    let mut order: Vec<u32> = slots.iter().filter_map(|slot| in_tree.get(*slot as usize).copied()).collect();
+    let mut grids = Vec::new();
+    for (face, grid) in found.into_iter().enumerate() {
+        if let Some(mut grid) = grid {
+            grid.move_slots(order.len() as u32);
+            grids.push((face as u32, grid));
+            order.extend(own[face].clone().map(|i| i as u32));
+        }
+    }
+    Some((order, tree, grids))
+}
+
+/// Up to this many exact faces of a part are looked up one after the other.
+const MOST_GRIDS: usize = 6;
+
+/// Adds the triangles of a face that have an area.
+fn gather(
+    mesh: &Mesh,
+    range: FaceRange,
+    face: u32,
+    triangles: &mut Vec<Triangle>,
+    normals: &mut Vec<[[f32; 3]; 3]>,
+) -> Result<(), String> {
+    let Some(own) = mesh.triangles.get(range.triangles()) else {
+        return Err(format!(
+            "triangles {} to {} of mesh {} which has {}",
+            range.first,
+            range.triangles().end,
+            mesh.name,
+            mesh.triangles.len()
+        ));
+    };
+    for (index, corners) in range.triangles().zip(own) {
+        let mut positions = [[0.0f32; 3]; 3];
+        let mut shading = [[0.0f32; 3]; 3];
+        for (k, v) in corners.iter().enumerate() {
+            match mesh.positions.get(*v as usize) {
+                Some(p) if p.iter().all(|x| x.is_finite()) => positions[k] = *p,
+                Some(p) => return Err(format!("triangle {index} has a vertex at {p:?}")),
+                None => return Err(format!("triangle {index} names vertex {v} of {}", mesh.positions.len())),
+            }
+            shading[k] = mesh.normals.get(*v as usize).copied().unwrap_or_default();
+        }
+        if winding(&positions).length_squared() > 0.0 {
+            triangles.push(Triangle { corners: positions, face, index: index as u32 });
+            normals.push(shading);
+        }
+    }
+    Ok(())
+}
+
+/// Flat if every vertex is in one plane to the rounding of its f32 coordinates (half a unit in the last place each, once
+/// for the vertex and about as much for the plane).
+fn triangles_alone(own: &[Triangle]) -> Surface {
+    let area = |t: &&Triangle| winding(&t.corners).length_squared();
+    let Some(largest) = own.iter().max_by(|a, b| area(a).total_cmp(&area(b))) else { return Surface::Absent };
+    let normal = winding(&largest.corners).normalize_or_zero();
+    let base = vertex(largest.corners[0]);
+    let corners = || own.iter().flat_map(|t| t.corners).map(vertex);
+    let tolerance = 4.0 * f64::from(f32::EPSILON) * Bounds::of(corners()).reach();
+    if corners().all(|p| (p - base).dot(normal).abs() <= tolerance) { Surface::Flat } else { Surface::Faceted }
+}
+
+/// A vertex farther from the exact surface than this share of the face's diagonal means that the shape is not this
+/// face's. Tessellations put vertices on the surface to f32 rounding, fits to 1e-6 of the diagonal.
+const MISS: f64 = 0.01;
+
+fn exact(shape: &Shape, own: &[Triangle]) -> Result<Surface, String> {
+    let quadric = Quadric::from_shape(shape).ok_or_else(|| format!("{shape:?} is no surface"))?;
+    if own.is_empty() {
+        return Ok(Surface::Absent);
+    }
+    let corners = || own.iter().flat_map(|t| t.corners).map(vertex);
+    let diagonal = 2.0 * Bounds::of(corners()).half().length();
+    let met = |p: &DVec3| quadric.distance(*p) <= MISS * diagonal;
+    if let Some(p) = corners().find(|p| !met(p)) {
+        return Err(format!("the shape misses its mesh: vertex {p} is {:.3e} from it", quadric.distance(p)));
+    }
+    let projection = Projection::choose(&quadric, corners())
+        .ok_or_else(|| "the shape misses its mesh, which is on the other sheet of the hyperboloid".to_owned())?;
+    let along: f64 = own
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.corners.map(vertex);
+            winding(&t.corners).dot(quadric.normal((a + b + c) / 3.0))
+        })
+        .sum();
+    Ok(Surface::Exact { quadric, projection, outward: if along < 0.0 { -1.0 } else { 1.0 } })
+}

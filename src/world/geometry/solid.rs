@@ -1,0 +1,242 @@
+//! One mesh with its exact surfaces, traced in its own coordinates and shared by the parts that instance it.
+
+use super::bound::Bounds;
+use super::exact::Quadric;
+use super::grid::Grid;
+use super::line::{Line, Probe, Roots, Touch};
+use super::patch::{Projection, point_on};
+use super::tree::Tree;
+use glam::DVec3;
+use std::ops::ControlFlow;
+
+#[derive(Debug)]
+pub struct Solid {
+    /// Contains everything, with a margin for rounding.
+    pub bounds: Bounds,
+    /// Of the triangles that are not in a grid.
+    pub tree: Tree,
+    /// Exact height fields: the faces that are looked up by their points, and where.
+    pub grids: Vec<(u32, Grid)>,
+    /// In the order of the tree's slots, then the grids'.
+    pub triangles: Vec<Triangle>,
+    /// Unit normals at the corners, in the same order.
+    pub normals: Vec<[[f32; 3]; 3]>,
+    /// One per CAD face of the mesh.
+    pub faces: Vec<Sheet>,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub struct Triangle {
+    pub corners: [[f32; 3]; 3],
+    /// Face of the part.
+    pub face: u32,
+    /// Triangle of the mesh.
+    pub index: u32,
+}
+
+/// The surface of a face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sheet {
+    /// The first face with the same exact surface (a ball may come as two faces), else the face itself.
+    pub identity: u32,
+    pub surface: Surface,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Surface {
+    /// Not traced.
+    Absent,
+    /// Triangles in one plane.
+    Flat,
+    /// Triangles that are not.
+    Faceted,
+    /// `outward` is the sign that turns the quadric's normal out of the solid.
+    Exact { quadric: Quadric, projection: Projection, outward: f64 },
+}
+
+impl Surface {
+    fn is_plane(&self) -> bool {
+        match self {
+            Surface::Absent | Surface::Faceted => false,
+            Surface::Flat => true,
+            Surface::Exact { quadric, .. } => quadric.curvature == 0.0,
+        }
+    }
+}
+
+impl Solid {
+    /// The nearest point of the line on the solid with 0 < t < reach; of equally near ones the first triangle's.
+    #[inline]
+    pub fn nearest(&self, line: &Line, reach: f64) -> Option<Touch> {
+        let mut best: Option<Touch> = None;
+        let mut reach = reach;
+        let mut consider = |touch: Touch, reach: &mut f64| {
+            let first = match &best {
+                _ if touch.t < *reach => true,
+                Some(other) => self.triangles[touch.slot as usize].index < self.triangles[other.slot as usize].index,
+                None => false,
+            };
+            if first {
+                *reach = touch.t;
+                best = Some(touch);
+            }
+        };
+        for (face, grid) in &self.grids {
+            if let Some(touch) = self.look_up(*face, grid, line, reach) {
+                consider(touch, &mut reach);
+            }
+        }
+        if let Some(mut probe) = self.probe(line, reach) {
+            let _ = self.tree.candidates(line.origin, line.dir, probe.start, reach, |slot| {
+                if let Some(touch) = self.touch(slot, line, reach, &mut probe) {
+                    consider(touch, &mut reach);
+                }
+                ControlFlow::Continue(reach)
+            });
+        }
+        best
+    }
+
+    /// The line for the triangles of the tree, if it enters the tree's bounds.
+    #[inline]
+    fn probe(&self, line: &Line, reach: f64) -> Option<Probe> {
+        let (start, _) = self.tree.bounds.clip(line.origin, line.inverse)?;
+        (start <= reach).then(|| Probe::new(line, start))
+    }
+
+    /// Where the line meets a face that has a grid, with 0 < t ≤ reach.
+    #[inline]
+    fn look_up(&self, face: u32, grid: &Grid, line: &Line, reach: f64) -> Option<Touch> {
+        let sheet = self.faces.get(face as usize)?;
+        let Surface::Exact { quadric, projection: Projection::Axial(shear), .. } = &sheet.surface else { return None };
+        let starts_here = sheet.identity == line.from;
+        if face == line.skip || (starts_here && sheet.surface.is_plane()) {
+            return None;
+        }
+        for t in quadric.intersect(line.origin, line.dir, starts_here) {
+            if !(t > 0.0 && t <= reach && t < f64::INFINITY) {
+                continue;
+            }
+            let at = line.origin + t * line.dir;
+            for slot in grid.around(shear, at) {
+                let inside = self.triangles.get(*slot as usize).is_some_and(|t| shear.cross(&t.corners, at).is_some());
+                // The far half of an ellipsoid and the other sheet of a hyperboloid are not meant.
+                if inside && quadric.branch(at) > 0.0 {
+                    return Some(Touch { t, slot: *slot, at, weights: [0.0; 3] });
+                }
+            }
+        }
+        None
+    }
+
+    /// [`Solid::nearest`] without the tree: every triangle is tried.
+    #[cfg(test)]
+    pub fn nearest_of_all(&self, line: &Line, reach: f64) -> Option<Touch> {
+        let (mut best, mut reach) = (None, reach);
+        let start = self.tree.bounds.clip(line.origin, line.inverse).map_or(0.0, |(start, _)| start);
+        let mut probe = Probe::new(line, start);
+        let mut slots: Vec<u32> = (0..self.triangles.len() as u32).collect();
+        slots.sort_by_key(|slot| self.triangles[*slot as usize].index);
+        for slot in slots {
+            if let Some(touch) = self.touch(slot, line, reach, &mut probe).filter(|touch| touch.t < reach) {
+                reach = touch.t;
+                best = Some(touch);
+            }
+        }
+        best
+    }
+
+    /// Whether the line meets the solid with 0 < t < reach.
+    #[inline]
+    pub fn blocks(&self, line: &Line, reach: f64) -> bool {
+        let touches = |touch: Option<Touch>| touch.is_some_and(|touch| touch.t < reach);
+        if self.grids.iter().any(|(face, grid)| touches(self.look_up(*face, grid, line, reach))) {
+            return true;
+        }
+        let Some(mut probe) = self.probe(line, reach) else { return false };
+        let start = probe.start;
+        let visit = |slot| {
+            let blocked = touches(self.touch(slot, line, reach, &mut probe));
+            if blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(reach) }
+        };
+        self.tree.candidates(line.origin, line.dir, start, reach, visit).is_break()
+    }
+
+    /// Where the line meets the part of the surface that a slot's triangle stands for, with 0 < t ≤ reach.
+    #[inline]
+    fn touch(&self, slot: u32, line: &Line, reach: f64, probe: &mut Probe) -> Option<Touch> {
+        let triangle = self.triangles.get(slot as usize)?;
+        let sheet = self.faces.get(triangle.face as usize)?;
+        let starts_here = sheet.identity == line.from;
+        if triangle.face == line.skip || (starts_here && sheet.surface.is_plane()) {
+            return None;
+        }
+        match &sheet.surface {
+            Surface::Absent => None,
+            Surface::Flat | Surface::Faceted => {
+                if starts_here && triangle.index == line.from_triangle {
+                    return None;
+                }
+                let crossing = probe.shear.cross(&triangle.corners, probe.through)?;
+                let t = probe.start + crossing.t;
+                let least = if starts_here { line.grain } else { 0.0 };
+                let at = || point_on(&triangle.corners, crossing.weights);
+                (t > least && t <= reach).then(|| Touch { t, slot, at: at(), weights: crossing.weights })
+            }
+            Surface::Exact { quadric, projection, .. } => {
+                let roots = &mut probe.roots;
+                if roots.face != triangle.face {
+                    *roots = Roots::of(triangle.face, quadric, projection, line, starts_here);
+                }
+                for i in 0..2 {
+                    let (t, at) = (roots.t[i], roots.at[i]);
+                    // Not so for a root that is missing.
+                    let ahead = t <= reach;
+                    let inside = ahead
+                        && match projection {
+                            Projection::Axial(shear) => shear.cross(&triangle.corners, at).is_some(),
+                            Projection::Central(centre) => roots.shear[i]
+                                .cross(&triangle.corners, *centre)
+                                .is_some_and(|crossing| crossing.t > 0.0),
+                        };
+                    if inside {
+                        return Some(Touch { t, slot, at, weights: [0.0; 3] });
+                    }
+                }
+                None
+            }
+        }
+    }
+
+    /// Unit normals at a touch, outward of the solid in its coordinates: of the surface, and for shading.
+    pub fn normals_at(&self, touch: &Touch) -> Option<(DVec3, DVec3)> {
+        let triangle = self.triangles.get(touch.slot as usize)?;
+        match &self.faces.get(triangle.face as usize)?.surface {
+            Surface::Absent => None,
+            Surface::Exact { quadric, outward, .. } => {
+                let normal = *outward * quadric.normal(touch.at);
+                Some((normal, normal))
+            }
+            Surface::Flat | Surface::Faceted => {
+                let normal = winding(&triangle.corners).try_normalize()?;
+                let corners = self.normals.get(touch.slot as usize)?;
+                Some((normal, point_on(corners, touch.weights).normalize_or(normal)))
+            }
+        }
+    }
+
+    /// The touch moved onto the exact surface as far as f64 can say.
+    pub fn settle(&self, touch: &Touch) -> DVec3 {
+        let face = self.triangles.get(touch.slot as usize).and_then(|t| self.faces.get(t.face as usize));
+        match face.map(|sheet| &sheet.surface) {
+            Some(Surface::Exact { quadric, .. }) => quadric.settle(touch.at),
+            Some(Surface::Absent | Surface::Flat | Surface::Faceted) | None => touch.at,
+        }
+    }
+}
+
+/// Twice the area times the normal that the winding gives.
+pub fn winding(corners: &[[f32; 3]; 3]) -> DVec3 {
+    let [a, b, c] = corners.map(super::patch::vertex);
+    (b - a).cross(c - a)
+}

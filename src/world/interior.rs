@@ -1,0 +1,109 @@
+//! Which solids a ray is inside of, and which of them fills the space: nested dielectrics by priority
+//! (the rule of Schmidt and Budge, "Simple nested dielectrics in ray traced images", JGT 7(2), 2002).
+
+use crate::scene::Medium;
+use arrayvec::ArrayVec;
+
+/// The medium of a part at the traced wavelength.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solid {
+    /// Real refractive index.
+    pub index: f64,
+    /// Napierian absorption, 1/m, contributed both by `absorption_per_m` and by an imaginary index (4πk/λ).
+    pub absorption_per_m: f64,
+    pub priority: i32,
+}
+
+impl Solid {
+    pub fn new(medium: &Medium, priority: i32, wavelength_nm: f64) -> Self {
+        let n = medium.index.index(wavelength_nm);
+        Solid {
+            index: n.re,
+            absorption_per_m: medium.absorption_per_m + 4.0 * std::f64::consts::PI * n.im / (wavelength_nm * 1e-9),
+            priority,
+        }
+    }
+}
+
+/// The solids around a ray. Deeper nesting than [`Interior::DEPTH`] keeps the newest ones.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Interior {
+    parts: ArrayVec<u32, { Interior::DEPTH }>,
+}
+
+impl Interior {
+    pub const DEPTH: usize = 8;
+
+    pub fn of(parts: impl IntoIterator<Item = u32>) -> Self {
+        Interior { parts: parts.into_iter().take(Self::DEPTH).collect() }
+    }
+
+    /// The solid that fills the space here: the highest priority, and among equals the one listed first in the asset.
+    pub fn top<'s>(&self, solids: &'s [Option<Solid>]) -> Option<(u32, &'s Solid)> {
+        self.top_without(u32::MAX, solids)
+    }
+
+    /// [`Interior::top`] if `part` were not there.
+    pub fn top_without<'s>(&self, part: u32, solids: &'s [Option<Solid>]) -> Option<(u32, &'s Solid)> {
+        self.parts
+            .iter()
+            .filter(|&&p| p != part)
+            .filter_map(|&p| solids[p as usize].as_ref().map(|solid| (p, solid)))
+            .max_by(|a, b| a.1.priority.cmp(&b.1.priority).then(b.0.cmp(&a.0)))
+    }
+
+    /// Whether `part` is around the ray.
+    pub fn contains(&self, part: u32) -> bool {
+        self.parts.contains(&part)
+    }
+
+    pub fn enter(&mut self, part: u32) {
+        if !self.contains(part) {
+            if self.parts.is_full() {
+                self.parts.remove(0);
+            }
+            self.parts.push(part);
+        }
+    }
+
+    pub fn leave(&mut self, part: u32) {
+        self.parts.retain(|p| *p != part);
+    }
+
+    /// Makes the list agree with what a hit on `part` proves: a hit from behind means that the ray was inside.
+    pub fn heal(&mut self, part: u32, was_inside: bool) {
+        if was_inside { self.enter(part) } else { self.leave(part) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn solid(priority: i32) -> Option<Solid> {
+        Some(Solid { index: 1.5, absorption_per_m: 0.0, priority })
+    }
+
+    #[test]
+    fn the_highest_priority_fills_the_overlap() {
+        let solids = [solid(0), solid(1), solid(1), None];
+        let mut inside = Interior::default();
+        assert_eq!(inside.top(&solids), None);
+        inside.enter(0);
+        inside.enter(2);
+        assert_eq!(inside.top(&solids).map(|(p, _)| p), Some(2));
+        inside.enter(1);
+        assert_eq!(inside.top(&solids).map(|(p, _)| p), Some(1), "equal priorities: first in the asset");
+        assert_eq!(inside.top_without(1, &solids).map(|(p, _)| p), Some(2));
+        inside.leave(1);
+        inside.leave(2);
+        assert_eq!(inside.top(&solids).map(|(p, _)| p), Some(0));
+    }
+
+    #[test]
+    fn overfull_nesting_forgets_the_oldest() {
+        let mut inside = Interior::default();
+        (0..20).for_each(|p| inside.enter(p));
+        assert!(inside.contains(19) && !inside.contains(0));
+    }
+}

@@ -1,0 +1,255 @@
+//! Emitting faces: how bright they are, and points and directions sampled on them.
+
+use super::cdf::Cdf;
+use crate::base::fault::Result;
+use crate::base::ids::GroupId;
+use crate::base::warp::{self, Frame};
+use crate::base::{Fault, Where};
+use crate::scene::{Angular, Emitter, Part, Photometry, Scene};
+use glam::{DAffine3, DVec3};
+use std::f64::consts::PI;
+
+/// Share of [`Lamps::pick_for_point`]'s choices that go by flux alone, so that no lamp is ever starved.
+const DEFENSIVE: f64 = 0.1;
+
+/// One emitting face. Every element of its area emits dI = (I0/A) cosⁿθ dA about its own normal, so flux is exact on
+/// curved faces too, while I0 is the face's intensity only where it is flat.
+#[derive(Debug, Clone)]
+pub struct Lamp {
+    /// Index of the part and of its face.
+    pub part: usize,
+    pub face: usize,
+    pub group: GroupId,
+    /// Area of the face's triangles, m².
+    pub area_m2: f64,
+    /// Luminous flux of the face, lm.
+    pub flux_lm: f64,
+    /// Intensity along the normal, cd.
+    pub intensity_cd: f64,
+    /// n of I ∝ cosⁿ; 1 is Lambert's.
+    pub exponent: f64,
+    triangles: Vec<Triangle>,
+    by_area: Cdf,
+    /// Sphere about the face: centre, and radius squared.
+    centre: DVec3,
+    radius2: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Triangle {
+    origin: DVec3,
+    edges: [DVec3; 2],
+    normal: DVec3,
+    index: u32,
+}
+
+/// A point on a lamp.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LampPoint {
+    /// Recentred world frame, m.
+    pub position: DVec3,
+    /// Unit normal of the triangle on the side that emits.
+    pub normal: DVec3,
+    /// Index into the mesh's triangles.
+    pub triangle: u32,
+}
+
+impl Lamp {
+    fn build(scene: &Scene, part: usize, face: usize, emitter: &Emitter, to_world: DAffine3) -> Result<Lamp> {
+        let owner = &scene.parts[part];
+        let at = || Where::Part { path: owner.path.clone(), face: Some(face) };
+        let triangles = world_triangles(scene, owner, face, to_world)
+            .ok_or_else(|| Fault::new(at(), "an emitting face refers to triangles or vertices that its mesh lacks"))?;
+        let areas = triangles.iter().map(|t| 0.5 * t.edges[0].cross(t.edges[1]).length());
+        let by_area = Cdf::new(areas).ok_or_else(|| {
+            Fault::new(at(), "an emitting face has no area").expected("a face with a positive, finite area")
+        })?;
+        let area_m2 = by_area.total();
+        let exponent = match emitter.angular {
+            Angular::Lambert => 1.0,
+            Angular::CosN { n } => n,
+        };
+        if !(exponent >= 0.0 && exponent.is_finite()) {
+            return Err(
+                Fault::new(at(), format!("the emitter's exponent of cosine is {exponent}")).expected("0 or more")
+            );
+        }
+        let (what, value, intensity_cd) = match emitter.photometry {
+            // Formula sheet, section 5: I0 = Φ (n + 1)/(2π).
+            Photometry::FluxLm(flux) => ("flux in lm", flux, flux * (exponent + 1.0) / (2.0 * PI)),
+            Photometry::LuminanceCdM2(luminance) => ("luminance in cd/m²", luminance, luminance * area_m2),
+            Photometry::IntensityCd(intensity) => ("intensity in cd", intensity, intensity),
+        };
+        let flux_lm = intensity_cd * 2.0 * PI / (exponent + 1.0);
+        if !(value >= 0.0 && flux_lm.is_finite() && intensity_cd.is_finite() && (intensity_cd / area_m2).is_finite()) {
+            return Err(Fault::new(at(), format!("the emitter's {what} is {value}")).expected("0 or more, and finite"));
+        }
+        let corners = || triangles.iter().flat_map(|t| [t.origin, t.origin + t.edges[0], t.origin + t.edges[1]]);
+        let (low, high) = corners()
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), corner| (low.min(corner), high.max(corner)));
+        let centre = 0.5 * (low + high);
+        let radius2 = corners().map(|corner| corner.distance_squared(centre)).fold(0.0, f64::max);
+        let group = emitter.group;
+        Ok(Lamp { part, face, group, area_m2, flux_lm, intensity_cd, exponent, triangles, by_area, centre, radius2 })
+    }
+
+    /// Luminance towards a direction at `cos_theta` to the normal, cd/m²; 0 behind the face.
+    pub fn luminance(&self, cos_theta: f64) -> f64 {
+        if cos_theta.is_nan() || cos_theta <= 0.0 {
+            return 0.0;
+        }
+        let along_normal = self.intensity_cd / self.area_m2;
+        if self.exponent == 1.0 { along_normal } else { along_normal * cos_theta.powf(self.exponent - 1.0) }
+    }
+
+    /// A point uniform over the area: density 1/`area_m2`.
+    pub fn sample_point(&self, [a, b]: [f64; 2]) -> LampPoint {
+        let (index, a) = self.by_area.sample(a);
+        let triangle = &self.triangles[index];
+        let [u, v, _] = warp::triangle([a, b]);
+        let position = triangle.origin + triangle.edges[0] * u + triangle.edges[1] * v;
+        LampPoint { position, normal: triangle.normal, triangle: triangle.index }
+    }
+
+    /// A unit direction with density ∝ intensity: every path that is emitted at a sampled point carries `flux_lm`/N.
+    pub fn sample_direction(&self, normal: DVec3, uv: [f64; 2]) -> DVec3 {
+        let local =
+            if self.exponent == 1.0 { warp::cosine_hemisphere(uv) } else { warp::cos_n_hemisphere(uv, self.exponent) };
+        Frame::about(normal).to_world(local)
+    }
+
+    /// Density of [`Lamp::sample_direction`], 1/sr.
+    pub fn direction_pdf(&self, cos_theta: f64) -> f64 {
+        if cos_theta > 0.0 { (self.exponent + 1.0) / (2.0 * PI) * cos_theta.powf(self.exponent) } else { 0.0 }
+    }
+
+    /// How much a point may expect of this lamp, up to a common factor: flux over distance², which the extent of the
+    /// lamp keeps finite.
+    fn importance(&self, point: DVec3) -> f64 {
+        if self.flux_lm > 0.0 { self.flux_lm / (point.distance_squared(self.centre) + self.radius2) } else { 0.0 }
+    }
+}
+
+/// Triangles of a face in the world, degenerate ones left out; none if the mesh is inconsistent.
+fn world_triangles(scene: &Scene, part: &Part, face: usize, to_world: DAffine3) -> Option<Vec<Triangle>> {
+    let mesh = scene.meshes.get(part.mesh.index())?;
+    let range = mesh.faces.get(face)?;
+    // A mirroring transform turns the winding round, but not what is outside.
+    let side = if to_world.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
+    let mut out = Vec::new();
+    for index in range.first..range.first.checked_add(range.count)? {
+        let mut corners = [DVec3::ZERO; 3];
+        for (corner, vertex) in corners.iter_mut().zip(mesh.triangles.get(index as usize)?) {
+            let [x, y, z] = *mesh.positions.get(*vertex as usize)?;
+            *corner = to_world.transform_point3(DVec3::new(x.into(), y.into(), z.into()));
+        }
+        let edges = [corners[1] - corners[0], corners[2] - corners[0]];
+        if let Some(normal) = edges[0].cross(edges[1]).try_normalize() {
+            out.push(Triangle { origin: corners[0], edges, normal: normal * side, index });
+        }
+    }
+    Some(out)
+}
+
+/// All emitting faces of a scene.
+#[derive(Debug, Clone, Default)]
+pub struct Lamps {
+    lamps: Vec<Lamp>,
+    /// Per part and face: the lamp.
+    of_face: Vec<Vec<Option<u32>>>,
+    by_flux: Option<Cdf>,
+}
+
+impl Lamps {
+    /// `part_to_world`: mesh units of a part → metres in the recentred world frame.
+    /// Errors: an emitting face without area or with impossible photometry, named by its part.
+    pub fn build(scene: &Scene, part_to_world: &dyn Fn(usize) -> DAffine3) -> Result<Lamps> {
+        let mut out = Lamps::default();
+        for (index, part) in scene.parts.iter().enumerate() {
+            let mut of_face = Vec::new();
+            for (face, optics) in part.faces.iter().enumerate() {
+                let Some(emitter) = &optics.emitter else { continue };
+                of_face.resize(face + 1, None);
+                of_face[face] = u32::try_from(out.lamps.len()).ok();
+                out.lamps.push(Lamp::build(scene, index, face, emitter, part_to_world(index))?);
+            }
+            out.of_face.push(of_face);
+        }
+        out.by_flux = Cdf::new(out.lamps.iter().map(|lamp| lamp.flux_lm));
+        if out.by_flux.is_none() && out.lamps.iter().any(|lamp| lamp.flux_lm > 0.0) {
+            return Err(Fault::new(Where::Nowhere, "the flux of all emitters together is not a finite number"));
+        }
+        Ok(out)
+    }
+
+    pub fn all(&self) -> &[Lamp] {
+        &self.lamps
+    }
+    pub fn get(&self, index: usize) -> Option<&Lamp> {
+        self.lamps.get(index)
+    }
+    /// The lamp that a face of a part is.
+    pub fn of_face(&self, part: usize, face: usize) -> Option<usize> {
+        (*self.of_face.get(part)?.get(face)?).map(|index| index as usize)
+    }
+    /// Flux of all lamps, lm.
+    pub fn total_flux_lm(&self) -> f64 {
+        self.by_flux.as_ref().map_or(0.0, Cdf::total)
+    }
+
+    /// A lamp by its flux, and its probability; none if no lamp has any.
+    pub fn pick_by_flux(&self, u: f64) -> Option<(usize, f64)> {
+        let by_flux = self.by_flux.as_ref()?;
+        let (index, _) = by_flux.sample(u);
+        Some((index, by_flux.probability(index)))
+    }
+
+    /// A lamp by what it may give to a point, and its probability there; none if no lamp has any flux.
+    pub fn pick_for_point(&self, point: DVec3, u: f64) -> Option<(usize, f64)> {
+        let by_flux = self.by_flux.as_ref()?;
+        let total = self.total_importance(point);
+        let index = match total {
+            Some(total) if u >= DEFENSIVE => {
+                let mut rest = (u - DEFENSIVE) / (1.0 - DEFENSIVE) * total;
+                let mut chosen = None;
+                for (index, importance) in self.lamps.iter().map(|lamp| lamp.importance(point)).enumerate() {
+                    if importance > 0.0 {
+                        chosen = Some(index);
+                        if rest < importance {
+                            break;
+                        }
+                        rest -= importance;
+                    }
+                }
+                chosen?
+            }
+            Some(_) => by_flux.sample(u / DEFENSIVE).0,
+            None => by_flux.sample(u).0,
+        };
+        Some((index, self.probability(point, index, total)))
+    }
+
+    /// Probability with which [`Lamps::pick_for_point`] picks `index` at `point`.
+    pub fn pick_pdf(&self, point: DVec3, index: usize) -> f64 {
+        self.probability(point, index, self.total_importance(point))
+    }
+
+    /// None where importance cannot be used: a point at infinity, or beyond the range of numbers.
+    fn total_importance(&self, point: DVec3) -> Option<f64> {
+        let total: f64 = self.lamps.iter().map(|lamp| lamp.importance(point)).sum();
+        (total > 0.0 && total.is_finite()).then_some(total)
+    }
+
+    fn probability(&self, point: DVec3, index: usize, total: Option<f64>) -> f64 {
+        let (Some(by_flux), Some(lamp)) = (&self.by_flux, self.lamps.get(index)) else { return 0.0 };
+        let floor = by_flux.probability(index);
+        match total {
+            Some(total) => DEFENSIVE * floor + (1.0 - DEFENSIVE) * lamp.importance(point) / total,
+            None => floor,
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "lamp_tests.rs"]
+mod tests;

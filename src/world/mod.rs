@@ -1,0 +1,94 @@
+//! Floor 3: what is traced. [`World::freeze`] turns a checked scene into tables made for rays; parts that a scene does
+//! not need (a sky table, slides) are never built.
+
+pub mod cdf;
+pub mod eye;
+pub mod fresnel;
+pub mod gauss;
+pub mod geometry;
+pub mod interior;
+pub mod lamp;
+pub mod scatter;
+pub mod sky;
+pub mod slide;
+pub mod surface;
+pub mod thinfilm;
+
+use crate::base::Result;
+use crate::scene::Scene;
+use eye::EyeLens;
+use geometry::Geometry;
+use interior::{Interior, Solid};
+use lamp::Lamps;
+use sky::SkyLight;
+use slide::SlideMap;
+use surface::FaceOptics;
+
+/// Everything that a ray can meet, in a frame whose origin is the middle of the scene (so that an assembly 10 km from
+/// the world's origin renders the same).
+pub struct World {
+    pub geometry: Geometry,
+    /// Per part, per face: what it does with light at the traced wavelength.
+    pub faces: Vec<Vec<FaceOptics>>,
+    /// Per part: the medium it is filled with, if it is a solid.
+    pub solids: Vec<Option<Solid>>,
+    pub lamps: Lamps,
+    /// Solids that contain each lamp's surface: where its light starts.
+    pub lamp_interiors: Vec<Interior>,
+    pub sky: Option<SkyLight>,
+    pub eye: EyeLens,
+    pub slides: Vec<SlideMap>,
+    /// nm.
+    pub wavelength_nm: f64,
+}
+
+impl World {
+    /// Builds the tables for a scene. Errors: geometry that cannot be traced, a zero-area emitter, an eye inside glass.
+    pub fn freeze(scene: &Scene) -> Result<World> {
+        let wavelength_nm = scene.wavelengths.traced_nm();
+        let geometry = Geometry::build(scene)?;
+        let solids: Vec<Option<Solid>> = scene
+            .parts
+            .iter()
+            .map(|part| part.medium.map(|id| Solid::new(scene.medium(id), part.priority, wavelength_nm)))
+            .collect();
+        let faces = surface::optics_of(scene, wavelength_nm)?;
+        let lamps = Lamps::build(scene, &|part| geometry.part_to_world(u32::try_from(part).unwrap_or(u32::MAX)))?;
+        let lamp_interiors = lamps
+            .all()
+            .iter()
+            .map(|lamp| {
+                let start = lamp.sample_point([0.5, 0.5]);
+                Interior::of(
+                    geometry.solids_containing(start.position).into_iter().filter(|&p| p as usize != lamp.part),
+                )
+            })
+            .collect();
+        let eye = EyeLens::build(&scene.eye, geometry.origin())?;
+        let around_eye = geometry.solids_containing(scene.eye.position - geometry.origin());
+        if let Some(part) = around_eye.first() {
+            let path = &scene.parts[*part as usize].path;
+            return Err(crate::base::Fault::new(
+                crate::base::Where::part(path),
+                format!("the eye is inside this solid (pupil centre at {} m)", scene.eye.position),
+            )
+            .expected("an eye in air"));
+        }
+        Ok(World {
+            faces,
+            solids,
+            lamps,
+            lamp_interiors,
+            sky: scene.sky.as_ref().map(SkyLight::build).transpose()?,
+            eye,
+            slides: scene.slides.iter().map(SlideMap::build).collect::<Result<_>>()?,
+            geometry,
+            wavelength_nm,
+        })
+    }
+
+    /// The refractive index of the medium that a ray with this interior runs in.
+    pub fn index_in(&self, interior: &Interior) -> f64 {
+        interior.top(&self.solids).map_or(1.0, |(_, solid)| solid.index)
+    }
+}

@@ -1,0 +1,157 @@
+//! A slide as the tracer asks it: how open is it here?
+
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::scene::Slide;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Picture of a slide over its face: T = T_black + s·(T_white − T_black).
+#[derive(Debug, Clone)]
+pub struct SlideMap {
+    width: usize,
+    height: usize,
+    pixels: Arc<Vec<f32>>,
+    centre: DVec3,
+    /// Picture axes divided by its size, 1/mesh units: right, and down.
+    across: DVec3,
+    down: DVec3,
+    t_white: f64,
+    contrast: f64,
+}
+
+impl SlideMap {
+    /// Errors: a picture without pixels, without size or with values outside 0–1; transmittance or contrast outside
+    /// their ranges.
+    pub fn build(slide: &Slide) -> Result<SlideMap> {
+        let fault = |what: String| Fault::new(Where::File(slide.file.clone().into()), what);
+        let (width, height) = (slide.width, slide.height);
+        if width == 0 || height == 0 || width.checked_mul(height) != Some(slide.pixels.len()) {
+            let what =
+                format!("slide `{}` has {} values for {width} × {height} pixels", slide.name, slide.pixels.len());
+            return Err(fault(what).expected("one value per pixel"));
+        }
+        if let Some(index) = slide.pixels.iter().position(|s| !(0.0..=1.0).contains(s)) {
+            let what = format!(
+                "slide `{}`: pixel ({}, {}) is {}",
+                slide.name,
+                index % width,
+                index / width,
+                slide.pixels[index]
+            );
+            return Err(fault(what).expected("0 to 1"));
+        }
+        if !(0.0..=1.0).contains(&slide.transmittance) {
+            let what = format!("slide `{}`: the transmittance is {}", slide.name, slide.transmittance);
+            return Err(fault(what).expected("0 to 1"));
+        }
+        if slide.contrast.is_nan() || slide.contrast < 1.0 {
+            let what = format!("slide `{}`: the contrast is {}", slide.name, slide.contrast);
+            return Err(fault(what).expected("1 or more"));
+        }
+        let [across, down] = [slide.u / slide.size[0], -slide.v / slide.size[1]];
+        let sized = slide.size.iter().all(|size| *size > 0.0 && size.is_finite());
+        if !(sized && across.is_finite() && down.is_finite() && slide.centre.is_finite()) {
+            let what = format!("slide `{}` is {} × {} mesh units", slide.name, slide.size[0], slide.size[1]);
+            return Err(fault(what).expected("a positive, finite size"));
+        }
+        Ok(SlideMap {
+            width,
+            height,
+            pixels: slide.pixels.clone(),
+            centre: slide.centre,
+            across,
+            down,
+            t_white: slide.transmittance,
+            contrast: slide.contrast,
+        })
+    }
+
+    /// T_white, 0–1.
+    pub fn t_white(&self) -> f64 {
+        self.t_white
+    }
+    /// T_black = T_white/C.
+    pub fn t_black(&self) -> f64 {
+        self.t_white / self.contrast
+    }
+    /// C = T_white/T_black, at least 1; may be infinite.
+    pub fn contrast(&self) -> f64 {
+        self.contrast
+    }
+
+    /// s of the pixel at a point in mesh units, 0–1; none outside the picture, where the slide is opaque.
+    pub fn s(&self, local: DVec3) -> Option<f64> {
+        let cell = |axis: DVec3, count: usize| {
+            let x = axis.dot(local - self.centre) + 0.5;
+            (0.0..=1.0).contains(&x).then(|| ((x * count as f64) as usize).min(count - 1))
+        };
+        let (x, y) = (cell(self.across, self.width)?, cell(self.down, self.height)?);
+        self.pixels.get(y * self.width + x).map(|s| f64::from(*s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 4 × 2 pixels of 2.5 × 3 units about (10, 20, 30), right along +z, up along −x.
+    fn slide() -> Slide {
+        Slide {
+            name: "lcd".into(),
+            file: "lcd.png".into(),
+            width: 4,
+            height: 2,
+            pixels: Arc::new((0..8).map(|k| k as f32 / 8.0).collect()),
+            centre: DVec3::new(10.0, 20.0, 30.0),
+            u: DVec3::Z,
+            v: DVec3::NEG_X,
+            size: [10.0, 6.0],
+            transmittance: 0.06,
+            contrast: 300.0,
+        }
+    }
+
+    #[test]
+    fn pixels_lie_where_they_were_authored() {
+        let map = SlideMap::build(&slide()).unwrap();
+        for y in 0..2 {
+            for x in 0..4 {
+                for (dx, dy) in [(0.01, 0.01), (0.5, 0.5), (0.99, 0.99)] {
+                    let right = (x as f64 + dx) * 2.5 - 5.0;
+                    let up = 3.0 - (y as f64 + dy) * 3.0;
+                    // The distance from the slide's plane (y) does not matter.
+                    let point = DVec3::new(10.0 - up, 20.3, 30.0 + right);
+                    assert_eq!(map.s(point), Some((y * 4 + x) as f64 / 8.0), "{x} {y}");
+                }
+            }
+        }
+        for (x, z) in [(13.01, 30.0), (6.99, 30.0), (10.0, 35.01), (10.0, 24.99), (f64::NAN, 30.0)] {
+            assert_eq!(map.s(DVec3::new(x, 20.0, z)), None);
+        }
+        // The rim belongs to the picture.
+        assert_eq!(map.s(DVec3::new(13.0, 20.0, 35.0)), Some(7.0 / 8.0));
+        assert_eq!((map.t_white(), map.contrast()), (0.06, 300.0));
+        assert!((map.t_black() - 2e-4).abs() < 1e-18);
+        assert_eq!(SlideMap::build(&Slide { contrast: f64::INFINITY, ..slide() }).unwrap().t_black(), 0.0);
+    }
+
+    #[test]
+    fn broken_slides_are_faults() {
+        let broken = [
+            Slide { width: 3, ..slide() },
+            Slide { width: 0, height: 0, pixels: Arc::new(vec![]), ..slide() },
+            Slide { pixels: Arc::new(vec![f32::NAN; 8]), ..slide() },
+            Slide { pixels: Arc::new(vec![1.5; 8]), ..slide() },
+            Slide { transmittance: 1.1, ..slide() },
+            Slide { contrast: 0.5, ..slide() },
+            Slide { contrast: f64::NAN, ..slide() },
+            Slide { size: [0.0, 1.0], ..slide() },
+            Slide { size: [1.0, f64::INFINITY], ..slide() },
+        ];
+        for slide in broken {
+            let text = SlideMap::build(&slide).unwrap_err().to_string();
+            assert!(text.starts_with("lcd.png: slide `lcd`") && text.contains("expected"), "{text}");
+        }
+    }
+}
