@@ -6,7 +6,11 @@
 //! Modules are floors; a module imports only from lower floors (`tests/floors.rs` enforces it).
 
 pub mod base; // floor 0: units, ids, randomness, statistics, path strings, errors
+pub mod check; // floor 2: facts of a scene, and the proof that it can be rendered
+pub mod estimate; // floor 4: the estimators, the shared vertex step, the energy ledger
 pub mod film; // floor 1: layers, accumulators, frames, the plan as data
 pub mod import; // floor 2: glTF, sidecar → Scene
+pub mod output; // floor 2: EXR, view
+pub mod plan; // floor 5: who owns which paths
 pub mod scene; // floor 1: plain scene data
 pub mod world; // floor 3: what is traced

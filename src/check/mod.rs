@@ -1,0 +1,143 @@
+//! Floor 2: the proof that a scene can be planned and traced, and the facts that the plan decides by.
+
+use crate::base::{Fault, Result, Where};
+use crate::scene::{Finish, Scene};
+
+/// What a scene has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct Facts {
+    /// Some face scatters light (not a delta).
+    pub scatters: bool,
+    /// Some face is specular: polished, a mirror or a slide.
+    pub specular: bool,
+    /// The pupil has no area.
+    pub pinhole: bool,
+    /// Nothing emits.
+    pub no_light: bool,
+}
+
+/// A scene that passed the checks. Only [`check`] makes one, so later steps can demand it.
+#[derive(Debug)]
+pub struct Checked<'s> {
+    scene: &'s Scene,
+    facts: Facts,
+}
+
+impl<'s> Checked<'s> {
+    pub fn scene(&self) -> &'s Scene {
+        self.scene
+    }
+    pub fn facts(&self) -> Facts {
+        self.facts
+    }
+}
+
+/// Checks what every later step relies on. Errors: numbers that are not finite or out of range, faces that contradict
+/// their part.
+pub fn check(scene: &Scene) -> Result<Checked<'_>> {
+    check_eye(scene)?;
+    for part in &scene.parts {
+        let mesh = scene.mesh(part.mesh);
+        if part.faces.len() != mesh.faces.len() {
+            let text = format!("{} faces are bound but the mesh has {}", part.faces.len(), mesh.faces.len());
+            return Err(Fault::new(Where::part(&part.path), text));
+        }
+        for (index, face) in part.faces.iter().enumerate() {
+            check_face(scene, part, index, face)?;
+        }
+        if let Some(id) = part.medium {
+            let medium = scene.medium(id);
+            let n = medium.index.index(scene.wavelengths.traced_nm());
+            if !(n.re.is_finite() && n.re >= 1.0 && n.re <= 10.0 && n.im >= 0.0) {
+                let nm = scene.wavelengths.traced_nm();
+                let text = format!("impossible refractive index {} of `{}` at {nm} nm", n.re, medium.name);
+                return Err(Fault::new(Where::part(&part.path), text).expected("1 to 10"));
+            }
+        }
+    }
+    if let Some(sky) = &scene.sky
+        && let Some(part) =
+            scene.parts.iter().find(|p| p.faces.iter().flat_map(|f| &f.emitter).any(|e| e.group == sky.group))
+    {
+        let text = format!("its emitter has the light group `{}` of the sky", scene.group(sky.group).name);
+        return Err(Fault::new(Where::part(&part.path), text).expected("a group of its own"));
+    }
+    let faces = || scene.parts.iter().flat_map(|part| &part.faces);
+    let facts = Facts {
+        scatters: faces()
+            .any(|f| f.slide.is_none() && matches!(f.finish, Finish::Lambert { .. } | Finish::Gauss { .. })),
+        specular: faces().any(|f| {
+            f.slide.is_some()
+                || matches!(f.finish, Finish::Polished | Finish::MirrorMetal { .. } | Finish::MirrorIdeal { .. })
+        }),
+        pinhole: scene.eye.pupil_diameter_m == 0.0,
+        no_light: scene.sky.is_none() && faces().all(|f| f.emitter.is_none()),
+    };
+    Ok(Checked { scene, facts })
+}
+
+fn check_eye(scene: &Scene) -> Result<()> {
+    let eye = &scene.eye;
+    let at = || Where::Option("eye".to_owned());
+    if !(eye.position.is_finite() && eye.look.is_finite() && eye.up.is_finite()) {
+        return Err(Fault::new(at(), "the eye's position or directions are not finite"));
+    }
+    let straight = eye.look.is_normalized() && eye.up.is_normalized() && eye.look.dot(eye.up).abs() < 1e-9;
+    if !straight {
+        return Err(Fault::new(at(), "the eye's `look` and `up` are not orthogonal unit vectors"));
+    }
+    if !(eye.fov_deg > 0.0 && eye.fov_deg < 180.0) {
+        return Err(Fault::new(at(), format!("fov_deg = {}", eye.fov_deg)).expected("more than 0, less than 180"));
+    }
+    if !(eye.pupil_diameter_m >= 0.0 && eye.pupil_diameter_m.is_finite()) {
+        return Err(Fault::new(at(), format!("pupil diameter {} m", eye.pupil_diameter_m)).expected("0 or more"));
+    }
+    if eye.focus_distance_m.is_nan() || eye.focus_distance_m <= 0.0 {
+        return Err(
+            Fault::new(at(), format!("focus distance {} m", eye.focus_distance_m)).expected("more than 0, or inf")
+        );
+    }
+    let [width, height] = eye.resolution;
+    if width == 0 || height == 0 || width.saturating_mul(height) > 1 << 25 {
+        return Err(Fault::new(at(), format!("resolution {width} × {height}")).expected("at most 2^25 pixels"));
+    }
+    Ok(())
+}
+
+fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &crate::scene::Face) -> Result<()> {
+    let at = || Where::Part { path: part.path.clone(), face: Some(index) };
+    match face.finish {
+        Finish::Lambert { reflectance, transmittance } | Finish::Gauss { reflectance, transmittance, .. } => {
+            let sum = reflectance + transmittance;
+            if !(reflectance >= 0.0 && transmittance >= 0.0 && sum <= 1.0 + 1e-12) {
+                let text = format!("reflectance {reflectance} + transmittance {transmittance} gains energy");
+                return Err(Fault::new(at(), text).expected("each 0 to 1, the sum at most 1"));
+            }
+        }
+        Finish::MirrorIdeal { reflectance } => {
+            if !(0.0..=1.0).contains(&reflectance) {
+                return Err(Fault::new(at(), format!("reflectance {reflectance}")).expected("0 to 1"));
+            }
+        }
+        Finish::MirrorMetal { n, k } => {
+            if !(n > 0.0 && k >= 0.0 && n.is_finite() && k.is_finite()) {
+                return Err(Fault::new(at(), format!("metal index {n} + {k}i")).expected("n > 0, k ≥ 0"));
+            }
+        }
+        Finish::None | Finish::Polished | Finish::Absorber => {}
+    }
+    if face.coating.is_some() && face.finish != Finish::Polished {
+        return Err(Fault::new(at(), "a coating needs a polished face").expected("finish = \"polished\""));
+    }
+    if let Some(id) = face.slide {
+        let slide = scene.slide(id);
+        let sound = slide.size.iter().all(|s| *s > 0.0 && s.is_finite())
+            && (0.0..=1.0).contains(&slide.transmittance)
+            && slide.contrast >= 1.0
+            && slide.pixels.len() == slide.width * slide.height;
+        if !sound {
+            return Err(Fault::new(at(), format!("slide `{}` has an impossible size or transmittance", slide.name)));
+        }
+    }
+    Ok(())
+}

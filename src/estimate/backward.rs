@@ -1,0 +1,233 @@
+//! Path tracing from the eye: next-event estimation with multiple importance sampling, unbiased roulette.
+
+use super::ledger::Ledger;
+use super::route::{Reach, Route};
+use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
+use crate::base::path::Event;
+use crate::base::rng::{Rng, Stream};
+use crate::base::warp::Frame;
+use crate::film::accumulate::{Film, Light};
+use crate::world::World;
+use crate::world::geometry::{Ray, Site};
+use crate::world::interior::Interior;
+use crate::world::scatter::Scatter;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The backward estimator, ready to run passes.
+pub struct Backward<'w> {
+    world: &'w World,
+    route: Route,
+    reach: Reach,
+    seed: u64,
+}
+
+/// The last scattering vertex: what the chance of having sampled a lamp from there was.
+struct Scattered {
+    point: DVec3,
+    /// Density per steradian of the direction taken.
+    pdf: f64,
+}
+
+impl<'w> Backward<'w> {
+    pub fn new(world: &'w World, route: Route, seed: u64) -> Self {
+        Backward { world, reach: Reach::from_eye(&route), route, seed }
+    }
+
+    pub fn route(&self) -> &Route {
+        &self.route
+    }
+
+    /// Adds passes `first .. first + count` to the film, one eye path per pixel and pass, row by row in parallel.
+    pub fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
+        let width = film.width;
+        let parts = self.world.solids.len();
+        let mut rows: Vec<_> = film.rows().collect();
+        let ledgers: Vec<Ledger> = rows
+            .par_iter_mut()
+            .map(|(y, row)| {
+                let mut ledger = Ledger::new(parts);
+                let mut light = vec![Light::default(); self.route.planes.len()];
+                for pass in first..first + count {
+                    for x in 0..width {
+                        light.fill(Light::default());
+                        self.path(pass, x, *y, width, &mut light, &mut ledger);
+                        row.add_pass(x, &light);
+                    }
+                }
+                ledger
+            })
+            .collect();
+        let mut total = Ledger::new(parts);
+        ledgers.iter().for_each(|ledger| total.merge(ledger));
+        film.passes += count;
+        total
+    }
+
+    fn path(&self, pass: u64, x: usize, y: usize, width: usize, out: &mut [Light], ledger: &mut Ledger) {
+        let mut rng = Rng::new(self.seed, Stream::Backward, pass, (y * width + x) as u64);
+        let (origin, dir) = self.world.eye.ray(x, y, rng.pair(), rng.pair());
+        let ray = Ray { origin, dir, from: None };
+        let mut walker = Walker::new(self.world, Travel::FromEye, ray, 1.0, Interior::default(), rng);
+        let balance = ledger.imbalance();
+        ledger.paths += 1;
+        ledger.emitted += 1.0;
+        self.follow(&mut walker, out, ledger);
+        ledger.close_path(balance);
+    }
+
+    fn follow(&self, walker: &mut Walker<'w>, out: &mut [Light], ledger: &mut Ledger) {
+        let mut last: Option<Scattered> = None;
+        loop {
+            let vertex = match walker.advance(ledger) {
+                Met::Sky => {
+                    self.see_sky(walker, last.as_ref(), out);
+                    ledger.escaped += walker.beam.carried();
+                    return;
+                }
+                Met::Pupil(_) | Met::Ended => return,
+                Met::Face(vertex) => vertex,
+            };
+            self.see_lamp(walker, &vertex, last.as_ref(), out);
+            if walker.events < SPLIT_FIRST_EVENTS
+                && let Some(mut reflected) = walker.split(&vertex, 0.0, ledger)
+            {
+                self.follow(&mut reflected, out, ledger);
+            }
+            match walker.meet(&vertex, ledger) {
+                Meeting::Ended => return,
+                Meeting::Went => {
+                    // A straight pass through an absent face is no event: the lamp beyond could not be sampled, so
+                    // only what the trail says about specular events decides.
+                    last = None;
+                }
+                Meeting::Scatter(scatter, frame) => {
+                    self.sample_lamps(walker, &vertex, scatter, &frame, out);
+                    self.sample_sky(walker, &vertex, scatter, &frame, out);
+                    let Some(pdf) = walker.scatter(&vertex, scatter, &frame, ledger) else { return };
+                    last = Some(Scattered { point: vertex.hit.point, pdf });
+                }
+            }
+            if !self.reach.allows(walker.trail) {
+                ledger.not_owned += walker.beam.carried();
+                return;
+            }
+        }
+    }
+
+    /// Factor from radiance over index squared, which the path carries, to luminance at the eye (in air).
+    fn radiance_factor(index: f64) -> f64 {
+        1.0 / (index * index)
+    }
+
+    fn see_lamp(&self, walker: &Walker<'w>, vertex: &Vertex, last: Option<&Scattered>, out: &mut [Light]) {
+        let site = vertex.hit.site;
+        let Some(index) = self.world.lamps.of_face(site.part as usize, site.face as usize) else { return };
+        let lamp = &self.world.lamps.all()[index];
+        let cos = -walker.ray.dir.dot(vertex.hit.normal);
+        let luminance = lamp.luminance(cos);
+        if luminance <= 0.0 {
+            return;
+        }
+        let Some(plane) = self.route.from_eye(lamp.group, walker.trail) else { return };
+        let weight = match last {
+            None => 1.0,
+            Some(from) => {
+                let pdf_area = self.world.lamps.pick_pdf(from.point, index) / lamp.area_m2;
+                let pdf_nee = pdf_area * (vertex.hit.point - from.point).length_squared() / cos;
+                from.pdf / (from.pdf + pdf_nee)
+            }
+        };
+        let factor = weight * Self::radiance_factor(walker.index_here());
+        out[plane].add(walker.beam.light(luminance * factor));
+    }
+
+    fn see_sky(&self, walker: &Walker<'w>, last: Option<&Scattered>, out: &mut [Light]) {
+        let Some(sky) = &self.world.sky else { return };
+        let Some(plane) = self.route.from_eye(sky.group, walker.trail) else { return };
+        let weight = last.map_or(1.0, |from| from.pdf / (from.pdf + sky.pdf(walker.ray.dir)));
+        let factor = weight * Self::radiance_factor(walker.index_here());
+        out[plane].add(walker.beam.light(sky.luminance(walker.ray.dir) * factor));
+    }
+
+    fn sample_lamps(
+        &self,
+        walker: &mut Walker<'w>,
+        vertex: &Vertex,
+        scatter: &Scatter,
+        frame: &Frame,
+        out: &mut [Light],
+    ) {
+        let pick = walker.rng.uniform();
+        let point = walker.rng.pair();
+        let from = vertex.hit.point;
+        let Some((index, probability)) = self.world.lamps.pick_for_point(from, pick) else { return };
+        let lamp = &self.world.lamps.all()[index];
+        let Some(plane) = self.route.from_eye(lamp.group, walker.trail.then(event(scatter))) else { return };
+        let target = lamp.sample_point(point);
+        let offset = target.position - from;
+        let distance = offset.length();
+        let dir = offset / distance;
+        let cos = -dir.dot(target.normal);
+        let luminance = lamp.luminance(cos);
+        if luminance <= 0.0 || !dir.is_finite() {
+            return;
+        }
+        let pdf = probability / lamp.area_m2 * distance * distance / cos;
+        let site = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: target.triangle };
+        self.connect(walker, vertex, scatter, frame, dir, distance, Some(site), luminance, pdf, &mut out[plane]);
+    }
+
+    fn sample_sky(
+        &self,
+        walker: &mut Walker<'w>,
+        vertex: &Vertex,
+        scatter: &Scatter,
+        frame: &Frame,
+        out: &mut [Light],
+    ) {
+        let Some(sky) = &self.world.sky else { return };
+        let Some(plane) = self.route.from_eye(sky.group, walker.trail.then(event(scatter))) else { return };
+        let (dir, pdf) = sky.sample(walker.rng.pair());
+        if pdf > 0.0 {
+            let luminance = sky.luminance(dir);
+            self.connect(walker, vertex, scatter, frame, dir, f64::INFINITY, None, luminance, pdf, &mut out[plane]);
+        }
+    }
+
+    /// Adds the light that comes along `dir` from `distance` away, if nothing is in between. `pdf` per steradian.
+    #[allow(clippy::too_many_arguments)]
+    fn connect(
+        &self,
+        walker: &Walker<'w>,
+        vertex: &Vertex,
+        scatter: &Scatter,
+        frame: &Frame,
+        dir: DVec3,
+        distance: f64,
+        target: Option<Site>,
+        luminance: f64,
+        pdf: f64,
+        out: &mut Light,
+    ) {
+        let (d_in, d_out) = (frame.to_local(walker.ray.dir), frame.to_local(dir));
+        let value = scatter.eval(d_in, d_out);
+        if value <= 0.0 {
+            return;
+        }
+        let ray = Ray { origin: vertex.hit.point, dir, from: Some(vertex.hit.site) };
+        if self.world.geometry.occluded(&ray, distance, target)
+            || self.world.eye.blocks_reversed(ray.origin, ray.dir, distance)
+        {
+            return;
+        }
+        let (index, transmittance) = walker.beyond(vertex, d_out.z < 0.0, distance);
+        let weight = pdf / (pdf + scatter.pdf(d_in, d_out));
+        let factor = value * d_out.z.abs() / pdf * weight * transmittance * Self::radiance_factor(index);
+        out.add(walker.beam.light(luminance * factor));
+    }
+}
+
+fn event(scatter: &Scatter) -> Event {
+    if scatter.is_narrow() { Event::Glossy } else { Event::Diffuse }
+}

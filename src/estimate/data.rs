@@ -1,0 +1,121 @@
+//! Data layers: what the eye sees first, what it sees first behind specular faces, and how much of the world behind it
+//! sees. One unrandomised ray per pixel for the data, sixteen for the see-through share.
+
+use super::ledger::Ledger;
+use super::walk::{Met, Travel, Vertex, Walker};
+use crate::base::rng::{Rng, Stream};
+use crate::world::World;
+use crate::world::eye::EyeLens;
+use crate::world::geometry::{Hit, Ray};
+use crate::world::interior::Interior;
+use crate::world::scatter::Scatter;
+use crate::world::surface::Surface;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Depth written where nothing is hit, m: what compositing programs take for the background.
+pub const FAR_M: f64 = 1e10;
+
+/// What a ray hits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Distance along the viewing axis, m.
+    pub z_m: f64,
+    /// World, m.
+    pub position: DVec3,
+    /// World, towards the eye.
+    pub normal: DVec3,
+    /// Diffuse reflectance + transmittance; 1 for specular faces, as denoisers want it.
+    pub albedo: f64,
+    /// Part number from 1; 0 where nothing is hit.
+    pub part: u32,
+    /// CAD face number from 0.
+    pub face: u32,
+}
+
+impl Seen {
+    const NOTHING: Seen =
+        Seen { z_m: FAR_M, position: DVec3::ZERO, normal: DVec3::ZERO, albedo: 0.0, part: 0, face: 0 };
+}
+
+/// Data of one pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PixelData {
+    pub first: Seen,
+    /// At the first hit that is not specular, going straight on where there is a choice.
+    pub seen: Seen,
+    /// Transmittance from the eye to the world behind all specular parts, 0–1.
+    pub seethrough: f64,
+}
+
+/// Data of all pixels, row-major.
+pub fn data_layers(world: &World, width: usize, height: usize) -> Vec<PixelData> {
+    const SIDE: usize = 4;
+    (0..width * height)
+        .into_par_iter()
+        .map(|pixel| {
+            let (x, y) = (pixel % width, pixel / width);
+            let mut data = look(world, world.eye.ray(x, y, [0.5; 2], [0.5; 2]));
+            let sum: f64 = (0..SIDE * SIDE)
+                .map(|i| {
+                    let jitter = [(i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5].map(|j| j / SIDE as f64);
+                    // A 4 × 4 Latin arrangement of pupil points, so that no two share a row or a column.
+                    let lens = [((i * 5) % 16) as f64 + 0.5, ((i * 7 + 3) % 16) as f64 + 0.5].map(|l| l / 16.0);
+                    look(world, world.eye.ray(x, y, jitter, lens)).seethrough
+                })
+                .sum();
+            data.seethrough = sum / (SIDE * SIDE) as f64;
+            data
+        })
+        .collect()
+}
+
+fn look(world: &World, (origin, dir): (DVec3, DVec3)) -> PixelData {
+    const MOST_FACES: usize = 256;
+    let mut data = PixelData { first: Seen::NOTHING, seen: Seen::NOTHING, seethrough: 0.0 };
+    let mut ledger = Ledger::new(world.solids.len());
+    let ray = Ray { origin, dir, from: None };
+    let rng = Rng::new(0, Stream::Check, 0, 0);
+    let mut walker = Walker::new(world, Travel::FromEye, ray, 1.0, Interior::default(), rng);
+    for step in 0..MOST_FACES {
+        let vertex = match walker.advance(&mut ledger) {
+            Met::Sky => {
+                data.seethrough = walker.beam.carried();
+                return data;
+            }
+            Met::Pupil(_) | Met::Ended => return data,
+            Met::Face(vertex) => vertex,
+        };
+        let here = seen(world, &vertex, &world.eye, origin);
+        if step == 0 {
+            data.first = here;
+        }
+        if !walker.go_straight_on(&vertex, &mut ledger) {
+            data.seen = here;
+            return data;
+        }
+    }
+    data
+}
+
+fn seen(world: &World, vertex: &Vertex, eye: &EyeLens, from: DVec3) -> Seen {
+    let hit: &Hit = &vertex.hit;
+    let optics = &world.faces[hit.site.part as usize][hit.site.face as usize];
+    let albedo = match &optics.surface {
+        Surface::Absorber => 0.0,
+        Surface::Absent | Surface::Slide(_) | Surface::Mirror(_) | Surface::Interface(_) => 1.0,
+        Surface::Scatter(scatter) => scatter_albedo(scatter),
+    };
+    Seen {
+        z_m: (hit.point - from).dot(eye.look()),
+        position: hit.point + world.geometry.origin(),
+        normal: vertex.normal,
+        albedo,
+        part: hit.site.part + 1,
+        face: hit.site.face,
+    }
+}
+
+fn scatter_albedo(scatter: &Scatter) -> f64 {
+    scatter.albedo(1.0).iter().sum()
+}

@@ -1,0 +1,13 @@
+//! Floor 4: the estimators, the vertex step they share, and the ledger that books their light.
+
+pub mod backward;
+pub mod beam;
+pub mod data;
+pub mod forward;
+pub mod ledger;
+pub mod photon;
+pub mod photon_map;
+pub mod picture;
+pub mod route;
+pub mod run;
+pub mod walk;

@@ -1,0 +1,217 @@
+//! Photon mapping: each pass emits photons, stores them at broad scatterers, and gathers them at the first broad
+//! scatterer that the eye sees through specular faces. The radius shrinks with the pass number so that the mean over
+//! passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
+
+use super::forward::{Emission, Started};
+use super::ledger::Ledger;
+use super::photon_map::{Photon, PhotonMap};
+use super::route::{Reach, Route};
+use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Walker};
+use crate::base::path::{Event, Trail};
+use crate::base::rng::{Rng, Stream};
+use crate::film::accumulate::{Film, Light};
+use crate::film::guide::Guide;
+use crate::world::World;
+use crate::world::geometry::Ray;
+use crate::world::interior::Interior;
+use rayon::prelude::*;
+
+const CHUNK: u64 = 1 << 13;
+
+/// The squared radius falls as (pass + 1)^(α − 1): bias and variance of the mean both vanish for 0 < α < 1.
+const ALPHA: f64 = 2.0 / 3.0;
+
+/// Radius of pass `pass` (from 0) when pass 0 has `first`.
+pub fn radius_of_pass(first: f64, pass: u64) -> f64 {
+    first * ((pass + 1) as f64).powf((ALPHA - 1.0) / 2.0)
+}
+
+/// The photon estimator, ready to run passes.
+pub struct PhotonMapper<'w> {
+    world: &'w World,
+    route: Route,
+    emission: Emission,
+    reach_eye: Reach,
+    photons: u64,
+    first_radius_m: f64,
+    seed: u64,
+}
+
+impl<'w> PhotonMapper<'w> {
+    pub fn new(
+        world: &'w World,
+        route: Route,
+        groups: usize,
+        photons: u64,
+        guide: Option<&Guide>,
+        first_radius_m: f64,
+        seed: u64,
+    ) -> Self {
+        let emission = Emission::new(world, &route, groups, guide);
+        let reach_eye = Reach::from_eye(&route);
+        PhotonMapper { world, route, emission, reach_eye, photons, first_radius_m, seed }
+    }
+
+    pub fn route(&self) -> &Route {
+        &self.route
+    }
+
+    /// Adds passes `first .. first + count` to the film. Returns the ledger of the photons' side.
+    pub fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
+        let mut total = Ledger::new(self.world.solids.len());
+        for pass in first..first + count {
+            let (photons, ledger) = self.emit(pass);
+            total.merge(&ledger);
+            let map = PhotonMap::new(photons, radius_of_pass(self.first_radius_m, pass));
+            self.gather(film, pass, &map);
+            film.passes += 1;
+        }
+        total
+    }
+
+    fn emit(&self, pass: u64) -> (Vec<Photon>, Ledger) {
+        let chunks = self.photons.div_ceil(CHUNK);
+        let parts = self.world.solids.len();
+        let done: Vec<(Vec<Photon>, Ledger)> = (0..chunks)
+            .into_par_iter()
+            .map(|chunk| {
+                let mut photons = Vec::new();
+                let mut ledger = Ledger::new(parts);
+                for sample in chunk * CHUNK..((chunk + 1) * CHUNK).min(self.photons) {
+                    let rng = Rng::new(self.seed, Stream::PhotonEmission, pass, sample);
+                    let balance = ledger.imbalance();
+                    if let Some(started) = self.emission.start(self.world, rng, self.photons) {
+                        ledger.paths += 1;
+                        ledger.emitted += started.flux_lm;
+                        self.photon(started, &mut photons, &mut ledger);
+                        ledger.close_path(balance);
+                    }
+                }
+                (photons, ledger)
+            })
+            .collect();
+        let mut all = Vec::with_capacity(done.iter().map(|(photons, _)| photons.len()).sum());
+        let mut total = Ledger::new(parts);
+        for (photons, ledger) in done {
+            all.extend(photons);
+            total.merge(&ledger);
+        }
+        (all, total)
+    }
+
+    /// Traces one pass for learning: (lamp, uv, flux stored that did not come straight from the lamp) per path.
+    pub fn probe(&self, pass: u64) -> Vec<(usize, [f64; 2], f64)> {
+        (0..self.photons)
+            .into_par_iter()
+            .filter_map(|sample| {
+                let rng = Rng::new(self.seed, Stream::Pilot, pass, sample);
+                let started = self.emission.start(self.world, rng, self.photons)?;
+                let (lamp, uv) = (started.lamp, started.uv);
+                let mut photons = Vec::new();
+                self.photon(started, &mut photons, &mut Ledger::new(self.world.solids.len()));
+                let useful: f64 = photons.iter().filter(|p| !p.trail.is_empty()).map(|p| p.flux.open()).sum();
+                (useful > 0.0).then_some((lamp, uv, useful))
+            })
+            .collect()
+    }
+
+    /// Flux of each traced lamp, lm.
+    pub fn flux(&self) -> &[f64] {
+        self.emission.flux()
+    }
+
+    fn photon(&self, started: Started<'w>, photons: &mut Vec<Photon>, ledger: &mut Ledger) {
+        let Started { mut walker, group, .. } = started;
+        let reach = &self.emission.reach[group.index()];
+        loop {
+            let vertex = match walker.advance(ledger) {
+                Met::Sky => {
+                    ledger.escaped += walker.beam.carried();
+                    return;
+                }
+                Met::Ended => return,
+                Met::Pupil(_) => {
+                    ledger.arrived += walker.beam.carried();
+                    return;
+                }
+                Met::Face(vertex) => vertex,
+            };
+            match walker.meet(&vertex, ledger) {
+                Meeting::Ended => return,
+                Meeting::Went => {}
+                Meeting::Scatter(scatter, frame) => {
+                    if !scatter.is_narrow() {
+                        photons.push(Photon {
+                            position: vertex.hit.point,
+                            dir: walker.ray.dir,
+                            flux: walker.beam.light(1.0),
+                            group,
+                            trail: walker.trail,
+                            site: vertex.hit.site,
+                        });
+                    }
+                    if walker.scatter(&vertex, scatter, &frame, ledger).is_none() {
+                        return;
+                    }
+                }
+            }
+            if !reach.allows(walker.trail) {
+                ledger.not_owned += walker.beam.carried();
+                return;
+            }
+        }
+    }
+
+    fn gather(&self, film: &mut Film, pass: u64, map: &PhotonMap) {
+        let width = film.width;
+        let mut rows: Vec<_> = film.rows().collect();
+        rows.par_iter_mut().for_each(|(y, row)| {
+            let mut light = vec![Light::default(); self.route.planes.len()];
+            let mut ledger = Ledger::new(self.world.solids.len());
+            for x in 0..width {
+                light.fill(Light::default());
+                let mut rng = Rng::new(self.seed, Stream::PhotonGather, pass, (*y * width + x) as u64);
+                let (origin, dir) = self.world.eye.ray(x, *y, rng.pair(), rng.pair());
+                let ray = Ray { origin, dir, from: None };
+                let walker = Walker::new(self.world, Travel::FromEye, ray, 1.0, Interior::default(), rng);
+                self.eye_path(walker, map, &mut light, &mut ledger);
+                row.add_pass(x, &light);
+            }
+        });
+    }
+
+    fn eye_path(&self, mut walker: Walker<'w>, map: &PhotonMap, out: &mut [Light], ledger: &mut Ledger) {
+        loop {
+            let Met::Face(vertex) = walker.advance(ledger) else { return };
+            if walker.events < SPLIT_FIRST_EVENTS
+                && let Some(reflected) = walker.split(&vertex, 0.0, ledger)
+            {
+                self.eye_path(reflected, map, out, ledger);
+            }
+            match walker.meet(&vertex, ledger) {
+                Meeting::Ended => return,
+                Meeting::Went => {}
+                Meeting::Scatter(scatter, frame) if scatter.is_narrow() => {
+                    if walker.scatter(&vertex, scatter, &frame, ledger).is_none() {
+                        return;
+                    }
+                }
+                Meeting::Scatter(scatter, frame) => {
+                    let d_in = frame.to_local(walker.ray.dir);
+                    map.gather(vertex.hit.point, vertex.hit.site, |photon, density| {
+                        let trail = Trail::join(walker.trail, Event::Diffuse, photon.trail);
+                        let Some(plane) = self.route.from_eye(photon.group, trail) else { return };
+                        let d_out = frame.to_local(-photon.dir);
+                        let (index, _) = walker.beyond(&vertex, d_out.z < 0.0, 0.0);
+                        let value = scatter.eval(d_in, d_out) * density / (index * index);
+                        out[plane].add(walker.beam.with_slides_of(photon.flux, value));
+                    });
+                    return;
+                }
+            }
+            if !self.reach_eye.allows(walker.trail) {
+                return;
+            }
+        }
+    }
+}

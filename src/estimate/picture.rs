@@ -1,0 +1,171 @@
+//! The last step before writing: films, data layers and the record of the run become one frame.
+
+use super::data::PixelData;
+use super::run::Outcome;
+use crate::base::{Fault, Result, Where};
+use crate::film::accumulate::Film;
+use crate::film::finish::{Finished, GroupInfo, Split, finish};
+use crate::film::frame::{Channel, Frame, Meta};
+use crate::film::layer::Layer;
+use crate::film::plan::{Plan, Verdict};
+use crate::scene::{Group, Scene};
+use std::collections::BTreeSet;
+
+/// The picture layers of a run. `direct`, `caustic` and `forward` are always there; `secondary` only if there is any.
+/// Errors: NaN or infinite light, which is never coloured over.
+pub fn picture(scene: &Scene, outcome: &Outcome) -> Result<Finished> {
+    let films: Vec<&Film> = outcome.films.films.iter().map(|(_, film, _)| film).collect();
+    let groups: Vec<GroupInfo> = scene
+        .groups
+        .iter()
+        .map(|group| GroupInfo {
+            name: group.name.clone(),
+            contrast: match scene.slides.as_slice() {
+                [slide] => Some(slide.contrast),
+                [] | [_, _, ..] => None,
+            },
+        })
+        .collect();
+    let finished = finish(&films, &groups, &[Layer::Direct, Layer::Caustic, Layer::Forward]);
+    match finished.invalid.first() {
+        Some(channel) => {
+            Err(Fault::new(Where::Nowhere, format!("NaN or infinite light in channel {channel}; nothing is written")))
+        }
+        None => Ok(finished),
+    }
+}
+
+/// Adds `Z`, `normal`, `albedo`, `position`, `id` at the first hit, the same `_seen` behind specular faces, and
+/// `seethrough`.
+pub fn add_data_layers(frame: &mut Frame, data: &[PixelData]) {
+    let mut add = |name: &str, value: &dyn Fn(&PixelData) -> f64| {
+        let data = data.iter().map(|pixel| value(pixel) as f32).collect();
+        frame.channels.push(Channel { name: name.to_owned(), data });
+    };
+    for suffix in ["", "_seen"] {
+        let of = |pixel: &PixelData| if suffix.is_empty() { pixel.first } else { pixel.seen };
+        if suffix.is_empty() {
+            add("Z", &|p| of(p).z_m);
+        } else {
+            add("Z_seen.Z", &|p| of(p).z_m);
+        }
+        for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
+            add(&format!("normal{suffix}.{name}"), &|p| of(p).normal[axis]);
+            add(&format!("position{suffix}.{name}"), &|p| of(p).position[axis]);
+        }
+        for name in ["R", "G", "B"] {
+            add(&format!("albedo{suffix}.{name}"), &|p| of(p).albedo);
+        }
+        add(&format!("id{suffix}.part"), &|p| f64::from(of(p).part));
+        add(&format!("id{suffix}.face"), &|p| f64::from(of(p).face));
+    }
+    for name in ["R", "G", "B"] {
+        add(&format!("seethrough.{name}"), &|p| p.seethrough);
+    }
+}
+
+/// Writes the record of the run into the header: what was rendered, how, and what was decided.
+pub fn add_meta(frame: &mut Frame, scene: &Scene, plan: &Plan, outcome: &Outcome, seed: u64, splits: &[Split]) {
+    let mut put = |name: &str, value: Meta| {
+        frame.meta.insert(name.to_owned(), value);
+    };
+    let text = |value: &dyn erased::Json| Meta::Text(value.json());
+    put("version", Meta::Text(env!("CARGO_PKG_VERSION").to_owned()));
+    put("scene", Meta::Text(scene.name.clone()));
+    put("sceneHash", Meta::Text(scene.hash.clone()));
+    put("seed", Meta::Text(seed.to_string()));
+    put("passes", Meta::Text(outcome.films.passes.to_string()));
+    for (estimator, _, ledger) in &outcome.films.films {
+        let name = estimator.name();
+        put(&format!("passes.{name}"), Meta::Text(outcome.films.passes.to_string()));
+        put(&format!("paths.{name}"), Meta::Text(ledger.paths.to_string()));
+        put(&format!("ledger.{name}"), text(ledger));
+    }
+    put("stop", text(&outcome.stop));
+    put("plan", text(plan));
+    put("planReadable", Meta::Text(plan_lines(scene, plan).join("\n")));
+    put("splits", text(&splits.to_vec()));
+    put("groups", text(&scene.groups.iter().map(|g| g.name.as_str()).collect::<Vec<_>>()));
+    put("parts", text(&scene.parts.iter().map(|p| p.path.as_str()).collect::<Vec<_>>()));
+    put("wavelengths", text(&scene.wavelengths));
+    put("pupilDiameter_m", Meta::Number(scene.eye.pupil_diameter_m));
+    put("eye", text(&scene.eye));
+    if let [slide] = scene.slides.as_slice() {
+        put("contrast", Meta::Number(slide.contrast));
+    }
+}
+
+mod erased {
+    /// Anything that serialises, for a header that holds texts.
+    pub trait Json {
+        fn json(&self) -> String;
+    }
+    impl<T: serde::Serialize> Json for T {
+        fn json(&self) -> String {
+            serde_json::to_string(self).unwrap_or_else(|error| format!("\"{error}\""))
+        }
+    }
+}
+
+/// The plan, one line per row, for people.
+pub fn plan_lines(scene: &Scene, plan: &Plan) -> Vec<String> {
+    let mut lines: Vec<String> = plan
+        .rows
+        .iter()
+        .map(|row| {
+            let group = &scene.group(row.group).name;
+            let class = row.class.name();
+            match &row.verdict {
+                Verdict::Own { owner, because } => format!("{group} {class}: {} because {because}", owner.name()),
+                Verdict::Skip { because } => format!("{group} {class}: skipped because {because}"),
+            }
+        })
+        .collect();
+    lines.extend(plan.notes.iter().map(|note| format!("note: {note}")));
+    lines
+}
+
+/// Every layer that a picture with these groups may have.
+fn possible_layers(groups: &[Group]) -> BTreeSet<String> {
+    let mut names: BTreeSet<String> = ["hybrid", "stderr", "seethrough"].map(str::to_owned).into();
+    for data in ["Z", "normal", "position", "albedo", "id"] {
+        names.insert(data.to_owned());
+        names.insert(format!("{data}_seen"));
+    }
+    for layer in Layer::SUM_ORDER {
+        names.insert(layer.name().to_owned());
+        for group in groups {
+            for suffix in ["", "_open", "_content", "_cross", "_cross2", "_cross3"] {
+                names.insert(format!("{}_{}{suffix}", layer.name(), group.name));
+            }
+        }
+    }
+    names
+}
+
+/// Checks the names of layers that are asked for, before anything is traced. Errors: a layer that no picture of this
+/// scene can have, with the nearest one.
+pub fn check_layers(layers: &[String], groups: &[Group]) -> Result<()> {
+    let possible = possible_layers(groups);
+    match layers.iter().find(|layer| !possible.contains(*layer)) {
+        None => Ok(()),
+        Some(layer) => Err(Fault::new(Where::Option("--layers".to_owned()), format!("there is no layer `{layer}`"))
+            .expected("direct, caustic, secondary, forward, hybrid, LAYER_GROUP, stderr, Z, normal, position, albedo, id or seethrough")
+            .nearest(layer, possible.iter().map(String::as_str))),
+    }
+}
+
+/// Keeps only the layers named in `layers` (all if empty) and the default image. A layer without light is not there.
+pub fn keep_layers(frame: &mut Frame, layers: &[String]) {
+    if layers.is_empty() {
+        return;
+    }
+    frame.channels.retain(|channel| {
+        let layer = match channel.name.split_once('.') {
+            Some((layer, _)) => layer,
+            None if ["R", "G", "B"].contains(&channel.name.as_str()) => return true,
+            None => &channel.name,
+        };
+        layers.iter().any(|wanted| wanted == layer)
+    });
+}

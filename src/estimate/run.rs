@@ -1,0 +1,192 @@
+//! Runs the estimators that a plan asks for, block of passes by block of passes, until told to stop.
+//!
+//! Sums go into the films pass by pass in one order, so neither the thread count nor where a block ends changes a bit;
+//! the clock only decides after which pass to stop.
+
+use super::backward::Backward;
+use super::forward::Forward;
+use super::ledger::Ledger;
+use super::photon::PhotonMapper;
+use super::route::Route;
+use crate::film::accumulate::{Film, Sampling};
+use crate::film::plan::{Estimator, Plan};
+use crate::world::World;
+use std::time::{Duration, Instant};
+
+/// When to stop. The first limit that is reached counts.
+#[derive(Debug, Clone, Default)]
+pub struct Limits {
+    pub passes: Option<u64>,
+    pub time: Option<Duration>,
+    /// Relative error, see [`Films::relative_error`].
+    pub error: Option<f64>,
+}
+
+/// Why a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stop {
+    Passes,
+    Time,
+    Error,
+    /// The observer asked for it (Ctrl-C).
+    Asked,
+}
+
+/// The state of a run, for progress.
+#[derive(Debug, Clone, Copy)]
+pub struct Status {
+    pub passes: u64,
+    pub elapsed: Duration,
+    /// Estimate of the relative error; none before there is one.
+    pub error: Option<f64>,
+    /// Eye and lamp paths so far.
+    pub paths: u64,
+}
+
+/// Watches a run. Called between blocks.
+pub trait Observer {
+    /// Returns false to stop after this block.
+    fn block(&mut self, status: &Status) -> bool;
+}
+
+/// Films and ledgers of the estimators that ran.
+pub struct Films {
+    pub films: Vec<(Estimator, Film, Ledger)>,
+    pub passes: u64,
+}
+
+/// Everything a run leaves.
+pub struct Outcome {
+    pub films: Films,
+    pub stop: Stop,
+    pub elapsed: Duration,
+}
+
+impl Films {
+    /// Root of (sum of the variances of all pixels' luminance) over (sum of their squares): the noise's share of the
+    /// picture. None before the second pass or for a black picture.
+    pub fn relative_error(&self) -> Option<f64> {
+        let (_, first, _) = self.films.first()?;
+        let (mut noise, mut signal) = (0.0, 0.0);
+        for pixel in 0..first.width * first.height {
+            let mut value = 0.0;
+            for (_, film, _) in &self.films {
+                value += (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum::<f64>();
+                noise += film.variance(pixel, film.planes.len());
+            }
+            signal += value * value;
+        }
+        (self.passes >= 2 && signal > 0.0).then(|| (noise / signal).sqrt())
+    }
+
+    /// The ledger of one estimator, if it ran.
+    pub fn ledger(&self, estimator: Estimator) -> Option<&Ledger> {
+        self.films.iter().find(|(e, _, _)| *e == estimator).map(|(_, _, ledger)| ledger)
+    }
+}
+
+enum Engine<'w> {
+    Backward(Backward<'w>),
+    Forward(Forward<'w>),
+    Photon(PhotonMapper<'w>),
+}
+
+impl Engine<'_> {
+    fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
+        match self {
+            Engine::Backward(e) => e.run(film, first, count),
+            Engine::Forward(e) => e.run(film, first, count),
+            Engine::Photon(e) => e.run(film, first, count),
+        }
+    }
+}
+
+/// Traces `world` by `plan` until a limit is reached. `groups`: number of light groups; `size`: picture in pixels.
+/// At least one pass is made.
+pub fn run(
+    world: &World,
+    plan: &Plan,
+    groups: usize,
+    size: [usize; 2],
+    seed: u64,
+    limits: &Limits,
+    observer: &mut dyn Observer,
+) -> Outcome {
+    let start = Instant::now();
+    let mut engines = Vec::new();
+    let mut films = Films { films: Vec::new(), passes: 0 };
+    for estimator in Estimator::ALL {
+        let route = Route::new(plan, groups, estimator);
+        if route.planes.is_empty() {
+            continue;
+        }
+        let sampling = match estimator {
+            Estimator::Forward => Sampling::PerPath { paths: plan.forward_paths },
+            Estimator::Backward | Estimator::Photon => Sampling::PerPass,
+        };
+        let film = Film::new(size[0], size[1], route.planes.clone(), sampling);
+        engines.push(match estimator {
+            Estimator::Backward => Engine::Backward(Backward::new(world, route, seed)),
+            Estimator::Forward => Engine::Forward(Forward::new(
+                world,
+                route,
+                groups,
+                plan.forward_paths,
+                plan.forward_guide.as_ref(),
+                seed,
+            )),
+            Estimator::Photon => {
+                let radius = plan.photon_radius_m;
+                Engine::Photon(PhotonMapper::new(
+                    world,
+                    route,
+                    groups,
+                    plan.photons,
+                    plan.photon_guide.as_ref(),
+                    radius,
+                    seed,
+                ))
+            }
+        });
+        films.films.push((estimator, film, Ledger::new(world.solids.len())));
+    }
+    let mut block = 1u64;
+    loop {
+        let left = limits.passes.unwrap_or(u64::MAX).saturating_sub(films.passes);
+        let count = block.min(left).max(1);
+        let before = Instant::now();
+        for (engine, (_, film, ledger)) in engines.iter().zip(&mut films.films) {
+            ledger.merge(&engine.run(film, films.passes, count));
+        }
+        films.passes += count;
+        let status = Status {
+            passes: films.passes,
+            elapsed: start.elapsed(),
+            error: films.relative_error(),
+            paths: films.films.iter().map(|(_, _, ledger)| ledger.paths).sum(),
+        };
+        let go_on = observer.block(&status);
+        let stop = if limits.passes.is_some_and(|passes| films.passes >= passes) {
+            Some(Stop::Passes)
+        } else if limits.error.is_some_and(|error| films.passes >= 4 && status.error.is_some_and(|e| e <= error)) {
+            Some(Stop::Error)
+        } else if limits.time.is_some_and(|time| start.elapsed() >= time) {
+            Some(Stop::Time)
+        } else if !go_on {
+            Some(Stop::Asked)
+        } else {
+            None
+        };
+        if let Some(stop) = stop {
+            return Outcome { films, stop, elapsed: start.elapsed() };
+        }
+        // Blocks of about half a second, so that stopping is prompt and asking for the error costs little.
+        let seconds = before.elapsed().as_secs_f64() / count as f64;
+        let wanted = (0.5 / seconds.max(1e-6)) as u64;
+        let rest = limits
+            .time
+            .map_or(u64::MAX, |time| (time.saturating_sub(start.elapsed()).as_secs_f64() / seconds.max(1e-6)) as u64);
+        block = wanted.min(rest).clamp(1, block.saturating_mul(2));
+    }
+}

@@ -1,0 +1,418 @@
+//! The vertex step that all estimators share: advance to the next thing, and turn there.
+
+use super::beam::Beam;
+use super::ledger::Ledger;
+use crate::base::path::{Event, Trail};
+use crate::base::rng::Rng;
+use crate::base::warp::Frame;
+use crate::world::World;
+use crate::world::eye::Arrival;
+use crate::world::fresnel::{reflect, refract};
+use crate::world::geometry::{Hit, Ray};
+use crate::world::interior::Interior;
+use crate::world::scatter::Scatter;
+use crate::world::surface::{FaceOptics, Surface};
+use glam::DVec3;
+
+/// Paths from the eye are split at the first interfaces they meet: at both faces of a combiner, so that the image from
+/// its front and the ghost from its back are always both there.
+pub const SPLIT_FIRST_EVENTS: u32 = 2;
+
+/// Which end a path is walked from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Travel {
+    FromEye,
+    FromLamp,
+}
+
+/// A path under way.
+#[derive(Clone)]
+pub struct Walker<'w> {
+    pub world: &'w World,
+    pub travel: Travel,
+    pub ray: Ray,
+    pub beam: Beam,
+    /// Weight at the start: roulette compares with it.
+    start_weight: f64,
+    pub trail: Trail,
+    pub interior: Interior,
+    pub rng: Rng,
+    /// Vertices so far.
+    pub events: u32,
+    /// What the next interface does, if it is not left to chance.
+    forced: Option<Branch>,
+    /// How often the path was split.
+    splits: u8,
+}
+
+/// One of the two ways on from an interface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Branch {
+    Reflected,
+    Refracted,
+}
+
+/// What a ray met.
+pub enum Met {
+    /// Nothing: the ray leaves the scene.
+    Sky,
+    /// The pupil (rays from lamps).
+    Pupil(Arrival),
+    Face(Vertex),
+    /// The path ended on the way (absorbed by the medium, stopped by the eye).
+    Ended,
+}
+
+/// A hit with its side resolved.
+#[derive(Clone)]
+pub struct Vertex {
+    pub hit: Hit,
+    /// The ray arrives at the outside of the part's face.
+    pub outside: bool,
+    /// Unit shading normal on the side where the ray arrives.
+    pub normal: DVec3,
+}
+
+/// What the face at a vertex asks for.
+pub enum Meeting<'w> {
+    /// The path ended here and is booked.
+    Ended,
+    /// The path went on, past a specular event or straight through.
+    Went,
+    /// A scatterer: the estimator decides what it does here before the path goes on with [`Walker::scatter`].
+    Scatter(&'w Scatter, Frame),
+}
+
+impl<'w> Walker<'w> {
+    /// Most splits of one path.
+    pub const MOST_SPLITS: u8 = 2;
+
+    pub fn new(world: &'w World, travel: Travel, ray: Ray, weight: f64, interior: Interior, rng: Rng) -> Self {
+        Walker {
+            world,
+            travel,
+            ray,
+            beam: Beam::new(weight),
+            start_weight: weight,
+            trail: Trail::START,
+            interior,
+            rng,
+            events: 0,
+            forced: None,
+            splits: 0,
+        }
+    }
+
+    /// Runs along the ray to the next thing.
+    pub fn advance(&mut self, ledger: &mut Ledger) -> Met {
+        let hit = self.world.geometry.intersect(&self.ray, f64::INFINITY);
+        let t_hit = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
+        let (origin, dir) = (self.ray.origin, self.ray.dir);
+        match self.travel {
+            Travel::FromLamp => {
+                if let Some(arrival) = self.world.eye.arrive(origin, dir, t_hit) {
+                    self.attenuate(arrival.t, ledger);
+                    return Met::Pupil(arrival);
+                }
+            }
+            // The eye takes what falls into it, so light that would have to pass through the pupil does not come.
+            Travel::FromEye if self.events > 0 => {
+                if self.world.eye.blocks_reversed(origin, dir, t_hit) {
+                    ledger.arrived += self.beam.carried();
+                    return Met::Ended;
+                }
+            }
+            Travel::FromEye => {}
+        }
+        let Some(hit) = hit else { return Met::Sky };
+        self.attenuate(hit.t, ledger);
+        let outside = dir.dot(hit.normal) < 0.0;
+        let normal = if outside { hit.shading } else { -hit.shading };
+        Met::Face(Vertex { outside, normal, hit })
+    }
+
+    /// Beer–Lambert over `length` metres of the medium that the ray runs in.
+    fn attenuate(&mut self, length: f64, ledger: &mut Ledger) {
+        if let Some((part, solid)) = self.world_top()
+            && solid.absorption_per_m > 0.0
+        {
+            let before = self.beam.carried();
+            self.beam.scale((-solid.absorption_per_m * length).exp());
+            ledger.absorb(part, before - self.beam.carried());
+        }
+    }
+
+    fn world_top(&self) -> Option<(u32, &'w crate::world::interior::Solid)> {
+        self.interior.top(&self.world.solids)
+    }
+
+    /// Refractive index where the path is now. Radiance over index squared is what a path from the eye carries, so the
+    /// factor (n_eye/n_here)² is applied once, where light is picked up.
+    pub fn index_here(&self) -> f64 {
+        self.world.index_in(&self.interior)
+    }
+
+    pub fn optics(&self, vertex: &Vertex) -> &'w FaceOptics {
+        &self.world.faces[vertex.hit.site.part as usize][vertex.hit.site.face as usize]
+    }
+
+    /// Does at `vertex` what the face asks for.
+    pub fn meet(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Meeting<'w> {
+        self.events += 1;
+        let world = self.world;
+        let part = vertex.hit.site.part;
+        if self.events >= Ledger::MOST_EVENTS {
+            ledger.cut += self.beam.carried();
+            return Meeting::Ended;
+        }
+        let solid = world.solids[part as usize].is_some();
+        if solid {
+            if self.interior.contains(part) == vertex.outside {
+                ledger.mismatches += 1;
+            }
+            self.interior.heal(part, !vertex.outside);
+            // Inside a solid of higher priority a face is not there.
+            let hidden = self.interior.top_without(part, &world.solids).is_some_and(|(other, above)| {
+                world.solids[part as usize].as_ref().is_some_and(|own| {
+                    above.priority > own.priority || (above.priority == own.priority && other < part)
+                })
+            });
+            if hidden {
+                self.pass_through(vertex);
+                return Meeting::Went;
+            }
+        }
+        match &self.optics(vertex).surface {
+            Surface::Absent => {
+                self.pass_through(vertex);
+                Meeting::Went
+            }
+            Surface::Absorber => {
+                ledger.absorb(part, self.beam.carried());
+                Meeting::Ended
+            }
+            Surface::Slide(index) => {
+                let slide = &world.slides[*index];
+                let before = self.beam.carried();
+                let Some(s) = slide.s(vertex.hit.local) else {
+                    ledger.absorb(part, before);
+                    return Meeting::Ended;
+                };
+                self.beam.cross(slide, s);
+                ledger.absorb(part, before - self.beam.carried());
+                self.trail = self.trail.then(Event::Specular);
+                self.pass_through(vertex);
+                self.roulette(ledger)
+            }
+            Surface::Mirror(mirror) => {
+                let cos_i = -self.ray.dir.dot(vertex.normal);
+                let share = mirror.power(self.index_here(), cos_i).reflectance();
+                ledger.absorb(part, self.beam.carried() * (1.0 - share));
+                self.beam.scale(share);
+                self.trail = self.trail.then(Event::Specular);
+                self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger)
+            }
+            Surface::Interface(films) => {
+                let n1 = self.index_here();
+                let n2 = self.index_beyond(vertex);
+                let cos_i = -self.ray.dir.dot(vertex.normal);
+                let power = films.power(n1, n2, cos_i, vertex.outside, world.wavelength_nm);
+                let (r, t) = (power.reflectance(), power.transmittance());
+                let refracted = if t > 0.0 { refract(self.ray.dir, vertex.normal, n1 / n2) } else { None };
+                // Rounding at the critical angle may leave power to a direction that does not exist.
+                let (r, t) = if refracted.is_some() { (r, t) } else { (r + t, 0.0) };
+                self.trail = self.trail.then(Event::Specular);
+                let (weight, absorbed, branch) = match self.forced.take() {
+                    // The absorbed share is booked by the refracted branch alone.
+                    Some(Branch::Reflected) => (r, 0.0, Branch::Reflected),
+                    Some(Branch::Refracted) => (t, 1.0 - r - t, Branch::Refracted),
+                    None if self.rng.uniform() * (r + t) >= r => (r + t, 1.0 - r - t, Branch::Refracted),
+                    None => (r + t, 1.0 - r - t, Branch::Reflected),
+                };
+                ledger.absorb(part, self.beam.carried() * absorbed);
+                self.beam.scale(weight);
+                match (branch, refracted) {
+                    (Branch::Refracted, Some(dir)) => self.go(vertex, dir, true, ledger),
+                    (Branch::Reflected, _) | (Branch::Refracted, None) => {
+                        self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger)
+                    }
+                }
+            }
+            Surface::Scatter(scatter) => Meeting::Scatter(scatter, Frame::about(vertex.normal)),
+        }
+    }
+
+    /// Splits a path at an interface where both ways carry at least `least` of the power: the returned path has been
+    /// reflected there with its share, this one will be refracted when it [meets](Walker::meet) the vertex. Through a
+    /// combiner the eye sees two worlds, and what is faint in one of them (a lamp's glint) should not wait for a rare
+    /// choice. At most [`Walker::MOST_SPLITS`] times on one path.
+    pub fn split(&mut self, vertex: &Vertex, least: f64, ledger: &mut Ledger) -> Option<Walker<'w>> {
+        if self.splits >= Self::MOST_SPLITS {
+            return None;
+        }
+        let Surface::Interface(films) = &self.optics(vertex).surface else { return None };
+        let (n1, n2) = (self.index_here(), self.index_beyond(vertex));
+        if n1 == n2 {
+            return None;
+        }
+        let power = films.power(n1, n2, -self.ray.dir.dot(vertex.normal), vertex.outside, self.world.wavelength_nm);
+        if power.reflectance().min(power.transmittance()) < least {
+            return None;
+        }
+        refract(self.ray.dir, vertex.normal, n1 / n2)?;
+        self.splits += 1;
+        let mut reflected = self.clone();
+        reflected.rng = self.rng.fork();
+        reflected.forced = Some(Branch::Reflected);
+        self.forced = Some(Branch::Refracted);
+        match reflected.meet(vertex, ledger) {
+            Meeting::Went => Some(reflected),
+            Meeting::Ended | Meeting::Scatter(..) => None,
+        }
+    }
+
+    /// Whether the path has been split before: it is past a combiner's first face.
+    pub fn was_split(&self) -> bool {
+        self.splits > 0
+    }
+
+    /// Goes on without chance: through what transmits, back from what only reflects. False (and the path stays) at
+    /// what is not specular.
+    pub fn go_straight_on(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> bool {
+        self.events += 1;
+        match &self.optics(vertex).surface {
+            Surface::Absorber | Surface::Scatter(_) => false,
+            Surface::Absent => {
+                self.pass_through(vertex);
+                true
+            }
+            Surface::Slide(_) | Surface::Mirror(_) => matches!(self.meet(vertex, ledger), Meeting::Went),
+            Surface::Interface(films) => {
+                let part = vertex.hit.site.part;
+                self.interior.heal(part, !vertex.outside);
+                let (n1, n2) = (self.index_here(), self.index_beyond(vertex));
+                let cos_i = -self.ray.dir.dot(vertex.normal);
+                let power = films.power(n1, n2, cos_i, vertex.outside, self.world.wavelength_nm);
+                let turned = match refract(self.ray.dir, vertex.normal, n1 / n2) {
+                    Some(dir) => {
+                        self.beam.scale(power.transmittance());
+                        self.go(vertex, dir, true, ledger)
+                    }
+                    None => self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger),
+                };
+                matches!(turned, Meeting::Went)
+            }
+        }
+    }
+
+    /// Scatters at a vertex for which [`Walker::meet`] said `Scatter`. Returns the direction's density per steradian
+    /// while the path goes on.
+    pub fn scatter(&mut self, vertex: &Vertex, scatter: &Scatter, frame: &Frame, ledger: &mut Ledger) -> Option<f64> {
+        let part = vertex.hit.site.part;
+        let d_in = frame.to_local(self.ray.dir);
+        let [reflected, transmitted] = scatter.albedo(-d_in.z);
+        ledger.absorb(part, self.beam.carried() * (1.0 - reflected - transmitted));
+        let event = if scatter.is_narrow() { Event::Glossy } else { Event::Diffuse };
+        self.trail = self.trail.then(event);
+        let u = [self.rng.uniform(), self.rng.uniform(), self.rng.uniform()];
+        let sampled = scatter.sample(d_in, u)?;
+        self.beam.scale(sampled.weight);
+        let through = sampled.dir.z < 0.0;
+        match self.go(vertex, frame.to_world(sampled.dir), through, ledger) {
+            Meeting::Went => Some(sampled.pdf),
+            Meeting::Ended | Meeting::Scatter(..) => None,
+        }
+    }
+
+    /// Index of the medium on the side where light is picked up (`through` the face or not), and the medium's
+    /// transmittance over `length` metres there.
+    pub fn beyond(&self, vertex: &Vertex, through: bool, length: f64) -> (f64, f64) {
+        let part = vertex.hit.site.part;
+        let top = if through && self.world.solids[part as usize].is_some() {
+            let mut beyond = self.interior.clone();
+            if vertex.outside {
+                beyond.enter(part)
+            } else {
+                beyond.leave(part)
+            }
+            beyond.top(&self.world.solids).map(|(_, solid)| *solid)
+        } else {
+            self.world_top().map(|(_, solid)| *solid)
+        };
+        top.map_or((1.0, 1.0), |solid| {
+            let depth = if solid.absorption_per_m > 0.0 { solid.absorption_per_m * length } else { 0.0 };
+            (solid.index, (-depth).exp())
+        })
+    }
+
+    /// The index behind the face: what fills the space once the ray has gone through.
+    fn index_beyond(&self, vertex: &Vertex) -> f64 {
+        let part = vertex.hit.site.part;
+        let mut beyond = self.interior.clone();
+        if vertex.outside {
+            beyond.enter(part)
+        } else {
+            beyond.leave(part)
+        }
+        self.world.index_in(&beyond)
+    }
+
+    /// Goes straight on behind the face.
+    fn pass_through(&mut self, vertex: &Vertex) {
+        self.cross_solid(vertex);
+        self.ray = Ray { origin: vertex.hit.point, dir: self.ray.dir, from: Some(vertex.hit.site) };
+    }
+
+    fn cross_solid(&mut self, vertex: &Vertex) {
+        let part = vertex.hit.site.part;
+        if self.world.solids[part as usize].is_some() {
+            if vertex.outside { self.interior.enter(part) } else { self.interior.leave(part) }
+        }
+    }
+
+    /// Leaves a vertex in `dir`, through the face or back from it.
+    fn go(&mut self, vertex: &Vertex, dir: DVec3, through: bool, ledger: &mut Ledger) -> Meeting<'w> {
+        let leaves_outside = dir.dot(vertex.hit.normal) > 0.0;
+        if leaves_outside != (vertex.outside != through) {
+            // Only the interpolated normals of meshes can do this.
+            ledger.wrong_side += self.beam.carried();
+            return Meeting::Ended;
+        }
+        if through {
+            self.cross_solid(vertex);
+        }
+        self.ray = Ray { origin: vertex.hit.point, dir, from: Some(vertex.hit.site) };
+        self.roulette(ledger)
+    }
+
+    /// Unbiased roulette on the weight without slides: the picture at another contrast makes the same decisions.
+    fn roulette(&mut self, ledger: &mut Ledger) -> Meeting<'w> {
+        const FREE_EVENTS: u32 = 16;
+        const TRAPPED_EVENTS: u32 = 1024;
+        let carried = self.beam.carried();
+        if !carried.is_finite() {
+            ledger.invalid_paths += 1;
+            return Meeting::Ended;
+        }
+        if self.beam.weight <= 0.0 {
+            return Meeting::Ended;
+        }
+        if self.events <= FREE_EVENTS {
+            return Meeting::Went;
+        }
+        // Light that total reflection traps loses nothing; only the event count can end it.
+        let trapped: f64 = if self.events > TRAPPED_EVENTS { 0.999 } else { 1.0 };
+        let survive = (self.beam.weight / self.start_weight * 4.0).clamp(0.05, 1.0) * trapped;
+        if survive >= 1.0 {
+            return Meeting::Went;
+        }
+        if self.rng.uniform() < survive {
+            self.beam.scale(1.0 / survive);
+            ledger.roulette_gained += self.beam.carried() - carried;
+            Meeting::Went
+        } else {
+            ledger.roulette_lost += carried;
+            Meeting::Ended
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! An assembly as `inspect` reports it: what each part is optically, where it is, what shines, and what was noted.
+
+mod face;
+mod parts;
+mod text;
+mod words;
+
+#[cfg(test)]
+mod tests;
+
+pub use face::{EmitterReport, FaceReport, SlideReport};
+pub use parts::{Bounds, MediumReport, PartReport};
+
+use crate::base::Fault;
+use crate::scene::{Eye, Note, Scene, Severity, Sky, Wavelengths};
+
+/// The report. Lengths of the world in metres, shapes in mesh units as in the scene. In JSON an infinite number is null.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct AssemblyTree {
+    pub name: String,
+    /// Metres per unit of the asset.
+    pub unit_m: f64,
+    pub wavelengths: Wavelengths,
+    pub traced_nm: f64,
+    pub bounds: Option<Bounds>,
+    pub meshes: usize,
+    /// In the order of the file; the tree is in their paths.
+    pub parts: Vec<PartReport>,
+    /// None where the optical attributes could not be used: see `fault`.
+    pub optics: Option<OpticsReport>,
+    /// Why there are no optics.
+    pub fault: Option<Fault>,
+    /// Warnings first.
+    pub notes: Vec<Note>,
+}
+
+/// What belongs to the whole scene.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct OpticsReport {
+    pub groups: Vec<GroupReport>,
+    pub sky: Option<SkyReport>,
+    pub eye: Eye,
+}
+
+/// The emitting faces of one light group.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct GroupReport {
+    pub name: String,
+    pub faces: usize,
+    pub flux_lm: f64,
+    /// Least and greatest luminance along the normal, cd/m².
+    pub luminance_cd_m2: Option<[f64; 2]>,
+}
+
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct SkyReport {
+    pub group: String,
+    pub file: String,
+    pub size: [usize; 2],
+    /// Least, mean over the sphere, and greatest luminance, cd/m².
+    pub least_cd_m2: f64,
+    pub mean_cd_m2: f64,
+    pub greatest_cd_m2: f64,
+}
+
+impl AssemblyTree {
+    /// The report of a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let mut tree = Self::geometry(scene);
+        for (report, part) in tree.parts.iter_mut().zip(&scene.parts) {
+            report.medium = parts::medium(scene, part);
+            report.faces = face::faces(scene, part);
+        }
+        let mut groups: Vec<GroupReport> = (scene.groups.iter())
+            .map(|group| GroupReport { name: group.name.clone(), faces: 0, flux_lm: 0.0, luminance_cd_m2: None })
+            .collect();
+        for (report, part) in tree.parts.iter().zip(&scene.parts) {
+            for (found, face) in report.faces.iter().zip(&part.faces) {
+                let (Some(emits), Some(emitter)) = (&found.emitter, &face.emitter) else { continue };
+                let Some(group) = groups.get_mut(emitter.group.index()) else { continue };
+                group.faces += 1;
+                group.flux_lm += emits.flux_lm;
+                let l = emits.luminance_cd_m2;
+                let [least, greatest] = group.luminance_cd_m2.unwrap_or([l, l]);
+                group.luminance_cd_m2 = Some([least.min(l), greatest.max(l)]);
+            }
+        }
+        // The sky's group has no faces unless a lamp shares it.
+        let sky_group = scene.sky.as_ref().map(|sky| sky.group.index());
+        let mut index = 0..;
+        groups.retain(|group| index.next() != sky_group || group.faces > 0);
+        let sky = scene.sky.as_ref().map(|sky| self::sky(scene, sky));
+        tree.optics = Some(OpticsReport { groups, sky, eye: scene.eye.clone() });
+        tree
+    }
+
+    /// Only what the geometry says, since `fault` forbids more.
+    pub fn without_optics(scene: &Scene, fault: &Fault) -> Self {
+        AssemblyTree { fault: Some(fault.clone()), ..Self::geometry(scene) }
+    }
+
+    fn geometry(scene: &Scene) -> Self {
+        let parts = parts::parts(scene);
+        let bounds = parts.iter().filter_map(|part| part.bounds).reduce(Bounds::with);
+        let mut notes = scene.notes.clone();
+        // Stable: in each severity the order of the import.
+        notes.sort_by_key(|note| std::cmp::Reverse(note.severity));
+        AssemblyTree {
+            name: scene.name.clone(),
+            unit_m: scene.unit_m,
+            wavelengths: scene.wavelengths,
+            traced_nm: scene.wavelengths.traced_nm(),
+            bounds,
+            meshes: scene.meshes.len(),
+            parts,
+            optics: None,
+            fault: None,
+            notes,
+        }
+    }
+
+    pub fn warnings(&self) -> usize {
+        self.notes.iter().filter(|note| note.severity == Severity::Warning).count()
+    }
+
+    /// The tree for people; parts and faces that are alike take one line with their count.
+    pub fn text(&self) -> String {
+        text::text(self)
+    }
+}
+
+/// Mean over the sphere: rows weigh by the sine of their distance from the pole.
+fn sky(scene: &Scene, sky: &Sky) -> SkyReport {
+    let (mut least, mut greatest, mut sum, mut weights) = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0);
+    for (row, pixels) in sky.luminance.chunks(sky.width.max(1)).enumerate() {
+        let weight = ((row as f64 + 0.5) / sky.height.max(1) as f64 * std::f64::consts::PI).sin();
+        for &pixel in pixels {
+            let luminance = f64::from(pixel);
+            (least, greatest) = (least.min(luminance), greatest.max(luminance));
+            sum += weight * luminance;
+            weights += weight;
+        }
+    }
+    SkyReport {
+        group: scene.groups.get(sky.group.index()).map_or_else(String::new, |group| group.name.clone()),
+        file: sky.file.clone(),
+        size: [sky.width, sky.height],
+        least_cd_m2: least,
+        mean_cd_m2: sum / weights,
+        greatest_cd_m2: greatest,
+    }
+}

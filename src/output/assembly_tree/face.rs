@@ -1,0 +1,115 @@
+//! Faces: what each is optically, with photometry in both directions.
+
+use crate::base::Where;
+use crate::scene::{Angular, Coating, Emitter, Face, Finish, Part, Photometry, Scene, Shape};
+use glam::DVec3;
+
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct FaceReport {
+    pub number: usize,
+    pub finish: Finish,
+    pub coating: Option<Coating>,
+    /// In mesh units.
+    pub shape: Shape,
+    /// Metres per mesh unit.
+    pub unit_m: f64,
+    /// What was noted of this face, e.g. how well the shape fits its points.
+    pub notes: Vec<String>,
+    pub emitter: Option<EmitterReport>,
+    pub slide: Option<SlideReport>,
+}
+
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct EmitterReport {
+    pub group: String,
+    pub flux_lm: f64,
+    /// Along the normal.
+    pub luminance_cd_m2: f64,
+    /// Of the face's triangles.
+    pub area_m2: f64,
+    pub angular: Angular,
+    pub spectrum: Option<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct SlideReport {
+    pub file: String,
+    pub pixels: [usize; 2],
+    pub size_m: [f64; 2],
+    pub transmittance: f64,
+    pub contrast: f64,
+    /// Mean transmittance of the picture, T_black included.
+    pub mean_transmittance: f64,
+}
+
+pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
+    let unit_m = part.to_world.matrix3.determinant().abs().cbrt();
+    let mut notes: Vec<Vec<String>> = vec![Vec::new(); part.faces.len()];
+    for note in &scene.notes {
+        if let Where::Part { path, face: Some(face) } = &note.at
+            && *path == part.path
+            && let Some(own) = notes.get_mut(*face)
+        {
+            own.push(note.text.clone());
+        }
+    }
+    let report = |(number, (face, notes)): (usize, (&Face, Vec<String>))| FaceReport {
+        number,
+        finish: face.finish,
+        coating: face.coating.and_then(|id| scene.coatings.get(id.index())).cloned(),
+        shape: face.shape,
+        unit_m,
+        notes,
+        emitter: face.emitter.as_ref().map(|emitter| self::emitter(scene, emitter, area(scene, part, number))),
+        slide: face.slide.and_then(|id| scene.slides.get(id.index())).map(|slide| {
+            let mean = slide.pixels.iter().map(|s| f64::from(*s)).sum::<f64>() / slide.pixels.len().max(1) as f64;
+            let black = slide.transmittance / slide.contrast;
+            SlideReport {
+                file: slide.file.clone(),
+                pixels: [slide.width, slide.height],
+                size_m: slide.size.map(|length| length * unit_m),
+                transmittance: slide.transmittance,
+                contrast: slide.contrast,
+                mean_transmittance: black + mean * (slide.transmittance - black),
+            }
+        }),
+    };
+    part.faces.iter().zip(notes).enumerate().map(report).collect()
+}
+
+/// With I(θ) = I₀·cosⁿθ over a half space the flux is 2π·I₀/(n + 1), and the luminance along the normal is I₀/A.
+fn emitter(scene: &Scene, emitter: &Emitter, area_m2: f64) -> EmitterReport {
+    let n = match emitter.angular {
+        Angular::Lambert => 1.0,
+        Angular::CosN { n } => n,
+    };
+    let flux_per_intensity = std::f64::consts::TAU / (n + 1.0);
+    let (flux_lm, luminance_cd_m2) = match emitter.photometry {
+        Photometry::FluxLm(flux) => (flux, flux / flux_per_intensity / area_m2),
+        Photometry::LuminanceCdM2(luminance) => (luminance * area_m2 * flux_per_intensity, luminance),
+        Photometry::IntensityCd(intensity) => (intensity * flux_per_intensity, intensity / area_m2),
+    };
+    EmitterReport {
+        group: scene.groups.get(emitter.group.index()).map_or_else(String::new, |group| group.name.clone()),
+        flux_lm,
+        luminance_cd_m2,
+        area_m2,
+        angular: emitter.angular,
+        spectrum: emitter.spectrum.clone(),
+    }
+}
+
+/// World area of a face's triangles, m².
+pub fn area(scene: &Scene, part: &Part, face: usize) -> f64 {
+    let Some(mesh) = scene.meshes.get(part.mesh.index()) else { return 0.0 };
+    let triangles = mesh.faces.get(face).and_then(|range| {
+        let end = range.first.checked_add(range.count)?;
+        mesh.triangles.get(range.first as usize..end as usize)
+    });
+    let world = |index: u32| {
+        let point = mesh.positions.get(index as usize)?;
+        Some(part.to_world.transform_point3(DVec3::from_array(point.map(f64::from))))
+    };
+    let one = |&[a, b, c]: &[u32; 3]| Some((world(b)? - world(a)?).cross(world(c)? - world(a)?).length() / 2.0);
+    triangles.unwrap_or_default().iter().filter_map(one).sum()
+}

@@ -1,0 +1,165 @@
+//! What things are, in words. All numbers to a few significant digits: people read them.
+
+use super::face::{EmitterReport, FaceReport, SlideReport};
+use super::parts::MediumReport;
+pub use crate::base::units::significant as number;
+use crate::scene::{Angular, Coating, Finish, Shape};
+use glam::DVec3;
+
+/// Metres as mm.
+pub fn mm(metres: f64) -> String {
+    number(metres * 1e3, 6)
+}
+
+/// A point in mm; what is rounding of the assembly's `extent_m` is 0.
+pub fn place(point: DVec3, extent_m: f64) -> String {
+    let one = |x: f64| if x.abs() <= 1e-9 * extent_m { "0".to_owned() } else { mm(x) };
+    format!("({}, {}, {})", one(point.x), one(point.y), one(point.z))
+}
+
+/// A direction; a tilt of less than a microradian, as fits leave, is 0.
+pub fn direction(v: DVec3) -> String {
+    let one = |x: f64| if x.abs() < 1e-6 { "0".to_owned() } else { number(x, 5) };
+    format!("({}, {}, {})", one(v.x), one(v.y), one(v.z))
+}
+
+/// `12 x 8 x 3 mm`.
+pub fn size(size: DVec3) -> String {
+    let one = |x: f64| if x <= 1e-9 * size.max_element() { "0".to_owned() } else { number(x * 1e3, 4) };
+    format!("{} x {} x {} mm", one(size.x), one(size.y), one(size.z))
+}
+
+/// Names come from files: no control characters reach a terminal.
+pub fn name(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+pub fn medium(medium: &MediumReport) -> String {
+    let mut text = format!("{}, n {}", name(&medium.name), number(medium.n, 6));
+    if medium.k > 0.0 {
+        text += &format!(", k {}", number(medium.k, 4));
+    }
+    if medium.absorption_per_m > 0.0 {
+        text += &format!(", absorbs {}/m", number(medium.absorption_per_m, 4));
+    }
+    text
+}
+
+/// A face in one line, without how well its shape fits.
+pub fn face(face: &FaceReport, traced_nm: f64) -> String {
+    let mut all = Vec::new();
+    if let Some(slide) = &face.slide {
+        all.push(self::slide(slide));
+    }
+    // A face with a slide transmits straight through, whatever its finish.
+    if face.slide.is_none() {
+        all.push(finish(face.finish));
+    }
+    all.extend(face.coating.as_ref().map(|coating| self::coating(coating, traced_nm)));
+    all.extend(shape(face));
+    all.extend(face.emitter.as_ref().map(emitter));
+    all.join(", ")
+}
+
+fn finish(finish: Finish) -> String {
+    let shares = |r: f64, t: f64| format!("R {}, T {}", number(r, 4), number(t, 4));
+    match finish {
+        Finish::None => "not there for light".to_owned(),
+        Finish::Polished => "polished".to_owned(),
+        Finish::MirrorMetal { n, k } => format!("mirror, metal n {} + {}i", number(n, 4), number(k, 4)),
+        Finish::MirrorIdeal { reflectance } => format!("mirror, R {}", number(reflectance, 4)),
+        Finish::Lambert { reflectance, transmittance } => format!("lambert, {}", shares(reflectance, transmittance)),
+        Finish::Gauss { sigma_deg, reflectance, transmittance } => {
+            format!("gauss, sigma {} deg, {}", number(sigma_deg, 4), shares(reflectance, transmittance))
+        }
+        Finish::Absorber => "absorber".to_owned(),
+    }
+}
+
+fn coating(coating: &Coating, traced_nm: f64) -> String {
+    let film = |film: &crate::scene::FilmLayer| {
+        let index = film.index.index(traced_nm);
+        let k = if index.im > 0.0 { format!(" + {}i", number(index.im, 4)) } else { String::new() };
+        format!("n {}{k} {} nm", number(index.re, 5), number(film.thickness_nm, 6))
+    };
+    const SHOWN: usize = 4;
+    let films: Vec<String> = coating.films.iter().take(SHOWN).map(film).collect();
+    let more = coating.films.len().saturating_sub(SHOWN);
+    let more = if more > 0 { format!(" and {more} more films") } else { String::new() };
+    format!("coating {} [{}{more}]", name(&coating.name), films.join(" | "))
+}
+
+/// The exact surface with its axis in the part's own frame (radius > 0: the centre lies that way); the mesh is worth a word only where its facets bend light.
+fn shape(face: &FaceReport) -> Option<String> {
+    let curve = |radius: f64, axis| format!("R {} mm about {}", mm(radius * face.unit_m), direction(axis));
+    match face.shape {
+        Shape::Mesh => match face.finish {
+            Finish::Polished | Finish::MirrorMetal { .. } | Finish::MirrorIdeal { .. } => Some("as meshed".to_owned()),
+            Finish::None | Finish::Lambert { .. } | Finish::Gauss { .. } | Finish::Absorber => None,
+        },
+        Shape::Plane { .. } => Some("plane".to_owned()),
+        Shape::Sphere { radius, axis, .. } => Some(format!("sphere {}", curve(radius, axis))),
+        Shape::Conic { radius, axis, conic, .. } => {
+            Some(format!("conic k {} {}", number(conic, 6), curve(radius, axis)))
+        }
+    }
+}
+
+pub fn emitter(emitter: &EmitterReport) -> String {
+    let mut text = format!(
+        "emits {} lm, {} cd/m² into group {}, {}",
+        number(emitter.flux_lm, 4),
+        number(emitter.luminance_cd_m2, 4),
+        name(&emitter.group),
+        match emitter.angular {
+            Angular::Lambert => "lambert".to_owned(),
+            Angular::CosN { n } => format!("cos^{}", number(n, 4)),
+        }
+    );
+    if let Some(spectrum) = &emitter.spectrum {
+        text += &format!(", spectrum {}", name(spectrum));
+    }
+    text
+}
+
+fn slide(slide: &SlideReport) -> String {
+    format!(
+        "slide {} {} x {} pixels, {} x {} mm, T {}, contrast {}, mean T {}",
+        name(&slide.file),
+        slide.pixels[0],
+        slide.pixels[1],
+        mm(slide.size_m[0]),
+        mm(slide.size_m[1]),
+        number(slide.transmittance, 4),
+        number(slide.contrast, 6),
+        number(slide.mean_transmittance, 3)
+    )
+}
+
+/// `0-4, 7` for rising numbers.
+pub fn ranges(numbers: &[usize]) -> String {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for &number in numbers {
+        match runs.last_mut() {
+            Some((_, last)) if last.checked_add(1) == Some(number) => *last = number,
+            Some(_) | None => runs.push((number, number)),
+        }
+    }
+    let text = |&(first, last): &(usize, usize)| match last - first {
+        0 => format!("{first}"),
+        1 => format!("{first}, {last}"),
+        _ => format!("{first}-{last}"),
+    };
+    runs.iter().map(text).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_are_short_and_names_are_safe() {
+        assert_eq!(ranges(&[0, 1, 2, 4, 6, 7]), "0-2, 4, 6, 7");
+        assert_eq!(name("a\u{1b}[31m\n"), "a\u{fffd}[31m\u{fffd}");
+    }
+}

@@ -1,0 +1,192 @@
+//! Frame → EXR.
+
+use std::collections::HashMap;
+use std::io::Cursor;
+use std::path::Path;
+
+use ::exr::block::UncompressedBlock;
+use ::exr::block::writer::ChunksWriter;
+use ::exr::meta::BlockDescription;
+use ::exr::meta::attribute::{
+    AttributeValue, ChannelDescription, ChannelList, IntegerBounds, LineOrder, SampleType, Text,
+};
+use ::exr::meta::header::{Header, ImageAttributes, LayerAttributes};
+use ::exr::prelude::{Compression, Vec2};
+
+use super::{COLOR_INTEROP_ID, DEFAULT_COLOR, PREFIX, WHITE_LUMINANCE, header};
+use crate::base::fault::{Fault, Result, Where};
+use crate::film::frame::{Channel, Frame, Meta};
+use crate::output::atomic::write_atomic;
+
+/// Nuke stops at 1023 channels and slows down long before (`design/layers.md`).
+const MANY_CHANNELS: usize = 500;
+/// Longest name of a channel or an attribute in EXR, bytes.
+const LONGEST_NAME: usize = 255;
+/// Names beyond this many bytes need the file's long-name flag.
+const SHORT_NAME: usize = 31;
+
+/// Writes the frame: one part, 32-bit float, ZIP, scan lines in increasing order, the same bytes for the same frame.
+///
+/// Metadata: `colorInteropID` (text, default `lin_rec709_scene`) and `whiteLuminance` (number, default 1: values are
+/// cd/m²) under their own names, every other entry `key` as `eyebox.key`: text as `string`, numbers as `double`,
+/// integers as `int`, or as `string` when they need more than 32 bits ([`Frame::integer`] reads both back).
+///
+/// Returns [`warnings`].
+///
+/// Errors, before anything is written: a channel name that Nuke and Blender would not split alike, a name twice, data
+/// of another size than the frame, a value that is not finite (with its channel and pixel). On any error, the file
+/// system's included, no file is left behind and an older file at `path` stays as it was.
+pub fn write_exr(path: &Path, frame: &Frame) -> Result<Vec<String>> {
+    let at = || Where::file(path);
+    let channels = sorted_channels(frame, &at)?;
+    let attributes = attributes(frame, &at)?;
+    let long = channels.iter().map(|channel| channel.name.len()).chain(attributes.keys().map(|name| name.len()));
+    let long_names = long.into_iter().any(|length| length > SHORT_NAME);
+    let mut bytes = encode(frame, &channels, attributes)
+        .map_err(|error| Fault::new(at(), format!("cannot be encoded as EXR: {error}")))?;
+    header::sort_attributes(&mut bytes)
+        .and_then(|()| if long_names { header::set_long_names(&mut bytes) } else { Some(()) })
+        .ok_or_else(|| Fault::new(at(), "the EXR encoder made a header that cannot be put in order"))?;
+    write_atomic(path, &bytes)?;
+    Ok(warnings(frame))
+}
+
+/// What may trouble a reader although the file is right.
+pub fn warnings(frame: &Frame) -> Vec<String> {
+    let count = frame.channels.len();
+    if count <= MANY_CHANNELS {
+        return Vec::new();
+    }
+    vec![format!(
+        "{count} channels; Nuke stops at 1023 and slows down above {MANY_CHANNELS}: ask for fewer layers or light groups"
+    )]
+}
+
+/// The channels in the order that EXR demands (by the bytes of their names), after all checks.
+fn sorted_channels<'f>(frame: &'f Frame, at: &dyn Fn() -> Where) -> Result<Vec<&'f Channel>> {
+    let pixels = frame.width.checked_mul(frame.height).filter(|pixels| *pixels > 0).ok_or_else(|| {
+        Fault::new(at(), format!("a frame of {} × {} pixels cannot be written", frame.width, frame.height))
+            .expected("at least one pixel")
+    })?;
+    if frame.channels.is_empty() {
+        return Err(Fault::new(at(), "the frame has no channel").expected("at least one"));
+    }
+    let mut channels: Vec<&Channel> = frame.channels.iter().collect();
+    channels.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
+    for pair in channels.windows(2) {
+        if let [first, second] = pair
+            && first.name == second.name
+        {
+            return Err(Fault::new(at(), format!("channel `{}` is there twice", first.name)));
+        }
+    }
+    for channel in &channels {
+        check_name(&channel.name, at)?;
+        if channel.data.len() != pixels {
+            return Err(Fault::new(at(), format!("channel `{}` has {} values", channel.name, channel.data.len()))
+                .expected(format!("{} × {} = {pixels}", frame.width, frame.height)));
+        }
+        if let Some(index) = channel.data.iter().position(|value| !value.is_finite()) {
+            let (x, y, value) = (index % frame.width, index / frame.width, channel.data[index]);
+            return Err(Fault::new(at(), format!("channel `{}` is {value} at pixel ({x}, {y})", channel.name))
+                .expected("a finite value (0 where a ray hits nothing)"));
+        }
+    }
+    Ok(channels)
+}
+
+/// Nuke and Blender split names at different dots, so there is at most one; what stands before it must be a name that
+/// both accept (`design/layers.md`).
+fn check_name(name: &str, at: &dyn Fn() -> Where) -> Result<()> {
+    let word = |text: &str| {
+        text.starts_with(|c: char| c.is_ascii_alphabetic())
+            && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+    };
+    let good = match name.split_once('.') {
+        Some((layer, component)) => word(layer) && word(component),
+        None => word(name),
+    };
+    if good && name.len() <= LONGEST_NAME {
+        return Ok(());
+    }
+    Err(Fault::new(at(), format!("`{name}` cannot name a channel")).expected(format!(
+        "`layer.component` or `component`, each a letter and then letters, digits or `_`, at most {LONGEST_NAME} in all"
+    )))
+}
+
+fn attributes(frame: &Frame, at: &dyn Fn() -> Where) -> Result<HashMap<String, AttributeValue>> {
+    let mut attributes = HashMap::new();
+    attributes.insert(COLOR_INTEROP_ID.to_owned(), AttributeValue::Text(text(DEFAULT_COLOR)));
+    for (key, value) in &frame.meta {
+        if key == WHITE_LUMINANCE {
+            // A typed field of the header, see `encode`.
+            if frame.number(key).is_none_or(|number| !(number > 0.0 && number.is_finite())) {
+                return Err(Fault::new(at(), format!("`{key}` is {value:?}")).expected("a positive number, cd/m²"));
+            }
+            continue;
+        }
+        let name = if key == COLOR_INTEROP_ID { key.clone() } else { format!("{PREFIX}{key}") };
+        if key.is_empty() || name.len() > LONGEST_NAME || !name.bytes().all(|byte| byte.is_ascii_graphic()) {
+            return Err(Fault::new(at(), format!("`{key}` cannot name an attribute"))
+                .expected(format!("1 to {} visible ASCII characters without spaces", LONGEST_NAME - PREFIX.len())));
+        }
+        let value = match value {
+            Meta::Text(value) => AttributeValue::Text(text(value)),
+            Meta::Number(number) => AttributeValue::F64(*number),
+            Meta::Integer(integer) => match i32::try_from(*integer) {
+                Ok(small) => AttributeValue::I32(small),
+                Err(_) => AttributeValue::Text(text(&integer.to_string())),
+            },
+        };
+        attributes.insert(name, value);
+    }
+    Ok(attributes)
+}
+
+/// UTF-8 bytes as they are: the crate's own conversion is Latin-1 and refuses `²`'s neighbours.
+fn text(value: &str) -> Text {
+    Text::from_slice_unchecked(value.as_bytes())
+}
+
+fn encode(
+    frame: &Frame,
+    channels: &[&Channel],
+    attributes: HashMap<String, AttributeValue>,
+) -> ::exr::error::Result<Vec<u8>> {
+    let describe = |channel: &&Channel| ChannelDescription::new(text(&channel.name), SampleType::F32, false);
+    let size = Vec2(frame.width, frame.height);
+    let own = LayerAttributes {
+        layer_name: None,
+        white_luminance: Some(frame.number(WHITE_LUMINANCE).unwrap_or(1.0) as f32),
+        other: attributes.iter().map(|(name, value)| (text(name), value.clone())).collect(),
+        ..LayerAttributes::default()
+    };
+    let header = Header {
+        channels: ChannelList::new(channels.iter().map(describe).collect()),
+        shared_attributes: ImageAttributes::new(IntegerBounds::from_dimensions(size)),
+        own_attributes: own,
+        ..Header::new(text("picture"), size, channels.iter().map(describe).collect())
+    }
+    .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing);
+
+    let mut bytes = Cursor::new(Vec::new());
+    ::exr::block::write(&mut bytes, std::iter::once(header).collect(), true, |meta, writer| {
+        let Some(header) = meta.headers.first() else { return Err(::exr::error::Error::Aborted) };
+        let blocks = ::exr::block::enumerate_ordered_header_block_indices(&meta.headers).map(|(number, index)| {
+            let block = UncompressedBlock::from_lines(&header.channels, index, |line| {
+                let Vec2(x, y) = line.location.position;
+                let start = y * frame.width + x;
+                let end = start + line.location.sample_count;
+                // Indices are the encoder's own, within the size that `sorted_channels` has checked.
+                let samples = channels.get(line.location.channel).and_then(|channel| channel.data.get(start..end));
+                for (to, sample) in line.value.chunks_exact_mut(size_of::<f32>()).zip(samples.unwrap_or(&[])) {
+                    to.copy_from_slice(&sample.to_ne_bytes());
+                }
+            });
+            (number, block)
+        });
+        // Parallel inside, but the chunks are written in the order of the blocks: the bytes do not depend on timing.
+        writer.on_progress(|_| {}).compress_all_blocks_parallel(&meta, blocks)
+    })?;
+    Ok(bytes.into_inner())
+}

@@ -1,0 +1,7 @@
+//! Floor 2: what leaves the program: layered EXR and pictures to look at.
+
+pub mod assembly_tree;
+pub mod atomic;
+pub mod exr;
+pub mod tone;
+pub mod view;

@@ -1,0 +1,162 @@
+//! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is.
+
+mod pilot;
+
+use crate::base::ids::GroupId;
+use crate::base::path::Class;
+use crate::check::Checked;
+use crate::film::plan::{Estimator, Plan, Row, Verdict};
+use crate::world::World;
+
+/// Which estimators may be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+pub enum Choice {
+    #[default]
+    Auto,
+    Only(Estimator),
+}
+
+/// Makes the plan: facts decide who owns what; pilots only set the photons' first radius.
+pub fn plan(checked: &Checked, world: &World, choice: Choice) -> Plan {
+    let scene = checked.scene();
+    let facts = checked.facts();
+    let pixels = (scene.eye.resolution[0] * scene.eye.resolution[1]) as u64;
+    let mut notes = Vec::new();
+    let mut rows = Vec::new();
+    for index in 0..scene.groups.len() {
+        let group = GroupId::from_index(index);
+        let is_sky = scene.sky.as_ref().is_some_and(|sky| sky.group == group);
+        for class in Class::ALL {
+            let verdict = match choice {
+                Choice::Auto => auto(checked, world, group, class, is_sky),
+                Choice::Only(estimator) => only(checked, estimator, class, is_sky),
+            };
+            rows.push(Row { group, class, verdict });
+        }
+    }
+    if let crate::scene::Wavelengths::Visible = scene.wavelengths {
+        notes.push(format!(
+            "`visible` is traced at {} nm: colour is not rendered by this version, the picture is grey",
+            crate::scene::Wavelengths::VISIBLE_NM
+        ));
+    }
+    let mut plan = Plan {
+        rows,
+        forward_paths: 0,
+        photons: 0,
+        photon_radius_m: 0.0,
+        forward_guide: None,
+        photon_guide: None,
+        notes,
+    };
+    while plan.runs(Estimator::Forward) {
+        let pilot = pilot::forward(world, &plan, scene.groups.len());
+        if choice == Choice::Auto && give_up_forward(&mut plan, &pilot::without_arrivals(&pilot), pilot.traced) {
+            // The guide belongs to the lamps that are left.
+            continue;
+        }
+        plan.forward_guide = Some(pilot.guide);
+        plan.forward_paths = (4 * pixels).max(1 << 14);
+        break;
+    }
+    if plan.runs(Estimator::Photon) {
+        plan.photon_guide = Some(pilot::photon(world, &plan, scene.groups.len()));
+        plan.photons = (4 * pixels).max(1 << 14);
+        plan.photon_radius_m = pilot::photon_radius_m(world, scene.eye.resolution);
+    }
+    for estimator in Estimator::ALL {
+        if !plan.runs(estimator) {
+            plan.notes.push(format!("{} does not run: it owns no paths", estimator.name()));
+        }
+    }
+    if facts.no_light {
+        plan.notes.push("nothing emits: the picture is black".to_owned());
+    }
+    plan
+}
+
+/// Hands the vision paths of groups that no lamp path of the pilot brought over to the rays from the eye: whatever there
+/// is, they find it without bias. Returns whether the plan changed.
+fn give_up_forward(plan: &mut Plan, groups: &[GroupId], traced: u64) -> bool {
+    let mut changed = false;
+    for row in &mut plan.rows {
+        let forward = matches!(row.verdict, Verdict::Own { owner: Estimator::Forward, .. });
+        if forward && groups.contains(&row.group) {
+            row.verdict =
+                own(Estimator::Backward, format!("none of {traced} paths of a pilot from the lamps found the pupil"));
+            changed = true;
+        }
+    }
+    changed
+}
+
+fn own(owner: Estimator, because: impl Into<String>) -> Verdict {
+    Verdict::Own { owner, because: because.into() }
+}
+
+fn skip(because: impl Into<String>) -> Verdict {
+    Verdict::Skip { because: because.into() }
+}
+
+fn auto(checked: &Checked, world: &World, group: GroupId, class: Class, is_sky: bool) -> Verdict {
+    let facts = checked.facts();
+    if class != Class::Vision && !facts.scatters {
+        return skip("no face scatters");
+    }
+    if is_sky {
+        return own(Estimator::Backward, "the sky is all around: rays from the eye meet it");
+    }
+    match class {
+        Class::Vision if !facts.specular => own(Estimator::Backward, "no specular face is between lamp and eye"),
+        Class::Vision if facts.pinhole => own(Estimator::Backward, "the pupil is a point: no ray from a lamp arrives"),
+        Class::Vision => {
+            let eye = world.eye.etendue_m2_sr();
+            let lamps: f64 = world
+                .lamps
+                .all()
+                .iter()
+                .filter(|lamp| lamp.group == group)
+                .map(|lamp| std::f64::consts::PI * lamp.area_m2)
+                .sum();
+            // Rays from the eye hit the lamps, and rays from the lamps the eye, in proportion to the other's etendue;
+            // the margin is for light from the lamps that a housing stops.
+            let ratio = lamps / eye;
+            if ratio <= 64.0 {
+                own(
+                    Estimator::Forward,
+                    format!("the lamps' etendue is {ratio:.3} of the eye's: rays from the lamps find the pupil"),
+                )
+            } else {
+                own(
+                    Estimator::Backward,
+                    format!("the lamps' etendue is {ratio:.3e} of the eye's: rays from the eye find the lamps"),
+                )
+            }
+        }
+        Class::Primary => own(Estimator::Backward, "the lamp is sampled directly from the scatterer"),
+        Class::Caustic if !facts.specular => skip("no face is specular"),
+        Class::Caustic => own(Estimator::Photon, "specular faces stand between lamp and scatterer"),
+        Class::Secondary => own(Estimator::Photon, "photons carry the light from scatterer to scatterer"),
+    }
+}
+
+fn only(checked: &Checked, estimator: Estimator, class: Class, is_sky: bool) -> Verdict {
+    let facts = checked.facts();
+    if class != Class::Vision && !facts.scatters {
+        return skip("no face scatters");
+    }
+    match estimator {
+        Estimator::Backward => own(Estimator::Backward, "asked for"),
+        Estimator::Forward | Estimator::Photon if is_sky => {
+            own(Estimator::Backward, "only rays from the eye meet the sky in this version")
+        }
+        Estimator::Forward if facts.pinhole => skip("the pupil is a point: no ray from a lamp arrives"),
+        Estimator::Forward => own(Estimator::Forward, "asked for"),
+        Estimator::Photon => match class {
+            Class::Vision | Class::Primary => {
+                own(Estimator::Backward, "a photon map holds no light that comes straight from the lamp")
+            }
+            Class::Caustic | Class::Secondary => own(Estimator::Photon, "asked for"),
+        },
+    }
+}

@@ -1,0 +1,15 @@
+//! The two sample HUDs, from sidecar to frame, against the prescription that they were built from.
+
+#[path = "hud/agreement.rs"]
+mod agreement; // estimator against estimator, frames of reference
+mod common;
+#[path = "hud/kit.rs"]
+mod kit;
+#[path = "hud/layers.rs"]
+mod layers; // what the stored layers promise
+#[path = "hud/luminance.rs"]
+mod luminance; // flat patches, and what moves them
+#[path = "hud/picture.rs"]
+mod picture; // where the slide's edges are
+#[path = "hud/prescription.rs"]
+mod prescription; // the independent calculation

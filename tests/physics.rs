@@ -1,0 +1,248 @@
+//! Closed forms and agreements that need the whole tracer: furnaces, slabs, balances, estimator against estimator.
+
+mod common;
+
+use common::*;
+use eyebox::film::plan::Estimator;
+use eyebox::plan::Choice;
+use eyebox::scene::{Finish, Shape};
+use glam::DVec3;
+
+const BACKWARD: Choice = Choice::Only(Estimator::Backward);
+const FORWARD: Choice = Choice::Only(Estimator::Forward);
+const PHOTON: Choice = Choice::Only(Estimator::Photon);
+
+/// A lossless ball, exact or meshed, in a uniform sky is invisible: every pixel is the sky's luminance, each path.
+#[test]
+fn a_lossless_ball_in_a_uniform_sky_is_invisible() {
+    for exact in [true, false] {
+        let mut s = scene();
+        uniform_sky(&mut s, 500.0);
+        let mut ball = face(Finish::Polished);
+        if exact {
+            ball.shape = ball_shape(0.01);
+        }
+        add_part(&mut s, "ball", sphere_mesh(0.01, 48, 96), DVec3::new(0.0, 0.0, -0.05), Some(1.5), vec![ball]);
+        let (films, _) = render(&s, BACKWARD, 64, 1);
+        let image = image(&films);
+        let (mean, sigma) = mean(&image);
+        // All but the few paths that play roulette after many reflections bring exactly the sky's luminance; on the
+        // mesh, interpolated normals lose a little at grazing incidence.
+        assert!(sigma < 0.05, "{sigma}");
+        let allowed = 4.0 * sigma + if exact { 1e-9 } else { 1.0 };
+        assert!((mean - 500.0).abs() < allowed, "exact {exact}: {mean} ± {sigma}");
+    }
+}
+
+/// A convex Lambertian body in a uniform sky: L = ρ L₀; the same from NEE and from the scattered ray alone.
+#[test]
+fn a_lambertian_ball_in_a_uniform_sky() {
+    let mut s = scene();
+    uniform_sky(&mut s, 1000.0);
+    s.eye.fov_deg = 5.0;
+    let mut ball = face(Finish::Lambert { reflectance: 0.6, transmittance: 0.0 });
+    ball.shape = ball_shape(0.02);
+    add_part(&mut s, "ball", sphere_mesh(0.02, 48, 96), DVec3::new(0.0, 0.0, -0.1), None, vec![ball]);
+    let (films, _) = render(&s, BACKWARD, 2048, 1);
+    let (mean, sigma) = mean(&image(&films));
+    assert!(sigma < 0.6, "{sigma}");
+    assert!((mean - 600.0).abs() < 4.0 * sigma, "{mean} ± {sigma}");
+}
+
+/// Inside a closed Lambertian box whose walls all emit: L = Le/(1 − ρ), seen from inside.
+#[test]
+fn a_closed_emitting_box() {
+    let mut s = scene();
+    let group = add_group(&mut s, "walls");
+    // Faces that look inwards: the cuboid's, turned over.
+    let inward: Vec<Vec<DVec3>> =
+        cuboid(DVec3::splat(0.05)).into_iter().map(|p| p.into_iter().rev().collect()).collect();
+    let faces = (0..6)
+        .map(|_| {
+            let mut f = face(Finish::Lambert { reflectance: 0.7, transmittance: 0.0 });
+            f.emitter = lamp(group, 100.0);
+            f
+        })
+        .collect();
+    add_part(&mut s, "box", mesh(&inward), DVec3::ZERO, None, faces);
+    s.eye.pupil_diameter_m = 0.0;
+    let (films, _) = render(&s, BACKWARD, 1024, 3);
+    let (mean, sigma) = mean(&image(&films));
+    let want = 100.0 / 0.3;
+    assert!(sigma / want < 1.5e-3, "{sigma}");
+    assert!((mean - want).abs() < 4.0 * sigma, "{mean} ± {sigma}, {want}");
+}
+
+/// A plane-parallel plate before a uniform sky on one side only: T = (1 − r)/(1 + r) with r the face's reflectance for
+/// light averaged per face (the plate's inner reflections included).
+#[test]
+fn a_plate_transmits_its_closed_form() {
+    let mut s = scene();
+    let group = add_group(&mut s, "panel");
+    s.eye.fov_deg = 1.0;
+    s.eye.resolution = [4, 4];
+    let plate = add_part(
+        &mut s,
+        "plate",
+        mesh(&cuboid(DVec3::new(0.5, 0.5, 0.002))),
+        DVec3::new(0.0, 0.0, -0.1),
+        Some(1.5),
+        vec![face(Finish::Polished); 6],
+    );
+    let tilt = 60f64.to_radians();
+    s.parts[plate].to_world =
+        glam::DAffine3::from_translation(DVec3::new(0.0, 0.0, -0.1)) * glam::DAffine3::from_rotation_x(tilt);
+    let mut panel = face(Finish::Absorber);
+    panel.emitter = lamp(group, 1000.0);
+    add_part(
+        &mut s,
+        "panel",
+        mesh(&[quad(DVec3::ZERO, DVec3::X * 0.02, DVec3::Y * 0.02)]),
+        DVec3::new(0.0, 0.0, -0.3),
+        None,
+        vec![panel],
+    );
+    let (films, _) = render(&s, BACKWARD, 4096, 5);
+    let (mean, sigma) = mean(&image(&films));
+    let (sin, cos) = tilt.sin_cos();
+    let q2 = (1.5f64 * 1.5 - sin * sin).sqrt();
+    let r_s = ((cos - q2) / (cos + q2)).powi(2);
+    let r_p = ((2.25 * cos - q2) / (2.25 * cos + q2)).powi(2);
+    let r = (r_s + r_p) / 2.0;
+    let want = 1000.0 * (1.0 - r) / (1.0 + r);
+    assert!(sigma / want < 2e-3, "{sigma}");
+    assert!((mean - want).abs() < 4.0 * sigma, "{mean} ± {sigma}, {want}");
+}
+
+/// A lamp, a lens-like ball and a screen that all estimators can do: backward, forward and photons agree.
+fn ball_and_screen() -> eyebox::scene::Scene {
+    let mut s = scene();
+    let group = add_group(&mut s, "panel");
+    s.eye.position = DVec3::new(0.0, 0.0, 0.3);
+    s.eye.pupil_diameter_m = 0.2;
+    s.eye.focus_distance_m = 0.3;
+    s.eye.fov_deg = 12.0;
+    s.eye.resolution = [12, 12];
+    let screen = face(Finish::Lambert { reflectance: 0.4, transmittance: 0.5 });
+    add_part(
+        &mut s,
+        "screen",
+        mesh(&[quad(DVec3::ZERO, DVec3::X * 0.04, DVec3::Y * 0.04)]),
+        DVec3::ZERO,
+        None,
+        vec![screen],
+    );
+    let mut ball = face(Finish::Polished);
+    ball.shape = ball_shape(0.012);
+    add_part(&mut s, "ball", sphere_mesh(0.012, 32, 64), DVec3::new(0.0, 0.0, -0.03), Some(1.5), vec![ball]);
+    let mut panel = face(Finish::Lambert { reflectance: 0.3, transmittance: 0.0 });
+    panel.emitter = lamp(group, 1e5);
+    add_part(
+        &mut s,
+        "panel",
+        mesh(&[quad(DVec3::ZERO, DVec3::X * 0.012, DVec3::Y * 0.012)]),
+        DVec3::new(0.0, 0.0, -0.08),
+        None,
+        vec![panel],
+    );
+    s
+}
+
+#[test]
+fn backward_and_forward_agree_and_the_test_bites() {
+    let s = ball_and_screen();
+    let (films, _) = render(&s, BACKWARD, 16384, 1);
+    let backward = image(&films);
+    let (films, _) = render(&s, FORWARD, 600, 2);
+    let forward = image(&films);
+    let (m, sigma) = mean(&backward);
+    let (f, f_sigma) = mean(&forward);
+    assert!(sigma / m < 3.5e-3 && f_sigma / f < 3e-3, "{m} ± {sigma}, {f} ± {f_sigma}");
+    assert!((m - f).abs() < 4.0 * sigma.hypot(f_sigma), "means {m} ± {sigma}, {f} ± {f_sigma}");
+    let (worst, bound) = worst_z(&block_z(&backward, &forward, 12, 3), 1e-3);
+    assert!(worst < bound, "{worst} of {bound}");
+    let biased: Vec<(f64, f64)> = forward.iter().map(|p| (p.0 * 1.02, p.1)).collect();
+    let (worst, bound) = worst_z(&block_z(&backward, &biased, 12, 12), 1e-3);
+    assert!(worst > bound, "a bias of 2 % must be found: {worst} of {bound}");
+}
+
+#[test]
+fn photons_agree_with_backward() {
+    let s = ball_and_screen();
+    let (films, _) = render(&s, BACKWARD, 4096, 1);
+    let backward = image(&films);
+    let (films, _) = render(&s, PHOTON, 512, 2);
+    let photon = image(&films);
+    let (m, sigma) = mean(&backward);
+    let (p, p_sigma) = mean(&photon);
+    assert!(p_sigma / p < 3e-3, "{p} ± {p_sigma}");
+    assert!((m - p).abs() < 4.0 * sigma.hypot(p_sigma), "means {m} ± {sigma}, {p} ± {p_sigma}");
+    let (worst, bound) = worst_z(&block_z(&backward, &photon, 12, 3), 1e-3);
+    assert!(worst < bound, "{worst} of {bound}");
+}
+
+/// Every emitted lumen is found again among the fates, each counted where it happens.
+#[test]
+fn the_ledger_balances_and_a_leak_is_found() {
+    let mut s = ball_and_screen();
+    s.media[0].absorption_per_m = 20.0;
+    for (choice, estimator) in
+        [(FORWARD, Estimator::Forward), (PHOTON, Estimator::Photon), (BACKWARD, Estimator::Backward)]
+    {
+        let (films, _) = render(&s, choice, 64, 9);
+        let ledger = films.ledger(estimator).expect("it ran");
+        let sigma = ledger.imbalance_sigma().max(1e-12 * ledger.emitted);
+        assert!(sigma < 1e-4 * ledger.emitted, "{estimator:?}: σ {} of {}", sigma, ledger.emitted);
+        assert!(ledger.imbalance().abs() <= 3.0 * sigma, "{estimator:?}: {} of σ {sigma}", ledger.imbalance());
+        assert_eq!(ledger.invalid_paths, 0);
+        // A face that swallowed a thousandth of the light unbooked would show.
+        let leak = ledger.absorbed.iter().copied().fold(0.0, f64::max) * 1e-2;
+        assert!((ledger.imbalance() + leak).abs() > 3.0 * sigma, "{estimator:?}: a leak of {leak} hides in {sigma}");
+    }
+}
+
+/// The same bits for 1, 2 and 7 threads.
+#[test]
+fn threads_change_no_bit() {
+    let s = ball_and_screen();
+    let take = |threads: usize, choice| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| image(&render(&s, choice, 3, 4).0))
+    };
+    for choice in [Choice::Auto, BACKWARD, FORWARD] {
+        let one = take(1, choice);
+        assert!(one == take(2, choice) && one == take(7, choice), "{choice:?}");
+    }
+}
+
+/// A flat mirror shows the panel at its own luminance times the reflectance, wherever it hangs.
+#[test]
+fn a_mirror_shows_the_panel() {
+    let mut s = scene();
+    let group = add_group(&mut s, "panel");
+    s.eye.fov_deg = 2.0;
+    let mut mirror = face(Finish::MirrorIdeal { reflectance: 0.8 });
+    mirror.shape = Shape::Plane { vertex: DVec3::ZERO, axis: DVec3::Z };
+    add_part(
+        &mut s,
+        "mirror",
+        mesh(&[quad(DVec3::ZERO, DVec3::X * 0.05, DVec3::Y * 0.05)]),
+        DVec3::new(0.0, 0.0, -0.2),
+        None,
+        vec![mirror],
+    );
+    let mut panel = face(Finish::Absorber);
+    panel.emitter = lamp(group, 250.0);
+    add_part(
+        &mut s,
+        "panel",
+        mesh(&[quad(DVec3::ZERO, DVec3::Y * 0.1, DVec3::X * 0.1)]),
+        DVec3::new(0.0, 0.0, 0.2),
+        None,
+        vec![panel],
+    );
+    let (films, _) = render(&s, BACKWARD, 4, 1);
+    for (value, _) in image(&films) {
+        assert!((value - 200.0).abs() < 1e-9, "{value}");
+    }
+}
