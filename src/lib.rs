@@ -7,6 +7,7 @@
 
 pub mod base; // floor 0: units, ids, randomness, statistics, path strings, errors
 pub mod check; // floor 2: facts of a scene, and the proof that it can be rendered
+pub mod cmd; // floor 7: one file per subcommand
 pub mod estimate; // floor 4: the estimators, the shared vertex step, the energy ledger
 pub mod film; // floor 1: layers, accumulators, frames, the plan as data
 pub mod import; // floor 2: glTF, sidecar → Scene

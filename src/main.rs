@@ -1,1 +1,7 @@
-fn main() {}
+//! The `eyebox` program: see `eyebox --help`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    eyebox::cmd::main()
+}

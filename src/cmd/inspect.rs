@@ -1,0 +1,62 @@
+//! `eyebox inspect`: what an assembly is, as the program understands it.
+
+use super::{Format, print};
+use crate::base::{Fault, Result};
+use crate::import::{ImportOptions, Set, import, outline};
+use crate::output::assembly_tree::AssemblyTree;
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Show an assembly as a tree: media, faces, lamps, slides, eye, sky and every note.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Lengths are in mm of the world. Parts that are alike take one line with their count. Where the optical attributes can't be \
+used, the geometry is shown all the same before the error (exit 2).
+
+Examples:
+  eyebox inspect samples/hud-direct/hud.optics.toml
+  eyebox inspect hud.optics.toml --explain LENS_01_PMMA
+  eyebox inspect hud.optics.toml --set led.flux_lm=0.6 --format json")]
+pub struct InspectArgs {
+    /// Sidecar (*.optics.toml) or asset (.glb, .gltf).
+    asset: PathBuf,
+    /// Say of each attribute of a part (name, path or pattern) which line won.
+    #[arg(long, value_name = "PART")]
+    explain: Option<String>,
+    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5.
+    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
+    sets: Vec<String>,
+    /// How the result is printed.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Runs the command.
+pub fn run(args: &InspectArgs) -> Result<ExitCode> {
+    let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
+    let built = import(&args.asset, &ImportOptions { sets }).map_err(|fault| args.geometry(fault))?;
+    match &args.explain {
+        Some(part) => {
+            let found = built.explained.find(part)?;
+            let text = || found.iter().map(|part| part.text()).collect::<Vec<_>>().join("\n");
+            print(args.format, text, || serde_json::json!(found))?;
+        }
+        None => show(args.format, &AssemblyTree::new(&built.scene))?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn show(format: Format, tree: &AssemblyTree) -> Result<()> {
+    print(format, || tree.text(), || serde_json::json!(tree))
+}
+
+impl InspectArgs {
+    /// Shows what can be shown in spite of `fault`, if the asset itself can be read.
+    fn geometry(&self, fault: Box<Fault>) -> Box<Fault> {
+        if let (None, Ok(scene)) = (&self.explain, outline(&self.asset)) {
+            let _ = show(self.format, &AssemblyTree::without_optics(&scene, &fault));
+        }
+        fault
+    }
+}

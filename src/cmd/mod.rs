@@ -1,0 +1,106 @@
+//! Floor 7: one file per subcommand: arguments → calls, no logic.
+//!
+//! Exit codes: 0 clean, 1 findings (or a stated error not met), 2 usage or failure, 130 and 143 after Ctrl-C and SIGTERM
+//! (with a valid file).
+
+mod init;
+mod inspect;
+mod progress;
+mod render;
+mod view;
+
+use crate::base::{Fault, Result};
+use clap::{Parser, Subcommand, ValueEnum};
+use std::process::ExitCode;
+
+/// Trace a head-up-display or AR assembly into one layered EXR in absolute cd/m².
+#[derive(Parser, Debug)]
+#[command(
+    name = "eyebox",
+    version,
+    propagate_version = true,
+    after_help = "Examples:\n  eyebox init hud.glb -o hud.optics.toml\n  eyebox inspect hud.optics.toml\n  eyebox render samples/hud-direct/hud.optics.toml -o hud.exr\n  eyebox view hud.exr -o hud.png"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Trace an assembly into a layered EXR.
+    Render(render::RenderArgs),
+    /// Show an assembly as a tree, with all that was noted on the way in.
+    Inspect(inspect::InspectArgs),
+    /// Write a sidecar to start from.
+    Init(init::InitArgs),
+    /// Turn a layer of an EXR into a PNG for a display.
+    View(view::ViewArgs),
+}
+
+/// How a command prints its result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Format {
+    #[default]
+    Text,
+    Json,
+}
+
+/// Runs the program with the arguments of the process.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version go to stdout with 0; a usage error is one line on stderr with 2.
+            if error.use_stderr() {
+                report(&Fault::new(crate::base::Where::Nowhere, one_line(&error.to_string())));
+            } else {
+                let _ = error.print();
+            }
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    let result = match &cli.command {
+        Command::Render(args) => render::run(args),
+        Command::Inspect(args) => inspect::run(args),
+        Command::Init(args) => init::run(args),
+        Command::View(args) => view::run(args),
+    };
+    match result {
+        Ok(code) => code,
+        Err(fault) => {
+            report(&fault);
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The message of a usage error without its usage block, in one line.
+fn one_line(text: &str) -> String {
+    let lines =
+        text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
+    let said: Vec<&str> = lines.filter(|line| !line.is_empty()).collect();
+    said.join(" ").trim_start_matches("error: ").to_owned()
+}
+
+/// One line on stderr, red `error` on terminals that want colour.
+fn report(fault: &Fault) {
+    let red = anstyle::AnsiColor::Red.on_default().bold();
+    anstream::eprintln!("{red}error{red:#}: {fault}");
+}
+
+/// Prints a command's result: text lines, or one JSON document on stdout. A closed pipe is no failure.
+fn print(format: Format, text: impl FnOnce() -> String, json: impl FnOnce() -> serde_json::Value) -> Result<()> {
+    use std::io::Write;
+    let mut out = match format {
+        Format::Text => text(),
+        Format::Json => {
+            serde_json::to_string_pretty(&json()).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}"))
+        }
+    };
+    if !out.ends_with('\n') {
+        out.push('\n');
+    }
+    let _ = std::io::stdout().lock().write_all(out.as_bytes());
+    Ok(())
+}

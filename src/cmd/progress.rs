@@ -1,0 +1,105 @@
+//! Progress for people: a bar with rate, ETA and the current error on a terminal, heartbeat lines in a pipe.
+
+use crate::estimate::run::{Limits, Observer, Status};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+/// Ctrl-C and SIGTERM: the first asks the run to end after the current block, the second ends the process at once.
+#[derive(Clone)]
+pub struct Signals(Arc<AtomicUsize>);
+
+impl Signals {
+    pub fn install() -> Self {
+        use signal_hook::consts::{SIGINT, SIGTERM};
+        let caught = Arc::new(AtomicUsize::new(0));
+        for signal in [SIGINT, SIGTERM] {
+            // Registering fails only where the system has no such signal; then it can't arrive either.
+            let armed = Arc::new(std::sync::atomic::AtomicBool::new(false));
+            let _ = signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&armed));
+            let _ = signal_hook::flag::register(signal, armed);
+            let _ = signal_hook::flag::register_usize(signal, Arc::clone(&caught), signal as usize);
+        }
+        Signals(caught)
+    }
+
+    /// The signal that came, if any.
+    pub fn caught(&self) -> Option<usize> {
+        match self.0.load(Ordering::SeqCst) {
+            0 => None,
+            signal => Some(signal),
+        }
+    }
+}
+
+/// Shows a run's progress and stops it on a signal.
+pub struct Progress {
+    bar: Option<ProgressBar>,
+    heartbeat: Option<Duration>,
+    last: Instant,
+    limits: Limits,
+    signals: Signals,
+}
+
+impl Progress {
+    pub fn new(limits: &Limits, quiet: bool, signals: Signals) -> Self {
+        let terminal = std::io::stderr().is_terminal();
+        let bar = (!quiet && terminal).then(|| {
+            let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
+            if let Ok(style) = ProgressStyle::with_template("{bar:32} {msg}") {
+                bar.set_style(style.progress_chars("█▉▊▋▌▍▎▏ "));
+            }
+            bar
+        });
+        let heartbeat = (!quiet && !terminal).then_some(Duration::from_secs(10));
+        Progress { bar, heartbeat, last: Instant::now(), limits: limits.clone(), signals }
+    }
+
+    pub fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+
+    /// Share of the run that is done by the limit that will be reached first, 0–1.
+    fn share(&self, status: &Status) -> f64 {
+        let passes = self.limits.passes.map(|limit| status.passes as f64 / limit.max(1) as f64);
+        let time = self.limits.time.map(|limit| status.elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9));
+        // Noise falls as one over the root of the work.
+        let error = match (self.limits.error, status.error) {
+            (Some(limit), Some(error)) if error > 0.0 => Some((limit / error).powi(2)),
+            _ => None,
+        };
+        [passes, time, error].into_iter().flatten().fold(0.0, f64::max).min(1.0)
+    }
+
+    fn line(&self, status: &Status) -> String {
+        let seconds = status.elapsed.as_secs_f64();
+        let share = self.share(status);
+        let rate = status.paths as f64 / seconds.max(1e-9) / 1e6;
+        let error = status.error.map_or(String::new(), |e| format!(", error {:.2} %", 100.0 * e));
+        let eta = if share > 0.0 && share < 1.0 {
+            format!(", {:.0} s left", seconds * (1.0 - share) / share)
+        } else {
+            String::new()
+        };
+        format!("pass {}, {:.0} %, {rate:.2} Mpaths/s{error}{eta}", status.passes, 100.0 * share)
+    }
+}
+
+impl Observer for Progress {
+    fn block(&mut self, status: &Status) -> bool {
+        if let Some(bar) = &self.bar {
+            bar.set_position((1000.0 * self.share(status)) as u64);
+            bar.set_message(self.line(status));
+        } else if let Some(every) = self.heartbeat
+            && self.last.elapsed() >= every
+        {
+            self.last = Instant::now();
+            eprintln!("eyebox: {}", self.line(status));
+        }
+        self.signals.caught().is_none()
+    }
+}

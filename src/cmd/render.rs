@@ -1,0 +1,225 @@
+//! `eyebox render`: the corridor, in order.
+
+use super::progress::{Progress, Signals};
+use super::{Format, print};
+use crate::base::{Fault, Result, Where};
+use crate::check::check;
+use crate::estimate::data::data_layers;
+use crate::estimate::picture::{add_data_layers, add_meta, check_layers, keep_layers, picture, plan_lines};
+use crate::estimate::run::{Limits, Outcome, Stop, run as trace};
+use crate::film::plan::{Estimator, Plan};
+use crate::import::{ImportOptions, Set, import};
+use crate::output::exr::write_exr;
+use crate::plan::{Choice, plan};
+use crate::scene::{Scene, Severity};
+use crate::world::World;
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+/// Passes of a run that is given no limit at all.
+const DEFAULT_PASSES: u64 = 64;
+
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    eyebox render samples/hud-direct/hud.optics.toml -o hud.exr\n  \
+    eyebox render hud.optics.toml -o hud.exr --time 90s --set led.flux_lm=0.6 --set eye.pupil_diameter=\"3 mm\"\n  \
+    eyebox render hud.optics.toml -o check.exr --estimator backward --samples 256 --seed 7")]
+pub struct RenderArgs {
+    /// Sidecar (*.optics.toml) or asset (.glb, .gltf).
+    asset: PathBuf,
+    /// The EXR to write.
+    #[arg(short, long, value_name = "OUT.exr")]
+    output: PathBuf,
+    /// Stop after this many passes (default 64 when no limit is given).
+    #[arg(long, value_name = "PASSES", value_parser = clap::value_parser!(u64).range(1..))]
+    samples: Option<u64>,
+    /// Stop after this time: 90s, 1.5m, 2h.
+    #[arg(long, value_name = "TIME", value_parser = parse_time)]
+    time: Option<Duration>,
+    /// Stop at this relative error, e.g. 0.01; with another limit given too, exit 1 if it was not met.
+    #[arg(long, value_name = "REL", value_parser = parse_error)]
+    error: Option<f64>,
+    /// Which way of tracing light to use.
+    #[arg(long, value_enum, default_value_t)]
+    estimator: EstimatorArg,
+    /// Seed of the random numbers: the same seed gives the same bits for any number of threads.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Threads; all cores by default.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Width and height in pixels, instead of the eye's.
+    #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
+    resolution: Option<[usize; 2]>,
+    /// Write only these layers (and the default image): direct, caustic_led, stderr, Z, …
+    #[arg(long, value_name = "LAYER,…", value_delimiter = ',')]
+    layers: Vec<String>,
+    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5, eye.pupil_diameter="3 mm".
+    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
+    sets: Vec<String>,
+    /// No progress and no summary.
+    #[arg(short, long)]
+    quiet: bool,
+    /// How the summary is printed.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum EstimatorArg {
+    /// The plan decides per light group and path class.
+    #[default]
+    Auto,
+    /// Path tracing from the eye.
+    Backward,
+    /// Light tracing from the lamps into the pupil.
+    Forward,
+    /// Photon map for caustic and secondary.
+    Photon,
+}
+
+impl EstimatorArg {
+    fn choice(self) -> Choice {
+        match self {
+            EstimatorArg::Auto => Choice::Auto,
+            EstimatorArg::Backward => Choice::Only(Estimator::Backward),
+            EstimatorArg::Forward => Choice::Only(Estimator::Forward),
+            EstimatorArg::Photon => Choice::Only(Estimator::Photon),
+        }
+    }
+}
+
+fn parse_time(text: &str) -> std::result::Result<Duration, String> {
+    let bad = || format!("`{text}` is not a time; write e.g. 90s, 1.5m or 2h");
+    let split = text.find(|c: char| c.is_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let seconds: f64 = number.trim().parse().map_err(|_| bad())?;
+    let factor = match unit.trim() {
+        "ms" => 1e-3,
+        "" | "s" => 1.0,
+        "m" | "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err(bad()),
+    };
+    Duration::try_from_secs_f64(seconds * factor).map_err(|_| bad())
+}
+
+fn parse_error(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(error) if error > 0.0 && error.is_finite() => Ok(error),
+        Ok(_) | Err(_) => Err(format!("`{text}` is not a relative error; write e.g. 0.01 for 1 %")),
+    }
+}
+
+fn parse_resolution(text: &str) -> std::result::Result<[usize; 2], String> {
+    let bad = || format!("`{text}` is not a resolution; write e.g. 360x180");
+    let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(bad)?;
+    match (width.trim().parse(), height.trim().parse()) {
+        (Ok(width), Ok(height)) if width > 0 && height > 0 => Ok([width, height]),
+        (_, _) => Err(bad()),
+    }
+}
+
+/// Runs the command.
+pub fn run(args: &RenderArgs) -> Result<ExitCode> {
+    let start = Instant::now();
+    check_destination(&args.output)?;
+    let signals = Signals::install();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.map_or(0, usize::from))
+        .build()
+        .map_err(|error| Fault::new(Where::Option("--threads".to_owned()), error.to_string()))?;
+    let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
+    let mut scene = import(&args.asset, &ImportOptions { sets })?.scene;
+    if let Some(resolution) = args.resolution {
+        scene.eye.resolution = resolution;
+    }
+    let checked = check(&scene)?;
+    let world = World::freeze(&scene)?;
+    let plan = pool.install(|| plan(&checked, &world, args.estimator.choice()));
+    check_layers(&args.layers, &scene.groups)?;
+    let mut limits = args.limits();
+    // The time that was asked for includes the import, the plan and its pilots.
+    limits.time = limits.time.map(|time| time.saturating_sub(start.elapsed()));
+    let mut progress = Progress::new(&limits, args.quiet, signals.clone());
+    let size = scene.eye.resolution;
+    let groups = scene.groups.len();
+    let outcome = pool.install(|| trace(&world, &plan, groups, size, args.seed, &limits, &mut progress));
+    progress.finish();
+    let finished = picture(&scene, &outcome)?;
+    let mut frame = finished.frame;
+    add_data_layers(&mut frame, &pool.install(|| data_layers(&world, size[0], size[1])));
+    add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);
+    keep_layers(&mut frame, &args.layers);
+    let warnings = write_exr(&args.output, &frame)?;
+    if !args.quiet {
+        summary(args, &scene, &plan, &outcome, &warnings)?;
+    }
+    let met = args.error.is_none_or(|limit| outcome.films.relative_error().is_some_and(|error| error <= limit));
+    Ok(match (outcome.stop, signals.caught()) {
+        (Stop::Asked, Some(signal)) => ExitCode::from(u8::try_from(128 + signal).unwrap_or(2)),
+        (Stop::Passes | Stop::Time, _) if !met => ExitCode::from(1),
+        (Stop::Passes | Stop::Time | Stop::Error | Stop::Asked, _) => ExitCode::SUCCESS,
+    })
+}
+
+impl RenderArgs {
+    fn limits(&self) -> Limits {
+        let none = self.samples.is_none() && self.time.is_none() && self.error.is_none();
+        let passes = if none { Some(DEFAULT_PASSES) } else { self.samples };
+        Limits { passes, time: self.time, error: self.error }
+    }
+}
+
+/// Fails early where the picture could not be written: an hour of tracing must not end in a typing error.
+fn check_destination(output: &Path) -> Result<()> {
+    let folder = match output.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        Some(_) | None => Path::new("."),
+    };
+    if output.extension().is_none_or(|e| !e.eq_ignore_ascii_case("exr")) {
+        return Err(Fault::new(Where::file(output), "is no name for an EXR file").expected("a name that ends in .exr"));
+    }
+    if output.is_dir() {
+        return Err(Fault::new(Where::file(output), "is a folder").expected("a file name such as hud.exr"));
+    }
+    if !folder.is_dir() {
+        return Err(Fault::new(Where::file(output), format!("there is no folder `{}`", folder.display())));
+    }
+    Ok(())
+}
+
+fn summary(args: &RenderArgs, scene: &Scene, plan: &Plan, outcome: &Outcome, warnings: &[String]) -> Result<()> {
+    let error = outcome.films.relative_error();
+    let text = || {
+        let warnings_of_scene = scene.notes.iter().filter(|note| note.severity == Severity::Warning);
+        let mut lines: Vec<String> =
+            warnings_of_scene.map(|note| format!("warning: {}: {}", note.at, note.text)).collect();
+        lines.extend(plan_lines(scene, plan));
+        lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
+        let error = error.map_or("unknown error".to_owned(), |e| format!("error {:.2} %", 100.0 * e));
+        let seconds = outcome.elapsed.as_secs_f64();
+        let passes = outcome.films.passes;
+        lines.push(format!("{}: {passes} passes in {seconds:.1} s, {error}", args.output.display()));
+        lines.join("\n")
+    };
+    let json = || {
+        serde_json::json!({
+            "output": args.output,
+            "scene": scene.name,
+            "scene_hash": scene.hash,
+            "seed": args.seed,
+            "passes": outcome.films.passes,
+            "seconds": outcome.elapsed.as_secs_f64(),
+            "stop": outcome.stop,
+            "relative_error": error,
+            "plan": plan,
+            "ledgers": outcome.films.films.iter().map(|(e, _, l)| (e.name(), l)).collect::<Vec<_>>(),
+            "notes": scene.notes,
+            "warnings": warnings,
+        })
+    };
+    print(args.format, text, json)
+}

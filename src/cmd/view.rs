@@ -1,0 +1,137 @@
+//! `eyebox view`: a layer of a frame as a PNG to look at.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use super::{Format, print};
+use crate::base::fault::{Fault, Result, Where};
+use crate::output::exr::read_exr;
+use crate::output::view::{Shown, ViewInfo, ViewOptions, write_view};
+
+/// Show a layer of an EXR as an 8-bit sRGB PNG.
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "\
+Without --exposure a picture is toned so that what an eye adapted to the mean luminance of the default image can just \
+see is just visible on a display of 100 cd/m² (Ward 1994). The exposure this amounts to is printed: give it to another \
+frame to compare the two. Data layers (Z, normal, position) are scaled to their range; pixels that are not a number \
+are magenta.
+
+Examples:
+  eyebox view frame.exr -o view.png
+  eyebox view frame.exr -o forward.png --layer forward --exposure -3.5")]
+pub struct ViewArgs {
+    /// The frame to show
+    #[arg(value_name = "FRAME.exr")]
+    pub frame: PathBuf,
+    /// The PNG to write
+    #[arg(short, long, value_name = "VIEW.png")]
+    pub output: PathBuf,
+    /// The layer, or the full name of one channel [default: the default image]
+    #[arg(long)]
+    pub layer: Option<String>,
+    /// Stops; 0 shows luminances as they are on a display of 100 cd/m² [default: Ward's visibility matching]
+    #[arg(long, allow_negative_numbers = true, value_name = "STOPS")]
+    pub exposure: Option<f64>,
+    /// How to print what was done
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Runs the command.
+pub fn run(args: &ViewArgs) -> Result<ExitCode> {
+    let (json, text) = view(args)?;
+    print(args.format, || text, || json)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the PNG and says what was done, for programs and for people.
+/// Errors: an output that is no `.png`, and those of reading the frame and writing the view.
+fn view(args: &ViewArgs) -> Result<(serde_json::Value, String)> {
+    if !args.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        return Err(Fault::new(Where::Option(format!("--output {}", args.output.display())), "not a PNG's name")
+            .expected("a name that ends in .png"));
+    }
+    let frame = read_exr(&args.frame)?;
+    let defaults = ViewOptions::default();
+    let options = ViewOptions { layer: args.layer.clone(), exposure: args.exposure, ..defaults };
+    let info = write_view(&args.output, &frame, &options)?;
+    let json = serde_json::json!({
+        "frame": args.frame.display().to_string(),
+        "output": args.output.display().to_string(),
+        "layers": frame.layer_names(),
+        "view": info,
+    });
+    Ok((json, text(args, &info)))
+}
+
+/// One line for people.
+fn text(args: &ViewArgs, info: &ViewInfo) -> String {
+    let layer = if info.layer.is_empty() { "default image" } else { &info.layer };
+    let ViewInfo { width, height, nonfinite_pixels, .. } = info;
+    let mut text = format!("{}: {layer}, {width} × {height}", args.output.display());
+    match info.shown {
+        Shown::Picture | Shown::Fraction => {
+            if let Some(mean) = info.adaptation_cd_m2 {
+                text += &format!(", adapted to {mean:.4} cd/m²");
+            }
+            if let Some(stops) = info.exposure_stops {
+                text += &format!(", --exposure {stops:.4}");
+            }
+        }
+        Shown::Vector | Shown::Scalar => {
+            if let Some([low, high]) = info.range {
+                text += &format!(", values {low} to {high}");
+            }
+        }
+    }
+    if *nonfinite_pixels > 0 {
+        text += &format!("; {nonfinite_pixels} pixels are not a number (magenta)");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Args, FromArgMatches};
+
+    use super::*;
+    use crate::film::frame::Frame;
+    use crate::output::exr::write_exr;
+
+    fn parse(words: &[&str]) -> ViewArgs {
+        let command = ViewArgs::augment_args(clap::Command::new("view"));
+        ViewArgs::from_arg_matches(&command.try_get_matches_from(words).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn shows_a_layer_and_says_how() {
+        let directory = tempfile::tempdir().unwrap();
+        let (exr, png) = (directory.path().join("f.exr"), directory.path().join("v.png"));
+        let (exr_text, png_text) = (exr.to_str().unwrap(), png.to_str().unwrap());
+        let mut frame = Frame::new(2, 1);
+        for name in ["R", "G", "B", "caustic.R", "caustic.G", "caustic.B"] {
+            frame.push(name, vec![50.0, 50.0]);
+        }
+        write_exr(&exr, &frame).unwrap();
+
+        let (json, text) = view(&parse(&["view", exr_text, "-o", png_text])).unwrap();
+        assert_eq!(json["layers"], serde_json::json!(["", "caustic"]));
+        assert_eq!(json["view"]["exposure_stops"].as_f64().map(f64::round), Some(0.0));
+        assert!(text.contains("adapted to 50.0000 cd/m²"), "{text}");
+        // 50 of 100 cd/m² at 0 stops is linear 0.5: sRGB 188; one stop down linear 0.25: 137.
+        assert_eq!(image::open(&png).unwrap().into_rgb8().into_raw(), [188; 6]);
+        view(&parse(&["view", exr_text, "-o", png_text, "--layer", "caustic", "--exposure", "-1"])).unwrap();
+        assert_eq!(image::open(&png).unwrap().into_rgb8().into_raw(), [137; 6]);
+
+        let fault = view(&parse(&["view", exr_text, "-o", png_text, "--layer", "causic"])).unwrap_err();
+        assert!(fault.to_string().contains("did you mean `caustic`?"), "{fault}");
+        assert!(view(&parse(&["view", exr_text, "-o", exr_text])).unwrap_err().to_string().contains(".png"));
+        assert!(view(&parse(&["view", png_text, "-o", png_text])).is_err(), "a PNG is no EXR");
+    }
+
+    #[test]
+    fn help_has_an_example() {
+        let help = ViewArgs::augment_args(clap::Command::new("view")).render_long_help().to_string();
+        assert!(help.contains("eyebox view frame.exr -o view.png"), "{help}");
+    }
+}

@@ -1,0 +1,214 @@
+//! The documentation against the code: the attribute reference is generated, links lead somewhere, every dependency and
+//! every layer has its line. `EYEBOX_BLESS=1 cargo verify --test docs` rewrites what is generated.
+
+use eyebox::film::layer::Layer;
+use eyebox::scene::attribute::{Form, Kind, Noun, Range, Row, Support, kinds, rows};
+use eyebox::scene::attribute::{KINDS, ROWS};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const NOUNS: [Noun; 9] = [
+    Noun::Asset,
+    Noun::Medium,
+    Noun::Finish,
+    Noun::Coating,
+    Noun::Shape,
+    Noun::Emitter,
+    Noun::Slide,
+    Noun::Sky,
+    Noun::Eye,
+];
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// Where the attributes of a noun are written in a sidecar.
+fn place(noun: Noun) -> &'static str {
+    match noun {
+        Noun::Asset => "At the top of the sidecar.",
+        Noun::Medium => {
+            "The inside of a closed solid. In a `[[bind]]`, or in a `[medium.NAME]` that `medium = \"NAME\"` refers to."
+        }
+        Noun::Finish => {
+            "What a face does with light. `finish = \"KIND\"`, or `finish = { kind = \"KIND\", PARAMETER = … }`."
+        }
+        Noun::Coating => "Thin films on a polished face. `[coating.NAME]`, then `coating = \"NAME\"` in a `[[bind]]`.",
+        Noun::Shape => "The exact surface of a face. `shape = { kind = \"KIND\", … }`. The mesh says where it ends.",
+        Noun::Emitter => "A face that emits. `emitter = { group = \"led\", flux_lm = 0.45 }` in a `[[bind]]`.",
+        Noun::Slide => {
+            "A thin transmissive picture on a face. `slide = { image = …, size = …, u = …, v = … }` in a `[[bind]]`."
+        }
+        Noun::Sky => "Light from everywhere. `[sky]`.",
+        Noun::Eye => "Who looks. `[eye]`.",
+    }
+}
+
+/// Text in a cell of a Markdown table.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|").replace('<', "&lt;").replace('*', "\\*")
+}
+
+/// What a value of this row looks like: form, range and unit.
+fn value(row: &Row) -> String {
+    let range = match row.range {
+        Range::Any => String::new(),
+        Range::AtLeast(_)
+        | Range::AtLeastOrInfinite(_)
+        | Range::Positive
+        | Range::PositiveOrInfinite
+        | Range::NonZero
+        | Range::Within(..)
+        | Range::Above(..)
+        | Range::Between(..) => format!(", {}", row.range).replacen(", a number ", ", ", 1),
+    };
+    let form = match row.form {
+        Form::Number => "number".to_owned(),
+        Form::Integer => "whole number".to_owned(),
+        Form::Text => "text".to_owned(),
+        Form::File => "file name".to_owned(),
+        Form::Length => "length with unit".to_owned(),
+        Form::Numbers(count) => format!("{count} numbers"),
+        Form::Place => "3 lengths with units".to_owned(),
+        Form::List => "list or table".to_owned(),
+        Form::Kind => "kind, see below".to_owned(),
+    };
+    let unit = if row.unit.is_empty() { String::new() } else { format!(", {}", row.unit) };
+    cell(&format!("{form}{unit}{range}"))
+}
+
+fn state(support: Support) -> &'static str {
+    match support {
+        Support::Rendered => "",
+        Support::Kept => " (kept and reported; changes no picture yet)",
+        Support::NotYet => " (not rendered yet: using it is an error)",
+    }
+}
+
+fn kind_line(kind: &Kind) -> String {
+    let parameters: Vec<String> = kind.parameters.iter().map(|name| format!("`{name}`")).collect();
+    let state = if kind.rendered { "" } else { " (not rendered yet: using it is an error)" };
+    format!("| `{}` | {} | {}{state} |\n", kind.name, parameters.join(", "), cell(kind.doc))
+}
+
+/// The whole of `docs/attributes.md`.
+fn attributes() -> String {
+    let mut out = "# Optical attributes\n\n\
+        This page is generated from `src/scene/attribute/rows.rs` by `tests/docs.rs`. Do not edit it; run\n\
+        `EYEBOX_BLESS=1 cargo verify --test docs` after changing a row.\n\n\
+        How to write them down is in [sidecar.md](sidecar.md). A value out of range, an unknown name or a misspelt one is\n\
+        an error. *Mesh units* are the part's own units: they scale with the node and with `unit`. A length with a unit\n\
+        (`\"4 mm\"`) never scales. An empty default means that the value must be said, or that nothing holds without it.\n"
+        .to_owned();
+    for noun in NOUNS {
+        out += &format!(
+            "\n## {noun}\n\n{}\n\n| attribute | value | default | meaning |\n|---|---|---|---|\n",
+            place(noun)
+        );
+        for row in rows(noun) {
+            let default = cell(row.default.unwrap_or(""));
+            let doc = cell(row.doc);
+            out += &format!("| `{}` | {} | {default} | {doc}{} |\n", row.name, value(row), state(row.support));
+        }
+        for row in rows(noun).filter(|row| row.form == Form::Kind) {
+            out += &format!("\nKinds of `{}`:\n\n| kind | parameters | meaning |\n|---|---|---|\n", row.name);
+            kinds(row.name).for_each(|kind| out += &kind_line(kind));
+        }
+    }
+    out
+}
+
+#[test]
+fn the_attribute_reference_is_up_to_date() {
+    let (path, fresh) = (root().join("docs/attributes.md"), attributes());
+    if std::env::var_os("EYEBOX_BLESS").is_some_and(|value| value == "1") {
+        fs::write(&path, &fresh).expect("docs/attributes.md can be written");
+    }
+    let stored = fs::read_to_string(&path).unwrap_or_default();
+    // The first line that differs says more than two whole pages.
+    let line = stored.lines().zip(fresh.lines()).position(|(a, b)| a != b).map_or(stored.lines().count(), |line| line);
+    assert!(
+        stored == fresh,
+        "docs/attributes.md is stale from line {}; EYEBOX_BLESS=1 cargo verify --test docs rewrites it",
+        line + 1
+    );
+}
+
+#[test]
+fn the_attribute_reference_holds_every_row_and_kind() {
+    let text = attributes();
+    for row in ROWS {
+        assert!(NOUNS.contains(&row.noun), "{} has no section", row.noun);
+    }
+    let lines = |start: &str| text.lines().filter(|line| line.starts_with(start)).count();
+    let headers = lines("| attribute") + lines("| kind ");
+    assert_eq!(lines("| `"), ROWS.len() + KINDS.len(), "rows of the tables");
+    assert_eq!(headers, NOUNS.len() + ROWS.iter().filter(|row| row.form == Form::Kind).count());
+}
+
+#[test]
+fn every_layer_has_its_section() {
+    let text = read("docs/layers.md");
+    for layer in Layer::SUM_ORDER {
+        assert!(text.contains(&format!("\n## `{}`\n", layer.name())), "{} is not in docs/layers.md", layer.name());
+    }
+}
+
+#[test]
+fn every_dependency_has_its_reason() {
+    let manifest: toml::Table = read("Cargo.toml").parse().expect("Cargo.toml is TOML");
+    let named: BTreeSet<String> = ["dependencies", "dev-dependencies"]
+        .into_iter()
+        .filter_map(|section| manifest.get(section)?.as_table())
+        .flat_map(|table| table.keys().cloned())
+        .collect();
+    let text = read("docs/dependencies.md");
+    let told: BTreeSet<String> =
+        text.lines().filter_map(|line| Some(line.strip_prefix("| `")?.split_once('`')?.0.to_owned())).collect();
+    assert_eq!(named, told, "Cargo.toml on the left, docs/dependencies.md on the right");
+}
+
+/// The targets of the links and pictures in a Markdown text.
+fn links(text: &str) -> Vec<&str> {
+    text.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0)).collect()
+}
+
+/// What stands in backticks and looks like a path of this repository.
+fn paths(text: &str) -> Vec<&str> {
+    const TOP: [&str; 6] = ["src/", "tests/", "docs/", "samples/", ".ci/", ".cargo/"];
+    let quoted = text.split('`').skip(1).step_by(2);
+    quoted.filter(|code| TOP.iter().any(|top| code.starts_with(top)) && !code.contains(['<', '*', ' '])).collect()
+}
+
+#[test]
+fn links_and_paths_lead_somewhere() {
+    let mut pages = vec![root().join("README.md")];
+    let folder = fs::read_dir(root().join("docs")).expect("docs is readable");
+    pages.extend(
+        folder
+            .map(|entry| entry.expect("docs is readable").path())
+            .filter(|p| p.extension().is_some_and(|e| e == "md")),
+    );
+    assert!(pages.len() >= 4, "the documentation moved");
+    let mut dead = Vec::new();
+    for page in &pages {
+        let text = fs::read_to_string(page).expect("readable");
+        let beside = page.parent().unwrap_or(Path::new("."));
+        let local = links(&text).into_iter().filter(|link| !link.contains("://") && !link.starts_with('#'));
+        let local = local.map(|link| beside.join(link.split('#').next().unwrap_or(link)));
+        let wanted = local.chain(paths(&text).into_iter().map(|path| root().join(path)));
+        dead.extend(wanted.filter(|path| !path.exists()).map(|path| format!("{}: {}", page.display(), path.display())));
+    }
+    assert!(dead.is_empty(), "dead links or paths:\n{}", dead.join("\n"));
+}
+
+#[test]
+fn the_link_test_finds_links_and_paths() {
+    assert_eq!(links("see [a](b.md) and ![c](d/e.png)"), ["b.md", "d/e.png"]);
+    assert_eq!(paths("`src/x.rs` and `cargo verify`, `tests/<name>.rs`, `docs/a.md`"), ["src/x.rs", "docs/a.md"]);
+}
