@@ -3,6 +3,8 @@
 #[path = "hud/agreement.rs"]
 mod agreement; // estimator against estimator, frames of reference
 mod common;
+#[path = "hud/invariance.rs"]
+mod invariance; // what must not matter
 #[path = "hud/kit.rs"]
 mod kit;
 #[path = "hud/layers.rs"]

@@ -1,0 +1,77 @@
+//! Plates and slabs of `tests/data/radiometry_cases.json` through the whole tracer: transmittance of 1 and 4 plates for
+//! light whose s and p are averaged at each face (what this version traces: `T_unpolarised_tracer`), and absorbing
+//! slabs at normal incidence, where polarisation makes no difference.
+
+mod common;
+
+use common::*;
+use eyebox::film::plan::Estimator;
+use eyebox::plan::Choice;
+use eyebox::scene::Finish;
+use glam::{DAffine3, DVec3};
+
+const PANEL_CD_M2: f64 = 1000.0;
+
+/// Transmittance of `count` plates of index `n`, `thickness` m thick, tilted by `degrees`, seen before a panel.
+fn transmittance(n: f64, count: usize, thickness: f64, absorption_per_m: f64, degrees: f64, passes: u64) -> (f64, f64) {
+    let mut s = scene();
+    let group = add_group(&mut s, "panel");
+    s.eye.fov_deg = 0.5;
+    s.eye.resolution = [4, 4];
+    for plate in 0..count {
+        let at = DVec3::new(0.0, 0.0, -0.5 - 0.05 * plate as f64);
+        let body = mesh(&cuboid(DVec3::new(2.0, 2.0, thickness / 2.0)));
+        let part = add_part(&mut s, &format!("plate{plate}"), body, at, Some(n), vec![face(Finish::Polished); 6]);
+        s.parts[part].to_world = DAffine3::from_translation(at) * DAffine3::from_rotation_x(degrees.to_radians());
+        s.media[plate].absorption_per_m = absorption_per_m;
+    }
+    let mut panel = face(Finish::Absorber);
+    panel.emitter = lamp(group, PANEL_CD_M2);
+    let wide = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.3, DVec3::Y * 0.3)]);
+    add_part(&mut s, "panel", wide, DVec3::new(0.0, 0.0, -6.0), None, vec![panel]);
+    let (films, _) = render(&s, Choice::Only(Estimator::Backward), passes, 1);
+    let (value, sigma) = mean(&image(&films));
+    (value / PANEL_CD_M2, sigma / PANEL_CD_M2)
+}
+
+fn cases() -> Vec<serde_json::Value> {
+    let text = include_str!("data/radiometry_cases.json");
+    let all: serde_json::Value = serde_json::from_str(text).expect("the table is JSON");
+    all["cases"].as_array().expect("cases").clone()
+}
+
+fn check(what: &str, (got, sigma): (f64, f64), want: f64) {
+    println!("{what}: {got:.5} ± {sigma:.5}, expected {want:.5}");
+    assert!(sigma < 2e-3 * want.max(0.3), "{what}: σ {sigma}");
+    assert!((got - want).abs() < 4.0 * sigma + 1e-6, "{what}: {got} ± {sigma}, expected {want}");
+}
+
+#[test]
+fn plates_of_averaged_polarisation() {
+    let mut seen = 0;
+    for case in cases().iter().filter(|case| case["kind"] == "plates") {
+        let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+        let (n, count) = (number(&case["params"]["n"]), number(&case["params"]["N"]) as usize);
+        let angles = case["params"]["angles"].as_array().expect("angles");
+        for (angle, want) in angles.iter().zip(case["result"]["T_unpolarised_tracer"].as_array().expect("values")) {
+            let got = transmittance(n, count, 0.002, 0.0, number(angle), 24_000);
+            check(&format!("{count} plates at {angle}°"), got, number(want));
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 7);
+}
+
+#[test]
+fn absorbing_slabs_at_normal_incidence() {
+    let mut seen = 0;
+    for case in cases().iter().filter(|case| case["kind"] == "slab") {
+        let number = |key: &str| case["params"][key].as_f64().expect("a number");
+        let want = case["result"]["Ts"][0].as_f64().expect("a number");
+        let alpha = number("alpha_per_mm") * 1e3;
+        let got = transmittance(number("n"), 1, number("d_mm") * 1e-3, alpha, 0.0, 12_000);
+        check(case["id"].as_str().expect("an id"), got, want);
+        seen += 1;
+    }
+    assert_eq!(seen, 3);
+}
