@@ -72,8 +72,8 @@ fn a1_led_ball_screen() {
 #[test]
 fn a2_through_a_second_ball() {
     let [_, caustic, secondary, _, all] = means(&peer("a2", 64), 48, 12);
-    // A glint of the LED (E S L, 4 % of the mean in a few sub-pixel spots) makes most of the noise.
-    agrees("A2 mean", &all, 52.28, 0.3, 2e-2);
+    // A glint of the LED (E S L, 4 % of the mean in a few sub-pixel spots) makes nearly all of the noise: 2 % here.
+    agrees("A2 mean", &all, 52.28, 0.3, 3e-2);
     assert!(caustic.mean > 30.0 && secondary.mean > 1.0);
 }
 
