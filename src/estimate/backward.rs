@@ -3,7 +3,6 @@
 use super::ledger::Ledger;
 use super::route::{Reach, Route};
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
-use crate::base::path::Event;
 use crate::base::rng::{Rng, Stream};
 use crate::base::warp::Frame;
 use crate::film::accumulate::{Film, Light};
@@ -32,10 +31,6 @@ struct Scattered {
 impl<'w> Backward<'w> {
     pub fn new(world: &'w World, route: Route, seed: u64) -> Self {
         Backward { world, reach: Reach::from_eye(&route), route, seed }
-    }
-
-    pub fn route(&self) -> &Route {
-        &self.route
     }
 
     /// Adds passes `first .. first + count` to the film, one eye path per pixel and pass, row by row in parallel.
@@ -163,7 +158,7 @@ impl<'w> Backward<'w> {
         let from = vertex.hit.point;
         let Some((index, probability)) = self.world.lamps.pick_for_point(from, pick) else { return };
         let lamp = &self.world.lamps.all()[index];
-        let Some(plane) = self.route.from_eye(lamp.group, walker.trail.then(event(scatter))) else { return };
+        let Some(plane) = self.route.from_eye(lamp.group, walker.trail.then(scatter.event())) else { return };
         let target = lamp.sample_point(point);
         let offset = target.position - from;
         let distance = offset.length();
@@ -187,7 +182,7 @@ impl<'w> Backward<'w> {
         out: &mut [Light],
     ) {
         let Some(sky) = &self.world.sky else { return };
-        let Some(plane) = self.route.from_eye(sky.group, walker.trail.then(event(scatter))) else { return };
+        let Some(plane) = self.route.from_eye(sky.group, walker.trail.then(scatter.event())) else { return };
         let (dir, pdf) = sky.sample(walker.rng.pair());
         if pdf > 0.0 {
             let luminance = sky.luminance(dir);
@@ -226,8 +221,4 @@ impl<'w> Backward<'w> {
         let factor = value * d_out.z.abs() / pdf * weight * transmittance * Self::radiance_factor(index);
         out.add(walker.beam.light(luminance * factor));
     }
-}
-
-fn event(scatter: &Scatter) -> Event {
-    if scatter.is_narrow() { Event::Glossy } else { Event::Diffuse }
 }

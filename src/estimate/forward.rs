@@ -103,10 +103,6 @@ impl<'w> Forward<'w> {
         Forward { world, route, emission, paths, seed }
     }
 
-    pub fn route(&self) -> &Route {
-        &self.route
-    }
-
     /// Adds passes `first .. first + count` to the film.
     pub fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
         let mut total = Ledger::new(self.world.solids.len());

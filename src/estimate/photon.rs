@@ -52,10 +52,6 @@ impl<'w> PhotonMapper<'w> {
         PhotonMapper { world, route, emission, reach_eye, photons, first_radius_m, seed }
     }
 
-    pub fn route(&self) -> &Route {
-        &self.route
-    }
-
     /// Adds passes `first .. first + count` to the film. Returns the ledger of the photons' side.
     pub fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
         let mut total = Ledger::new(self.world.solids.len());

@@ -312,8 +312,7 @@ impl<'w> Walker<'w> {
         let d_in = frame.to_local(self.ray.dir);
         let [reflected, transmitted] = scatter.albedo(-d_in.z);
         ledger.absorb(part, self.beam.carried() * (1.0 - reflected - transmitted));
-        let event = if scatter.is_narrow() { Event::Glossy } else { Event::Diffuse };
-        self.trail = self.trail.then(event);
+        self.trail = self.trail.then(scatter.event());
         let u = [self.rng.uniform(), self.rng.uniform(), self.rng.uniform()];
         let sampled = scatter.sample(d_in, u)?;
         self.beam.scale(sampled.weight);
@@ -327,18 +326,8 @@ impl<'w> Walker<'w> {
     /// Index of the medium on the side where light is picked up (`through` the face or not), and the medium's
     /// transmittance over `length` metres there.
     pub fn beyond(&self, vertex: &Vertex, through: bool, length: f64) -> (f64, f64) {
-        let part = vertex.hit.site.part;
-        let top = if through && self.world.solids[part as usize].is_some() {
-            let mut beyond = self.interior.clone();
-            if vertex.outside {
-                beyond.enter(part)
-            } else {
-                beyond.leave(part)
-            }
-            beyond.top(&self.world.solids).map(|(_, solid)| *solid)
-        } else {
-            self.world_top().map(|(_, solid)| *solid)
-        };
+        let there = if through { self.interior_beyond(vertex) } else { self.interior.clone() };
+        let top = there.top(&self.world.solids).map(|(_, solid)| *solid);
         top.map_or((1.0, 1.0), |solid| {
             let depth = if solid.absorption_per_m > 0.0 { solid.absorption_per_m * length } else { 0.0 };
             (solid.index, (-depth).exp())
@@ -347,27 +336,23 @@ impl<'w> Walker<'w> {
 
     /// The index behind the face: what fills the space once the ray has gone through.
     fn index_beyond(&self, vertex: &Vertex) -> f64 {
-        let part = vertex.hit.site.part;
+        self.world.index_in(&self.interior_beyond(vertex))
+    }
+
+    /// The solids around the ray once it has gone through the face.
+    fn interior_beyond(&self, vertex: &Vertex) -> Interior {
         let mut beyond = self.interior.clone();
-        if vertex.outside {
-            beyond.enter(part)
-        } else {
-            beyond.leave(part)
+        let part = vertex.hit.site.part;
+        if self.world.solids[part as usize].is_some() {
+            if vertex.outside { beyond.enter(part) } else { beyond.leave(part) }
         }
-        self.world.index_in(&beyond)
+        beyond
     }
 
     /// Goes straight on behind the face.
     fn pass_through(&mut self, vertex: &Vertex) {
-        self.cross_solid(vertex);
+        self.interior = self.interior_beyond(vertex);
         self.ray = Ray { origin: vertex.hit.point, dir: self.ray.dir, from: Some(vertex.hit.site) };
-    }
-
-    fn cross_solid(&mut self, vertex: &Vertex) {
-        let part = vertex.hit.site.part;
-        if self.world.solids[part as usize].is_some() {
-            if vertex.outside { self.interior.enter(part) } else { self.interior.leave(part) }
-        }
     }
 
     /// Leaves a vertex in `dir`, through the face or back from it.
@@ -379,7 +364,7 @@ impl<'w> Walker<'w> {
             return Meeting::Ended;
         }
         if through {
-            self.cross_solid(vertex);
+            self.interior = self.interior_beyond(vertex);
         }
         self.ray = Ray { origin: vertex.hit.point, dir, from: Some(vertex.hit.site) };
         self.roulette(ledger)

@@ -137,7 +137,7 @@ impl Maker {
         }
     }
 
-    /// `stderr`: one sigma of `hybrid`; `<layer>_stderr` for each layer. Films of different estimators are independent.
+    /// `stderr`: one sigma of `hybrid`. Films of different estimators are independent.
     fn stderr(&mut self, films: &[&Film], pixels: usize) {
         let mut total = vec![0f64; pixels];
         for film in films {

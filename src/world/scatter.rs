@@ -5,6 +5,7 @@
 //! are reciprocal, so they are the same whether light or importance travels.
 
 use super::gauss::GaussLobe;
+use crate::base::path::Event;
 use crate::base::warp;
 use crate::scene::Finish;
 use glam::DVec3;
@@ -61,6 +62,11 @@ impl Scatter {
             Scatter::Lambert { .. } => false,
             Scatter::Gauss { lobe, .. } => lobe.sigma_rad() < Finish::NARROW_SIGMA_DEG.to_radians(),
         }
+    }
+
+    /// What scattering here is in a path's event string.
+    pub fn event(&self) -> Event {
+        if self.is_narrow() { Event::Glossy } else { Event::Diffuse }
     }
 
     fn shares(&self) -> [f64; 2] {
