@@ -214,7 +214,7 @@ impl Builder<'_> {
             name: part.name.clone(),
             path: part.path.clone(),
             mesh: MeshId::from_index(part.mesh),
-            to_world: place::in_metres(&to_world, self.unit_m),
+            to_world: place::in_metres(&to_world, self.unit_m, &self.assembly.axes),
             medium: self.medium(&bound.part)?,
             priority: priority.unwrap_or(0),
             faces,

@@ -1,7 +1,6 @@
 //! Floor 2: from files to a [`Scene`](crate::scene::Scene). A format reader fills an [`Assembly`]; the attribute
 //! vocabulary, the sidecar and the binding rules turn it into a scene, the same for every format.
 
-pub mod assembly;
 pub mod bind; // which value holds for an attribute of a part or face
 pub mod build; // assembly + sidecar + sets → scene
 pub mod explain; // which line won
@@ -28,15 +27,14 @@ pub mod testing;
 #[cfg(test)]
 mod tests;
 pub mod toml; // sidecars
-pub mod value;
 mod weld; // which vertices are one point
 
-pub use assembly::Assembly;
+pub use crate::scene::assembly::{self, Assembly};
+pub use crate::scene::value::{self, Data, Value};
 pub use build::{Built, build};
 pub use explain::Explained;
 pub use outline::outline;
 pub use set::Set;
-pub use value::{Data, Value};
 
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};

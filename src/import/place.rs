@@ -12,8 +12,8 @@ use crate::scene::{Eye, Mesh, Note, Severity, Shape};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Node → world in metres.
-pub fn in_metres(to_world: &DAffine3, unit_m: f64) -> DAffine3 {
-    DAffine3 { matrix3: to_world.matrix3 * unit_m, translation: to_world.translation * unit_m }
+pub fn in_metres(to_world: &DAffine3, unit_m: f64, axes: &DMat3) -> DAffine3 {
+    DAffine3 { matrix3: *axes * (to_world.matrix3 * unit_m), translation: *axes * (to_world.translation * unit_m) }
 }
 
 /// The scale of a similarity; none if axes are scaled differently or not orthogonal (beyond 1e-6, what f32 files round).
@@ -34,9 +34,9 @@ pub fn frame_rotation(assembly: &Assembly, frame: Option<&(String, Where)>) -> R
 }
 
 fn frame_of(assembly: &Assembly, frame: Option<&(String, Where)>) -> Result<DAffine3> {
-    let Some((name, at)) = frame else { return Ok(DAffine3::IDENTITY) };
+    let Some((name, at)) = frame else { return Ok(DAffine3::from_mat3(assembly.axes)) };
     let index = select::node(assembly, name, at)?;
-    let Some(node) = assembly.nodes.get(index) else { return Ok(DAffine3::IDENTITY) };
+    let Some(node) = assembly.nodes.get(index) else { return Ok(DAffine3::from_mat3(assembly.axes)) };
     let m = node.to_world.matrix3;
     let axes =
         DMat3::from_cols(m.x_axis.normalize_or_zero(), m.y_axis.normalize_or_zero(), m.z_axis.normalize_or_zero());
@@ -45,7 +45,7 @@ fn frame_of(assembly: &Assembly, frame: Option<&(String, Where)>) -> Result<DAff
         return Err(Fault::new(at.clone(), format!("the axes of frame `{name}` are skewed, mirrored or flat"))
             .expected("a node that is moved, rotated and scaled only"));
     }
-    Ok(DAffine3 { matrix3: axes, translation: node.to_world.translation })
+    Ok(DAffine3 { matrix3: assembly.axes * axes, translation: assembly.axes * node.to_world.translation })
 }
 
 /// The eye that `value` and the asset's camera describe; none if neither does.
@@ -78,7 +78,7 @@ pub fn eye(assembly: &Assembly, value: Option<&Value>, unit_m: f64, notes: &mut 
             (frame.translation * unit_m + frame.matrix3 * *position_m, frame.matrix3 * *look, frame.matrix3 * *up)
         }
         (None, Some(camera)) => {
-            let m = camera.to_world.matrix3;
+            let m = assembly.axes * camera.to_world.matrix3;
             let look = (-m.z_axis).normalize_or_zero();
             let up = (m.y_axis - m.y_axis.dot(look) * look).normalize_or_zero();
             if look == DVec3::ZERO || up == DVec3::ZERO {
@@ -87,7 +87,7 @@ pub fn eye(assembly: &Assembly, value: Option<&Value>, unit_m: f64, notes: &mut 
             let more = if cameras.next().is_some() { ", the first of several" } else { "" };
             let text = format!("the eye is the asset's camera `{}`{more}", camera.name);
             notes.push(Note { severity: Severity::Info, at: spec.at.clone(), text });
-            (camera.to_world.translation * unit_m, look, up)
+            (assembly.axes * camera.to_world.translation * unit_m, look, up)
         }
         (None, None) => {
             return Err(Fault::new(

@@ -37,20 +37,21 @@ fn pointer(pointer: String) -> Where {
 /// All faces have material 0, `GLASS`. Millimetres that the asset declares as metres.
 pub fn assembly(names: &[&str]) -> Assembly {
     let root = DAffine3::from_quat(DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2));
-    let node = |name: &str, path: String, index: usize, parent, to_world, mesh| Node {
+    let node = |name: &str, path: String, index: usize, parent, (local, to_world), mesh| Node {
         name: name.into(),
         path,
         parent,
+        local,
         to_world,
         mesh,
         attributes: None,
         at: pointer(format!("/nodes/{index}")),
     };
-    let mut nodes = vec![node("ROOT", "ROOT".into(), 0, None, root, None)];
+    let mut nodes = vec![node("ROOT", "ROOT".into(), 0, None, (root, root), None)];
     let mut meshes = Vec::new();
     for (i, name) in names.iter().enumerate() {
-        let to_world = root * DAffine3::from_translation(DVec3::new(10.0 * i as f64, 0.0, 0.0));
-        nodes.push(node(name, format!("ROOT/{name}"), i + 1, Some(0), to_world, Some(i)));
+        let local = DAffine3::from_translation(DVec3::new(10.0 * i as f64, 0.0, 0.0));
+        nodes.push(node(name, format!("ROOT/{name}"), i + 1, Some(0), (local, root * local), Some(i)));
         meshes.push(MeshSource {
             mesh: box_mesh(name, [-2.0, -1.0, 0.0], [2.0, 1.0, 0.5]),
             materials: vec![Some(0); 6],
@@ -58,7 +59,12 @@ pub fn assembly(names: &[&str]) -> Assembly {
             at: pointer(format!("/meshes/{i}")),
         });
     }
-    let material =
-        Material { name: "GLASS".into(), mapped: Vec::new(), attributes: None, at: pointer("/materials/0".into()) };
+    let material = Material {
+        name: "GLASS".into(),
+        mapped: Vec::new(),
+        attributes: None,
+        looks: Vec::new(),
+        at: pointer("/materials/0".into()),
+    };
     Assembly { file: "a.glb".into(), unit_m: 1.0, nodes, meshes, materials: vec![material], ..Assembly::default() }
 }

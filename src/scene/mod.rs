@@ -1,6 +1,7 @@
 //! Floor 1: the scene as plain data. Importers fill it through [`SceneBuilder`](crate::import); after that nobody can
 //! tell which format an assembly came from. Lengths of the world are metres; a mesh keeps the units of its file.
 
+pub mod assembly; // what a format reader delivers
 pub mod attribute;
 pub mod coating;
 pub mod dispersion;
@@ -14,6 +15,7 @@ pub mod note;
 pub mod part;
 pub mod shape;
 pub mod slide;
+pub mod value;
 
 pub use coating::{Coating, FilmLayer};
 pub use dispersion::Dispersion;

@@ -95,6 +95,7 @@ pub(super) fn read(at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<Mat
         name: at.name("material", index)?,
         mapped,
         attributes: at.optics(&mut ledger.budget)?,
+        looks: Vec::new(),
         at: at.place(),
     })
 }

@@ -45,7 +45,8 @@ fn one(
         let overflow = || at.fault("the node's world transform overflows").expected("finite numbers");
         if transform.is_finite() { Ok(transform) } else { Err(overflow()) }
     };
-    let to_world = world(frame * transform::local(at, &mut ledger.notes)?)?;
+    let local = transform::local(at, &mut ledger.notes)?;
+    let to_world = world(frame * local)?;
     let mesh = match at.get("mesh")? {
         Some(reference) => Some(reference.index(assembly.meshes.len(), "mesh")?),
         None => None,
@@ -57,7 +58,7 @@ fn one(
         assembly.cameras.push(camera(document, &reference, &name, to_world)?);
     }
     let attributes = at.optics(&mut ledger.budget)?;
-    let node = Node { path: below(&name), name, parent, to_world, mesh, attributes, at: at.place() };
+    let node = Node { path: below(&name), name, parent, local, to_world, mesh, attributes, at: at.place() };
     let Some(instancing) = at.extension("EXT_mesh_gpu_instancing")?.filter(|_| mesh.is_some()) else {
         assembly.nodes.push(node);
         return Ok(());
@@ -70,7 +71,8 @@ fn one(
     for (i, transform) in transforms.into_iter().enumerate() {
         let name = format!("{}[{i}]", node.name);
         let to_world = world(node.to_world * transform)?;
-        copies.push(Node { path: below(&name), name, to_world, ..node.clone() });
+        let local = node.local * transform;
+        copies.push(Node { path: below(&name), name, local, to_world, ..node.clone() });
     }
     // The node itself stays for its children; its mesh and attributes are the instances'.
     assembly.nodes.push(Node { mesh: None, attributes: None, ..node });

@@ -1,0 +1,171 @@
+//! What a format reader delivers: the node hierarchy with geometry, names, transforms and whatever optical attributes
+//! the asset itself carries, before any optical meaning is decided.
+
+use super::value::Value;
+use super::{Mesh, Note};
+use crate::base::Where;
+use glam::{DAffine3, DMat3};
+use std::path::PathBuf;
+
+/// An asset as it was read. Lengths in the asset's own units, transforms in f64.
+#[derive(Debug, Clone)]
+pub struct Assembly {
+    pub file: PathBuf,
+    /// Every file that was read, the asset first.
+    pub dependencies: Vec<PathBuf>,
+    /// Metres per unit as the format declares it (glTF: 1).
+    pub unit_m: f64,
+    /// The asset's world → the scene's world, which is glTF's: +y up. USD with `upAxis = "Z"` is turned by −90° about
+    /// x; all entries are 0 and ±1, so that turning rounds nothing.
+    pub axes: DMat3,
+    /// Parents before children.
+    pub nodes: Vec<Node>,
+    pub meshes: Vec<MeshSource>,
+    pub materials: Vec<Material>,
+    /// Cameras found on nodes; used as the eye when nothing else defines one.
+    pub cameras: Vec<Camera>,
+    /// Lights that are no geometry in the format.
+    pub lights: Vec<LightSource>,
+    /// The layers that the asset asks for, and their names; empty if it leaves that to us.
+    pub layers: Vec<LayerWish>,
+    /// Root attributes of the asset (glTF: root extension `EYEBOX_optics`), in the sidecar's vocabulary.
+    pub optics: Option<Value>,
+    /// What was repaired, ignored or not understood.
+    pub notes: Vec<Note>,
+}
+
+impl Default for Assembly {
+    fn default() -> Self {
+        Assembly {
+            file: PathBuf::new(),
+            dependencies: Vec::new(),
+            unit_m: 1.0,
+            axes: DMat3::IDENTITY,
+            nodes: Vec::new(),
+            meshes: Vec::new(),
+            materials: Vec::new(),
+            cameras: Vec::new(),
+            lights: Vec::new(),
+            layers: Vec::new(),
+            optics: None,
+            notes: Vec::new(),
+        }
+    }
+}
+
+#[derive(Debug, Clone)]
+pub struct Node {
+    pub name: String,
+    /// Root-relative path of names, `HUD_B/LENS_01_PMMA`. Not necessarily unique.
+    pub path: String,
+    pub parent: Option<usize>,
+    /// Node → parent, in asset units.
+    pub local: DAffine3,
+    /// Node → asset world, in asset units: the product of `local` from the root.
+    pub to_world: DAffine3,
+    pub mesh: Option<usize>,
+    /// The node's own optical attributes (medium, emitter, …). They hold for all parts below it, too, where nothing
+    /// nearer says otherwise. `faces` is a list of tables, each with `faces` or `normal` and what holds for those.
+    pub attributes: Option<Value>,
+    pub at: Where,
+}
+
+#[derive(Debug, Clone)]
+pub struct MeshSource {
+    pub mesh: Mesh,
+    /// Index into `Assembly::materials` per face.
+    pub materials: Vec<Option<usize>>,
+    /// Optical attributes of each face (glTF: the primitive's `EYEBOX_optics`: shape).
+    pub attributes: Vec<Option<Value>>,
+    pub at: Where,
+}
+
+#[derive(Debug, Clone)]
+pub struct Material {
+    pub name: String,
+    /// Attributes in our vocabulary that the format's own fields map to (e.g. `KHR_materials_ior` → `ior`,
+    /// emissive factor × strength → `emitter.luminance_cd_m2`), then the asset's explicit ones.
+    pub mapped: Vec<(String, Value)>,
+    /// The material's `EYEBOX_optics` (finish, coating).
+    pub attributes: Option<Value>,
+    /// How it looks to other programs; kept for writing, of no meaning to light here: `base_color` (3 numbers,
+    /// linear Rec.709), `opacity`, `metallic`, `roughness`.
+    pub looks: Vec<(String, Value)>,
+    pub at: Where,
+}
+
+#[derive(Debug, Clone)]
+pub struct Camera {
+    pub name: String,
+    /// Camera → asset world: looks along −z, up +y.
+    pub to_world: DAffine3,
+    /// Full vertical field of view, radians; none for an orthographic camera (which we cannot use).
+    pub yfov: Option<f64>,
+    pub aspect: Option<f64>,
+}
+
+/// A light that the format has as such (KHR_lights_punctual, UsdLux). Lengths in asset units, in the light's own axes;
+/// strengths already in our units, exposure and normalisation worked in.
+#[derive(Debug, Clone)]
+pub struct LightSource {
+    pub name: String,
+    /// The node that holds it, an index of `Assembly::nodes`.
+    pub node: usize,
+    pub form: LightForm,
+    /// Linear Rec.709 colour with luminance 1.
+    pub color: [f64; 3],
+    /// File of a luminous intensity distribution (.ies), if one shapes it.
+    pub profile: Option<PathBuf>,
+    pub attributes: Option<Value>,
+    pub at: Where,
+}
+
+/// The kinds of lights; they shine along −z where they have a direction.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LightForm {
+    /// A point; `cone` is (inner, outer) half angle in radians of a spot.
+    Point {
+        intensity_cd: f64,
+        cone: Option<(f64, f64)>,
+    },
+    /// From infinity; `angle` is the full angle of its disc in radians, 0 for parallel light.
+    Distant {
+        illuminance_lx: f64,
+        angle: f64,
+    },
+    Rect {
+        luminance_cd_m2: f64,
+        width: f64,
+        height: f64,
+    },
+    Disk {
+        luminance_cd_m2: f64,
+        radius: f64,
+    },
+    Sphere {
+        luminance_cd_m2: f64,
+        radius: f64,
+    },
+    /// Along x, without caps.
+    Cylinder {
+        luminance_cd_m2: f64,
+        radius: f64,
+        length: f64,
+    },
+    /// A latitude-longitude picture around the scene; none is uniform.
+    Dome {
+        scale_cd_m2: f64,
+        image: Option<PathBuf>,
+    },
+}
+
+/// A layer that the asset asks for (USD RenderVar).
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayerWish {
+    /// What is asked for: a name of a layer of ours, or a light path expression.
+    pub source: String,
+    pub expression: bool,
+    /// The name it shall have in the file.
+    pub name: String,
+    pub at: Where,
+}
