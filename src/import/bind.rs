@@ -2,7 +2,7 @@
 //! they mean is the readers' business.
 
 use super::assembly::Assembly;
-use super::mapped::mapped;
+use super::carried;
 use super::optics::medium_entries;
 use super::select::{Candidate, Faces, is_glob, listed};
 use super::sheet::{Sheet, entries};
@@ -45,7 +45,7 @@ pub fn bind(sheet: &Sheet, assembly: &Assembly, parts: &[Candidate], notes: &mut
             offer(part, &said, Rank::Default, None);
         }
     }
-    carried(sheet, assembly, parts, &mut bound, notes)?;
+    carried::offer_all(sheet, assembly, parts, &mut bound, notes)?;
     for value in &sheet.binds {
         one(value, sheet, assembly, parts, &mut bound, notes)?;
     }
@@ -58,7 +58,7 @@ pub fn bind(sheet: &Sheet, assembly: &Assembly, parts: &[Candidate], notes: &mut
     Ok(bound)
 }
 
-fn offer(part: &mut PartBound, said: &[Rc<Entry>], rank: Rank, faces: Option<&[usize]>) {
+pub(super) fn offer(part: &mut PartBound, said: &[Rc<Entry>], rank: Rank, faces: Option<&[usize]>) {
     for entry in said {
         if entry.slot.of_part() {
             part.part.offer(entry, rank);
@@ -119,59 +119,6 @@ pub fn said(table: &[(String, Value)], sheet: &Sheet, what: &str, beside: &[&str
         }
     }
     Ok(all)
-}
-
-/// The attributes that the asset itself carries.
-fn carried(
-    sheet: &Sheet,
-    assembly: &Assembly,
-    parts: &[Candidate],
-    bound: &mut [PartBound],
-    notes: &mut Vec<Note>,
-) -> Result<()> {
-    let table = |value: &Option<Value>, what: &str| -> Result<Vec<Rc<Entry>>> {
-        match value {
-            Some(value) => said(entries(value, what)?, sheet, what, &[]),
-            None => Ok(Vec::new()),
-        }
-    };
-    let mut materials = Vec::with_capacity(assembly.materials.len());
-    for material in &assembly.materials {
-        let what = format!("material `{}`", material.name);
-        materials.push((said(&mapped(material, notes)?, sheet, &what, &[])?, table(&material.attributes, &what)?));
-    }
-    for node in assembly.nodes.iter().filter(|node| node.mesh.is_none()) {
-        if let Some(value) = &node.attributes {
-            return Err(Fault::new(
-                value.at.clone(),
-                format!("node `{}` has optical attributes but no geometry", node.path),
-            )
-            .expected("attributes on nodes with a mesh"));
-        }
-    }
-    for (part, candidate) in bound.iter_mut().zip(parts) {
-        let (Some(node), Some(source)) = (assembly.nodes.get(candidate.node), assembly.meshes.get(candidate.mesh))
-        else {
-            continue;
-        };
-        offer(part, &table(&node.attributes, &format!("node `{}`", node.path))?, Rank::Node, None);
-        for face in 0..candidate.faces {
-            let material = source.materials.get(face).copied().flatten();
-            if let Some((mapped, own)) = material.and_then(|material| materials.get(material)) {
-                offer(part, mapped, Rank::Mapped, Some(&[face]));
-                offer(part, own, Rank::Material, Some(&[face]));
-            }
-            if let Some(attributes) = source.attributes.get(face) {
-                let said = table(attributes, &format!("face {face} of mesh `{}`", source.mesh.name))?;
-                if let Some(entry) = said.iter().find(|entry| entry.slot.of_part()) {
-                    let what = format!("`{}` is said of a face, but it fills a whole part", entry.key);
-                    return Err(Fault::new(entry.at.clone(), what).expected("it on the node"));
-                }
-                offer(part, &said, Rank::Primitive, Some(&[face]));
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Applies one `[[bind]]`.

@@ -119,6 +119,7 @@ impl Rank {
             Rank::Material => "the material's EYEBOX_optics",
             Rank::Node => "the node's EYEBOX_optics",
             Rank::Primitive => "the face's EYEBOX_optics",
+            Rank::NodeFaces => "the node's EYEBOX_optics for that face",
             Rank::Glob => "[[bind]] of several parts",
             Rank::Exact => "[[bind]] of this part",
             Rank::FaceGlob => "[[bind]] of faces of several parts",

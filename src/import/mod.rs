@@ -3,6 +3,7 @@
 
 pub mod bind; // which value holds for an attribute of a part or face
 pub mod build; // assembly + sidecar + sets → scene
+mod carried; // what the asset says of itself
 pub mod explain; // which line won
 mod files;
 pub mod fit; // exact surfaces from the points of a CAD face

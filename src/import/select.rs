@@ -8,6 +8,9 @@ use crate::base::{Fault, Where};
 use glam::DVec3;
 
 /// A node with geometry, as selectors see it.
+///
+/// Where a node holds nothing but one part somewhere below it (USD's component `LENS_01` with its mesh `Body`), the part
+/// goes by that node's name and path; its own still select it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Candidate {
     /// Index of the node.
@@ -18,11 +21,14 @@ pub struct Candidate {
     /// The path without the root's name, if the asset has one root.
     pub short: Option<String>,
     pub faces: usize,
+    /// Names and paths (with and without the root's name) of the nodes between, the part's own first.
+    inner: Vec<(String, String, Option<String>)>,
 }
 
 /// The parts of an assembly in node order. Faults: a node with a mesh that doesn't exist.
 pub fn candidates(assembly: &Assembly) -> Result<Vec<Candidate>> {
     let prefix = root_prefix(assembly);
+    let counts = parts_below(assembly);
     let mut all = Vec::new();
     for (index, node) in assembly.nodes.iter().enumerate() {
         let Some(mesh) = node.mesh else { continue };
@@ -33,16 +39,37 @@ pub fn candidates(assembly: &Assembly) -> Result<Vec<Candidate>> {
             )
             .expected(format!("a mesh below {}", assembly.meshes.len())));
         };
+        let (mut outer, mut inner) = (node, Vec::new());
+        while let Some((parent, above)) = outer.parent.and_then(|parent| Some((parent, assembly.nodes.get(parent)?)))
+            && above.mesh.is_none()
+            && above.parent.is_some_and(|grandparent| grandparent < parent)
+            && counts.get(parent) == Some(&1)
+        {
+            inner.push((outer.name.clone(), outer.path.clone(), short(&outer.path, prefix.as_deref())));
+            outer = above;
+        }
         all.push(Candidate {
             node: index,
             mesh,
-            name: node.name.clone(),
-            path: node.path.clone(),
-            short: short(&node.path, prefix.as_deref()),
+            name: outer.name.clone(),
+            path: outer.path.clone(),
+            short: short(&outer.path, prefix.as_deref()),
             faces: source.mesh.faces.len(),
+            inner,
         });
     }
     Ok(all)
+}
+
+/// How many parts there are at and below each node.
+fn parts_below(assembly: &Assembly) -> Vec<usize> {
+    let mut counts: Vec<usize> = assembly.nodes.iter().map(|node| usize::from(node.mesh.is_some())).collect();
+    for (index, node) in assembly.nodes.iter().enumerate().rev() {
+        if let Some(parent) = node.parent.filter(|parent| *parent < index) {
+            counts[parent] += counts[index];
+        }
+    }
+    counts
 }
 
 /// `NAME/` of the root, if there is exactly one.
@@ -153,10 +180,13 @@ pub fn is_glob(pattern: &str) -> bool {
 impl Candidate {
     pub fn has_path(&self, pattern: &str) -> bool {
         let matches = |path: &str| if is_glob(pattern) { glob(pattern, path) } else { pattern == path };
-        matches(&self.path) || self.short.as_deref().is_some_and(matches)
+        matches(&self.path)
+            || self.short.as_deref().is_some_and(matches)
+            || self.inner.iter().any(|(_, path, short)| matches(path) || short.as_deref().is_some_and(matches))
     }
     pub fn has_name(&self, pattern: &str) -> bool {
-        if is_glob(pattern) { glob(pattern, &self.name) } else { pattern == self.name }
+        let matches = |name: &str| if is_glob(pattern) { glob(pattern, name) } else { pattern == name };
+        matches(&self.name) || self.inner.iter().any(|(name, _, _)| matches(name))
     }
 }
 

@@ -11,7 +11,7 @@ use crate::base::{Fault, Where};
 pub struct Sheet {
     pub unit: Option<Value>,
     pub wavelengths: Option<Value>,
-    /// `[default]`: what holds where nothing else binds.
+    /// `[default]`: what holds where nothing else binds; the sidecar's replaces the asset's.
     pub default: Option<Value>,
     pub coatings: Library,
     pub media: Library,
@@ -34,7 +34,7 @@ pub struct Library {
 }
 
 const SIDECAR: [&str; 9] = ["schema", "asset", "unit", "wavelengths", "default", "coating", "medium", "bind", "sky"];
-const ROOT: [&str; 8] = ["version", "unit", "wavelengths", "media", "coatings", "emitters", "slides", "sky"];
+const ROOT: [&str; 9] = ["version", "unit", "wavelengths", "default", "media", "coatings", "emitters", "slides", "sky"];
 
 impl Sheet {
     /// Faults: unknown keys, wrong versions, tables that are none.
@@ -71,7 +71,7 @@ impl Sheet {
             }
             Ok(Library { noun, named, indexed })
         };
-        let default = of(sidecar, "default");
+        let default = either("default");
         if let Some(default) = &default {
             entries(default, "`default`")?;
         }

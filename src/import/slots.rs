@@ -17,6 +17,8 @@ pub enum Rank {
     Material,
     Node,
     Primitive,
+    /// What a node says of some faces of the parts at or below it: of this instance, where a primitive is shared.
+    NodeFaces,
     /// A `[[bind]]` for many parts: a pattern, a material, a mesh.
     Glob,
     /// A `[[bind]]` with the exact path or name.

@@ -169,10 +169,6 @@ fn the_assets_own_attributes_bind_below_the_sidecar() {
         "a.glb#/nodes/2: emitter 1 does not exist; expected an index from 0 to 0"
     );
     assert_eq!(
-        broken(&|asset| asset.nodes[0].attributes = Some(table(&[("medium", Data::Number(0.0))], "/nodes/0"))),
-        "a.glb#/nodes/0: node `ROOT` has optical attributes but no geometry; expected attributes on nodes with a mesh"
-    );
-    assert_eq!(
         broken(&|asset| asset.meshes[0].attributes[1] = Some(table(&[("ior", Data::Number(1.5))], "/p"))),
         "a.glb#/p: `ior` is said of a face, but it fills a whole part; expected it on the node"
     );
@@ -185,6 +181,64 @@ fn the_assets_own_attributes_bind_below_the_sidecar() {
         broken(&|asset| asset.nodes[1].mesh = Some(9)),
         "a.glb#/nodes/1: node `ROOT/A` has mesh 9, which does not exist; expected a mesh below 2"
     );
+}
+
+#[test]
+fn a_node_speaks_for_the_parts_below_it_and_for_some_faces() {
+    let number = |x: f64| Value::new(Data::Number(x), Where::Nowhere);
+    let rows = |at: &str, face: f64, finish: &str| {
+        let row = [("faces", Data::List(vec![number(face)])), ("finish", text(finish))];
+        Data::List(vec![table(&row, at)])
+    };
+    let mut asset = assembly(&["A", "B"]);
+    asset.nodes[0].attributes = Some(table(
+        &[("ior", Data::Number(1.7)), ("finish", text("polished")), ("faces", rows("/r", 2.0, "lambert"))],
+        "/nodes/0",
+    ));
+    asset.nodes[2].attributes =
+        Some(table(&[("ior", Data::Number(1.4)), ("faces", rows("/b", 2.0, "none"))], "/nodes/2"));
+    asset.optics = Some(table(
+        &[("version", Data::Number(1.0)), ("default", table(&[("coating", text("none"))], "/d").data)],
+        "/o",
+    ));
+    let eye = &BASE[..BASE.find("[default]").unwrap()];
+    let built = built_on(asset.clone(), eye, &[]).unwrap();
+    let (a, b) = (part(&built, "A"), part(&built, "B"));
+    assert!(matches!(a.faces[2].finish, Finish::Lambert { .. }) && b.faces[2].finish == Finish::None);
+    assert_eq!((a.faces[0].finish, b.faces[0].finish), (Finish::Polished, Finish::Polished));
+    assert!(a.medium.is_some() && a.medium != b.medium);
+    asset.nodes[0].attributes = Some(table(&[("faces", rows("/r", 9.0, "lambert"))], "/nodes/0"));
+    let error = built_on(asset.clone(), eye, &[]).unwrap_err().to_string();
+    assert_eq!(error, "a.glb#/r: part ROOT/A has no face 9; expected a face from 0 to 5");
+    asset.nodes[0].attributes = Some(table(&[("faces", Data::Number(1.0))], "/nodes/0"));
+    let error = built_on(asset, eye, &[]).unwrap_err().to_string();
+    assert!(error.contains("`faces` of node `ROOT` is a number"), "{error}");
+}
+
+#[test]
+fn a_part_goes_by_the_node_that_holds_nothing_else() {
+    let mut asset = assembly(&["A", "B"]);
+    // ROOT/A becomes a node above its mesh, as USD components are.
+    let inner = crate::import::assembly::Node {
+        name: "Body".into(),
+        path: "ROOT/A/Body".into(),
+        parent: Some(1),
+        ..asset.nodes[1].clone()
+    };
+    asset.nodes[1].mesh = None;
+    asset.nodes.push(inner);
+    for selector in [
+        "path = \"A\"",
+        "path = \"ROOT/A/Body\"",
+        "path = \"A/Body\"",
+        "name = \"Body\"",
+        "path = \"**/Body\"",
+        "name = \"A\"",
+    ] {
+        let built = built_on(asset.clone(), &format!("{BASE}[[bind]]\n{selector}\nfinish = \"none\"\n"), &[]).unwrap();
+        assert_eq!(part(&built, "A").faces[0].finish, Finish::None, "{selector}");
+        assert_eq!(part(&built, "A").path, "ROOT/A");
+    }
 }
 
 #[test]
