@@ -7,10 +7,12 @@ use crate::check::check;
 use crate::estimate::data::data_layers;
 use crate::estimate::picture::{add_data_layers, add_meta, check_layers, keep_layers, picture, plan_lines};
 use crate::estimate::run::{Limits, Outcome, Stop, run as trace};
+use crate::estimate::wish;
 use crate::film::plan::{Estimator, Plan};
-use crate::import::{ImportOptions, Set, import};
+use crate::import::{Built, ImportOptions, Set, import};
 use crate::output::exr::write_exr;
 use crate::plan::{Choice, plan};
+use crate::scene::assembly::LayerWish;
 use crate::scene::{Scene, Severity};
 use crate::world::World;
 use clap::{Args, ValueEnum};
@@ -53,7 +55,7 @@ pub struct RenderArgs {
     /// Width and height in pixels, instead of the eye's.
     #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
     resolution: Option<[usize; 2]>,
-    /// Write only these layers (and the default image): direct, caustic_led, stderr, Z, …
+    /// Write only these layers (and the default image), not those that the asset asks for: direct, caustic_led, stderr, Z, …
     #[arg(long, value_name = "LAYER,…", value_delimiter = ',')]
     layers: Vec<String>,
     /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5, eye.pupil_diameter="3 mm".
@@ -132,7 +134,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         .build()
         .map_err(|error| Fault::new(Where::Option("--threads".to_owned()), error.to_string()))?;
     let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let mut scene = import(&args.asset, &ImportOptions { sets })?.scene;
+    let Built { mut scene, layers: wishes, .. } = import(&args.asset, &ImportOptions { sets })?;
     if let Some(resolution) = args.resolution {
         scene.eye.resolution = resolution;
     }
@@ -140,6 +142,10 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let world = World::freeze(&scene)?;
     let plan = pool.install(|| plan(&checked, &world, args.estimator.choice()));
     check_layers(&args.layers, &scene.groups)?;
+    // What the command line asks for goes before what the asset asks for.
+    let wishes: &[LayerWish] = if args.layers.is_empty() { &wishes } else { &[] };
+    let (named, ungranted) = wish::granted(wishes, &scene.groups);
+    scene.notes.extend(ungranted);
     let mut limits = args.limits();
     // The time that was asked for includes the import, the plan and its pilots.
     limits.time = limits.time.map(|time| time.saturating_sub(start.elapsed()));
@@ -153,6 +159,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     add_data_layers(&mut frame, &pool.install(|| data_layers(&world, size[0], size[1])));
     add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);
     keep_layers(&mut frame, &args.layers);
+    wish::rename(&mut frame, &named);
     let warnings = write_exr(&args.output, &frame)?;
     if !args.quiet {
         summary(args, &scene, &plan, &outcome, &warnings)?;

@@ -11,3 +11,4 @@ pub mod picture;
 pub mod route;
 pub mod run;
 pub mod walk;
+pub mod wish;

@@ -126,7 +126,7 @@ pub fn plan_lines(scene: &Scene, plan: &Plan) -> Vec<String> {
 }
 
 /// Every layer that a picture with these groups may have.
-fn possible_layers(groups: &[Group]) -> BTreeSet<String> {
+pub fn possible_layers(groups: &[Group]) -> BTreeSet<String> {
     let mut names: BTreeSet<String> = ["hybrid", "stderr", "seethrough"].map(str::to_owned).into();
     for data in ["Z", "normal", "position", "albedo", "id"] {
         names.insert(data.to_owned());

@@ -1,6 +1,6 @@
 //! Assembly + sidecar + `--set` → [`Scene`]: the attributes are bound, read and put where they belong.
 
-use super::assembly::Assembly;
+use super::assembly::{Assembly, LayerWish};
 use super::bind::bind;
 use super::explain::Explained;
 use super::files;
@@ -28,6 +28,8 @@ use std::sync::Arc;
 pub struct Built {
     pub scene: Scene,
     pub explained: Explained,
+    /// The layers that the asset asks for.
+    pub layers: Vec<LayerWish>,
 }
 
 /// Builds the scene of `assembly`. `assembly.dependencies` (the sidecar among them, if it was a file) are hashed.
@@ -113,7 +115,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         notes: seen,
         hash,
     };
-    Ok(Built { scene, explained })
+    Ok(Built { scene, explained, layers: assembly.layers })
 }
 
 fn no_eye(sidecar: Option<&Value>, file: &Path) -> Box<Fault> {

@@ -1,0 +1,128 @@
+//! The layers that an asset asks for (USD RenderVars), in terms of ours.
+
+use super::picture::possible_layers;
+use crate::film::frame::{Channel, Frame};
+use crate::scene::assembly::LayerWish;
+use crate::scene::{Group, Note, Severity};
+
+/// One of our layers, and the name that it is written under.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Named {
+    /// Empty: the default image.
+    pub layer: String,
+    pub name: String,
+}
+
+/// Other names that renderers give to what we have.
+const SYNONYMS: [(&str, &str); 10] = [
+    ("Ci", "hybrid"),
+    ("beauty", "hybrid"),
+    ("color", "hybrid"),
+    ("rgba", "hybrid"),
+    ("depth", "Z"),
+    ("z", "Z"),
+    ("N", "normal"),
+    ("Nn", "normal"),
+    ("P", "position"),
+    ("diffuse_albedo", "albedo"),
+];
+
+/// Light path expressions of whole layers (`design/layers.md`, the table of classes), without spaces.
+const EXPRESSIONS: [(&str, &str); 5] = [
+    ("C.*", "hybrid"),
+    ("C.*[LO]", "hybrid"),
+    ("C.*[LOB]", "hybrid"),
+    ("C<.[Ss]>*<.[DG]><.[Ss]>+[LOB]", "caustic"),
+    ("C<.[Ss]>*<.[DG]>.*<.[DG]>.*[LOB]", "secondary"),
+];
+
+/// What of `wishes` can be had, and a warning for each that cannot.
+pub fn granted(wishes: &[LayerWish], groups: &[Group]) -> (Vec<Named>, Vec<Note>) {
+    let possible = possible_layers(groups);
+    let (mut all, mut notes) = (Vec::<Named>::new(), Vec::new());
+    for wish in wishes {
+        let source: String = wish.source.chars().filter(|c| !c.is_whitespace()).collect();
+        let table: &[(&str, &str)] = if wish.expression { &EXPRESSIONS } else { &SYNONYMS };
+        let other = table.iter().find(|(name, _)| *name == source).map(|(_, layer)| (*layer).to_owned());
+        let own = (!wish.expression && possible.contains(&source)).then_some(source);
+        let Some(layer) = own.or(other) else {
+            let what = if wish.expression { "light path expression" } else { "render variable" };
+            notes.push(Note {
+                severity: Severity::Warning,
+                at: wish.at.clone(),
+                text: format!("the {what} `{}` is no layer of ours: not written", wish.source),
+            });
+            continue;
+        };
+        let named = Named { layer, name: plain(&wish.name) };
+        if let Some(other) = all.iter().find(|other| other.name == named.name) {
+            if other.layer != named.layer {
+                let text = format!(
+                    "`{}` and `{}` ask for the name `{}`: the first has it",
+                    other.layer, named.layer, named.name
+                );
+                notes.push(Note { severity: Severity::Warning, at: wish.at.clone(), text });
+            }
+            continue;
+        }
+        all.push(named);
+    }
+    (all, notes)
+}
+
+/// A layer name that Nuke and Blender split alike: `[A-Za-z][A-Za-z0-9_]*`.
+fn plain(name: &str) -> String {
+    let kept: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if kept.starts_with(|c: char| c.is_ascii_alphabetic()) { kept } else { format!("layer_{kept}") }
+}
+
+/// Keeps the layers of `named` under their names, and the default image. A layer without light is not there.
+pub fn rename(frame: &mut Frame, named: &[Named]) {
+    if named.is_empty() {
+        return;
+    }
+    let all = std::mem::take(&mut frame.channels);
+    for wish in named {
+        // A lone channel such as `Z` has no layer before its dot.
+        let own = |channel: &&Channel| channel.layer() == wish.layer || channel.name == wish.layer;
+        for channel in all.iter().filter(own) {
+            frame.push(format!("{}.{}", wish.name, channel.component()), channel.data.clone());
+        }
+    }
+    frame.channels.extend(all.into_iter().filter(|channel| ["R", "G", "B"].contains(&channel.name.as_str())));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Where;
+
+    fn wish(source: &str, expression: bool, name: &str) -> LayerWish {
+        LayerWish { source: source.into(), expression, name: name.into(), at: Where::Nowhere }
+    }
+
+    #[test]
+    fn wishes_become_layers_under_their_names() {
+        let groups = [Group { name: "led".into() }];
+        let wishes = [
+            wish("direct", false, "vision"),
+            wish("Ci", false, "1 beauty"),
+            wish("C<.[Ss]>* <.[DG]><.[Ss]>+ [LOB]", true, "caustics"),
+            wish("caustic_led", false, "caustics"),
+            wish("C<RD>L", true, "other"),
+            wish("forward_sun", false, "x"),
+            wish("depth", false, "far"),
+        ];
+        let (named, notes) = granted(&wishes, &groups);
+        let pairs: Vec<_> = named.iter().map(|n| (n.layer.as_str(), n.name.as_str())).collect();
+        assert_eq!(pairs, [("direct", "vision"), ("hybrid", "layer_1_beauty"), ("caustic", "caustics"), ("Z", "far")]);
+        assert_eq!(notes.len(), 3);
+        let mut frame = Frame::new(1, 1);
+        for name in ["R", "direct.R", "hybrid.R", "caustic_led.R", "Z"] {
+            frame.push(name, vec![0.0]);
+        }
+        rename(&mut frame, &named);
+        let names: Vec<_> = frame.channels.iter().map(|channel| channel.name.as_str()).collect();
+        assert_eq!(names, ["vision.R", "layer_1_beauty.R", "far.Z", "R"]);
+    }
+}
