@@ -3,7 +3,7 @@
 use super::{Format, print};
 use crate::base::{Fault, Result, Where};
 use crate::import::skeleton::{Skeleton, skeleton};
-use crate::output::atomic::write_atomic;
+use crate::output::atomic::{check_writable, write_atomic};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -39,6 +39,7 @@ pub fn run(args: &InitArgs) -> Result<ExitCode> {
     if args.output.extension().is_none_or(|e| e != "toml") {
         return Err(Fault::new(Where::file(&args.output), "is no name for a sidecar").expected("NAME.optics.toml"));
     }
+    check_writable(&args.output)?;
     let skeleton = skeleton(&args.asset, &args.output)?;
     write_atomic(&args.output, skeleton.text.as_bytes())?;
     print(args.format, || args.summary(&skeleton), || serde_json::json!(skeleton))?;

@@ -3,6 +3,7 @@
 use crate::estimate::run::{Limits, Observer, Status};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -31,6 +32,13 @@ impl Signals {
             0 => None,
             signal => Some(signal),
         }
+    }
+}
+
+impl Signals {
+    /// 128 + the number of the signal that came, as shells report it.
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(self.caught().and_then(|signal| u8::try_from(128 + signal).ok()).unwrap_or(2))
     }
 }
 

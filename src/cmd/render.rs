@@ -10,8 +10,9 @@ use crate::estimate::run::{Limits, Outcome, Stop, run as trace};
 use crate::estimate::wish;
 use crate::film::plan::{Estimator, Plan};
 use crate::import::{Built, ImportOptions, Set, import};
+use crate::output::atomic::check_writable;
 use crate::output::exr::write_exr;
-use crate::plan::{Choice, plan};
+use crate::plan::{Choice, plan_unless};
 use crate::scene::assembly::LayerWish;
 use crate::scene::{Scene, Severity};
 use crate::world::World;
@@ -139,9 +140,11 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         scene.eye.resolution = resolution;
     }
     let checked = check(&scene)?;
-    let world = World::freeze(&scene)?;
-    let plan = pool.install(|| plan(&checked, &world, args.estimator.choice()));
     check_layers(&args.layers, &scene.groups)?;
+    let world = World::freeze(&scene)?;
+    let stop = || signals.caught().is_some();
+    let plan = pool.install(|| plan_unless(&checked, &world, args.estimator.choice(), &stop));
+    let Some(plan) = plan else { return Ok(stopped_early(args, &signals)) };
     // What the command line asks for goes before what the asset asks for.
     let wishes: &[LayerWish] = if args.layers.is_empty() { &wishes } else { &[] };
     let (named, ungranted) = wish::granted(wishes, &scene.groups);
@@ -166,7 +169,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     let met = args.error.is_none_or(|limit| outcome.films.relative_error().is_some_and(|error| error <= limit));
     Ok(match (outcome.stop, signals.caught()) {
-        (Stop::Asked, Some(signal)) => ExitCode::from(u8::try_from(128 + signal).unwrap_or(2)),
+        (Stop::Asked, Some(_)) => signals.exit_code(),
         (Stop::Passes | Stop::Time, _) if !met => ExitCode::from(1),
         (Stop::Passes | Stop::Time | Stop::Error | Stop::Asked, _) => ExitCode::SUCCESS,
     })
@@ -180,22 +183,18 @@ impl RenderArgs {
     }
 }
 
+/// Before the first pass there is nothing to write; an older file stays as it is.
+fn stopped_early(args: &RenderArgs, signals: &Signals) -> ExitCode {
+    anstream::eprintln!("eyebox: stopped before the first pass; {} was not written", args.output.display());
+    signals.exit_code()
+}
+
 /// Fails early where the picture could not be written: an hour of tracing must not end in a typing error.
 fn check_destination(output: &Path) -> Result<()> {
-    let folder = match output.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        Some(_) | None => Path::new("."),
-    };
     if output.extension().is_none_or(|e| !e.eq_ignore_ascii_case("exr")) {
         return Err(Fault::new(Where::file(output), "is no name for an EXR file").expected("a name that ends in .exr"));
     }
-    if output.is_dir() {
-        return Err(Fault::new(Where::file(output), "is a folder").expected("a file name such as hud.exr"));
-    }
-    if !folder.is_dir() {
-        return Err(Fault::new(Where::file(output), format!("there is no folder `{}`", folder.display())));
-    }
-    Ok(())
+    check_writable(output)
 }
 
 fn summary(args: &RenderArgs, scene: &Scene, plan: &Plan, outcome: &Outcome, warnings: &[String]) -> Result<()> {

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use super::{Format, print};
 use crate::base::fault::{Fault, Result, Where};
+use crate::output::atomic::check_writable;
 use crate::output::exr::read_exr;
 use crate::output::view::{Shown, ViewInfo, ViewOptions, write_view};
 
@@ -51,6 +52,7 @@ fn view(args: &ViewArgs) -> Result<(serde_json::Value, String)> {
         return Err(Fault::new(Where::Option(format!("--output {}", args.output.display())), "not a PNG's name")
             .expected("a name that ends in .png"));
     }
+    check_writable(&args.output)?;
     let frame = read_exr(&args.frame)?;
     let defaults = ViewOptions::default();
     let options = ViewOptions { layer: args.layer.clone(), exposure: args.exposure, ..defaults };

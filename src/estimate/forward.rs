@@ -1,6 +1,7 @@
 //! Light tracing: paths start on the lamps with equal shares of flux and *arrive* at the pupil by themselves. No shadow
 //! ray is sent to the eye, since no lens would let one through.
 
+use super::ShouldStop;
 use super::ledger::Ledger;
 use super::route::{Reach, Route};
 use super::walk::{Meeting, Met, Travel, Walker};
@@ -122,10 +123,14 @@ impl<'w> Forward<'w> {
     }
 
     /// Traces one pass for learning: (lamp, uv, flux that arrived in the picture) of each path that arrived.
-    pub fn probe(&self, pass: u64) -> Vec<(usize, [f64; 2], f64)> {
+    /// Once `stop` says true the rest is left out, and the result is worthless.
+    pub fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<(usize, [f64; 2], f64)> {
         (0..self.paths)
             .into_par_iter()
             .filter_map(|sample| {
+                if stop() {
+                    return None;
+                }
                 let rng = Rng::new(self.seed, Stream::Pilot, pass, sample);
                 let started = self.emission.start(self.world, rng, self.paths)?;
                 let mut splats = Vec::new();

@@ -12,3 +12,6 @@ pub mod route;
 pub mod run;
 pub mod walk;
 pub mod wish;
+
+/// Asked while something is being done whether to leave it (Ctrl-C); once true, always true.
+pub type ShouldStop<'a> = dyn Fn() -> bool + Sync + 'a;

@@ -3,6 +3,7 @@
 //! passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
 
 use super::forward::{Emission, Started};
+use super::ShouldStop;
 use super::ledger::Ledger;
 use super::photon_map::{Photon, PhotonMap};
 use super::route::{Reach, Route};
@@ -96,10 +97,14 @@ impl<'w> PhotonMapper<'w> {
     }
 
     /// Traces one pass for learning: (lamp, uv, flux stored that did not come straight from the lamp) per path.
-    pub fn probe(&self, pass: u64) -> Vec<(usize, [f64; 2], f64)> {
+    /// Once `stop` says true the rest is left out, and the result is worthless.
+    pub fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<(usize, [f64; 2], f64)> {
         (0..self.photons)
             .into_par_iter()
             .filter_map(|sample| {
+                if stop() {
+                    return None;
+                }
                 let rng = Rng::new(self.seed, Stream::Pilot, pass, sample);
                 let started = self.emission.start(self.world, rng, self.photons)?;
                 let (lamp, uv) = (started.lamp, started.uv);

@@ -10,13 +10,57 @@ use crate::base::fault::{Fault, Result, Where};
 /// never sees half a file, an existing file stays whole until the new one is complete, and on an error nothing is
 /// left behind.
 ///
-/// Errors: the directory is missing or not writable, the disk is full, `path` is a directory.
+/// Errors: the directory is missing or not writable, the disk is full, `path` is a directory or a read-only file.
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<()> {
-    try_write(path, bytes)
-        .map_err(|error| Fault::new(Where::file(path), format!("cannot be written: {error}")).expected(expected(path)))
+    refuse(path)?;
+    try_write(path, bytes).map_err(|error| fault(path, &error))
+}
+
+/// Says before the work whether [`write_atomic`] can do its part. Leaves no trace; the disk may still fill up later.
+///
+/// Errors: those of [`write_atomic`].
+pub fn check_writable(path: &Path) -> Result<()> {
+    refuse(path)?;
+    temporary(path).map(drop).map_err(|error| fault(path, &error))
+}
+
+/// A rename goes over a directory's owner's rights, not the file's own: those are asked here.
+fn refuse(path: &Path) -> Result<()> {
+    match path.metadata() {
+        Ok(known) if known.is_dir() => Err(Fault::new(Where::file(path), "is a folder").expected("a file name")),
+        Ok(known) if known.permissions().readonly() => {
+            Err(Fault::new(Where::file(path), "is a read-only file").expected("another name, or a file to write to"))
+        }
+        // What can't be looked at is left to the attempt.
+        Ok(_) | Err(_) => Ok(()),
+    }
+}
+
+fn fault(path: &Path, error: &io::Error) -> Box<Fault> {
+    // The temporary file's name stands in the outer error: nobody has heard of it.
+    let plain = |error: &(dyn std::error::Error + 'static)| {
+        let mut inner = Some(error);
+        let mut last = error.to_string();
+        while let Some(error) = inner {
+            last = error.to_string();
+            inner = error.source();
+        }
+        last
+    };
+    let why = error.get_ref().map_or_else(|| error.to_string(), |inner| plain(inner));
+    Fault::new(Where::file(path), format!("cannot be written: {why}")).expected(expected(path))
 }
 
 fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = temporary(path)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// An empty file beside `path`, which goes away unless it is renamed.
+fn temporary(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "no file name"))?;
     let directory = directory_of(path);
     let mut prefix = OsString::from(name);
@@ -29,11 +73,7 @@ fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(directory)?;
-    file.write_all(bytes)?;
-    file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
+    builder.tempfile_in(directory)
 }
 
 fn directory_of(path: &Path) -> &Path {
@@ -44,9 +84,6 @@ fn directory_of(path: &Path) -> &Path {
 }
 
 fn expected(path: &Path) -> String {
-    if path.is_dir() {
-        return "a file name, not a directory".into();
-    }
     let directory = directory_of(path);
     if directory.is_dir() {
         "a writable place with room on the disk".into()
@@ -79,11 +116,41 @@ mod tests {
         let taken = directory.path().join("taken");
         std::fs::create_dir(&taken).unwrap();
         let fault = write_atomic(&taken, b"three").unwrap_err();
-        assert!(fault.to_string().contains("not a directory"), "{fault}");
-        let fault = write_atomic(&directory.path().join("absent/a.exr"), b"four").unwrap_err();
-        assert!(fault.to_string().contains("existing directory"), "{fault}");
+        assert!(fault.to_string().ends_with("taken: is a folder; expected a file name"), "{fault}");
+        let absent = directory.path().join("absent/a.exr");
+        for result in [write_atomic(&absent, b"four"), check_writable(&absent)] {
+            let fault = result.unwrap_err().to_string();
+            assert!(fault.contains("existing directory") && !fault.contains(".tmp"), "{fault}");
+        }
+        check_writable(&path).unwrap();
+        check_writable(&directory.path().join("new.exr")).unwrap();
         assert!(write_atomic(Path::new("/"), b"five").is_err());
         assert_eq!(entries(directory.path()), ["a.exr", "taken"]);
+    }
+
+    #[test]
+    fn a_read_only_file_is_not_replaced() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("kept.exr");
+        std::fs::write(&path, b"kept").unwrap();
+        let mut permissions = path.metadata().unwrap().permissions();
+        permissions.set_readonly(true);
+        std::fs::set_permissions(&path, permissions).unwrap();
+        for result in [write_atomic(&path, b"new"), check_writable(&path)] {
+            assert!(result.unwrap_err().to_string().contains("is a read-only file"));
+        }
+        assert_eq!(std::fs::read(&path).unwrap(), b"kept");
+    }
+
+    /// A folder that nobody can write to, root included.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_refused_folder_is_said_without_the_temporary_name() {
+        let path = Path::new("/proc/a.exr");
+        for result in [write_atomic(path, b"x"), check_writable(path)] {
+            let fault = result.unwrap_err().to_string();
+            assert!(fault.starts_with("/proc/a.exr: cannot be written: ") && !fault.contains(".tmp"), "{fault}");
+        }
     }
 
     #[cfg(unix)]

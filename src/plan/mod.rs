@@ -5,6 +5,7 @@ mod pilot;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::check::Checked;
+use crate::estimate::ShouldStop;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use crate::world::World;
 
@@ -18,6 +19,16 @@ pub enum Choice {
 
 /// Makes the plan: facts decide who owns what; pilots only set the photons' first radius.
 pub fn plan(checked: &Checked, world: &World, choice: Choice) -> Plan {
+    make(checked, world, choice, &|| false)
+}
+
+/// The same; none if `stop` says true (Ctrl-C) before the pilots are through. It is asked before each path of a pilot.
+pub fn plan_unless(checked: &Checked, world: &World, choice: Choice, stop: &ShouldStop<'_>) -> Option<Plan> {
+    let plan = make(checked, world, choice, stop);
+    (!stop()).then_some(plan)
+}
+
+fn make(checked: &Checked, world: &World, choice: Choice, stop: &ShouldStop<'_>) -> Plan {
     let scene = checked.scene();
     let facts = checked.facts();
     let pixels = (scene.eye.resolution[0] * scene.eye.resolution[1]) as u64;
@@ -49,8 +60,8 @@ pub fn plan(checked: &Checked, world: &World, choice: Choice) -> Plan {
         photon_guide: None,
         notes,
     };
-    while plan.runs(Estimator::Forward) {
-        let pilot = pilot::forward(world, &plan, scene.groups.len());
+    while plan.runs(Estimator::Forward) && !stop() {
+        let pilot = pilot::forward(world, &plan, scene.groups.len(), stop);
         if choice == Choice::Auto && give_up_forward(&mut plan, &pilot::without_arrivals(&pilot), pilot.traced) {
             // The guide belongs to the lamps that are left.
             continue;
@@ -59,8 +70,8 @@ pub fn plan(checked: &Checked, world: &World, choice: Choice) -> Plan {
         plan.forward_paths = (4 * pixels).max(1 << 14);
         break;
     }
-    if plan.runs(Estimator::Photon) {
-        plan.photon_guide = Some(pilot::photon(world, &plan, scene.groups.len()));
+    if plan.runs(Estimator::Photon) && !stop() {
+        plan.photon_guide = Some(pilot::photon(world, &plan, scene.groups.len(), stop));
         plan.photons = (4 * pixels).max(1 << 14);
         plan.photon_radius_m = pilot::photon_radius_m(world, scene.eye.resolution);
     }

@@ -5,6 +5,7 @@ use crate::base::rng::{Rng, Stream};
 use crate::estimate::forward::Forward;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::photon::PhotonMapper;
+use crate::estimate::ShouldStop;
 use crate::estimate::route::Route;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::guide::Guide;
@@ -33,13 +34,13 @@ pub struct ForwardPilot {
 }
 
 /// Learns where lamp paths have to start to arrive in the picture, in rounds that each use what the last one learned.
-pub fn forward(world: &World, plan: &Plan, groups: usize) -> ForwardPilot {
+pub fn forward(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> ForwardPilot {
     let mut guide = None;
     let mut arrived = vec![0; groups];
     for round in 0..ROUNDS {
         let route = Route::new(plan, groups, Estimator::Forward);
         let forward = Forward::new(world, route, groups, paths(world), guide.as_ref(), SEED);
-        let samples = forward.probe(round);
+        let samples = forward.probe(round, stop);
         samples.iter().for_each(|(lamp, _, _)| arrived[forward.group_of(*lamp).index()] += 1);
         guide = Some(Guide::learn(forward.flux(), &samples));
     }
@@ -47,12 +48,12 @@ pub fn forward(world: &World, plan: &Plan, groups: usize) -> ForwardPilot {
 }
 
 /// Learns where photons have to start to be stored.
-pub fn photon(world: &World, plan: &Plan, groups: usize) -> Guide {
+pub fn photon(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> Guide {
     let mut guide = None;
     for round in 0..ROUNDS {
         let route = Route::new(plan, groups, Estimator::Photon);
         let mapper = PhotonMapper::new(world, route, groups, paths(world), guide.as_ref(), 1.0, SEED);
-        let samples = mapper.probe(round);
+        let samples = mapper.probe(round, stop);
         guide = Some(Guide::learn(mapper.flux(), &samples));
     }
     guide.unwrap_or_else(|| Guide::unguided(&[]))
