@@ -67,3 +67,22 @@ fn explain_names_the_line_and_the_nearest_part() {
     assert_eq!((unknown.status.code(), text(&unknown.stdout)), (Some(2), ""));
     assert!(text(&unknown.stderr).contains("did you mean `LENS_01_PMMA`?"), "{}", text(&unknown.stderr));
 }
+
+#[test]
+fn what_render_refuses_inspect_refuses_with_the_same_words_after_the_tree() {
+    let sidecar = sample("hud-direct/hud.optics.toml");
+    let sidecar = sidecar.to_str().expect("UTF-8");
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("a.exr");
+    let output = output.to_str().expect("UTF-8");
+    for set in [
+        "LENS_01_PMMA.faces[0].shape={kind=\"sphere\",vertex=[0,0,0],axis=[0,0,1],radius=1}",
+        "eye.resolution=[60000,60000]",
+    ] {
+        let inspect = eyebox(&["inspect", sidecar, "--set", set]);
+        assert_eq!(inspect.status.code(), Some(2), "{set}");
+        assert!(text(&inspect.stdout).contains("LENS_01_PMMA"), "{set}");
+        let render = eyebox(&["render", sidecar, "-o", output, "--set", set]);
+        assert_eq!((render.status.code(), text(&render.stderr)), (Some(2), text(&inspect.stderr)), "{set}");
+    }
+}

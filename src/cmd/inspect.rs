@@ -2,8 +2,11 @@
 
 use super::{Format, print};
 use crate::base::{Fault, Result};
+use crate::check::check;
 use crate::import::{ImportOptions, Set, import, outline};
 use crate::output::assembly_tree::AssemblyTree;
+use crate::scene::Scene;
+use crate::world::World;
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -12,7 +15,8 @@ use std::process::ExitCode;
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Lengths are in mm of the world. Parts that are alike take one line with their count. Where the optical attributes can't be \
-used, the geometry is shown all the same before the error (exit 2).
+used, the geometry is shown all the same before the error (exit 2). What render would refuse is an error here too, after \
+the tree.
 
 Examples:
   eyebox inspect samples/hud-direct/hud.optics.toml
@@ -36,6 +40,7 @@ pub struct InspectArgs {
 pub fn run(args: &InspectArgs) -> Result<ExitCode> {
     let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
     let built = import(&args.asset, &ImportOptions { sets }).map_err(|fault| args.geometry(fault))?;
+    let refused = refusal(&built.scene);
     match &args.explain {
         Some(part) => {
             let found = built.explained.find(part)?;
@@ -44,7 +49,12 @@ pub fn run(args: &InspectArgs) -> Result<ExitCode> {
         }
         None => show(args.format, &AssemblyTree::new(&built.scene))?,
     }
-    Ok(ExitCode::SUCCESS)
+    refused.map_or(Ok(ExitCode::SUCCESS), Err)
+}
+
+/// What `render` would refuse before its first ray.
+fn refusal(scene: &Scene) -> Option<Box<Fault>> {
+    check(scene).err().or_else(|| World::freeze(scene).err())
 }
 
 fn show(format: Format, tree: &AssemblyTree) -> Result<()> {

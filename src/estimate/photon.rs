@@ -2,8 +2,8 @@
 //! scatterer that the eye sees through specular faces. The radius shrinks with the pass number so that the mean over
 //! passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
 
-use super::forward::{Emission, Started};
 use super::ShouldStop;
+use super::forward::{Emission, Started};
 use super::ledger::Ledger;
 use super::photon_map::{Photon, PhotonMap};
 use super::route::{Reach, Route};

@@ -3,13 +3,14 @@
 
 use super::assembly::Assembly;
 use super::carried;
-use super::optics::medium_entries;
+use super::optics::{medium_entries, stray};
 use super::select::{Candidate, Faces, is_glob, listed};
 use super::sheet::{Sheet, entries};
 use super::slots::{Entry, PartBound, Rank, Slot, Slots};
 use super::value::{Data, Value};
 use crate::base::Fault;
 use crate::base::fault::Result;
+use crate::scene::attribute::Noun;
 use crate::scene::{Note, Severity};
 use std::rc::Rc;
 
@@ -91,6 +92,11 @@ pub fn said(table: &[(String, Value)], sheet: &Sheet, what: &str, beside: &[&str
             continue;
         }
         let Some(slot) = Slot::of(key) else {
+            let nouns = [(Noun::Finish, "finish"), (Noun::Coating, "coating"), (Noun::Shape, "shape")];
+            let stray = |(noun, own)| stray(key, value, noun, what, &mut std::iter::once(own));
+            if let Some(fault) = nouns.into_iter().find_map(stray) {
+                return Err(fault);
+            }
             let valid = || beside.iter().copied().chain(BINDABLE);
             return Err(Fault::new(value.at.clone(), format!("unknown attribute `{key}` in {what}"))
                 .expected(format!("one of {}", valid().collect::<Vec<_>>().join(", ")))

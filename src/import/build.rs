@@ -79,7 +79,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         files: assembly.dependencies.clone(),
         notes,
     };
-    builder.unused()?;
+    builder.unused(&bound)?;
     let scene_parts = parts.iter().zip(&bound).map(|(part, bound)| builder.part(part, bound)).collect::<Result<_>>()?;
     let sky = match &sheet.sky {
         Some(value) => Some(builder.sky(value)?),
@@ -190,8 +190,19 @@ pub(super) fn intern<T: PartialEq>(table: &mut Vec<T>, item: T) -> usize {
 }
 
 impl Builder<'_> {
-    /// Reads what is named but not used too: its faults are faults.
-    fn unused(&mut self) -> Result<()> {
+    /// Reads what is named but not used too: its faults are faults. Notes the sidecar's that nothing names.
+    fn unused(&mut self, bound: &[PartBound]) -> Result<()> {
+        let slots =
+            || bound.iter().flat_map(|part| std::iter::once(&part.part).chain(&part.faces)).flat_map(Slots::all);
+        let entries = || slots().flat_map(|won| std::iter::once(&won.entry).chain(won.beaten.iter().map(|(e, _)| e)));
+        let coated = |name: &str| entries().any(|e| e.slot == Slot::Coating && e.value.text() == Some(name));
+        let filled = |name: &str| entries().any(|e| e.label.as_deref() == Some(name));
+        let coatings = self.sheet.coatings.own().filter(|(name, _)| !coated(name));
+        let media = self.sheet.media.own().filter(|(name, _)| !filled(name));
+        for (noun, (name, value)) in coatings.map(|own| ("coating", own)).chain(media.map(|own| ("medium", own))) {
+            let text = format!("[{noun}.{name}] is not used: no part names it");
+            self.notes.push(Note { severity: Severity::Info, at: value.at.clone(), text });
+        }
         for (name, value) in &self.sheet.coatings.named {
             optics::coating(value, name)?;
         }

@@ -11,6 +11,8 @@ pub struct Picture {
     pub width: usize,
     pub height: usize,
     pub pixels: Vec<f32>,
+    /// Some pixel of the file is not grey: its colour is lost here.
+    pub had_colour: bool,
 }
 
 /// Rec. 709 luminance of linear RGB (ITU-R BT.709-6, item 3.2).
@@ -33,12 +35,17 @@ pub fn slide(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
         return Err(broken(path, at, "it has an alpha channel").expected("a grey PNG of 8 or 16 bits"));
     }
     let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+    let mut had_colour = false;
     let pixels = match &decoded {
         image::DynamicImage::ImageLuma8(grey) => grey.iter().map(|value| f32::from(*value) / 255.0).collect(),
         image::DynamicImage::ImageLuma16(grey) => grey.iter().map(|value| f32::from(*value) / 65535.0).collect(),
-        colour => colour.to_rgb32f().pixels().map(|pixel| luminance(pixel.0).clamp(0.0, 1.0)).collect(),
+        colour => {
+            let colour = colour.to_rgb32f();
+            had_colour = colour.pixels().any(|pixel| pixel.0 != [pixel.0[0]; 3]);
+            colour.pixels().map(|pixel| luminance(pixel.0).clamp(0.0, 1.0)).collect()
+        }
     };
-    checked(Picture { width, height, pixels }, path, at)
+    checked(Picture { width, height, pixels, had_colour }, path, at)
 }
 
 /// A panorama: OpenEXR with channel Y or R, G, B, or Radiance HDR. Values are linear.
@@ -49,7 +56,8 @@ pub fn panorama(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
         let reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Hdr);
         let decoded = reader.decode().map_err(|error| broken(path, at, error))?;
         let pixels = decoded.to_rgb32f().pixels().map(|pixel| luminance(pixel.0)).collect();
-        Picture { width: decoded.width() as usize, height: decoded.height() as usize, pixels }
+        let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+        Picture { width, height, pixels, had_colour: true }
     } else {
         return Err(broken(path, at, "it is neither OpenEXR nor Radiance HDR").expected("a .exr or .hdr file"));
     };
@@ -91,7 +99,7 @@ fn exr_luminance(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
             return Err(broken(path, at, format!("its channels are {}", names.join(", "))).expected("Y, or R, G and B"));
         }
     };
-    Ok(Picture { width, height, pixels })
+    Ok(Picture { width, height, pixels, had_colour: samples("Y").is_none() })
 }
 
 fn checked(picture: Picture, path: &Path, at: &Where) -> Result<Picture> {
@@ -131,7 +139,10 @@ mod tests {
         let picture = slide(&png(grey16.into()), &path, &at).unwrap();
         assert_eq!((picture.width, picture.height, picture.pixels), (1, 2, vec![1.0, 0.2]));
         let colour = image::RgbImage::from_raw(1, 1, vec![0, 255, 0]).unwrap();
-        assert!((slide(&png(colour.into()), &path, &at).unwrap().pixels[0] - 0.7152).abs() < 1e-6);
+        let read = slide(&png(colour.into()), &path, &at).unwrap();
+        assert!((read.pixels[0] - 0.7152).abs() < 1e-6 && read.had_colour);
+        let grey = image::RgbImage::from_raw(1, 1, vec![7, 7, 7]).unwrap();
+        assert!(!slide(&png(grey.into()), &path, &at).unwrap().had_colour);
         let alpha = image::RgbaImage::from_raw(1, 1, vec![0, 255, 0, 7]).unwrap();
         assert_eq!(
             slide(&png(alpha.into()), &path, &at).unwrap_err().to_string(),

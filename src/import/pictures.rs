@@ -25,6 +25,13 @@ impl Builder<'_> {
             None => {
                 let bytes = files::read(&file, &spec.image_at, "slide image")?;
                 let read = picture::slide(&bytes, &file, &spec.image_at)?;
+                if read.had_colour {
+                    let text = format!(
+                        "the slide image {} has colours; this version renders luminance: 0.2126 R + 0.7152 G + 0.0722 B",
+                        spec.image
+                    );
+                    self.notes.push(Note { severity: Severity::Info, at: spec.image_at.clone(), text });
+                }
                 let known = (read.width, read.height, Arc::new(read.pixels));
                 self.pictures.insert(file.clone(), known.clone());
                 self.files.push(file);

@@ -184,6 +184,14 @@ impl Set {
             [Step::Key(faces), Step::Index(face), rest @ ..] if faces == "faces" => (Some(*face), rest),
             rest => (None, rest),
         };
+        // `LENS.medium.ior` is `LENS.ior`: a part's medium is taken apart when it is bound.
+        let steps = match steps {
+            [Step::Key(medium), inner @ ..] if medium == "medium" && !inner.is_empty() => {
+                self.known_of_medium(inner, target)?;
+                inner
+            }
+            all => all,
+        };
         let Some(Step::Key(key)) = steps.first() else {
             return Err(Fault::new(self.at().clone(), format!("no attribute of `{target}` is named"))
                 .expected("TARGET.attribute=VALUE or TARGET.faces[N].attribute=VALUE"));
@@ -226,8 +234,11 @@ impl Set {
             return Ok(());
         }
         if slot.of_part() {
-            return Err(Fault::new(self.at().clone(), format!("`{key}` of a part is set as a whole"))
-                .expected(format!("{target}.{key}=VALUE")));
+            for index in chosen {
+                let Some(part) = bound.get_mut(*index) else { continue };
+                self.patch_part(part, target, key, slot, inner)?;
+            }
+            return Ok(());
         }
         let mut members = Vec::new();
         for index in chosen {
@@ -251,6 +262,45 @@ impl Set {
         for (part, face) in members {
             self.patch_face(bound, part, face, slot, inner, sheet)?;
         }
+        Ok(())
+    }
+
+    /// Checks that the first step is an attribute of a medium.
+    fn known_of_medium(&self, steps: &[Step], target: &str) -> Result<()> {
+        let own = || BINDABLE.into_iter().filter(|key| *key != "medium" && Slot::of(key).is_some_and(Slot::of_part));
+        match steps.first() {
+            Some(Step::Key(key)) if own().any(|name| name == key) => Ok(()),
+            Some(Step::Key(key)) => {
+                let what = format!("unknown attribute `{key}` of the medium of `{target}`");
+                let expected = format!("one of {}", own().collect::<Vec<_>>().join(", "));
+                Err(Fault::new(self.at().clone(), what).expected(expected).nearest(key, own()))
+            }
+            Some(Step::Index(_)) | None => {
+                Err(Fault::new(self.at().clone(), format!("no attribute of the medium of `{target}` is named"))
+                    .expected(format!("{target}.medium.attribute=VALUE")))
+            }
+        }
+    }
+
+    /// Patches a part's index or absorption: `LENS.sellmeier.b[0]`.
+    fn patch_part(&self, part: &mut PartBound, target: &str, key: &str, slot: Slot, steps: &[Step]) -> Result<()> {
+        let fault = |what: String| Fault::new(self.at().clone(), what).expected(format!("{target}.{key}=VALUE"));
+        let Some(won) = part.part.get(slot) else { return Err(fault(format!("`{target}` has no `{key}` to change"))) };
+        let entry = &won.entry;
+        if entry.key != key {
+            let own = &entry.key;
+            return Err(fault(format!(
+                "`{target}` has no `{key}` to change: its index comes from `{own}` ({})",
+                entry.at
+            )));
+        }
+        let mut value = entry.value.clone();
+        if value.table().is_none() && value.list().is_none() {
+            return Err(fault(format!("`{key}` of `{target}` is {} ({value}) and set as a whole", value.kind())));
+        }
+        patch(&mut value, steps, &self.value)?;
+        let entry = Entry { value, at: self.at().clone(), ..(**entry).clone() };
+        part.part.set(Rc::new(entry));
         Ok(())
     }
 

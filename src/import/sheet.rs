@@ -106,6 +106,10 @@ impl Sheet {
 }
 
 impl Library {
+    /// The sidecar's, by name; the asset's own stand in `indexed` too.
+    pub fn own(&self) -> impl Iterator<Item = &(String, Value)> {
+        self.named.iter().filter(|(_, value)| !self.indexed.contains(value))
+    }
     pub fn names(&self) -> impl Iterator<Item = &str> + Clone {
         self.named.iter().map(|(name, _)| name.as_str())
     }

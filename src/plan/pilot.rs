@@ -2,10 +2,10 @@
 
 use crate::base::ids::GroupId;
 use crate::base::rng::{Rng, Stream};
+use crate::estimate::ShouldStop;
 use crate::estimate::forward::Forward;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::photon::PhotonMapper;
-use crate::estimate::ShouldStop;
 use crate::estimate::route::Route;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::guide::Guide;

@@ -104,6 +104,7 @@ impl fmt::Display for Range {
             Range::Positive => write!(f, "a number > 0"),
             Range::PositiveOrInfinite => write!(f, "a number > 0, or inf"),
             Range::NonZero => write!(f, "a finite number other than 0"),
+            Range::Within(low, high) if *high >= 1e9 => write!(f, "a number from {low} to {high:e}"),
             Range::Within(low, high) => write!(f, "a number from {low} to {high}"),
             Range::Above(low, high) => write!(f, "a number above {low} and up to {high}"),
             Range::Between(low, high) => write!(f, "a number above {low} and below {high}"),
@@ -227,6 +228,6 @@ mod tests {
             assert!(!range.holds(outside), "{range} {outside}");
             assert!(!range.holds(f64::NAN), "{range}");
         }
-        assert_eq!(row(Noun::Emitter, "flux_lm").map(Row::expected).as_deref(), Some("a number >= 0 in lm"));
+        assert_eq!(row(Noun::Emitter, "flux_lm").map(Row::expected).as_deref(), Some("a number from 0 to 1e12 in lm"));
     }
 }

@@ -84,6 +84,13 @@ impl Lamp {
         if !(value >= 0.0 && flux_lm.is_finite() && intensity_cd.is_finite() && (intensity_cd / area_m2).is_finite()) {
             return Err(Fault::new(at(), format!("the emitter's {what} is {value}")).expected("0 or more, and finite"));
         }
+        // What is beyond reach of f32 lanes and their squares in f64 would come out as NaN hours later.
+        const BRIGHTEST: f64 = 1e30;
+        if intensity_cd / area_m2 > BRIGHTEST {
+            let luminance = intensity_cd / area_m2;
+            let text = format!("the emitter's {what} of {value} makes {luminance:.3e} cd/m² on its {area_m2:.3e} m²");
+            return Err(Fault::new(at(), text).expected(format!("at most {BRIGHTEST:e} cd/m²")));
+        }
         let corners = || triangles.iter().flat_map(|t| [t.origin, t.origin + t.edges[0], t.origin + t.edges[1]]);
         let (low, high) = corners()
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), corner| (low.min(corner), high.max(corner)));

@@ -24,6 +24,9 @@ const BYTE_ORDER_MARK: &[u8] = &[0xEF, 0xBB, 0xBF];
 /// # Errors
 /// A `.glb` that is cut short, of another container version, or without a JSON chunk; text that is not JSON.
 pub(super) fn open<'a>(file: &Path, bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>> {
+    if bytes.is_empty() {
+        return Err(Fault::new(Where::file(file), "the file is empty").expected("a glTF 2.0 file"));
+    }
     let (text, bin, is_glb) = match bytes.strip_prefix(MAGIC) {
         Some(_) => {
             let (text, bin) = chunks(file, bytes, notes)?;

@@ -40,8 +40,14 @@ pub fn eye(value: &Value, notes: &mut Vec<Note>) -> Result<EyeSpec> {
         let cosine = look.dot(up);
         if cosine.abs() > ORTHOGONAL {
             let at = fields.value("up").map_or(&value.at, |value| &value.at);
-            let [x, y, z] = (up - cosine * look).normalize_or_zero().to_array();
-            return Err(Fault::new(at.clone(), "`up` of eye is not orthogonal to `look`")
+            let across = up - cosine * look;
+            let parallel = across.length() <= ORTHOGONAL;
+            // No part of `up` is left to keep: any direction across will do.
+            let across = if parallel { look.any_orthonormal_vector() } else { across.normalize() };
+            // No −0 for people.
+            let [x, y, z] = across.to_array().map(|x| if x.abs() < 5e-7 { 0.0 } else { x });
+            let how = if parallel { "parallel" } else { "not orthogonal" };
+            return Err(Fault::new(at.clone(), format!("`up` of eye is {how} to `look`"))
                 .expected(format!("a right angle, e.g. up = [{x:.6}, {y:.6}, {z:.6}]")));
         }
         Some(Pose {

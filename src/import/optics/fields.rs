@@ -42,6 +42,9 @@ impl<'a> Fields<'a> {
         for (key, value) in &entries {
             let row = attribute::row(noun, key).filter(|_| valid().any(|name| name == *key));
             let Some(row) = row else {
+                if let Some(fault) = stray(key, value, noun, what, &mut valid()) {
+                    return Err(fault);
+                }
                 return Err(Fault::new(value.at.clone(), format!("unknown attribute `{key}` of {what}"))
                     .expected(one_of(valid()))
                     .nearest(key, valid()));
@@ -199,6 +202,28 @@ fn length(value: &Value, row: &Row) -> Result<f64> {
 /// The fault of a value of the wrong form.
 fn wrong(value: &Value, row: &Row) -> Box<Fault> {
     Fault::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind())).expected(row.expected())
+}
+
+/// The fault of a parameter that stands beside its attribute instead of in it: `angular = "cos_n", n = 4`. None if `key` is
+/// a parameter of none of `attributes`, rows of `noun`.
+pub fn stray<'a>(
+    key: &str,
+    value: &Value,
+    noun: Noun,
+    what: &str,
+    attributes: &mut dyn Iterator<Item = &'a str>,
+) -> Option<Box<Fault>> {
+    attribute::row(noun, key)?;
+    let attributes: Vec<&str> = attributes.collect();
+    let takes = |kind: &&Kind| attributes.contains(&kind.attribute) && kind.parameters.contains(&key);
+    let kinds: Vec<&Kind> = attribute::KINDS.iter().filter(takes).collect();
+    let first = kinds.first()?;
+    let Kind { attribute, name, .. } = kinds.iter().find(|kind| kind.rendered).unwrap_or(first);
+    if !kinds.iter().any(|kind| kind.rendered) {
+        return Some(not_yet(&value.at, &format!("`{key}` of {what}: {attribute} `{name}`")));
+    }
+    let fault = Fault::new(value.at.clone(), format!("`{key}` stands in {what}: it is a parameter of {attribute}"));
+    Some(fault.expected(format!("{attribute} = {{ kind = \"{name}\", {key} = … }}")))
 }
 
 /// The fault of something that would change the picture and can't be rendered yet.

@@ -4,7 +4,7 @@ use super::fields::{Fields, number};
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::import::value::{Data, Value};
-use crate::scene::attribute::{self, Noun, Row};
+use crate::scene::attribute::{self, Noun, Range, Row};
 use crate::scene::{Dispersion, glass};
 
 /// A glass of the catalogue: its name there and its law.
@@ -56,7 +56,9 @@ pub fn index(key: &str, value: &Value, nm: f64) -> Result<(String, Dispersion)> 
             Some(_) | None => return Err(form(value, row)),
         },
         "index_table" => {
-            let rows = table::<3>(value, row)?;
+            let columns =
+                [("λ", Range::Positive, "nm"), ("n", Range::AtLeast(0.0), ""), ("k", Range::AtLeast(0.0), "")];
+            let rows = table(value, row, columns)?;
             ("index table".to_owned(), Dispersion::Table(rows.into_iter().map(|[nm, n, k]| (nm, n, k)).collect()))
         }
         _ => return Err(Fault::new(value.at.clone(), format!("`{key}` gives no index"))),
@@ -78,7 +80,7 @@ pub fn absorption(value: &Value, nm: f64) -> Result<f64> {
     if let Data::Number(_) = value.data {
         return number(value, row);
     }
-    let rows = table::<2>(value, row)?;
+    let rows = table(value, row, [("λ", Range::Positive, "nm"), ("absorption", Range::AtLeast(0.0), "1/m")])?;
     let mut below: Option<[f64; 2]> = None;
     for [at, a] in rows {
         match below {
@@ -124,20 +126,30 @@ fn coefficients(list: &[Value], row: &Row) -> Result<[f64; 3]> {
     Ok(out)
 }
 
+/// What a column of a table is called, which numbers it takes, and their unit.
+type Column = (&'static str, Range, &'static str);
+
 /// Rows of N numbers, at least one.
-fn table<const N: usize>(value: &Value, row: &Row) -> Result<Vec<[f64; N]>> {
+fn table<const N: usize>(value: &Value, row: &Row, columns: [Column; N]) -> Result<Vec<[f64; N]>> {
     let items = value.list().filter(|list| !list.is_empty()).ok_or_else(|| form(value, row))?;
-    items
-        .iter()
-        .map(|item| {
-            let list = item.list().filter(|list| list.len() == N).ok_or_else(|| form(item, row))?;
-            let mut out = [0.0; N];
-            for (out, item) in out.iter_mut().zip(list) {
-                *out = number(item, row)?;
-            }
-            Ok(out)
-        })
-        .collect()
+    let cell = |index: usize, (name, range, unit): Column, item: &Value| match item.data {
+        Data::Number(number) if range.holds(number) => Ok(number),
+        Data::Number(number) => {
+            let unit = if unit.is_empty() { String::new() } else { format!(" in {unit}") };
+            Err(Fault::new(item.at.clone(), format!("{name} is {number} in row {index} of `{}`", row.name))
+                .expected(format!("{range}{unit}")))
+        }
+        Data::Bool(_) | Data::Text(_) | Data::List(_) | Data::Table(_) => Err(form(item, row)),
+    };
+    let rows = items.iter().enumerate().map(|(index, item)| {
+        let list = item.list().filter(|list| list.len() == N).ok_or_else(|| form(item, row))?;
+        let mut out = [0.0; N];
+        for ((out, column), item) in out.iter_mut().zip(columns).zip(list) {
+            *out = cell(index, column, item)?;
+        }
+        Ok(out)
+    });
+    rows.collect()
 }
 
 /// The table `value` of medium attributes, checked for unknown names. Returns its entries.

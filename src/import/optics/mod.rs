@@ -15,7 +15,7 @@ mod wavelengths;
 pub use coating::{coating, unknown as unknown_coating};
 pub use emitter::{ATTRIBUTES as EMITTER, EmitterSpec, STRENGTHS, emitter, group_name};
 pub use eye::{EyeSpec, Pose, eye};
-pub use fields::{Fields, Union, not_yet, number, union};
+pub use fields::{Fields, Union, not_yet, number, stray, union};
 pub use finish::finish;
 pub use medium::{absorption, entries as medium_entries, index, priority};
 pub use shape::{ShapeSpec, shape};

@@ -264,3 +264,17 @@ fn explained_names_the_line_that_won_and_those_that_lost() {
         "there is no part `LENZ`; expected one of LENS, LED_1, LED_2, LCD; did you mean `LENS`?"
     );
 }
+
+#[test]
+fn names_that_nothing_uses_are_noted() {
+    let text = "[[bind]]\npath = \"LENS\"\nfinish = \"polished\"\nmedium = \"a\"\ncoating = \"x\"\n\
+                [medium.a]\nior = 1.5\n[medium.b]\nior = 1.6\n\
+                [coating.x]\nstack = [{ n = 1.4, thickness_nm = 9 }]\n[coating.y]\nstack = [{ n = 1.3, thickness_nm = 9 }]\n";
+    let unused = |sets: &[&str]| -> Vec<String> {
+        let notes = super::built(text, sets).unwrap().scene.notes;
+        notes.iter().filter(|note| note.text.contains("not used")).map(|note| note.text.clone()).collect()
+    };
+    assert_eq!(unused(&[]), ["[coating.y] is not used: no part names it", "[medium.b] is not used: no part names it"]);
+    // What `--set` puts aside was used by a line of the sidecar.
+    assert_eq!(unused(&["LENS.medium=b", "LENS.coating=y"]), [""; 0]);
+}

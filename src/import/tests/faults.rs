@@ -238,7 +238,7 @@ fn numbers_out_of_range_and_wrong_forms() {
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", flux_lm = -1 }\n",
             &[],
-            "hud.optics.toml:12: `flux_lm` is -1; expected a number >= 0 in lm",
+            "hud.optics.toml:12: `flux_lm` is -1; expected a number from 0 to 1e12 in lm",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", flux_lm = 1, intensity_cd = 1 }\n",
@@ -406,7 +406,7 @@ fn slides_and_skies() {
         (
             "[sky]\nimage = \"no.exr\"\nscale_cd_m2 = -1\n",
             &[],
-            "hud.optics.toml:12: `scale_cd_m2` is -1; expected a number >= 0 in cd/m²",
+            "hud.optics.toml:12: `scale_cd_m2` is -1; expected a number from 0 to 1e15 in cd/m²",
         ),
         ("[sky]\nscale_cd_m2 = 1\n", &[], "hud.optics.toml:10: sky has no `image`; expected a file name"),
     ]);
@@ -495,4 +495,63 @@ fn sidecars_as_a_whole() {
         .map(|(change, expected)| format!("{change:?}\n  expected {expected}\n  found    {}", found(change)))
         .collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn parameters_beside_their_attribute_are_told_where_they_belong() {
+    let lamp = |rest: &str| format!("[[bind]]\npath = \"LED_1\"\nemitter = {{ flux_lm = 1, {rest} }}\n");
+    let (gauss, cos_n) = (lamp("angular = \"gauss\", fwhm_deg = 20"), lamp("angular = \"cos_n\", n = 4"));
+    check(&[
+        (&gauss, &[], "hud.optics.toml:12: `fwhm_deg` of emitter: angular `gauss` is not rendered by this version yet"),
+        (
+            &cos_n,
+            &[],
+            "hud.optics.toml:12: `n` stands in emitter: it is a parameter of angular; expected angular = { kind = \"cos_n\", n = … }",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nfinish = \"gauss\"\nsigma_deg = 6\n",
+            &[],
+            "hud.optics.toml:13: `sigma_deg` stands in `[[bind]]`: it is a parameter of finish; expected finish = { kind = \"gauss\", sigma_deg = … }",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nradius = 6\n",
+            &[],
+            "hud.optics.toml:12: `radius` stands in `[[bind]]`: it is a parameter of shape; expected shape = { kind = \"sphere\", radius = … }",
+        ),
+    ]);
+}
+
+#[test]
+fn a_cell_of_a_table_is_named_with_its_own_unit() {
+    check(&[
+        (
+            "[[bind]]\npath = \"LENS\"\nindex_table = [[500, 1.5, 0], [600, 1.5, -0.1]]\n",
+            &[],
+            "hud.optics.toml:12: k is -0.1 in row 1 of `index_table`; expected a number >= 0",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nindex_table = [[-500, 1.5, 0]]\n",
+            &[],
+            "hud.optics.toml:12: λ is -500 in row 0 of `index_table`; expected a number > 0 in nm",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nior = 1.5\nabsorption_per_m = [[500, -1]]\n",
+            &[],
+            "hud.optics.toml:13: absorption is -1 in row 0 of `absorption_per_m`; expected a number >= 0 in 1/m",
+        ),
+    ]);
+}
+
+#[test]
+fn an_up_along_look_gets_a_direction_that_can_be_used() {
+    for (look, up) in [("[0, 0, -1]", "[0, 0, 1]"), ("[1, 1, 1]", "[2, 2, 2.0000001]"), ("[0, 1, 0]", "[0, 1, 0]")] {
+        let text = |up: &str| {
+            let base = BASE.replace("look = [0, 0, -1]", &format!("look = {look}"));
+            base.replace("up = [0, 1, 0]\nfov", &format!("up = {up}\nfov"))
+        };
+        let fault = built_on(assembly(&["LENS"]), &text(up), &[]).unwrap_err().to_string();
+        let (said, advice) = fault.split_once("e.g. up = ").expect("an example");
+        assert!(said.contains("`up` of eye is parallel to `look`"), "{fault}");
+        assert!(built_on(assembly(&["LENS"]), &text(advice), &[]).is_ok(), "{fault}");
+    }
 }

@@ -1,7 +1,7 @@
 //! `--set`.
 
 use super::{built, check};
-use crate::scene::{Angular, Finish, Photometry, Wavelengths};
+use crate::scene::{Angular, Dispersion, Finish, Photometry, Wavelengths};
 
 const LIT: &str = "[[bind]]\npath = \"LED_*\"\nnormal = \"+z\"\nemitter = { group = \"led\", flux_lm = 0.45, angular = \"lambert\" }\n\
                    [[bind]]\npath = \"LENS\"\nfinish = \"polished\"\ncoating = \"ar\"\nmedium = \"glass\"\n\
@@ -46,6 +46,29 @@ fn sets_are_the_strongest_binding() {
 }
 
 #[test]
+fn sets_reach_into_a_parts_medium() {
+    let own = "[[bind]]\npath = \"LENS\"\nmedium = \"a\"\n[[bind]]\npath = \"LCD\"\nmedium = \"a\"\n[medium.a]\n\
+               sellmeier = { b = [1.0, 0.2], c_um2 = [0.01, 0.02] }\nabsorption_per_m = [[500, 1], [600, 3]]\n";
+    let medium = |sets: &[&str], part: &str| {
+        let scene = built(own, sets).unwrap().scene;
+        let part = scene.parts.iter().find(|found| found.name == part).unwrap();
+        (scene.medium(part.medium.unwrap()).clone(), part.priority)
+    };
+    let law = |b0: f64| Dispersion::Sellmeier { b: [b0, 0.2, 0.0], c_um2: [0.01, 0.02, 0.0] };
+    for set in ["LENS.sellmeier.b[0]=1.2", "LENS.medium.sellmeier.b[0]=1.2"] {
+        assert_eq!(medium(&[set], "LENS").0.index, law(1.2), "{set}");
+        // The other part keeps what the two shared.
+        assert_eq!(medium(&[set], "LCD").0.index, law(1.0), "{set}");
+    }
+    assert_eq!(medium(&["LENS.medium.ior=1.7"], "LENS").0.index, Dispersion::Constant(1.7));
+    assert_eq!(medium(&["LENS.medium.priority=4"], "LENS").1, 4);
+    assert_eq!(medium(&[], "LENS").0.absorption_per_m, 2.0);
+    assert_eq!(medium(&["LENS.absorption_per_m=7"], "LENS").0.absorption_per_m, 7.0);
+    assert_eq!(medium(&["LENS.medium.absorption_per_m[0][1]=2"], "LENS").0.absorption_per_m, 2.5);
+    assert_eq!(medium(&["L*.medium.ior=1.6"], "LCD").0.index, Dispersion::Constant(1.6));
+}
+
+#[test]
 fn a_set_changes_the_hash_and_a_later_one_wins() {
     let with = |sets: &[&str]| built(LIT, sets).unwrap().scene;
     let (a, b) = (with(&["led.flux_lm=0.5"]), with(&["led.flux_lm=0.6", "led.flux_lm=0.5"]));
@@ -75,7 +98,12 @@ const ROWS: &[(&str, &[&str], &str)] = &[
         &["flux=3"],
         "--set flux=3: `flux` names no attribute; expected TARGET.attribute=VALUE with a part, a light group, eye, sky, default, unit, wavelengths, coating.NAME or medium.NAME",
     ),
-    (LIT, &["led.flux_lm=-1"], "--set led.flux_lm=-1: `flux_lm` is -1; expected a number >= 0 in lm"),
+    (LIT, &["led.flux_lm=-1"], "--set led.flux_lm=-1: `flux_lm` is -1; expected a number from 0 to 1e12 in lm"),
+    (
+        LIT,
+        &["led.flux_lm=1e300"],
+        "--set led.flux_lm=1e300: `flux_lm` is 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000; expected a number from 0 to 1e12 in lm",
+    ),
     (
         LIT,
         &["led.flux_lum=1"],
@@ -126,7 +154,27 @@ const ROWS: &[(&str, &[&str], &str)] = &[
         &["LENS.faces[0].shape.radius=0"],
         "--set LENS.faces[0].shape.radius=0: `radius` is 0; expected a finite number other than 0 in mesh units",
     ),
-    (LIT, &["LENS.glass.x=3"], "--set LENS.glass.x=3: `glass` of a part is set as a whole; expected LENS.glass=VALUE"),
+    (
+        LIT,
+        &["LENS.glass.x=3"],
+        "--set LENS.glass.x=3: `glass` of `LENS` is a text (\"PMMA\") and set as a whole; expected LENS.glass=VALUE",
+    ),
+    (
+        LIT,
+        &["LENS.sellmeier.b[0]=1.2"],
+        "--set LENS.sellmeier.b[0]=1.2: `LENS` has no `sellmeier` to change: its index comes from `glass` (hud.optics.toml:18); expected LENS.sellmeier=VALUE",
+    ),
+    (
+        LIT,
+        &["LCD.index_table[0]=[550, 1.5, 0]"],
+        "--set LCD.index_table[0]=[550, 1.5, 0]: `LCD` has no `index_table` to change; expected LCD.index_table=VALUE",
+    ),
+    (
+        LIT,
+        &["LENS.medium.iro=1.5"],
+        "--set LENS.medium.iro=1.5: unknown attribute `iro` of the medium of `LENS`; expected one of ior, glass, sellmeier, cauchy, abbe, index_table, absorption_per_m, priority",
+    ),
+    (LIT, &["LENS.medium.ior=0.5"], "--set LENS.medium.ior=0.5: `ior` is 0.5; expected a number >= 1"),
     (
         LIT,
         &["LENS.faces[x].finish=none"],
@@ -164,7 +212,11 @@ const ROWS: &[(&str, &[&str], &str)] = &[
         "--set eye.pupil_diameter=4: `pupil_diameter` is 4 without a unit; expected a length with its unit, e.g. \"4 mm\"",
     ),
     (LIT, &["sky.rotation_deg=3"], "--set sky.rotation_deg=3: sky has no `image`; expected a file name"),
-    (LIT, &["LED_1.flux_lm=x"], "--set LED_1.flux_lm=x: `flux_lm` is a text (\"x\"); expected a number >= 0 in lm"),
+    (
+        LIT,
+        &["LED_1.flux_lm=x"],
+        "--set LED_1.flux_lm=x: `flux_lm` is a text (\"x\"); expected a number from 0 to 1e12 in lm",
+    ),
     (LIT, &["unit=-1"], "--set unit=-1: `unit` is -1; expected a number > 0 in m"),
     (
         LIT,

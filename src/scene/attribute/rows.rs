@@ -21,6 +21,10 @@ impl Row {
     }
 }
 
+/// Far above any lamp (lighthouses: 1e6 cd; the sun: 2e9 cd/m²), and far below where squares leave the range of f32.
+const MOST_LIGHT: Range = Within(0.0, 1e12);
+const MOST_LUMINANCE: Range = Within(0.0, 1e15);
+
 /// Every attribute.
 #[rustfmt::skip]
 pub const ROWS: &[Row] = &[
@@ -70,9 +74,9 @@ pub const ROWS: &[Row] = &[
     new(Emitter, "emitter", List, "", Any, "{ group, flux_lm or luminance_cd_m2 or intensity_cd, angular, spectrum }"),
     new(Emitter, "name", Text, "", Any, "name of an emitter of the asset"),
     new(Emitter, "group", Text, "", Any, "light group, part of layer names: letters, digits and _, a letter first").or("lamp"),
-    new(Emitter, "flux_lm", Number, "lm", AtLeast(0.0), "luminous flux of each face it is bound to"),
-    new(Emitter, "luminance_cd_m2", Number, "cd/m²", AtLeast(0.0), "luminance (along the normal)"),
-    new(Emitter, "intensity_cd", Number, "cd", AtLeast(0.0), "luminous intensity along the normal of each face it is bound to"),
+    new(Emitter, "flux_lm", Number, "lm", MOST_LIGHT, "luminous flux of each face it is bound to"),
+    new(Emitter, "luminance_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "luminance (along the normal)"),
+    new(Emitter, "intensity_cd", Number, "cd", MOST_LIGHT, "luminous intensity along the normal of each face it is bound to"),
     new(Emitter, "illuminance_lx", Number, "lx", AtLeast(0.0), "of a distant source").is(NotYet),
     new(Emitter, "radiant_flux_w", Number, "W", AtLeast(0.0), "radiant flux, needs a spectrum").is(NotYet),
     new(Emitter, "angular", Form::Kind, "", Any, "how the intensity falls with the angle to the normal").or("lambert"),
@@ -94,7 +98,7 @@ pub const ROWS: &[Row] = &[
     new(Slide, "polarisation", List, "", Any, "{ angle_deg, degree }").is(NotYet),
     // Light from everywhere.
     new(Sky, "image", File, "", Any, "latitude-longitude panorama, EXR or HDR"),
-    new(Sky, "scale_cd_m2", Number, "cd/m²", AtLeast(0.0), "luminance of a pixel of value 1").or("1"),
+    new(Sky, "scale_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "luminance of a pixel of value 1").or("1"),
     new(Sky, "rotation_deg", Number, "deg", Any, "about the frame's +y").or("0"),
     new(Sky, "group", Text, "", Any, "light group").or("sky"),
     new(Sky, "frame", Text, "", Any, "\"asset\", or the node whose axes the panorama follows").or("asset"),

@@ -1,0 +1,56 @@
+//! `eyebox render` under SIGTERM and SIGINT: it ends soon, with a whole file or with none.
+#![cfg(unix)]
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+fn start(output: &Path, resolution: &str) -> Child {
+    let sidecar = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/hud-diffuse/hud.optics.toml");
+    Command::new(env!("CARGO_BIN_EXE_eyebox"))
+        .args(["render", "--time", "300s", "--quiet", "--threads", "1", "--resolution", resolution, "-o"])
+        .arg(output)
+        .arg(sidecar)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program runs")
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args(["-s", name, &child.id().to_string()]).status().expect("kill runs");
+    assert!(sent.success());
+}
+
+/// Exit code, and seconds that the end took.
+fn end(child: Child) -> (Option<i32>, String, f64) {
+    let start = Instant::now();
+    let output = child.wait_with_output().expect("it ends");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned(), start.elapsed().as_secs_f64())
+}
+
+#[test]
+fn a_signal_at_any_time_leaves_a_whole_file_or_none() {
+    for (name, code) in [("TERM", 143), ("INT", 130)] {
+        // From the import through the pilots to the first passes.
+        for wait_ms in [150, 700, 1500, 3000, 6000] {
+            let folder = tempfile::tempdir().expect("a folder");
+            let output = folder.path().join("a.exr");
+            let child = start(&output, "64x32");
+            std::thread::sleep(Duration::from_millis(wait_ms));
+            signal(&child, name);
+            let (ended, said, seconds) = end(child);
+            assert_eq!(ended, Some(code), "{name} after {wait_ms} ms: {said}");
+            assert!(seconds < 10.0, "{name} after {wait_ms} ms took {seconds} s");
+            let files: Vec<_> = std::fs::read_dir(folder.path()).expect("it is there").collect();
+            if output.exists() {
+                assert_eq!(files.len(), 1);
+                let frame = eyebox::output::exr::read_exr(&output).expect("a whole file");
+                assert!(frame.integer("passes").is_some_and(|passes| passes >= 1));
+            } else {
+                assert_eq!(files.len(), 0);
+                assert!(said.contains("stopped before the first pass") && said.contains("was not written"), "{said}");
+            }
+        }
+    }
+}
