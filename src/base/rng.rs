@@ -10,6 +10,8 @@ pub enum Stream {
     PhotonGather,
     Pilot,
     Check,
+    Vision,
+    VisionShift,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

@@ -2,7 +2,8 @@
 
 use super::ledger::Ledger;
 use super::route::{Reach, Route};
-use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
+use super::vision::Vision;
+use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Shining, Travel, Vertex, Walker};
 use crate::base::rng::{Rng, Stream};
 use crate::base::warp::Frame;
 use crate::film::accumulate::{Film, Light};
@@ -18,6 +19,8 @@ pub struct Backward<'w> {
     world: &'w World,
     route: Route,
     reach: Reach,
+    /// Sees what lamps show through specular faces alone; the paths here leave that out.
+    vision: Option<Vision<'w>>,
     seed: u64,
 }
 
@@ -30,7 +33,7 @@ struct Scattered {
 
 impl<'w> Backward<'w> {
     pub fn new(world: &'w World, route: Route, seed: u64) -> Self {
-        Backward { world, reach: Reach::from_eye(&route), route, seed }
+        Backward { world, reach: Reach::from_eye(&route), vision: Vision::new(world, &route, seed), route, seed }
     }
 
     /// Adds passes `first .. first + count` to the film, one eye path per pixel and pass, row by row in parallel.
@@ -47,6 +50,9 @@ impl<'w> Backward<'w> {
                     for x in 0..width {
                         light.fill(Light::default());
                         self.path(pass, x, *y, width, &mut light, &mut ledger);
+                        if let Some(vision) = &self.vision {
+                            vision.look(&self.route, pass, x, *y, width, &mut light, &mut ledger);
+                        }
                         row.add_pass(x, &light);
                     }
                 }
@@ -85,7 +91,7 @@ impl<'w> Backward<'w> {
             };
             self.see_lamp(walker, &vertex, last.as_ref(), out);
             if walker.events < SPLIT_FIRST_EVENTS
-                && let Some(mut reflected) = walker.split(&vertex, 0.0, ledger)
+                && let Some(mut reflected) = walker.split(&vertex, 0.0, Walker::MOST_SPLITS, ledger)
             {
                 self.follow(&mut reflected, out, ledger);
             }
@@ -116,14 +122,10 @@ impl<'w> Backward<'w> {
     }
 
     fn see_lamp(&self, walker: &Walker<'w>, vertex: &Vertex, last: Option<&Scattered>, out: &mut [Light]) {
-        let site = vertex.hit.site;
-        let Some(index) = self.world.lamps.of_face(site.part as usize, site.face as usize) else { return };
-        let lamp = &self.world.lamps.all()[index];
-        let cos = -walker.ray.dir.dot(vertex.hit.normal);
-        let luminance = lamp.luminance(cos);
-        if luminance <= 0.0 {
+        if !walker.trail.has_scatter() {
             return;
         }
+        let Some(Shining { lamp, index, cos, luminance }) = walker.lamp_at(vertex) else { return };
         let Some(plane) = self.route.from_eye(lamp.group, walker.trail) else { return };
         let weight = match last {
             None => 1.0,

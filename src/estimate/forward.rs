@@ -190,7 +190,7 @@ impl<'w> Forward<'w> {
                 Met::Face(vertex) => vertex,
             };
             let least = if walker.was_split() { SPLIT_AGAIN_FROM } else { SPLIT_FROM };
-            if let Some(reflected) = walker.split(&vertex, least, ledger) {
+            if let Some(reflected) = walker.split(&vertex, least, Walker::MOST_SPLITS, ledger) {
                 self.follow(reflected, group, splats, ledger);
             }
             match walker.meet(&vertex, ledger) {

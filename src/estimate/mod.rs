@@ -10,6 +10,7 @@ pub mod photon_map;
 pub mod picture;
 pub mod route;
 pub mod run;
+pub mod vision;
 pub mod walk;
 pub mod wish;
 

@@ -185,7 +185,7 @@ impl<'w> PhotonMapper<'w> {
         loop {
             let Met::Face(vertex) = walker.advance(ledger) else { return };
             if walker.events < SPLIT_FIRST_EVENTS
-                && let Some(reflected) = walker.split(&vertex, 0.0, ledger)
+                && let Some(reflected) = walker.split(&vertex, 0.0, Walker::MOST_SPLITS, ledger)
             {
                 self.eye_path(reflected, map, out, ledger);
             }

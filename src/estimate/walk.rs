@@ -10,6 +10,7 @@ use crate::world::eye::Arrival;
 use crate::world::fresnel::{reflect, refract};
 use crate::world::geometry::{Hit, Ray};
 use crate::world::interior::Interior;
+use crate::world::lamp::Lamp;
 use crate::world::scatter::Scatter;
 use crate::world::surface::{FaceOptics, Surface};
 use glam::DVec3;
@@ -73,6 +74,17 @@ pub struct Vertex {
     pub normal: DVec3,
 }
 
+/// A lamp that a path from the eye has met.
+pub struct Shining<'w> {
+    pub lamp: &'w Lamp,
+    /// Its number among the lamps.
+    pub index: usize,
+    /// Of the angle between the lamp's normal and the way to the eye.
+    pub cos: f64,
+    /// That way, cd/m²; above 0.
+    pub luminance: f64,
+}
+
 /// What the face at a vertex asks for.
 pub enum Meeting<'w> {
     /// The path ended here and is booked.
@@ -84,7 +96,7 @@ pub enum Meeting<'w> {
 }
 
 impl<'w> Walker<'w> {
-    /// Most splits of one path.
+    /// Most splits of a path that may scatter.
     pub const MOST_SPLITS: u8 = 2;
 
     pub fn new(world: &'w World, travel: Travel, ray: Ray, weight: f64, interior: Interior, rng: Rng) -> Self {
@@ -154,6 +166,16 @@ impl<'w> Walker<'w> {
 
     pub fn optics(&self, vertex: &Vertex) -> &'w FaceOptics {
         &self.world.faces[vertex.hit.site.part as usize][vertex.hit.site.face as usize]
+    }
+
+    /// The lamp at `vertex` that shines along the path towards the eye.
+    pub fn lamp_at(&self, vertex: &Vertex) -> Option<Shining<'w>> {
+        let (site, world) = (vertex.hit.site, self.world);
+        let index = world.lamps.of_face(site.part as usize, site.face as usize)?;
+        let lamp = &world.lamps.all()[index];
+        let cos = -self.ray.dir.dot(vertex.hit.normal);
+        let luminance = lamp.luminance(cos);
+        (luminance > 0.0).then_some(Shining { lamp, index, cos, luminance })
     }
 
     /// Does at `vertex` what the face asks for.
@@ -245,9 +267,9 @@ impl<'w> Walker<'w> {
     /// Splits a path at an interface where both ways carry at least `least` of the power: the returned path has been
     /// reflected there with its share, this one will be refracted when it [meets](Walker::meet) the vertex. Through a
     /// combiner the eye sees two worlds, and what is faint in one of them (a lamp's glint) should not wait for a rare
-    /// choice. At most [`Walker::MOST_SPLITS`] times on one path.
-    pub fn split(&mut self, vertex: &Vertex, least: f64, ledger: &mut Ledger) -> Option<Walker<'w>> {
-        if self.splits >= Self::MOST_SPLITS {
+    /// choice. At most `most` times on one path.
+    pub fn split(&mut self, vertex: &Vertex, least: f64, most: u8, ledger: &mut Ledger) -> Option<Walker<'w>> {
+        if self.splits >= most {
             return None;
         }
         let Surface::Interface(films) = &self.optics(vertex).surface else { return None };
