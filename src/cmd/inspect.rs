@@ -3,8 +3,10 @@
 use super::{Format, print};
 use crate::base::{Fault, Result};
 use crate::check::check;
-use crate::import::{ImportOptions, Set, import, outline};
+use crate::import::deps::{Dependency, dependencies};
+use crate::import::{ImportOptions, Set, geometry, import, outline};
 use crate::output::assembly_tree::AssemblyTree;
+use crate::output::geometry::GeometryFacts;
 use crate::scene::Scene;
 use crate::world::World;
 use clap::Args;
@@ -16,11 +18,13 @@ use std::process::ExitCode;
 #[command(after_help = "\
 Lengths are in mm of the world. Parts that are alike take one line with their count. Where the optical attributes can't be \
 used, the geometry is shown all the same before the error (exit 2). What render would refuse is an error here too, after \
-the tree.
+the tree. --geometry asks for no optics at all; --deps lists every file that is needed and ends with exit 1 if one is missing.
 
 Examples:
   eyebox inspect samples/hud-direct/hud.optics.toml
   eyebox inspect hud.optics.toml --explain LENS_01_PMMA
+  eyebox inspect hud.glb --geometry --format json
+  eyebox inspect hud.optics.toml --deps
   eyebox inspect hud.optics.toml --set led.flux_lm=0.6 --format json")]
 pub struct InspectArgs {
     /// Sidecar (*.optics.toml) or asset (.glb, .gltf).
@@ -31,6 +35,12 @@ pub struct InspectArgs {
     /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5.
     #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
     sets: Vec<String>,
+    /// Show the geometry alone, without optics: parts, triangles, bounds, materials, lights, cameras.
+    #[arg(long, conflicts_with_all = ["explain", "sets"])]
+    geometry: bool,
+    /// List every file that the asset needs; exit 1 if one is missing.
+    #[arg(long, conflicts_with_all = ["explain", "sets", "geometry"])]
+    deps: bool,
     /// How the result is printed.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -38,8 +48,19 @@ pub struct InspectArgs {
 
 /// Runs the command.
 pub fn run(args: &InspectArgs) -> Result<ExitCode> {
+    if args.deps {
+        let all = dependencies(&args.asset)?;
+        print(args.format, || deps_text(&all), || serde_json::json!(all))?;
+        let missing = all.iter().any(|dependency| dependency.used && !dependency.there);
+        return Ok(ExitCode::from(u8::from(missing)));
+    }
+    if args.geometry {
+        let facts = GeometryFacts::new(&geometry(&args.asset)?);
+        print(args.format, || facts.text(), || serde_json::json!(facts))?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let built = import(&args.asset, &ImportOptions { sets }).map_err(|fault| args.geometry(fault))?;
+    let built = import(&args.asset, &ImportOptions { sets }).map_err(|fault| args.shown(fault))?;
     let refused = refusal(&built.scene);
     match &args.explain {
         Some(part) => {
@@ -57,13 +78,30 @@ fn refusal(scene: &Scene) -> Option<Box<Fault>> {
     check(scene).err().or_else(|| World::freeze(scene).err())
 }
 
+/// One file a line: what it is for, and whether it is there.
+fn deps_text(all: &[Dependency]) -> String {
+    let line = |dependency: &Dependency| {
+        let Dependency { file, role, at, there, used } = dependency;
+        let named = at.to_string();
+        let named = if named.is_empty() { String::new() } else { format!(", named at {named}") };
+        let state = match (there, used) {
+            (true, true) => "",
+            (true, false) => ", not used",
+            (false, true) => ", MISSING",
+            (false, false) => ", missing, not used",
+        };
+        format!("{} ({role}{named}){state}", file.display())
+    };
+    all.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
 fn show(format: Format, tree: &AssemblyTree) -> Result<()> {
     print(format, || tree.text(), || serde_json::json!(tree))
 }
 
 impl InspectArgs {
     /// Shows what can be shown in spite of `fault`, if the asset itself can be read.
-    fn geometry(&self, fault: Box<Fault>) -> Box<Fault> {
+    fn shown(&self, fault: Box<Fault>) -> Box<Fault> {
         if let (None, Ok(scene)) = (&self.explain, outline(&self.asset)) {
             let _ = show(self.format, &AssemblyTree::without_optics(&scene, &fault));
         }

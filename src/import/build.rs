@@ -10,7 +10,7 @@ use super::place;
 use super::select::{Candidate, candidates, listed};
 use super::set::Set;
 use super::sheet::Sheet;
-use super::slots::{PartBound, Slot, Slots};
+use super::slots::{PartBound, Rank, Slot, Slots};
 use super::value::Value;
 use crate::base::fault::Result;
 use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId};
@@ -288,7 +288,8 @@ impl Builder<'_> {
         let name = won.entry.value.text().unwrap_or("inline");
         let Some(coating) = optics::coating(value, name)? else { return Ok(None) };
         if finish != Finish::Polished {
-            if slots.get(Slot::Finish).is_none_or(|finish| won.rank >= finish.rank) {
+            // A film that a format's own field means (iridescence) says nothing about the finish.
+            if won.rank > Rank::Mapped && slots.get(Slot::Finish).is_none_or(|finish| won.rank >= finish.rank) {
                 let what = format!("a coating acts on polished faces; part {} face {number} is not", part.path);
                 return Err(
                     Fault::new(won.entry.at.clone(), what).expected("finish = \"polished\" there, or no coating")

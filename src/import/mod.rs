@@ -4,6 +4,7 @@
 pub mod bind; // which value holds for an attribute of a part or face
 pub mod build; // assembly + sidecar + sets → scene
 mod carried; // what the asset says of itself
+pub mod deps; // the files that an asset needs
 pub mod explain; // which line won
 mod files;
 pub mod fit; // exact surfaces from the points of a CAD face
@@ -33,8 +34,9 @@ mod weld; // which vertices are one point
 pub use crate::scene::assembly::{self, Assembly};
 pub use crate::scene::value::{self, Data, Value};
 pub use build::{Built, build};
+pub use deps::dependencies;
 pub use explain::Explained;
-pub use outline::outline;
+pub use outline::{geometry, outline};
 pub use set::Set;
 
 use crate::base::fault::Result;

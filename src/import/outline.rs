@@ -1,5 +1,6 @@
 //! The geometry of an asset whose optical attributes can't be used (yet), so that `inspect` can show it all the same.
 
+use super::gltf::looks_like_millimetres;
 use super::value::{Data, Value};
 use super::{Assembly, build, optics, toml};
 use crate::base::fault::Result;
@@ -33,6 +34,19 @@ pub fn outline(path: &Path) -> Result<Scene> {
         table.push(("unit".to_owned(), unit));
     }
     Ok(build(assembly, Some(&stand_in), &[])?.scene)
+}
+
+/// The assembly that `path` means, its unit replaced by the sidecar's if that is sound; nothing optical is looked at.
+/// Faults: the asset can't be read.
+pub fn geometry(path: &Path) -> Result<Assembly> {
+    let (mut assembly, sidecar) = super::read(path)?;
+    if let Some(unit) = sidecar.and_then(|(_, sidecar)| optics::unit(sidecar.get("unit")?).ok()) {
+        assembly.unit_m = unit;
+    } else {
+        let note = looks_like_millimetres(&assembly);
+        assembly.notes.extend(note);
+    }
+    Ok(assembly)
 }
 
 /// Takes all optical attributes away.

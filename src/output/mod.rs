@@ -3,5 +3,6 @@
 pub mod assembly_tree;
 pub mod atomic;
 pub mod exr;
+pub mod geometry;
 pub mod tone;
 pub mod view;

@@ -109,7 +109,7 @@ enum Source<'a> {
 }
 
 /// The path of a relative URI reference, percent-decoded (RFC 3986), beside the asset.
-fn resolve(uri: &At<'_>, text: &str) -> Result<PathBuf> {
+pub(super) fn resolve(uri: &At<'_>, text: &str) -> Result<PathBuf> {
     let scheme = text.split(['/', '?', '#']).next().is_some_and(|head| head.contains(':'));
     if text.is_empty() || scheme || text.starts_with('/') {
         return Err(uri.fault("this URI cannot be read").expected("a data: URI or a path relative to the asset"));

@@ -9,20 +9,26 @@ use serde_json::Value as Json;
 use std::collections::HashMap;
 
 /// Read by this reader.
-const USED: [&str; 8] = [
+const USED: [&str; 15] = [
     "EYEBOX_optics",
     "KHR_materials_ior",
     "KHR_materials_dispersion",
     "KHR_materials_transmission",
     "KHR_materials_volume",
     "KHR_materials_emissive_strength",
+    "KHR_materials_iridescence",
+    "KHR_materials_diffuse_transmission",
+    "KHR_lights_punctual",
+    "EXT_lights_ies",
     "KHR_mesh_quantization",
     "EXT_mesh_gpu_instancing",
+    DRACO,
+    MESHOPT,
+    MESHOPT_KHR,
 ];
 
-/// About textures (which are not used), metadata or playback; compression that has an uncompressed fallback (where it
-/// has none, reading the geometry fails and says why).
-const NO_BEARING: [&str; 13] = [
+/// About textures (which are not used), metadata or playback.
+const NO_BEARING: [&str; 11] = [
     "KHR_texture_basisu",
     "KHR_texture_transform",
     "EXT_texture_webp",
@@ -34,21 +40,17 @@ const NO_BEARING: [&str; 13] = [
     "EXT_mesh_features",
     "EXT_mesh_manifold",
     "EXT_structural_metadata",
-    DRACO,
-    MESHOPT,
 ];
-const DRACO: &str = "KHR_draco_mesh_compression";
-const MESHOPT: &str = "EXT_meshopt_compression";
+pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
+pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
+/// The same under its later name, with codecs added.
+pub(super) const MESHOPT_KHR: &str = "KHR_meshopt_compression";
 
 /// They change what is seen, and are not used.
-const BEARING: [&str; 16] = [
-    "KHR_lights_punctual",
-    "EXT_lights_ies",
+const BEARING: [&str; 12] = [
     "EXT_lights_image_based",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
@@ -63,14 +65,10 @@ const BEARING: [&str; 16] = [
 /// Refuses what the asset says it cannot be read without.
 ///
 /// # Errors
-/// A required extension that compresses the geometry, or that is not known.
+/// A required extension that is not known.
 pub(super) fn check_required(root: &At<'_>) -> Result<()> {
     for at in root.list("extensionsRequired")? {
         let name = at.text()?;
-        if name == DRACO || name == MESHOPT {
-            let fault = at.fault(format!("the geometry is compressed by {name}, which is not decoded here"));
-            return Err(fault.expected("an asset that is not compressed"));
-        }
         if !USED.contains(&name) && !NO_BEARING.contains(&name) && !BEARING.contains(&name) {
             let fault = at.fault("the asset requires an extension that is not known here");
             return Err(fault.nearest(name, USED.into_iter().chain(BEARING)));
@@ -91,9 +89,17 @@ pub(super) fn note_unused(root: &At<'_>, notes: &mut Notes) -> Result<()> {
             // The lamps themselves are in the root's list; nodes only refer to them.
             let lights = root.extension(name)?.map_or(Ok(Vec::new()), |extension| extension.list("lights"))?;
             if let Some(first) = lights.first() {
-                let text = "`KHR_lights_punctual` lights are not used: bind an emitter to a part instead";
+                let text = "lights of `KHR_lights_punctual` are read but do not shine yet: bind an emitter to a part instead";
                 notes.add_many(Severity::Warning, first.place(), text, lights.len());
             }
+            continue;
+        } else if name == "KHR_materials_variants" {
+            "`KHR_materials_variants`: the default materials are used".to_owned()
+        } else if name == "EXT_lights_ies" {
+            "lights of `EXT_lights_ies` are read but do not shine yet".to_owned()
+        } else if name == "KHR_texture_transform" {
+            let text = "`KHR_texture_transform` moves nothing: textures are not used";
+            notes.add_many(Severity::Info, at, text, count);
             continue;
         } else if BEARING.contains(&name) {
             format!("`{name}` bears on what is seen but is not used")

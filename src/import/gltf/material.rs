@@ -2,9 +2,16 @@
 
 use super::at::At;
 use super::notes::Ledger;
+use super::surface;
 use crate::base::fault::Result;
 use crate::import::assembly::Material;
 use crate::import::value::{Data, Value};
+use crate::scene::Severity;
+
+/// Luminance of a linear Rec.709 colour (ITU-R BT.709-6, item 3.2).
+pub(super) fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
 
 /// Reads material `index`. Only what the file says is mapped; its defaults are ours to choose.
 ///
@@ -16,6 +23,8 @@ use crate::import::value::{Data, Value};
 /// | `thickness` | `KHR_materials_volume.thicknessFactor` | mesh units; > 0 says solid |
 /// | `attenuation_distance`, `attenuation_color` | `KHR_materials_volume` | m; transmittance over that distance |
 /// | `luminance_cd_m2` | `emissiveFactor` × `KHR_materials_emissive_strength`, if not black | cd/m² |
+/// | `coating` | `KHR_materials_iridescence`, see [`surface::iridescence`] | – |
+/// | `finish` | `KHR_materials_diffuse_transmission`, see [`surface::diffuse`] | – |
 ///
 /// # Errors
 /// Values of the wrong kind or out of the range that the specification gives.
@@ -76,8 +85,7 @@ pub(super) fn read(at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<Mat
             },
             None => 1.0,
         };
-        // Luminance of linear Rec.709 (ITU-R BT.709-6, item 3.2).
-        let luminance = strength * (0.2126 * r + 0.7152 * g + 0.0722 * b);
+        let luminance = strength * luminance([r, g, b]);
         if !luminance.is_finite() {
             return Err(field.fault("the emission overflows").expected("finite cd/m²"));
         }
@@ -88,14 +96,24 @@ pub(super) fn read(at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<Mat
             }
         }
     }
-    if let Some(pbr) = at.get("pbrMetallicRoughness")? {
-        ledger.notes.info(&pbr, "`pbrMetallicRoughness` (looks, not optics) is ignored");
+    mapped.extend(surface::iridescence(at, ledger)?);
+    let transmits = |(key, value): &(String, Value)| key == "transmission" && value.number().is_some_and(|t| t > 0.0);
+    let looks = surface::looks(at, ledger)?;
+    if mapped.iter().any(transmits) {
+        // Transmission replaces what scatters (KHR_materials_transmission), whether it goes back or through.
+        let rough = |(key, value): &&(String, Value)| key == "roughness" && value.number().is_some_and(|r| r > 0.0);
+        if let Some((_, value)) = looks.iter().find(rough) {
+            let text = "`roughnessFactor` of a material that transmits is not used: its faces are polished";
+            ledger.notes.add_many(Severity::Warning, value.at.clone(), text, 1);
+        }
+    } else {
+        mapped.extend(surface::diffuse(at, ledger)?);
     }
     Ok(Material {
         name: at.name("material", index)?,
         mapped,
         attributes: at.optics(&mut ledger.budget)?,
-        looks: Vec::new(),
+        looks,
         at: at.place(),
     })
 }

@@ -8,20 +8,25 @@ mod accessor;
 mod at;
 mod buffers;
 mod container;
+mod deps;
 mod features;
 mod hierarchy;
+mod light;
 mod material;
 mod mesh;
 mod node;
 mod normals;
 mod notes;
 mod primitive;
+mod surface;
 mod transform;
 
 #[cfg(test)]
 pub(crate) mod testing;
 #[cfg(test)]
 mod tests;
+
+pub use deps::dependencies;
 
 use super::assembly::Assembly;
 use crate::base::{Fault, Where, fault::Result};

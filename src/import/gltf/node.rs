@@ -1,8 +1,9 @@
-//! Nodes of the scene with their world transforms, their instances and their cameras.
+//! Nodes of the scene with their world transforms, their instances, cameras and lights.
 
 use super::accessor::{Component, Document};
 use super::at::At;
 use super::hierarchy::{self, Tree};
+use super::light;
 use super::notes::Ledger;
 use super::transform;
 use crate::base::fault::Result;
@@ -10,7 +11,7 @@ use crate::import::assembly::{Assembly, Camera, Node};
 use glam::{DAffine3, DQuat};
 use std::mem::size_of;
 
-/// Fills `assembly.nodes` and `assembly.cameras`, depth first in the order of the file.
+/// Fills `assembly.nodes`, `assembly.cameras` and `assembly.lights`, depth first in the order of the file.
 pub(super) fn read(document: &Document<'_>, assembly: &mut Assembly, ledger: &mut Ledger) -> Result<()> {
     let Tree { nodes, children, roots } = hierarchy::read(document)?;
     // (node, index of its parent in `assembly.nodes`); the last is taken first.
@@ -57,6 +58,7 @@ fn one(
     if let Some(reference) = at.get("camera")? {
         assembly.cameras.push(camera(document, &reference, &name, to_world)?);
     }
+    assembly.lights.extend(light::read(document, at, assembly.nodes.len(), &name, ledger)?);
     let attributes = at.optics(&mut ledger.budget)?;
     let node = Node { path: below(&name), name, parent, local, to_world, mesh, attributes, at: at.place() };
     let Some(instancing) = at.extension("EXT_mesh_gpu_instancing")?.filter(|_| mesh.is_some()) else {

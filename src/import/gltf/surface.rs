@@ -1,0 +1,122 @@
+//! Material extensions that mean a finish or a coating to us, and how a material looks to other programs.
+
+use super::at::At;
+use super::material::luminance;
+use super::notes::Ledger;
+use crate::base::fault::Result;
+use crate::import::value::{Data, Value};
+
+type Row = (String, Value);
+
+fn row(name: &str, data: Data, at: &At<'_>) -> Row {
+    (name.to_owned(), Value::new(data, at.place()))
+}
+
+/// `KHR_materials_iridescence` as a coating of one film: index `iridescenceIor` (1.3), thickness
+/// `iridescenceThicknessMaximum` (400 nm), which holds where no texture says otherwise. None for a factor of 0, its
+/// default.
+///
+/// # Errors
+/// Values of the wrong kind or out of range.
+pub(super) fn iridescence(at: &At<'_>, ledger: &mut Ledger) -> Result<Option<Row>> {
+    let Some(film) = at.extension("KHR_materials_iridescence")? else { return Ok(None) };
+    let number = |key: &str, default: f64, low: f64, high: f64| match film.get(key)? {
+        Some(field) => field.number_in(low, high),
+        None => Ok(default),
+    };
+    let factor = number("iridescenceFactor", 0.0, 0.0, 1.0)?;
+    let index = number("iridescenceIor", 1.3, 1.0, f64::INFINITY)?;
+    let thickness = number("iridescenceThicknessMaximum", 400.0, 0.0, f64::INFINITY)?;
+    if factor == 0.0 {
+        return Ok(None);
+    }
+    if factor < 1.0 {
+        ledger.notes.warn(&film, "an `iridescenceFactor` below 1 (part of the surface has the film): taken as 1");
+    }
+    for key in ["iridescenceTexture", "iridescenceThicknessTexture"] {
+        if let Some(texture) = film.get(key)? {
+            ledger.notes.warn(&texture, format!("`{key}` is not used: the film has its greatest thickness everywhere"));
+        }
+    }
+    let entry = |name: &str, number: f64| row(name, Data::Number(number), &film);
+    let layer = Data::Table(vec![entry("n", index), entry("thickness_nm", thickness)]);
+    let stack = Data::List(vec![Value::new(layer, film.place())]);
+    let name = row("name", Data::Text("iridescence".to_owned()), &film);
+    Ok(Some(row("coating", Data::Table(vec![name, row("stack", stack, &film)]), &film)))
+}
+
+/// `KHR_materials_diffuse_transmission` as a `lambert` finish: the share `diffuseTransmissionFactor` of what scatters
+/// goes through, tinted; the rest comes back with the base colour.
+///
+/// # Errors
+/// Values of the wrong kind or out of range.
+pub(super) fn diffuse(at: &At<'_>, ledger: &mut Ledger) -> Result<Option<Row>> {
+    let Some(extension) = at.extension("KHR_materials_diffuse_transmission")? else { return Ok(None) };
+    let factor = match extension.get("diffuseTransmissionFactor")? {
+        Some(field) => field.number_in(0.0, 1.0)?,
+        None => 0.0,
+    };
+    if factor == 0.0 {
+        return Ok(None);
+    }
+    let through = match extension.get("diffuseTransmissionColorFactor")? {
+        Some(field) => luminance(unit_color(&field)?),
+        None => 1.0,
+    };
+    let back = match at.get("pbrMetallicRoughness")?.map(|pbr| pbr.get("baseColorFactor")).transpose()?.flatten() {
+        Some(field) => {
+            let [r, g, b, _] = field.numbers()?;
+            luminance([r, g, b].map(|lane: f64| lane.clamp(0.0, 1.0)))
+        }
+        None => 1.0,
+    };
+    ledger.notes.info(&extension, "diffuse transmission is taken as a lambert finish, without gloss and textures");
+    let finish = vec![
+        row("kind", Data::Text("lambert".to_owned()), &extension),
+        row("reflectance", Data::Number((1.0 - factor) * back), &extension),
+        row("transmittance", Data::Number(factor * through), &extension),
+    ];
+    Ok(Some(row("finish", Data::Table(finish), &extension)))
+}
+
+fn unit_color(field: &At<'_>) -> Result<[f64; 3]> {
+    let mut color = [0.0; 3];
+    field.numbers::<3>()?;
+    for (slot, lane) in color.iter_mut().zip(field.items()?) {
+        *slot = lane.number_in(0.0, 1.0)?;
+    }
+    Ok(color)
+}
+
+/// `pbrMetallicRoughness` without its textures, for writing: `base_color` (linear Rec.709), `opacity` (unless the
+/// material is opaque), `metallic`, `roughness`; only what is said. Values out of range are left out, with a note.
+///
+/// # Errors
+/// Values of the wrong kind.
+pub(super) fn looks(at: &At<'_>, ledger: &mut Ledger) -> Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    let Some(pbr) = at.get("pbrMetallicRoughness")? else { return Ok(rows) };
+    ledger.notes.info(&pbr, "`pbrMetallicRoughness` is how a material looks, not optics: kept for writing only");
+    let sound = |number: f64| (0.0..=1.0).contains(&number);
+    if let Some(field) = pbr.get("baseColorFactor")? {
+        let lanes: [f64; 4] = field.numbers()?;
+        if lanes.iter().all(|&lane| sound(lane)) {
+            let color = lanes.iter().take(3).map(|&lane| Value::new(Data::Number(lane), field.place())).collect();
+            rows.push(row("base_color", Data::List(color), &field));
+            let opaque = at.get("alphaMode")?.is_none_or(|mode| mode.json == "OPAQUE");
+            if let (false, [_, _, _, alpha]) = (opaque, lanes) {
+                rows.push(row("opacity", Data::Number(alpha), &field));
+            }
+        } else {
+            ledger.notes.warn(&field, "a base colour outside 0 to 1: ignored");
+        }
+    }
+    for (name, key) in [("metallic", "metallicFactor"), ("roughness", "roughnessFactor")] {
+        let Some(field) = pbr.get(key)? else { continue };
+        match field.number()? {
+            number if sound(number) => rows.push(row(name, Data::Number(number), &field)),
+            _ => ledger.notes.warn(&field, format!("`{key}` outside 0 to 1: ignored")),
+        }
+    }
+    Ok(rows)
+}
