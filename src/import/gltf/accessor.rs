@@ -39,14 +39,7 @@ impl<'a> Document<'a> {
         let buffer = at.want("buffer")?;
         let index = buffer.index(self.buffers.data.len(), "buffer")?;
         let Some(Some(slice)) = self.buffers.data.get(index) else {
-            let compressed = at.extension("EXT_meshopt_compression")?.is_some();
-            let why = if compressed {
-                ": it is compressed by EXT_meshopt_compression, which is not decoded here"
-            } else {
-                ""
-            };
-            let what = format!("buffer {index} has no uri and is not the .glb's binary chunk{why}");
-            return Err(buffer.fault(what));
+            return Err(buffer.fault(format!("buffer {index} has no uri and is not the .glb's binary chunk")));
         };
         let bytes = self.buffers.bytes(*slice);
         let start = at.count_or("byteOffset", 0)?;

@@ -37,7 +37,7 @@ impl<'a> Buffers<'a> {
     ///
     /// # Errors
     /// A file that is missing, not a regular file, or shorter than claimed; a URI that is not relative; broken base64.
-    pub fn load(root: &At<'a>, bin: Option<&'a [u8]>) -> Result<Self> {
+    pub fn load(root: &At<'_>, bin: Option<&'a [u8]>) -> Result<Self> {
         let list = root.list("buffers")?;
         let mut claims: HashMap<PathBuf, usize> = HashMap::new();
         let mut sources = Vec::with_capacity(list.len());
@@ -93,6 +93,14 @@ impl<'a> Buffers<'a> {
             buffers.data.push(Some(Slice { block, length }));
         }
         Ok(buffers)
+    }
+
+    /// A further buffer with these bytes; its index.
+    pub fn add(&mut self, bytes: Vec<u8>) -> usize {
+        let length = bytes.len();
+        let block = self.keep(Cow::Owned(bytes));
+        self.data.push(Some(Slice { block, length }));
+        self.data.len() - 1
     }
 
     fn keep(&mut self, block: Cow<'a, [u8]>) -> usize {

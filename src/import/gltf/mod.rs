@@ -7,13 +7,16 @@
 mod accessor;
 mod at;
 mod buffers;
+mod compressed;
 mod container;
 mod deps;
+mod draco;
 mod features;
 mod hierarchy;
 mod light;
 mod material;
 mod mesh;
+mod meshopt;
 mod node;
 mod normals;
 mod notes;
@@ -57,14 +60,15 @@ pub fn read(path: &Path) -> Result<Assembly> {
 /// Reads an asset whose content is `bytes`; `file` says where it would be (other files are looked for beside it).
 pub(crate) fn read_bytes(file: &Path, bytes: &[u8]) -> Result<Assembly> {
     let mut notes = Notes::default();
-    let container = container::open(file, bytes, &mut notes)?;
+    let mut container = container::open(file, bytes, &mut notes)?;
     let root = At::root(file, &container.json);
     check_version(&root)?;
     features::check_required(&root)?;
-    let buffers = Buffers::load(&root, container.bin)?;
+    let mut buffers = Buffers::load(&root, container.bin)?;
     let budget = Budget::new(bytes.len().saturating_add(buffers.total()));
-    let document = Document { root, buffers };
     let mut ledger = Ledger { notes, budget };
+    compressed::decode(file, &mut container.json, &mut buffers, &mut ledger)?;
+    let document = Document { root: At::root(file, &container.json), buffers };
 
     let mut assembly = Assembly { file: file.to_owned(), unit_m: 1.0, ..Assembly::default() };
     assembly.dependencies.push(file.to_owned());

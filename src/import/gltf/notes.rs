@@ -55,6 +55,14 @@ impl Budget {
     pub fn new(bytes: usize) -> Self {
         Budget { left: bytes.saturating_mul(Self::BYTES_PER_BYTE).saturating_add(Self::FLOOR) }
     }
+    /// Bytes that may still be used.
+    pub fn left(&self) -> usize {
+        self.left
+    }
+    /// Allows `bytes` more: what was decoded from the file is input, too.
+    pub fn grow(&mut self, bytes: usize) {
+        self.left = self.left.saturating_add(bytes);
+    }
     /// Takes `count` things of `size` bytes each.
     pub fn charge(&mut self, at: &At<'_>, count: usize, size: usize) -> Result<()> {
         let left = count.checked_mul(size).and_then(|bytes| self.left.checked_sub(bytes));

@@ -52,9 +52,7 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, led
     };
     let positions = open(document, &reference, 3, ledger)?;
     if !positions.is_backed() {
-        let draco = at.extension("KHR_draco_mesh_compression")?.is_some();
-        let why = if draco { ": they are compressed by Draco, which is not decoded here" } else { "" };
-        return Err(positions.at.fault(format!("positions without data{why}")).expected("a bufferView"));
+        return Err(positions.at.fault("positions without data").expected("a bufferView"));
     }
     check_type(document, &positions, &[Component::I8, Component::U8, Component::I16, Component::U16], ledger)?;
 
