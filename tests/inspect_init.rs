@@ -86,3 +86,79 @@ fn what_render_refuses_inspect_refuses_with_the_same_words_after_the_tree() {
         assert_eq!((render.status.code(), text(&render.stderr)), (Some(2), text(&inspect.stderr)), "{set}");
     }
 }
+
+#[test]
+fn geometry_alone_with_totals() {
+    let asset = sample("hud-direct/hud_direct.glb");
+    let asset = asset.to_str().expect("UTF-8");
+    let shown = eyebox(&["inspect", asset, "--geometry", "--format", "json"]);
+    assert_eq!((shown.status.code(), text(&shown.stderr)), (Some(0), ""));
+    let facts: serde_json::Value = serde_json::from_slice(&shown.stdout).expect("JSON");
+    // The second opinion: the `gltf` crate's own accessors.
+    let (document, buffers, _) = gltf::import(asset).expect("the gltf crate reads the sample");
+    let triangles = |mesh: &gltf::Mesh| -> usize {
+        mesh.primitives().filter_map(|p| p.indices().map(|indices| indices.count() / 3)).sum()
+    };
+    assert!(!buffers.is_empty());
+    assert_eq!(facts["totals"]["mesh_triangles"], document.meshes().map(|mesh| triangles(&mesh)).sum::<usize>());
+    assert_eq!(facts["totals"]["materials"], document.materials().count());
+    assert_eq!(facts["totals"]["parts"], document.nodes().filter(|node| node.mesh().is_some()).count());
+    let part = &facts["parts"][0];
+    assert!(part["bounds_m"]["low"][0].is_f64() && part["faces"].as_u64() > Some(0), "{part}");
+    let text_form = eyebox(&["inspect", asset, "--geometry"]);
+    assert!(text(&text_form.stdout).contains("LENS_01_PMMA: "), "{}", text(&text_form.stdout));
+}
+
+#[test]
+fn dependencies_and_missing_ones() {
+    let sidecar = sample("hud-direct/hud.optics.toml");
+    let listed = eyebox(&["inspect", sidecar.to_str().expect("UTF-8"), "--deps", "--format", "json"]);
+    assert_eq!((listed.status.code(), text(&listed.stderr)), (Some(0), ""));
+    let all: serde_json::Value = serde_json::from_slice(&listed.stdout).expect("JSON");
+    let found: Vec<(String, String)> = all
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|one| {
+            let file = Path::new(one["file"].as_str().expect("a path"));
+            let name = file.file_name().expect("a name").to_string_lossy().into_owned();
+            (one["role"].as_str().expect("a role").to_owned(), name)
+        })
+        .collect();
+    for (role, name) in [
+        ("sidecar", "hud.optics.toml"),
+        ("asset", "hud_direct.glb"),
+        ("image", "slide_direct.png"),
+        ("image", "env_day.exr"),
+    ] {
+        assert!(found.contains(&(role.to_owned(), name.to_owned())), "{role} {name} is not in {found:?}");
+    }
+
+    // A bare asset with a buffer that is there, one that is not, and a texture, which nobody needs.
+    let folder = tempfile::tempdir().expect("a folder");
+    let asset = folder.path().join("a.gltf");
+    std::fs::write(folder.path().join("here.bin"), [0; 4]).expect("a file");
+    let json = r#"{ "asset": { "version": "2.0" }, "images": [{ "uri": "no.png" }], "buffers": [
+        { "byteLength": 4, "uri": "here.bin" }, { "byteLength": 4, "uri": "gone%20away.bin" } ],
+        "extensions": { "EYEBOX_optics": { "slides": [{ "image": { "uri": "slide.png" } }] } } }"#;
+    std::fs::write(&asset, json).expect("a file");
+    let listed = eyebox(&["inspect", asset.to_str().expect("UTF-8"), "--deps"]);
+    assert_eq!(listed.status.code(), Some(1));
+    let lines: Vec<&str> = text(&listed.stdout).lines().collect();
+    let ends = [
+        "a.gltf (asset)",
+        "here.bin (buffer, named at",
+        "gone away.bin (buffer, named at",
+        "no.png (texture, named at",
+        "slide.png (image, named at",
+    ];
+    assert_eq!(lines.len(), ends.len(), "{lines:?}");
+    for (line, part) in lines.iter().zip(ends) {
+        assert!(line.contains(part), "{part} is not in {line}");
+    }
+    assert!(lines[2].ends_with("#/buffers/1/uri), MISSING") && lines[3].ends_with("missing, not used"), "{lines:?}");
+    // Without the missing ones all is well.
+    std::fs::write(folder.path().join("gone away.bin"), [0; 4]).expect("a file");
+    std::fs::write(folder.path().join("slide.png"), [0; 4]).expect("a file");
+    assert_eq!(eyebox(&["inspect", asset.to_str().expect("UTF-8"), "--deps"]).status.code(), Some(0));
+}

@@ -83,6 +83,7 @@ impl<'a> Document<'a> {
         let normalized = at.get("normalized")?.map_or(Ok(false), |at| at.flag())?;
         let size = component.size() * lanes;
         let dense = match at.get("bufferView")? {
+            Some(view) if self.is_placeholder(&view)? => None,
             Some(view) => Some(self.span(&at, &view, count, size)?),
             None => None,
         };
@@ -91,6 +92,14 @@ impl<'a> Document<'a> {
             None => None,
         };
         Ok(Accessor { at, count, component, lanes, normalized, dense, sparse })
+    }
+
+    /// Whether the view is in a buffer that says of no place where its bytes are: the specification lets others bring
+    /// them, and here nobody does.
+    fn is_placeholder(&self, view: &At<'_>) -> Result<bool> {
+        let buffer = self.find("bufferViews", "buffer view", view)?.want("buffer")?;
+        let index = buffer.index(self.buffers.data.len(), "buffer")?;
+        Ok(self.buffers.data.get(index).is_some_and(Option::is_none))
     }
 
     /// `count` elements of `size` bytes, from `owner.byteOffset` of the view.
@@ -193,6 +202,15 @@ impl Span<'_> {
         let start = element * self.stride + offset;
         self.bytes.get(start..start + N).and_then(|bytes| bytes.try_into().ok()).unwrap_or([0; N])
     }
+    fn floats<const N: usize>(&self, element: usize) -> [f32; N] {
+        let start = element * self.stride;
+        let bytes = self.bytes.get(start..start + 4 * N).unwrap_or_default();
+        let mut out = [0.0; N];
+        for (lane, bytes) in out.iter_mut().zip(bytes.as_chunks::<4>().0) {
+            *lane = f32::from_le_bytes(*bytes);
+        }
+        out
+    }
     fn unsigned(&self, element: usize, component: Component) -> u32 {
         match component {
             Component::U8 => u32::from(self.bytes::<1>(element, 0)[0]),
@@ -239,7 +257,7 @@ pub(super) struct Accessor<'d> {
     pub component: Component,
     pub lanes: usize,
     pub normalized: bool,
-    /// None: all elements are zero but for the sparse ones.
+    /// None, without a view or with one that has no bytes: all elements are zero but for the sparse ones.
     dense: Option<Span<'d>>,
     sparse: Option<Sparse<'d>>,
 }
@@ -274,6 +292,16 @@ impl Accessor<'_> {
             Component::U32 => u32::from_le_bytes(span.bytes(element, lane * 4)) as f32,
             Component::F32 => f32::from_le_bytes(span.bytes(element, lane * 4)),
         })
+    }
+
+    /// The first `N` lanes of each of `elements`.
+    pub fn gather<const N: usize>(&self, elements: &[u32]) -> Vec<[f32; N]> {
+        match (&self.dense, &self.sparse, self.component) {
+            (Some(span), None, Component::F32) if N <= self.lanes => {
+                elements.iter().map(|&element| span.floats(element as usize)).collect()
+            }
+            _ => elements.iter().map(|&element| self.floats(element as usize)).collect(),
+        }
     }
 
     /// The element of an accessor of indices.

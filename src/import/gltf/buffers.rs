@@ -123,17 +123,7 @@ pub(super) fn resolve(uri: &At<'_>, text: &str) -> Result<PathBuf> {
         return Err(uri.fault("this URI cannot be read").expected("a data: URI or a path relative to the asset"));
     }
     let wrong = || uri.fault("broken percent-encoding in the URI").expected("%XX with two hexadecimal digits, UTF-8");
-    let mut bytes = Vec::with_capacity(text.len());
-    let mut rest = text.bytes();
-    while let Some(byte) = rest.next() {
-        if byte == b'%' {
-            let mut digit = || rest.next().and_then(|c| char::from(c).to_digit(16)).ok_or_else(wrong);
-            bytes.push((digit()? * 16 + digit()?) as u8);
-        } else {
-            bytes.push(byte);
-        }
-    }
-    let relative = String::from_utf8(bytes).map_err(|_| wrong())?;
+    let relative = String::from_utf8(unescape(text).ok_or_else(wrong)?).map_err(|_| wrong())?;
     let folder = uri.file.parent().map(PathBuf::from).unwrap_or_default();
     Ok(folder.join(relative.trim_start_matches('/')))
 }
@@ -150,13 +140,29 @@ fn read(uri: &At<'_>, path: &std::path::Path, most: usize) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The bytes of a `data:` URI (RFC 2397): base64, or percent-encoded.
 fn data_uri(uri: &At<'_>, rest: &str) -> Result<Vec<u8>> {
     let form = || uri.fault("this data: URI cannot be read").expected("data:application/octet-stream;base64,…");
     let (head, body) = rest.split_once(',').ok_or_else(form)?;
-    if !head.ends_with(";base64") {
-        return Err(form());
+    if head.ends_with(";base64") {
+        return base64(body).ok_or_else(|| uri.fault("broken base64 in the data: URI"));
     }
-    base64(body).ok_or_else(|| uri.fault("broken base64 in the data: URI"))
+    unescape(body).ok_or_else(form)
+}
+
+/// Undoes percent-encoding (RFC 3986, section 2.1).
+fn unescape(text: &str) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.bytes();
+    while let Some(byte) = rest.next() {
+        if byte == b'%' {
+            let mut digit = || rest.next().and_then(|c| char::from(c).to_digit(16));
+            bytes.push((digit()? * 16 + digit()?) as u8);
+        } else {
+            bytes.push(byte);
+        }
+    }
+    Some(bytes)
 }
 
 /// Decodes base64 with the standard alphabet (RFC 4648, section 4); the padding may be left out.
@@ -205,6 +211,14 @@ mod tests {
         for broken in ["Z", "Zm9vY", "Zm 9", "Zm9-", "=Zm9v", "Zm9vé"] {
             assert_eq!(base64(broken), None, "{broken}");
         }
+    }
+
+    #[test]
+    fn data_uris_without_base64() {
+        let json = serde_json::Value::Null;
+        let at = At::root(std::path::Path::new("a.gltf"), &json);
+        assert_eq!(data_uri(&at, "application/gltf-buffer,0%00%fFa").unwrap(), [b'0', 0, 255, b'a']);
+        assert!(data_uri(&at, "application/gltf-buffer").is_err() && data_uri(&at, ",%0").is_err());
     }
 
     #[test]

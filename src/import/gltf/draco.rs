@@ -70,10 +70,8 @@ fn stream(root: &At<'_>, extension: &At<'_>, buffers: &Buffers<'_>, ledger: &mut
     let inside = inside.ok_or_else(|| view.fault("the view is not inside its buffer"))?;
     let left = ledger.budget.left() as u64;
     // Corner tables and attribute maps take about 100 bytes a face beside what comes out.
-    let limits = DecodeLimits::default()
-        .with_max_points(left / 64)
-        .with_max_faces(left / 128)
-        .with_max_decoded_bytes(left / 4);
+    let limits =
+        DecodeLimits::default().with_max_points(left / 64).with_max_faces(left / 128).with_max_decoded_bytes(left / 4);
     let mut mesh = Mesh::new();
     let mut source = DecoderBuffer::new(inside).with_limits(limits);
     MeshDecoder::new().decode(&mut source, &mut mesh).map_err(|error| {

@@ -89,7 +89,8 @@ pub(super) fn note_unused(root: &At<'_>, notes: &mut Notes) -> Result<()> {
             // The lamps themselves are in the root's list; nodes only refer to them.
             let lights = root.extension(name)?.map_or(Ok(Vec::new()), |extension| extension.list("lights"))?;
             if let Some(first) = lights.first() {
-                let text = "lights of `KHR_lights_punctual` are read but do not shine yet: bind an emitter to a part instead";
+                let text =
+                    "lights of `KHR_lights_punctual` are read but do not shine yet: bind an emitter to a part instead";
                 notes.add_many(Severity::Warning, first.place(), text, lights.len());
             }
             continue;

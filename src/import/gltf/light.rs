@@ -120,7 +120,8 @@ fn punctual(light: &At<'_>, strength: f64, ledger: &mut Ledger) -> Result<LightF
             };
             let (inner, outer) = (angle("innerConeAngle", 0.0)?, angle("outerConeAngle", FRAC_PI_4)?);
             if inner >= outer {
-                return Err(spot.fault(format!("the inner cone {inner} is not inside the outer {outer}"))
+                return Err(spot
+                    .fault(format!("the inner cone {inner} is not inside the outer {outer}"))
                     .expected("innerConeAngle < outerConeAngle"));
             }
             Ok(LightForm::Point { intensity_cd: strength, cone: Some((inner, outer)) })

@@ -39,6 +39,13 @@ fn append(mesh: &mut Mesh, face: FaceMesh) -> Option<()> {
     let first = u32::try_from(mesh.triangles.len()).ok()?;
     let count = u32::try_from(face.triangles.len()).ok()?;
     first.checked_add(count)?;
+    if mesh.positions.is_empty() && mesh.triangles.is_empty() {
+        // Most meshes are one face: nothing is copied.
+        (mesh.positions, mesh.normals, mesh.uvs, mesh.triangles) =
+            (face.positions, face.normals, face.uvs, face.triangles);
+        mesh.faces.push(FaceRange { first, count });
+        return Some(());
+    }
     // Texture coordinates are for all vertices of the mesh or for none.
     if !face.uvs.is_empty() {
         mesh.uvs.resize(mesh.positions.len(), [0.0; 2]);

@@ -58,11 +58,11 @@ pub fn read(path: &Path) -> Result<Assembly> {
 }
 
 /// Reads an asset whose content is `bytes`; `file` says where it would be (other files are looked for beside it).
-pub(crate) fn read_bytes(file: &Path, bytes: &[u8]) -> Result<Assembly> {
+pub fn read_bytes(file: &Path, bytes: &[u8]) -> Result<Assembly> {
     let mut notes = Notes::default();
     let mut container = container::open(file, bytes, &mut notes)?;
     let root = At::root(file, &container.json);
-    check_version(&root)?;
+    check_version(&root, &mut notes)?;
     features::check_required(&root)?;
     let mut buffers = Buffers::load(&root, container.bin)?;
     let budget = Budget::new(bytes.len().saturating_add(buffers.total()));
@@ -86,8 +86,8 @@ pub(crate) fn read_bytes(file: &Path, bytes: &[u8]) -> Result<Assembly> {
     Ok(assembly)
 }
 
-/// `asset.version` must be 2.x, `asset.minVersion` at most 2.0.
-fn check_version(root: &At<'_>) -> Result<()> {
+/// `asset.version` and `asset.minVersion` must be 2.x; what a later minor version added is not known here, which is said.
+fn check_version(root: &At<'_>, notes: &mut Notes) -> Result<()> {
     let asset = root.want("asset")?;
     let version = asset.want("version")?;
     let parse = |text: &str| -> Option<(u32, u32)> {
@@ -97,10 +97,15 @@ fn check_version(root: &At<'_>) -> Result<()> {
     if !matches!(parse(version.text()?), Some((2, _))) {
         return Err(version.fault("this version of glTF is not read").expected("\"2.0\" (or a later 2.x)"));
     }
-    if let Some(least) = asset.get("minVersion")?
-        && parse(least.text()?) != Some((2, 0))
-    {
-        return Err(least.fault("the asset asks for a newer reader").expected("\"2.0\""));
+    if let Some(least) = asset.get("minVersion")? {
+        match parse(least.text()?) {
+            Some((2, 0)) => {}
+            Some((2, _)) => {
+                let text = format!("the asset asks for a reader of glTF {}: read as 2.0", least.text()?);
+                notes.warn(&least, &text);
+            }
+            Some(_) | None => return Err(least.fault("the asset asks for a newer reader").expected("\"2.0\"")),
+        }
     }
     Ok(())
 }

@@ -59,7 +59,7 @@ pub(super) fn flat(face: FaceMesh, at: &At<'_>, notes: &mut Notes) -> FaceMesh {
 /// The file's normals at unit length; those that are zero or not finite become the area-weighted mean of the
 /// triangles around the vertex, with a note.
 pub(super) fn settled(
-    read: Vec<[f32; 3]>,
+    mut normals: Vec<[f32; 3]>,
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
     accessor: &Accessor<'_>,
@@ -68,21 +68,22 @@ pub(super) fn settled(
     // Quantized normals are never of unit length; floats are, to rounding.
     let tolerance = if accessor.component == super::accessor::Component::F32 { 1e-3 } else { 0.05 };
     let mut broken = Vec::new();
-    let mut normals = Vec::with_capacity(read.len());
-    for (vertex, stored) in read.into_iter().enumerate() {
-        let stored = DVec3::from(stored.map(f64::from));
+    for (vertex, normal) in normals.iter_mut().enumerate() {
+        let stored = DVec3::from(normal.map(f64::from));
+        let off = (stored.length() - 1.0).abs();
+        if off <= 1e-6 {
+            continue; // unit to rounding: the file's own bits stay
+        }
         match unit(stored) {
-            Some(normal) => {
-                let off = (stored.length() - 1.0).abs();
+            Some(unit) => {
                 if off > tolerance {
                     notes.info(&accessor.at, "normals that are not of unit length: normalised");
                 }
-                // Unit to rounding: the file's own bits stay.
-                normals.push(if off <= 1e-6 { stored.to_array().map(|x| x as f32) } else { normal });
+                *normal = unit;
             }
             None => {
                 broken.push(vertex);
-                normals.push(ANY);
+                *normal = ANY;
             }
         }
     }

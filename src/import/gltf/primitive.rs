@@ -52,7 +52,8 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, led
     };
     let positions = open(document, &reference, 3, ledger)?;
     if !positions.is_backed() {
-        return Err(positions.at.fault("positions without data").expected("a bufferView"));
+        // Zeros, as the specification says; usually a buffer that was lost.
+        ledger.notes.warn(&positions.at, "positions without data in the asset: all of them are 0, 0, 0");
     }
     check_type(document, &positions, &[Component::I8, Component::U8, Component::I16, Component::U16], ledger)?;
 
@@ -60,24 +61,17 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, led
     let (used, triangles) = compact(corners, positions.count);
     ledger.budget.charge(at, used.len(), VERTEX)?;
     let mut face = FaceMesh { triangles, ..FaceMesh::default() };
-    face.positions.reserve_exact(used.len());
-    for &vertex in &used {
-        let position: [f32; 3] = positions.floats(vertex as usize);
-        if !position.iter().all(|x| x.is_finite()) {
-            let [x, y, z] = position;
-            return Err(positions
-                .at
-                .fault(format!("vertex {vertex} is at ({x}, {y}, {z})"))
-                .expected("finite positions"));
-        }
-        face.positions.push(position);
+    face.positions = positions.gather(&used);
+    let broken = face.positions.iter().position(|position| !position.iter().all(|x| x.is_finite()));
+    if let Some((vertex, [x, y, z])) = broken.and_then(|i| Some((used.get(i)?, face.positions.get(i)?))) {
+        return Err(positions.at.fault(format!("vertex {vertex} is at ({x}, {y}, {z})")).expected("finite positions"));
     }
     if let Some(reference) = attributes.get("TEXCOORD_0")? {
         let uvs = open(document, &reference, 2, ledger)?;
         same_count(&reference, &uvs, &positions)?;
         check_type(document, &uvs, &[Component::I8, Component::I16], ledger)?;
         let finite = |uv: [f32; 2]| uv.iter().all(|x| x.is_finite());
-        face.uvs = used.iter().map(|&vertex| uvs.floats(vertex as usize)).collect();
+        face.uvs = uvs.gather(&used);
         for uv in face.uvs.iter_mut().filter(|uv| !finite(**uv)) {
             ledger.notes.warn(&uvs.at, "texture coordinates that are not finite: set to 0");
             *uv = [0.0; 2];
@@ -88,7 +82,8 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, led
             let stored = open(document, &reference, 3, ledger)?;
             same_count(&reference, &stored, &positions)?;
             check_type(document, &stored, &[Component::I8, Component::I16], ledger)?;
-            let read = used.iter().map(|&vertex| stored.floats(vertex as usize)).collect();
+            let read = stored.gather(&used);
+            drop(used);
             face.normals = normals::settled(read, &face.positions, &face.triangles, &stored, &mut ledger.notes);
             mend(&mut face, at, name, ledger)?;
         }
@@ -190,17 +185,18 @@ fn corners(
         let fault = accessor.at.want("componentType")?.fault("indices of this component type");
         return Err(fault.expected("5121, 5123 or 5125 (unsigned)"));
     }
+    if let Some(accessor) = indices.as_ref().filter(|accessor| !accessor.is_backed()) {
+        ledger.notes.warn(&accessor.at, "indices without data in the asset: all of them are 0");
+    }
     let count = indices.as_ref().map_or(vertices, |accessor| accessor.count);
     let place = indices.as_ref().map_or(at, |accessor| &accessor.at);
-    let whole = match shape {
-        Shape::List => count % 3 == 0,
-        Shape::Strip | Shape::Fan => count >= 3,
+    let (triangles, left) = match shape {
+        Shape::List => (count / 3, count % 3),
+        Shape::Strip | Shape::Fan => (count.saturating_sub(2), if count < 3 { count } else { 0 }),
     };
-    if !whole {
-        let expected = if shape == Shape::List { "a multiple of 3" } else { "at least 3" };
-        return Err(place.fault(format!("{count} corners do not make triangles")).expected(expected));
+    if left > 0 {
+        ledger.notes.warn(place, format!("{count} corners do not make triangles: the last {left} are ignored"));
     }
-    let triangles = if shape == Shape::List { count / 3 } else { count - 2 };
     // The compaction below needs the corners once more and a table of up to four entries per corner.
     ledger.budget.charge(at, triangles, 5 * TRIANGLE)?;
     let vertex = |corner: usize| -> Result<u32> {
@@ -235,6 +231,9 @@ fn compact(mut corners: Vec<[u32; 3]>, vertices: usize) -> (Vec<u32>, Vec<[u32; 
         let mut table = vec![u32::MAX; vertices];
         corners.iter().flatten().for_each(|&vertex| table[vertex as usize] = 0);
         used = (0..vertices as u32).filter(|&vertex| table[vertex as usize] == 0).collect();
+        if used.len() == vertices {
+            return (used, corners);
+        }
         used.iter().enumerate().for_each(|(new, &vertex)| table[vertex as usize] = new as u32);
         corners.iter_mut().flatten().for_each(|vertex| *vertex = table[*vertex as usize]);
     } else {

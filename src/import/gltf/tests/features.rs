@@ -366,7 +366,11 @@ fn what_bears_on_light_and_is_not_used_is_said_once_per_kind() {
         ),
         (
             "/extensions/KHR_lights_punctual/lights/0",
-            "`KHR_lights_punctual` lights are not used: bind an emitter to a part instead (2 places, first here)",
+            "lights of `KHR_lights_punctual` are read but do not shine yet: bind an emitter to a part instead (2 places, first here)",
+        ),
+        (
+            "/materials/0/extensions/KHR_texture_transform",
+            "`KHR_texture_transform` moves nothing: textures are not used (3 places, first here)",
         ),
         (
             "/materials/0/extensions/KHR_materials_clearcoat",
@@ -408,4 +412,49 @@ fn a_large_scene_of_small_things_is_not_in_millimetres() {
     }
     let note = looks_like_millimetres(&builder.read().unwrap()).unwrap();
     assert!(note.text.starts_with("largest extent 300 m"), "{}", note.text);
+}
+
+#[test]
+fn morphs_and_skins_rest_and_are_noted() {
+    let mut builder = Builder::square();
+    let moved = builder.floats("VEC3", &[9.0; 12]);
+    builder.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": moved }]);
+    builder.json["meshes"][0]["weights"] = json!([1]);
+    builder.json["nodes"][0]["skin"] = json!(0);
+    builder.push("skins", json!({ "joints": [0] }));
+    let assembly = builder.read().unwrap();
+    assert_eq!(assembly.meshes[0].mesh.positions[2], [1., 1., 0.]);
+    assert!(has_note(&assembly, "morph targets are ignored") && has_note(&assembly, "skins are ignored"));
+}
+
+#[test]
+fn a_glb_with_chunks_out_of_step_is_read_all_the_same() {
+    let builder = Builder::square();
+    let glb = builder.glb();
+    // One more blank in the text: neither the text's length nor the data's place is a multiple of 4 any more.
+    let size = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let mut odd = glb[..8].to_vec();
+    odd.extend(((glb.len() + 1) as u32).to_le_bytes());
+    odd.extend(((size + 1) as u32).to_le_bytes());
+    odd.extend(&glb[16..20 + size]);
+    odd.push(b' ');
+    odd.extend(&glb[20 + size..]);
+    let assembly = read_bytes(Path::new("a.glb"), &odd).unwrap();
+    assert_eq!(assembly.meshes[0].mesh, builder.read().unwrap().meshes[0].mesh);
+}
+
+#[test]
+fn corners_left_over_are_ignored_and_said() {
+    let mut builder = Builder::square();
+    builder.json["accessors"][2]["count"] = json!(5);
+    let assembly = builder.read().unwrap();
+    assert_eq!(assembly.meshes[0].mesh.triangles.len(), 1);
+    assert!(has_note(&assembly, "5 corners do not make triangles: the last 2 are ignored"));
+    // A fan of two corners is nothing.
+    let fan = strip_asset(|primitive| primitive["mode"] = json!(6));
+    assert_eq!(fan.meshes[0].mesh.triangles.len(), 3);
+    builder.json["accessors"][2]["count"] = json!(2);
+    builder.json["meshes"][0]["primitives"][0]["mode"] = json!(6);
+    let assembly = builder.read().unwrap();
+    assert!(assembly.meshes[0].mesh.triangles.is_empty() && has_note(&assembly, "the last 2 are ignored"));
 }

@@ -20,13 +20,12 @@ fn every_wrong_entry_is_a_fault_at_its_pointer() {
     let cases: Vec<Case> = vec![
         (|j| j["asset"]["version"] = json!("1.0"), "/asset/version", "version"),
         (|j| j["asset"]["version"] = json!(2), "/asset/version", "2"),
-        (|j| j["asset"]["minVersion"] = json!("2.9"), "/asset/minVersion", "newer"),
+        (|j| j["asset"]["minVersion"] = json!("3.0"), "/asset/minVersion", "newer"),
         (|j| j["asset"] = json!(null), "/asset", "null"),
         (|j| *j = json!([]), "", "list"),
         (|j| *j = json!({}), "", "asset"),
         (|j| j["nodes"] = json!({}), "/nodes", "object"),
         (|j| j["nodes"] = json!([7]), "/nodes/0", "7"),
-        (|j| j["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]), "/extensionsRequired/0", "Draco|draco"),
         (|j| j["extensionsRequired"] = json!(["XYZ_unheard_of"]), "/extensionsRequired/0", "not known"),
         // nodes
         (|j| j["nodes"][0]["mesh"] = json!(1), "/nodes/0/mesh", "mesh 1"),
@@ -105,7 +104,6 @@ fn every_wrong_entry_is_a_fault_at_its_pointer() {
         ),
         (|j| j["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(2), "/accessors/2/type", "1 components"),
         (|j| j["accessors"][1]["count"] = json!(3), "/meshes/0/primitives/0/attributes/NORMAL", "3 elements for 4"),
-        (|j| j["accessors"][2]["count"] = json!(5), "/accessors/2", "5 corners"),
         (|j| j["accessors"][2]["componentType"] = json!(5122), "/accessors/2/componentType", "indices"),
         (|j| j["accessors"][0]["count"] = json!(3), "/accessors/2", "index 3 at position 5"),
         // accessors
@@ -118,13 +116,6 @@ fn every_wrong_entry_is_a_fault_at_its_pointer() {
         (|j| j["accessors"][0]["count"] = json!(1u64 << 62), "/accessors/0", "elements"),
         (|j| j["accessors"][0]["byteOffset"] = json!(u64::MAX), "/accessors/0", "from byte"),
         (|j| j["accessors"][0]["bufferView"] = json!(17), "/accessors/0/bufferView", "17"),
-        (
-            |j| {
-                j["accessors"][0].as_object_mut().unwrap().remove("bufferView");
-            },
-            "/accessors/0",
-            "without data",
-        ),
         (|j| j["bufferViews"][0]["byteStride"] = json!(8), "/accessors/0/bufferView", "byteStride 8"),
         (|j| j["bufferViews"][0]["byteStride"] = json!(1e9), "/bufferViews/0/byteStride", "range"),
         (|j| j["bufferViews"][0]["byteLength"] = json!(4294967295u64), "/bufferViews/0", "4294967295"),
@@ -212,7 +203,12 @@ fn containers_that_lie_are_refused() {
     let json = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     assert!(with(20 + json, 0xFFFF_FFF0).contains("past the end"));
     assert!(with(20 + json, 8).contains("cut short") || with(20 + json, 8).contains("past the end"));
-    assert!(with(24 + json, 0x1234_5678).contains("no uri"));
+    // The data in a chunk that nobody knows: they are not there, which is said.
+    let mut hollow = glb.clone();
+    hollow[24 + json..28 + json].copy_from_slice(&0x1234_5678u32.to_le_bytes());
+    let notes: Vec<String> = read(&hollow).unwrap().notes.into_iter().map(|note| note.text).collect();
+    assert!(notes.iter().any(|note| note.starts_with("positions without data")), "{notes:?}");
+    assert!(notes.iter().any(|note| note.starts_with("indices without data")), "{notes:?}");
     for length in [0, 3, 4, 8, 11] {
         assert!(read(&glb[..length]).is_err(), "{length} bytes");
     }

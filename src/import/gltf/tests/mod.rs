@@ -2,5 +2,7 @@
 //! broken ones.
 
 mod cad;
+mod compressed;
 mod features;
 mod hostile;
+mod lights;

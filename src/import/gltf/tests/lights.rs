@@ -1,0 +1,127 @@
+//! Lights, films and looks.
+
+use crate::base::fault::Result;
+use crate::import::Assembly;
+use crate::import::assembly::LightForm;
+use crate::import::gltf::testing::Builder;
+use crate::import::value::Value;
+use crate::scene::Severity;
+use serde_json::{Value as Json, json};
+
+fn lit(light: Json) -> Result<Assembly> {
+    let mut builder = Builder::square();
+    builder.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [light] } });
+    builder.push("nodes", json!({ "name": "LAMP", "extensions": { "KHR_lights_punctual": { "light": 0 } } }));
+    builder.read()
+}
+
+#[test]
+fn punctual_lights_in_candela_and_lux() {
+    let spot = lit(json!({
+        "type": "spot", "name": "SPOT", "intensity": 40, "color": [0.5, 0.5, 0.5], "range": 3,
+        "spot": { "innerConeAngle": 0.1, "outerConeAngle": 0.2 },
+    }));
+    let spot = spot.unwrap();
+    let light = &spot.lights[0];
+    assert_eq!((light.name.as_str(), light.node, spot.nodes[light.node].name.as_str()), ("SPOT", 1, "LAMP"));
+    let LightForm::Point { intensity_cd, cone } = light.form else { panic!("{:?}", light.form) };
+    assert!((intensity_cd - 20.0).abs() < 1e-12 && cone == Some((0.1, 0.2)));
+    assert!(light.color.iter().all(|lane| (lane - 1.0).abs() < 1e-12), "{:?}", light.color);
+    assert!(spot.notes.iter().any(|note| note.text.contains("`range`") && note.severity == Severity::Info));
+
+    let red = &lit(json!({ "type": "directional", "intensity": 10, "color": [1, 0, 0] })).unwrap().lights[0];
+    let LightForm::Distant { illuminance_lx, angle } = red.form else { panic!("{:?}", red.form) };
+    assert!((illuminance_lx - 2.126).abs() < 1e-12 && angle == 0.0);
+    assert!((red.color[0] - 1.0 / 0.2126).abs() < 1e-12 && red.name == "LAMP");
+
+    let default = &lit(json!({ "type": "spot", "spot": {} })).unwrap().lights[0];
+    let quarter = std::f64::consts::FRAC_PI_4;
+    assert_eq!(default.form, LightForm::Point { intensity_cd: 1.0, cone: Some((0.0, quarter)) });
+
+    for (light, what) in [
+        (json!({ "type": "spott" }), "did you mean `spot`?"),
+        (json!({ "type": "point", "intensity": -1 }), "out of range"),
+        (json!({ "type": "spot" }), "`spot` is missing"),
+        (json!({ "type": "spot", "spot": { "innerConeAngle": 1 } }), "inner cone"),
+        (json!({ "type": "point", "color": [1, 1] }), "2 numbers"),
+    ] {
+        let fault = lit(light.clone()).unwrap_err().to_string();
+        assert!(fault.contains(what), "{light}: {fault}");
+    }
+}
+
+#[test]
+fn ies_lights_name_their_file() {
+    let mut builder = Builder::square();
+    builder.json["extensions"] =
+        json!({ "EXT_lights_ies": { "lights": [{ "uri": "lamp%201.ies", "mimeType": "application/x-ies-lm-63" }] } });
+    builder.json["nodes"][0]["extensions"] = json!({ "EXT_lights_ies": { "light": 0, "multiplier": 2 } });
+    let assembly = builder.read().unwrap();
+    let light = &assembly.lights[0];
+    assert_eq!(light.profile.as_deref(), Some(std::path::Path::new("lamp 1.ies")));
+    assert_eq!(light.form, LightForm::Point { intensity_cd: 2.0, cone: None });
+    builder.json["nodes"][0]["extensions"]["EXT_lights_ies"]["light"] = json!(1);
+    assert!(builder.read().unwrap_err().what.contains("light 1 does not exist"));
+}
+
+fn mapped(material: Json) -> (Vec<String>, Vec<String>, Vec<String>) {
+    let mut builder = Builder::square();
+    builder.push("materials", material);
+    let mut assembly = builder.read().unwrap();
+    let material = assembly.materials.remove(0);
+    let rows = |rows: &[(String, Value)]| rows.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+    let notes = assembly.notes.iter().map(|note| note.text.clone()).collect();
+    (rows(&material.mapped), rows(&material.looks), notes)
+}
+
+#[test]
+fn iridescence_is_one_film() {
+    let film = |fields: Json| mapped(json!({ "extensions": { "KHR_materials_iridescence": fields } }));
+    let stack = |n: f64, nm: f64| {
+        format!("coating = {{ name = \"iridescence\", stack = [{{ n = {n}, thickness_nm = {nm} }}] }}")
+    };
+    assert_eq!(film(json!({})).0, [] as [&str; 0], "the factor is 0 by default");
+    assert_eq!(film(json!({ "iridescenceFactor": 1 })).0, [stack(1.3, 400.0)]);
+    let full = json!({ "iridescenceFactor": 0.5, "iridescenceIor": 1.38, "iridescenceThicknessMinimum": 50,
+        "iridescenceThicknessMaximum": 99.5, "iridescenceThicknessTexture": { "index": 0 } });
+    let (rows, _, notes) = film(full);
+    assert_eq!(rows, [stack(1.38, 99.5)]);
+    assert!(notes.iter().any(|note| note.contains("below 1")) && notes.iter().any(|note| note.contains("Texture")));
+}
+
+#[test]
+fn diffuse_transmission_is_a_lambert_finish() {
+    let material = |transmission: f64| {
+        mapped(json!({
+            "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.5, 0.5, 1], "roughnessFactor": 0.25, "metallicFactor": 0 },
+            "extensions": {
+                "KHR_materials_transmission": { "transmissionFactor": transmission },
+                "KHR_materials_diffuse_transmission": {
+                    "diffuseTransmissionFactor": 0.25, "diffuseTransmissionColorFactor": [0.8, 0.8, 0.8] },
+            },
+        }))
+    };
+    let (rows, looks, _) = material(0.0);
+    let finish = rows.iter().find(|row| row.starts_with("finish")).unwrap();
+    let number = |key: &str| -> f64 {
+        let rest = finish.split(&format!("{key} = ")).nth(1).unwrap();
+        rest.split([',', ' ']).next().unwrap().parse().unwrap()
+    };
+    assert!(finish.contains("kind = \"lambert\""), "{finish}");
+    // A quarter goes through, tinted by 0.8; three quarters come back, tinted by 0.5.
+    assert!((number("transmittance") - 0.2).abs() < 1e-12 && (number("reflectance") - 0.375).abs() < 1e-12, "{finish}");
+    assert_eq!(looks, ["base_color = [0.5, 0.5, 0.5]", "metallic = 0", "roughness = 0.25"]);
+    // Transmission replaces it, and the roughness is not passed over in silence.
+    let (rows, _, notes) = material(1.0);
+    assert!(!rows.iter().any(|row| row.starts_with("finish")));
+    assert!(notes.iter().any(|note| note.contains("`roughnessFactor`")), "{notes:?}");
+}
+
+#[test]
+fn opacity_is_that_of_materials_that_are_not_opaque() {
+    let look = |mode: &str| {
+        mapped(json!({ "alphaMode": mode, "pbrMetallicRoughness": { "baseColorFactor": [1, 0, 0, 0.5] } })).1
+    };
+    assert_eq!(look("OPAQUE"), ["base_color = [1, 0, 0]"]);
+    assert_eq!(look("BLEND"), ["base_color = [1, 0, 0]", "opacity = 0.5"]);
+}
