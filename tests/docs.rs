@@ -2,7 +2,7 @@
 //! every layer has its line. `EYEBOX_BLESS=1 cargo verify --test docs` rewrites what is generated.
 
 use eyebox::film::layer::Layer;
-use eyebox::scene::attribute::{Form, Kind, Noun, Range, Row, Support, kinds, rows};
+use eyebox::scene::attribute::{Form, Kind, Noun, Range, Row, Support, kinds, named, rows};
 use eyebox::scene::attribute::{KINDS, ROWS};
 use std::collections::BTreeSet;
 use std::fs;
@@ -75,7 +75,15 @@ fn value(row: &Row) -> String {
         Form::Length => "length with unit".to_owned(),
         Form::Numbers(count) => format!("{count} numbers"),
         Form::Place => "3 lengths with units".to_owned(),
-        Form::List => "list or table".to_owned(),
+        Form::Word(words) => words.join(", ").replacen(", ", " or ", usize::from(words.len() == 2)),
+        Form::Integers(count) => format!("{count} whole numbers"),
+        Form::Coefficients { least, most } => format!("{least} to {most} numbers"),
+        Form::Rows(columns) => format!("rows of {}", columns.join(", ")),
+        Form::NumberOrRows(columns) => format!("number, or rows of {}", columns.join(", ")),
+        Form::Record(fields) => format!("table of {}", fields.join(", ")),
+        Form::Records(fields) => format!("list of tables of {}", fields.join(", ")),
+        Form::Thing(fields) => format!("name, or table of {}", fields.join(", ")),
+        Form::Kind if named(row.noun) && row.name == row.noun.to_string() => "name, or kind, see below".to_owned(),
         Form::Kind => "kind, see below".to_owned(),
     };
     let unit = if row.unit.is_empty() { String::new() } else { format!(", {}", row.unit) };

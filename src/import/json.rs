@@ -27,7 +27,8 @@ pub fn value(json: &serde_json::Value, file: &Path, pointer: &str) -> Result<Val
             Data::List(items.map(|(i, item)| value(item, file, &step(pointer, &i.to_string()))).collect::<Result<_>>()?)
         }
         serde_json::Value::Object(entries) => {
-            let entries = entries.iter();
+            // glTF allows these two on every object; they say nothing about light.
+            let entries = entries.iter().filter(|(key, _)| !matches!(key.as_str(), "extensions" | "extras"));
             let entry = |(key, item): (&String, _)| Ok((key.clone(), value(item, file, &step(pointer, key))?));
             Data::Table(entries.map(entry).collect::<Result<_>>()?)
         }
@@ -81,6 +82,13 @@ mod tests {
             assert_eq!(place.at, Where::Pointer { file: "a.gltf".into(), pointer: format!("/materials/2{want}") });
             assert!(json.pointer(want).is_some(), "{want}");
         }
+    }
+
+    #[test]
+    fn extras_say_nothing() {
+        let json = serde_json::json!({ "ior": 1.5, "extras": { "note": null }, "extensions": {} });
+        let tree = value(&json, Path::new("a.gltf"), "").unwrap();
+        assert_eq!(tree.to_string(), "{ ior = 1.5 }");
     }
 
     #[test]

@@ -46,13 +46,33 @@ pub enum Form {
     File,
     /// A text with a number and its unit: `"4 mm"`.
     Length,
+    /// One of these words.
+    Word(&'static [&'static str]),
     /// A list of that many numbers.
     Numbers(usize),
+    /// A list of that many whole numbers.
+    Integers(usize),
     /// A list of three lengths, each with its unit.
     Place,
-    /// Coefficients, films, table rows: a list or a table that its reader knows.
-    List,
-    /// One of the [`KINDS`] of this attribute, with its parameters.
+    /// A list of numbers, at least and at most so many.
+    Coefficients {
+        least: usize,
+        most: usize,
+    },
+    /// A list of rows, at least one, each a list of numbers: the columns by their names. The first column rises.
+    Rows(&'static [&'static str]),
+    /// One number that holds everywhere, or [`Form::Rows`].
+    NumberOrRows(&'static [&'static str]),
+    /// A table with exactly these rows of the same noun.
+    Record(&'static [&'static str]),
+    /// A list of tables, at least one, each with some of these rows of the same noun.
+    Records(&'static [&'static str]),
+    /// The noun itself: a table with some of these rows; also the name of one of the asset's, or its index in the
+    /// asset's list.
+    Thing(&'static [&'static str]),
+    /// One of the [`KINDS`] of this attribute, with its parameters: `"KIND"`, `{ kind = "KIND", PARAMETER = … }`,
+    /// `{ KIND = { PARAMETER = … } }`, or `{ PARAMETER = … }` if the parameter has the name of the kind. If the noun
+    /// [can be named](named), also a name or an index as for [`Form::Thing`].
     Kind,
 }
 
@@ -152,7 +172,14 @@ impl Row {
             Form::Length => "a length with its unit, e.g. \"4 mm\"".to_owned(),
             Form::Numbers(count) => format!("a list of {count} numbers{unit}"),
             Form::Place => "a list of three lengths with their units, e.g. [\"0 mm\", \"0 mm\", \"120 mm\"]".to_owned(),
-            Form::List => self.doc.to_owned(),
+            Form::Integers(count) => format!("a list of {count} whole numbers{unit}"),
+            Form::Word(words) => format!("one of {}", words.join(", ")),
+            Form::Coefficients { .. }
+            | Form::Rows(_)
+            | Form::NumberOrRows(_)
+            | Form::Record(_)
+            | Form::Records(_)
+            | Form::Thing(_) => self.doc.to_owned(),
             Form::Kind => {
                 let names: Vec<_> = kinds(self.name).filter(|kind| kind.rendered).map(|kind| kind.name).collect();
                 format!("one of {}", names.join(", "))
@@ -174,7 +201,11 @@ pub struct Kind {
 }
 
 mod rows;
-pub use rows::{KINDS, ROWS};
+pub use rows::{EMITTER, FILM, KINDS, MEDIUM, ROWS, SLIDE};
+#[cfg(test)]
+pub mod arbitrary; // random values of the table
+pub mod union; // kinds with parameters
+pub mod usd; // the same rows as USD properties
 
 /// The rows of a noun.
 pub fn rows(noun: Noun) -> impl Iterator<Item = &'static Row> {
@@ -184,6 +215,11 @@ pub fn rows(noun: Noun) -> impl Iterator<Item = &'static Row> {
 /// The row `name` of a noun.
 pub fn row(noun: Noun, name: &str) -> Option<&'static Row> {
     rows(noun).find(|row| row.name == name)
+}
+
+/// Whether things of this noun can have names that attributes refer to.
+pub fn named(noun: Noun) -> bool {
+    row(noun, "name").is_some()
 }
 
 /// The kinds of `attribute`.
@@ -206,6 +242,36 @@ mod tests {
             let noun = holder.unwrap_or_else(|| panic!("no row for kind {}", kind.name)).noun;
             for parameter in kind.parameters {
                 assert!(row(noun, parameter).is_some(), "{} {parameter}", kind.name);
+            }
+        }
+    }
+
+    #[test]
+    fn tables_within_values_are_rows() {
+        for holder in ROWS {
+            let fields = match holder.form {
+                Form::Record(fields) | Form::Records(fields) | Form::Thing(fields) => fields,
+                Form::Number
+                | Form::Integer
+                | Form::Text
+                | Form::File
+                | Form::Length
+                | Form::Word(_)
+                | Form::Numbers(_)
+                | Form::Integers(_)
+                | Form::Place
+                | Form::Coefficients { .. }
+                | Form::Rows(_)
+                | Form::NumberOrRows(_)
+                | Form::Kind => continue,
+            };
+            assert!(!fields.is_empty(), "{}", holder.name);
+            for name in fields {
+                let field = row(holder.noun, name).unwrap_or_else(|| panic!("{} {name}", holder.name));
+                // Lists of tables become parallel arrays in USD: one number or one text a table.
+                if let Form::Records(_) = holder.form {
+                    assert!(matches!(field.form, Form::Number | Form::Text), "{} {name}", holder.name);
+                }
             }
         }
     }

@@ -1,7 +1,8 @@
 //! A tree of values with their places: TOML, JSON and (later) USD attributes look alike to the attribute readers, and
 //! every error can say where the value stands.
 
-use crate::base::Where;
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
 use std::fmt;
 
 /// A value and where it stands in the user's material.
@@ -103,5 +104,34 @@ impl fmt::Display for Value {
                 f.write_str(" }")
             }
         }
+    }
+}
+
+impl Value {
+    /// As JSON, which has no infinity: that is the text `"inf"`, as all readers take it. Numbers keep every bit (whole
+    /// ones are written without a fraction).
+    ///
+    /// # Errors
+    /// NaN and −∞, which no attribute can mean; none come out of a reader.
+    pub fn to_json(&self) -> Result<serde_json::Value> {
+        Ok(match &self.data {
+            Data::Bool(flag) => (*flag).into(),
+            Data::Number(number) if *number == f64::INFINITY => "inf".into(),
+            Data::Number(number) => {
+                // 2^53: below it every whole number is exact in both; −0 is not whole for JSON.
+                let whole = number.fract() == 0.0 && number.abs() < 9_007_199_254_740_992.0;
+                if whole && !(*number == 0.0 && number.is_sign_negative()) {
+                    return Ok((*number as i64).into());
+                }
+                let json = serde_json::Number::from_f64(*number).map(serde_json::Value::Number);
+                json.ok_or_else(|| Fault::new(self.at.clone(), format!("{number} can't be written")))?
+            }
+            Data::Text(text) => text.as_str().into(),
+            Data::List(items) => items.iter().map(Value::to_json).collect::<Result<Vec<_>>>()?.into(),
+            Data::Table(entries) => {
+                let entries = entries.iter().map(|(key, value)| Ok((key.clone(), value.to_json()?)));
+                serde_json::Value::Object(entries.collect::<Result<_>>()?)
+            }
+        })
     }
 }

@@ -29,7 +29,7 @@ pub fn coating(value: &Value, name: &str) -> Result<Option<Coating>> {
 }
 
 fn film(value: &Value) -> Result<FilmLayer> {
-    let fields = Fields::of(Noun::Coating, "film", value, &["n", "k", "material", "thickness_nm"])?;
+    let fields = Fields::of(Noun::Coating, "film", value, &attribute::FILM)?;
     let thickness_nm = fields.need_number("thickness_nm")?;
     let index = match (fields.number("n")?, fields.number("k")?, fields.text("material")?) {
         (Some(n), None | Some(0.0), None) => Dispersion::Constant(n),

@@ -19,18 +19,7 @@ pub struct EmitterSpec {
 /// The attributes that say how strong an emitter is; one of them holds.
 pub const STRENGTHS: [&str; 5] = ["flux_lm", "luminance_cd_m2", "intensity_cd", "illuminance_lx", "radiant_flux_w"];
 
-/// The attributes of an emitter's table.
-pub const ATTRIBUTES: [&str; 9] = [
-    "name",
-    "group",
-    "flux_lm",
-    "luminance_cd_m2",
-    "intensity_cd",
-    "illuminance_lx",
-    "radiant_flux_w",
-    "angular",
-    "spectrum",
-];
+pub use crate::scene::attribute::EMITTER as ATTRIBUTES;
 
 pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
     let fields = Fields::of(Noun::Emitter, "emitter", value, &ATTRIBUTES)?;
@@ -62,15 +51,10 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
             Angular::Lambert
         }
     };
-    let spectrum = fields.value("spectrum").map(|value| {
-        let name = value.text().map_or_else(|| value.to_string(), str::to_owned);
-        notes.push(Note {
-            severity: Severity::Info,
-            at: value.at.clone(),
-            text: format!("spectrum {name} is kept; this version renders luminance, not colour"),
-        });
-        name
-    });
+    let spectrum = match fields.value("spectrum") {
+        Some(value) => Some(spectrum(value, notes)?),
+        None => None,
+    };
     Ok(EmitterSpec { group, photometry, angular, spectrum })
 }
 
@@ -81,6 +65,23 @@ fn angular(value: &Value) -> Result<Angular> {
         "cos_n" => Ok(Angular::CosN { n: read.fields.need_number("n")? }),
         name => Err(not_yet(&value.at, &format!("angular `{name}`"))),
     }
+}
+
+/// The name of a spectrum; a note that it is only kept.
+fn spectrum(value: &Value, notes: &mut Vec<Note>) -> Result<String> {
+    let read = union(Noun::Emitter, "spectrum", value)?;
+    match read.kind.name {
+        "cct" => drop(read.fields.need_number("cct")?),
+        "table" => drop(read.fields.need_rows::<2>("table")?),
+        _ => {}
+    }
+    let name = value.text().map_or_else(|| value.to_string(), str::to_owned);
+    notes.push(Note {
+        severity: Severity::Info,
+        at: value.at.clone(),
+        text: format!("spectrum {name} is kept; this version renders luminance, not colour"),
+    });
+    Ok(name)
 }
 
 /// A name that may be part of a layer name: `[A-Za-z][A-Za-z0-9_]*`.

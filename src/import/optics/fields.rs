@@ -5,6 +5,7 @@ use crate::base::fault::Result;
 use crate::base::units::parse_length_m;
 use crate::base::{Fault, Where};
 use crate::import::value::{Data, Value};
+use crate::scene::attribute::union::split;
 use crate::scene::attribute::{self, Kind, Noun, Row, Support};
 use crate::scene::{Note, Severity};
 use glam::DVec3;
@@ -120,6 +121,9 @@ impl<'a> Fields<'a> {
     pub fn need_numbers<const N: usize>(&self, name: &str) -> Result<[f64; N]> {
         self.numbers(name)?.ok_or_else(|| self.missing(name))
     }
+    pub fn need_rows<const N: usize>(&self, name: &str) -> Result<Vec<[f64; N]>> {
+        self.get(name, rows)?.ok_or_else(|| self.missing(name))
+    }
     /// A unit vector.
     pub fn direction(&self, name: &str) -> Result<Option<DVec3>> {
         let Some([x, y, z]) = self.numbers::<3>(name)? else { return Ok(None) };
@@ -185,6 +189,12 @@ fn numbers<const N: usize>(value: &Value, row: &Row) -> Result<[f64; N]> {
     Ok(out)
 }
 
+/// Rows of N numbers, at least one.
+pub fn rows<const N: usize>(value: &Value, row: &Row) -> Result<Vec<[f64; N]>> {
+    let items = value.list().filter(|list| !list.is_empty()).ok_or_else(|| wrong(value, row))?;
+    items.iter().map(|item| numbers(item, row)).collect()
+}
+
 fn length(value: &Value, row: &Row) -> Result<f64> {
     match &value.data {
         Data::Text(text) => parse_length_m(text)
@@ -245,60 +255,14 @@ pub struct Union<'a> {
 /// Reads `"polished"`, `{ kind = "gauss", sigma_deg = 6 }`, `{ gauss = { sigma_deg = 6 } }` or `{ stack = […] }` as a kind
 /// of `attribute`. Faults: unknown or not yet rendered kinds, parameters that the kind doesn't take.
 pub fn union<'a>(noun: Noun, attribute: &str, value: &'a Value) -> Result<Union<'a>> {
-    let names = || attribute::kinds(attribute).map(|kind| kind.name);
-    let rendered = || attribute::kinds(attribute).filter(|kind| kind.rendered).map(|kind| kind.name);
-    let unknown = |name: &str, at: &Where| {
-        Fault::new(at.clone(), format!("unknown {attribute} `{name}`"))
-            .expected(one_of(rendered()))
-            .nearest(name, names())
-    };
-    let find = |name: &str| attribute::kinds(attribute).find(|kind| kind.name == name);
-    let (name, at, entries) = match &value.data {
-        Data::Text(name) => (name.as_str(), &value.at, Vec::new()),
-        Data::Table(table) => {
-            let all = || table.iter().map(|(key, value)| (key.as_str(), value));
-            if let Some(tag) = value.get("kind") {
-                let name = tag.text().ok_or_else(|| unknown(&tag.to_string(), &tag.at))?;
-                (name, &tag.at, all().filter(|(key, _)| *key != "kind").collect())
-            } else {
-                let mut tags = all().filter(|(key, _)| find(key).is_some());
-                match (tags.next(), tags.next()) {
-                    (Some((name, inner)), None) => match &inner.data {
-                        Data::Table(inner_table) => {
-                            let beside = all().filter(|(key, _)| *key != name);
-                            let inside = inner_table.iter().map(|(key, value)| (key.as_str(), value));
-                            (name, &inner.at, beside.chain(inside).collect())
-                        }
-                        // The parameter itself names the kind.
-                        Data::Bool(_) | Data::Number(_) | Data::Text(_) | Data::List(_) => {
-                            (name, &inner.at, all().collect())
-                        }
-                    },
-                    (Some((one, _)), Some((two, at))) => {
-                        return Err(Fault::new(at.at.clone(), format!("{attribute} is both `{one}` and `{two}`"))
-                            .expected("one of them"));
-                    }
-                    (None, _) => {
-                        let first = table.first().map_or("", |(key, _)| key.as_str());
-                        return Err(Fault::new(value.at.clone(), format!("{attribute} {value} has no kind"))
-                            .expected(one_of(rendered()))
-                            .nearest(first, names()));
-                    }
-                }
-            }
-        }
-        Data::Bool(_) | Data::Number(_) | Data::List(_) => {
-            return Err(Fault::new(value.at.clone(), format!("{attribute} is {} ({value})", value.kind()))
-                .expected(one_of(rendered())));
-        }
-    };
-    let kind = find(name).ok_or_else(|| unknown(name, at))?;
+    let read = split(attribute, value)?;
+    let kind = read.kind.ok_or_else(|| attribute::union::unknown(attribute, read.name, read.at))?;
     if !kind.rendered {
-        return Err(not_yet(at, &format!("{attribute} `{name}`")));
+        return Err(not_yet(read.at, &format!("{attribute} `{}`", kind.name)));
     }
-    let what = format!("{attribute} `{name}`");
-    if let (true, Some((key, value))) = (kind.parameters.is_empty(), entries.first()) {
+    let what = format!("{attribute} `{}`", kind.name);
+    if let (true, Some((key, value))) = (kind.parameters.is_empty(), read.parameters.first()) {
         return Err(Fault::new(value.at.clone(), format!("{what} takes no `{key}`")));
     }
-    Ok(Union { kind, fields: Fields::from_entries(noun, &what, &value.at, entries, kind.parameters)? })
+    Ok(Union { kind, fields: Fields::from_entries(noun, &what, &value.at, read.parameters, kind.parameters)? })
 }

@@ -154,8 +154,6 @@ fn table<const N: usize>(value: &Value, row: &Row, columns: [Column; N]) -> Resu
 
 /// The table `value` of medium attributes, checked for unknown names. Returns its entries.
 pub fn entries(value: &Value) -> Result<&[(String, Value)]> {
-    const ALLOWED: &[&str] =
-        &["name", "ior", "glass", "sellmeier", "cauchy", "abbe", "index_table", "absorption_per_m", "priority"];
-    Fields::of(Noun::Medium, "a medium", value, ALLOWED)?;
+    Fields::of(Noun::Medium, "a medium", value, &attribute::MEDIUM)?;
     Ok(value.table().unwrap_or(&[]))
 }

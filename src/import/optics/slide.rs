@@ -23,9 +23,7 @@ pub struct SlideSpec {
     pub contrast: f64,
 }
 
-/// The attributes of a slide's table.
-pub const ATTRIBUTES: [&str; 9] =
-    ["name", "image", "size", "u", "v", "centre", "transmittance", "contrast", "polarisation"];
+pub use crate::scene::attribute::SLIDE as ATTRIBUTES;
 
 pub fn slide(value: &Value, notes: &mut Vec<Note>) -> Result<SlideSpec> {
     let fields = Fields::of(Noun::Slide, "slide", value, &ATTRIBUTES)?;

@@ -1,6 +1,6 @@
 //! The attributes of the whole asset: wavelengths, unit, version of the vocabulary.
 
-use super::fields::{Fields, number};
+use super::fields::{not_yet, number, union};
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::import::value::Value;
@@ -14,17 +14,12 @@ pub fn wavelengths(value: Option<&Value>, notes: &mut Vec<Note>) -> Result<Wavel
         notes.push(Note { severity: Severity::Info, at: Where::Nowhere, text });
         return Ok(Wavelengths::Visible);
     };
-    if let Some(text) = value.text() {
-        return if text == "visible" {
-            Ok(Wavelengths::Visible)
-        } else {
-            Err(Fault::new(value.at.clone(), format!("unknown wavelengths `{text}`"))
-                .expected("{ mono_nm = 550 } or \"visible\"")
-                .nearest(text, ["visible"]))
-        };
+    let read = union(Noun::Asset, "wavelengths", value)?;
+    match read.kind.name {
+        "visible" => Ok(Wavelengths::Visible),
+        "mono_nm" => Ok(Wavelengths::Mono { nm: read.fields.need_number("mono_nm")? }),
+        name => Err(not_yet(&value.at, &format!("wavelengths `{name}`"))),
     }
-    let fields = Fields::of(Noun::Asset, "wavelengths", value, &["mono_nm"])?;
-    Ok(Wavelengths::Mono { nm: fields.need_number("mono_nm")? })
 }
 
 /// `unit`, metres per unit of the asset.

@@ -425,7 +425,7 @@ fn sidecars_as_a_whole() {
         ),
         (
             ("{ mono_nm = 550 }", "\"visable\""),
-            "hud.optics.toml:2: unknown wavelengths `visable`; expected { mono_nm = 550 } or \"visible\"; did you mean `visible`?",
+            "hud.optics.toml:2: unknown wavelengths `visable`; expected one of mono_nm, visible; did you mean `visible`?",
         ),
         (("schema = 1", "schema = 1\nunit = 0"), "hud.optics.toml:2: `unit` is 0; expected a number > 0 in m"),
         (("[0, 0, -1]", "[0, 0, 0]"), "hud.optics.toml:5: `look` of eye is the zero vector; expected a direction"),

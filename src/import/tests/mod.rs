@@ -6,6 +6,7 @@ mod hostile;
 mod samples;
 mod scenes;
 mod sets;
+mod table;
 
 use super::testing::assembly;
 use super::{Assembly, Built, Set, build, toml};

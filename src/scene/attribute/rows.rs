@@ -1,7 +1,10 @@
 //! The rows themselves. Keep each on its lines: this is the vocabulary that people read.
 
 use super::{Form, Kind, Noun, Range, Row, Support};
-use Form::{File, Integer, Length, List, Number, Numbers, Place, Text};
+use Form::{
+    Coefficients, File, Integer, Integers, Length, Number, NumberOrRows, Numbers, Place, Record, Records, Rows, Text,
+    Thing, Word,
+};
 use Noun::{Asset, Coating, Emitter, Eye, Finish, Medium, Shape, Sky, Slide};
 use Range::{Above, Any, AtLeast, AtLeastOrInfinite, Between, NonZero, Positive, PositiveOrInfinite, Within};
 use Support::{Kept, NotYet, Rendered};
@@ -25,19 +28,43 @@ impl Row {
 const MOST_LIGHT: Range = Within(0.0, 1e12);
 const MOST_LUMINANCE: Range = Within(0.0, 1e15);
 
+/// The attributes of a medium's table, which a node may also have without the table around them.
+pub const MEDIUM: [&str; 9] =
+    ["name", "ior", "glass", "sellmeier", "cauchy", "abbe", "index_table", "absorption_per_m", "priority"];
+/// The attributes of an emitter's table.
+pub const EMITTER: [&str; 9] = [
+    "name",
+    "group",
+    "flux_lm",
+    "luminance_cd_m2",
+    "intensity_cd",
+    "illuminance_lx",
+    "radiant_flux_w",
+    "angular",
+    "spectrum",
+];
+/// The attributes of a slide's table.
+pub const SLIDE: [&str; 9] = ["name", "image", "size", "u", "v", "centre", "transmittance", "contrast", "polarisation"];
+/// A film of a coating.
+pub const FILM: [&str; 4] = ["n", "k", "material", "thickness_nm"];
+/// A line of a measured coating.
+const MEASURED: [&str; 6] = ["wavelength_nm", "angle_deg", "R_s", "R_p", "T_s", "T_p"];
+
 /// Every attribute.
 #[rustfmt::skip]
 pub const ROWS: &[Row] = &[
     // What fills a closed solid.
-    new(Medium, "medium", Text, "", Any, "name of a [medium.NAME], \"none\", or a table of medium attributes"),
+    new(Medium, "medium", Thing(&MEDIUM), "", Any, "name of a [medium.NAME], \"none\", or a table of medium attributes"),
     new(Medium, "name", Text, "", Any, "name of a medium of the asset"),
     new(Medium, "ior", Number, "", AtLeast(1.0), "constant refractive index"),
     new(Medium, "glass", Text, "", Any, "name of a catalogue glass, e.g. N-BK7"),
-    new(Medium, "sellmeier", List, "µm²", Any, "{ b = [B1, B2, B3], c_um2 = [C1, C2, C3] }: n² = 1 + Σ B λ²/(λ² − C), λ in µm"),
-    new(Medium, "cauchy", List, "µm", Any, "[A, B, C]: n = A + B/λ² + C/λ⁴, λ in µm"),
+    new(Medium, "sellmeier", Record(&["b", "c_um2"]), "", Any, "{ b = [B1, B2, B3], c_um2 = [C1, C2, C3] }: n² = 1 + Σ B λ²/(λ² − C), λ in µm"),
+    new(Medium, "b", Coefficients { least: 1, most: 3 }, "", Any, "B of a Sellmeier formula; those left out are 0"),
+    new(Medium, "c_um2", Coefficients { least: 1, most: 3 }, "µm²", Any, "C of a Sellmeier formula; those left out are 0"),
+    new(Medium, "cauchy", Coefficients { least: 1, most: 3 }, "µm", Any, "[A, B, C]: n = A + B/λ² + C/λ⁴, λ in µm"),
     new(Medium, "abbe", Numbers(2), "", Positive, "[n_d, V_d]: index at 587.6 nm and Abbe number"),
-    new(Medium, "index_table", List, "nm", AtLeast(0.0), "[[λ in nm, n, k], …] with rising λ, linear between the rows; k >= 0 absorbs"),
-    new(Medium, "absorption_per_m", List, "1/m", AtLeast(0.0), "a number >= 0 in 1/m, or [[λ in nm, 1/m], …] with rising λ: exp(−a·length)").or("0"),
+    new(Medium, "index_table", Rows(&["λ in nm", "n", "k"]), "", AtLeast(0.0), "[[λ in nm, n, k], …] with rising λ, linear between the rows; k >= 0 absorbs"),
+    new(Medium, "absorption_per_m", NumberOrRows(&["λ in nm", "1/m"]), "1/m", AtLeast(0.0), "a number >= 0 in 1/m, or [[λ in nm, 1/m], …] with rising λ: exp(−a·length)").or("0"),
     new(Medium, "priority", Integer, "", Any, "where solids overlap or touch, the higher priority wins").or("0"),
     // What a face does with light.
     new(Finish, "finish", Form::Kind, "", Any, "what the face does with light"),
@@ -51,27 +78,34 @@ pub const ROWS: &[Row] = &[
     // Thin films on a polished face.
     new(Coating, "coating", Form::Kind, "", Any, "thin films on a polished face; also the name of a [coating.NAME]"),
     new(Coating, "name", Text, "", Any, "name of a coating of the asset"),
-    new(Coating, "stack", List, "", Any, "a list of films { n, k or material, thickness_nm } from outside the solid inwards"),
+    new(Coating, "stack", Records(&FILM), "", Any, "a list of films { n, k or material, thickness_nm } from outside the solid inwards"),
     new(Coating, "n", Number, "", Positive, "real part of a film's index"),
     new(Coating, "k", Number, "", AtLeast(0.0), "imaginary part of a film's index").or("0"),
     new(Coating, "material", Text, "", Any, "catalogue name of a film's material"),
     new(Coating, "thickness_nm", Number, "nm", AtLeast(0.0), "physical thickness of a film"),
-    new(Coating, "table", List, "", Any, "[{ λ, θ, R_s, R_p, T_s, T_p }, …] measured").is(NotYet),
-    new(Coating, "ideal", List, "", Any, "{ R, T } at every angle").is(NotYet),
+    new(Coating, "table", Records(&MEASURED), "", Any, "measured shares, a list of { wavelength_nm, angle_deg, R_s, R_p, T_s, T_p }").is(NotYet),
+    new(Coating, "wavelength_nm", Number, "nm", Positive, "of a measured line").is(NotYet),
+    new(Coating, "angle_deg", Number, "deg", Within(0.0, 90.0), "of a measured line, to the normal").is(NotYet),
+    new(Coating, "R_s", Number, "", Within(0.0, 1.0), "reflected share of a measured line, s-polarised").is(NotYet),
+    new(Coating, "R_p", Number, "", Within(0.0, 1.0), "reflected share of a measured line, p-polarised").is(NotYet),
+    new(Coating, "T_s", Number, "", Within(0.0, 1.0), "transmitted share of a measured line, s-polarised").is(NotYet),
+    new(Coating, "T_p", Number, "", Within(0.0, 1.0), "transmitted share of a measured line, p-polarised").is(NotYet),
+    new(Coating, "R", Number, "", Within(0.0, 1.0), "reflected share at every angle").is(NotYet),
+    new(Coating, "T", Number, "", Within(0.0, 1.0), "transmitted share at every angle").is(NotYet),
     // The exact surface that a meshed face approximates.
     new(Shape, "shape", Form::Kind, "", Any, "the exact surface that the mesh approximates").or("the mesh itself"),
     new(Shape, "vertex", Numbers(3), "mesh units", Any, "vertex of the surface"),
     new(Shape, "axis", Numbers(3), "", Any, "axis of the surface at its vertex, not zero"),
     new(Shape, "radius", Number, "mesh units", NonZero, "radius of curvature; > 0: centre at vertex + radius·axis"),
     new(Shape, "conic", Number, "", Any, "conic constant: 0 sphere, −1 paraboloid"),
-    new(Shape, "even", List, "mesh units", Any, "even polynomial coefficients").is(NotYet),
+    new(Shape, "even", Coefficients { least: 1, most: 32 }, "mesh units", Any, "even polynomial coefficients").is(NotYet),
     new(Shape, "tube_radius", Number, "mesh units", Positive, "radius of a toroid's tube").is(NotYet),
-    new(Shape, "coeffs", List, "mesh units", Any, "polynomial coefficients").is(NotYet),
+    new(Shape, "coeffs", Coefficients { least: 1, most: 1024 }, "mesh units", Any, "polynomial coefficients").is(NotYet),
     new(Shape, "norm_radius", Number, "mesh units", Positive, "normalisation radius").is(NotYet),
-    new(Shape, "surface", Text, "", Any, "which surface to fit: plane, sphere or conic").or("the simplest that fits"),
+    new(Shape, "surface", Word(&["plane", "sphere", "conic"]), "", Any, "which surface to fit: plane, sphere or conic").or("the simplest that fits"),
     new(Shape, "tolerance_um", Number, "µm", Positive, "greatest distance of a point of the face from the fitted surface"),
     // A face that emits.
-    new(Emitter, "emitter", List, "", Any, "{ group, flux_lm or luminance_cd_m2 or intensity_cd, angular, spectrum }"),
+    new(Emitter, "emitter", Thing(&EMITTER), "", Any, "{ group, flux_lm or luminance_cd_m2 or intensity_cd, angular, spectrum }"),
     new(Emitter, "name", Text, "", Any, "name of an emitter of the asset"),
     new(Emitter, "group", Text, "", Any, "light group, part of layer names: letters, digits and _, a letter first").or("lamp"),
     new(Emitter, "flux_lm", Number, "lm", MOST_LIGHT, "luminous flux of each face it is bound to"),
@@ -84,9 +118,11 @@ pub const ROWS: &[Row] = &[
     new(Emitter, "n", Number, "", Within(0.0, 1e8), "exponent of cosⁿ"),
     new(Emitter, "fwhm_deg", Number, "deg", Between(0.0, 180.0), "full width at half maximum").is(NotYet),
     new(Emitter, "file", File, "", Any, "luminous intensity distribution, .ies or .ldt").is(NotYet),
-    new(Emitter, "spectrum", List, "", Any, "D65, A, { cct = kelvin }, led_b1, … or a table").is(Kept),
+    new(Emitter, "spectrum", Form::Kind, "", Any, "colour of the light").is(Kept),
+    new(Emitter, "cct", Number, "K", Within(1000.0, 25_000.0), "correlated colour temperature").is(Kept),
+    new(Emitter, "table", Rows(&["λ in nm", "W"]), "", AtLeast(0.0), "[[λ in nm, relative power], …] with rising λ").is(Kept),
     // A thin transmissive picture on a face.
-    new(Slide, "slide", List, "", Any, "{ image, size, u, v, centre, transmittance, contrast }"),
+    new(Slide, "slide", Thing(&SLIDE), "", Any, "{ image, size, u, v, centre, transmittance, contrast }"),
     new(Slide, "name", Text, "", Any, "name of a slide of the asset"),
     new(Slide, "image", File, "", Any, "picture with linear values, PNG of 8 or 16 bits"),
     new(Slide, "size", Numbers(2), "mesh units", Positive, "width and height of the picture"),
@@ -95,7 +131,9 @@ pub const ROWS: &[Row] = &[
     new(Slide, "centre", Numbers(3), "mesh units", Any, "centre of the picture").or("centre of the face's bounds"),
     new(Slide, "transmittance", Number, "", Within(0.0, 1.0), "of white").or("1"),
     new(Slide, "contrast", Number, "", AtLeastOrInfinite(1.0), "transmittance of white over that of black").or("inf"),
-    new(Slide, "polarisation", List, "", Any, "{ angle_deg, degree }").is(NotYet),
+    new(Slide, "polarisation", Record(&["angle_deg", "degree"]), "", Any, "{ angle_deg, degree } of the light that leaves").is(NotYet),
+    new(Slide, "angle_deg", Number, "deg", Any, "direction of polarisation, from u towards v").is(NotYet),
+    new(Slide, "degree", Number, "", Within(0.0, 1.0), "degree of polarisation").is(NotYet),
     // Light from everywhere.
     new(Sky, "image", File, "", Any, "latitude-longitude panorama, EXR or HDR"),
     new(Sky, "scale_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "luminance of a pixel of value 1").or("1"),
@@ -110,7 +148,7 @@ pub const ROWS: &[Row] = &[
     new(Eye, "pupil_diameter", Length, "", AtLeast(0.0), "diameter of the pupil; 0 is a pinhole").or("4 mm"),
     new(Eye, "focus_distance", Length, "", PositiveOrInfinite, "distance of the plane of focus").or("inf"),
     new(Eye, "fov_deg", Number, "deg", Between(0.0, 180.0), "full horizontal field of view"),
-    new(Eye, "resolution", Numbers(2), "pixels", Within(1.0, 65536.0), "width and height of the picture").or("360 x 180"),
+    new(Eye, "resolution", Integers(2), "pixels", Within(1.0, 65536.0), "width and height of the picture").or("360 x 180"),
     new(Eye, "age", Number, "years", Within(1.0, 120.0), "for glare and the adaptive pupil").or("45"),
     // The whole asset.
     new(Asset, "schema", Integer, "", Any, "version of this vocabulary, 1"),
@@ -151,7 +189,7 @@ pub const KINDS: &[Kind] = &[
     kind("coating", "none", &[], "no coating"),
     kind("coating", "stack", &["name", "stack"], "films by the transfer-matrix method"),
     kind("coating", "table", &["name", "table"], "measured").not_yet(),
-    kind("coating", "ideal", &["name", "ideal"], "fixed shares").not_yet(),
+    kind("coating", "ideal", &["name", "R", "T"], "fixed shares").not_yet(),
     kind("shape", "mesh", &[], "the triangles, shaded with their normals"),
     kind("shape", "plane", &["vertex", "axis"], "plane"),
     kind("shape", "sphere", &["vertex", "axis", "radius"], "sphere"),
@@ -166,6 +204,20 @@ pub const KINDS: &[Kind] = &[
     kind("angular", "cos_n", &["n"], "I ∝ cosⁿ θ"),
     kind("angular", "gauss", &["fwhm_deg"], "Gaussian beam").not_yet(),
     kind("angular", "profile", &["file"], "measured").not_yet(),
-    kind("wavelengths", "mono", &["mono_nm"], "one wavelength"),
+    kind("spectrum", "D65", &[], "CIE standard illuminant D65"),
+    kind("spectrum", "A", &[], "CIE standard illuminant A"),
+    kind("spectrum", "equal", &[], "equal power at every wavelength"),
+    kind("spectrum", "cct", &["cct"], "daylight or a black body of this colour temperature"),
+    kind("spectrum", "led_b1", &[], "CIE 015:2018 LED-B1, a phosphor LED of 2733 K"),
+    kind("spectrum", "led_b2", &[], "CIE 015:2018 LED-B2, a phosphor LED of 2998 K"),
+    kind("spectrum", "led_b3", &[], "CIE 015:2018 LED-B3, a phosphor LED of 4103 K"),
+    kind("spectrum", "led_b4", &[], "CIE 015:2018 LED-B4, a phosphor LED of 5109 K"),
+    kind("spectrum", "led_b5", &[], "CIE 015:2018 LED-B5, a phosphor LED of 6598 K"),
+    kind("spectrum", "led_bh1", &[], "CIE 015:2018 LED-BH1, blue pump with red"),
+    kind("spectrum", "led_rgb1", &[], "CIE 015:2018 LED-RGB1, three LEDs"),
+    kind("spectrum", "led_v1", &[], "CIE 015:2018 LED-V1, violet pump, 2724 K"),
+    kind("spectrum", "led_v2", &[], "CIE 015:2018 LED-V2, violet pump, 4070 K"),
+    kind("spectrum", "table", &["table"], "measured"),
+    kind("wavelengths", "mono_nm", &["mono_nm"], "one wavelength"),
     kind("wavelengths", "visible", &[], "the visible range"),
 ];
