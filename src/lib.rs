@@ -5,7 +5,7 @@
 //! (The plan comes after the world is frozen, since its pilots trace.)
 //! Modules are floors; a module imports only from lower floors (`tests/floors.rs` enforces it).
 
-pub mod author; // floor 2: writers, and the schemas of the attributes
+pub mod author; // floor 2: glTF and USD out, and the schemas of the attributes
 pub mod base; // floor 0: units, ids, randomness, statistics, path strings, errors
 pub mod check; // floor 2: facts of a scene, and the proof that it can be rendered
 pub mod cmd; // floor 7: one file per subcommand

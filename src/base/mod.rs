@@ -1,9 +1,12 @@
-//! Floor 0: units, typed ids, errors with places, random numbers, warps, statistics, event strings.
+//! Floor 0: units, typed ids, errors with places, random numbers, warps, statistics, event strings,
+//! file names, whole files.
 
+pub mod atomic;
 pub mod complex;
 pub mod fault;
 pub mod ids;
 pub mod path;
+pub mod relative;
 pub mod rng;
 pub mod stats;
 pub mod units;

@@ -1,9 +1,9 @@
 //! `eyebox init`: a sidecar to start from.
 
 use super::{Format, print};
+use crate::base::atomic::{check_writable, write_atomic};
 use crate::base::{Fault, Result, Where};
 use crate::import::skeleton::{Skeleton, skeleton};
-use crate::output::atomic::{check_writable, write_atomic};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;

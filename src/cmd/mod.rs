@@ -3,13 +3,18 @@
 //! Exit codes: 0 clean, 1 findings (or a stated error not met), 2 usage or failure, 130 and 143 after Ctrl-C and SIGTERM
 //! (with a valid file).
 
+mod annotate;
+mod convert;
 mod init;
 mod inspect;
 mod progress;
 mod render;
 mod view;
 
+use crate::author::Written;
 use crate::base::{Fault, Result};
+use crate::scene::assembly::Assembly;
+use crate::scene::{Note, Severity};
 use clap::{Parser, Subcommand, ValueEnum};
 use std::process::ExitCode;
 
@@ -34,6 +39,10 @@ enum Command {
     Inspect(inspect::InspectArgs),
     /// Write a sidecar to start from.
     Init(init::InitArgs),
+    /// Write a copy of an asset that carries the attributes of a sidecar itself.
+    Annotate(annotate::AnnotateArgs),
+    /// Write an assembly in another format, with all its optical attributes.
+    Convert(convert::ConvertArgs),
     /// Turn a layer of an EXR into a PNG for a display.
     View(view::ViewArgs),
 }
@@ -64,6 +73,8 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(args),
         Command::Inspect(args) => inspect::run(args),
         Command::Init(args) => init::run(args),
+        Command::Annotate(args) => annotate::run(args),
+        Command::Convert(args) => convert::run(args),
         Command::View(args) => view::run(args),
     };
     match result {
@@ -103,4 +114,21 @@ fn print(format: Format, text: impl FnOnce() -> String, json: impl FnOnce() -> s
     }
     let _ = std::io::stdout().lock().write_all(out.as_bytes());
     Ok(())
+}
+
+/// Prints which files were written, what the format can't say, and warnings from reading.
+fn authored(format: Format, assembly: &Assembly, written: &Written) -> Result<ExitCode> {
+    let warnings = assembly.notes.iter().filter(|note| note.severity == Severity::Warning);
+    let notes: Vec<&Note> = warnings.chain(&written.notes).collect();
+    let line = |note: &&Note| {
+        let severity = if note.severity == Severity::Warning { "warning" } else { "note" };
+        let at = note.at.to_string();
+        if at.is_empty() { format!("{severity}: {}", note.text) } else { format!("{severity}: {at}: {}", note.text) }
+    };
+    let text = || {
+        let files = written.files.iter().map(|file| file.display().to_string());
+        notes.iter().map(line).chain(files).collect::<Vec<_>>().join("\n")
+    };
+    print(format, text, || serde_json::json!({ "files": written.files, "notes": notes }))?;
+    Ok(ExitCode::SUCCESS)
 }

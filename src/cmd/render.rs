@@ -2,6 +2,7 @@
 
 use super::progress::{Progress, Signals};
 use super::{Format, print};
+use crate::base::atomic::check_writable;
 use crate::base::{Fault, Result, Where};
 use crate::check::check;
 use crate::estimate::data::data_layers;
@@ -10,7 +11,6 @@ use crate::estimate::run::{Limits, Outcome, Stop, run as trace};
 use crate::estimate::wish;
 use crate::film::plan::{Estimator, Plan};
 use crate::import::{Built, ImportOptions, Set, import};
-use crate::output::atomic::check_writable;
 use crate::output::exr::write_exr;
 use crate::plan::{Choice, plan_unless};
 use crate::scene::assembly::LayerWish;

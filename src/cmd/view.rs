@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::{Format, print};
+use crate::base::atomic::check_writable;
 use crate::base::fault::{Fault, Result, Where};
-use crate::output::atomic::check_writable;
 use crate::output::exr::read_exr;
 use crate::output::view::{Shown, ViewInfo, ViewOptions, write_view};
 

@@ -57,7 +57,10 @@ pub fn offer_all(
         while let Some(index) = above {
             if let Some(Some(said)) = nodes.get(index) {
                 heard[index] = true;
-                nearer.hear(said, part, candidate, assembly)?;
+                let own = index == candidate.node;
+                // A node with a mesh numbers the faces of that mesh: a part below it may have fewer.
+                let numbered = !own && assembly.nodes.get(index).is_some_and(|node| node.mesh.is_some());
+                nearer.hear(said, part, candidate, assembly, numbered)?;
             }
             // Parents stand before their children, so that this ends.
             above = assembly.nodes.get(index).and_then(|node| node.parent).filter(|parent| *parent < index);
@@ -133,6 +136,7 @@ impl Nearer {
         part: &mut PartBound,
         candidate: &Candidate,
         assembly: &Assembly,
+        numbered: bool,
     ) -> Result<()> {
         let new: Vec<Rc<Entry>> =
             said.whole.iter().filter(|entry| !self.whole.contains(&entry.slot)).cloned().collect();
@@ -141,7 +145,13 @@ impl Nearer {
         let mut now = Vec::new();
         for (which, row, entries) in &said.faces {
             let at = row.get("faces").or(row.get("normal")).map_or(&row.at, |value| &value.at);
-            for face in which.of(candidate, assembly, at)? {
+            let faces = match which {
+                Faces::Numbers(numbers) if numbered => {
+                    numbers.iter().copied().filter(|number| *number < candidate.faces).collect()
+                }
+                which => which.of(candidate, assembly, at)?,
+            };
+            for face in faces {
                 for entry in entries.iter().filter(|entry| !self.faces.contains(&(entry.slot, face))) {
                     offer(part, std::slice::from_ref(entry), Rank::NodeFaces, Some(&[face]));
                     now.push((entry.slot, face));

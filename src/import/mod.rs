@@ -1,6 +1,7 @@
 //! Floor 2: from files to a [`Scene`](crate::scene::Scene). A format reader fills an [`Assembly`]; the attribute
 //! vocabulary, the sidecar and the binding rules turn it into a scene, the same for every format.
 
+pub mod annotate; // a sidecar as rows of the asset itself
 pub mod bind; // which value holds for an attribute of a part or face
 pub mod build; // assembly + sidecar + sets → scene
 mod carried; // what the asset says of itself
@@ -33,6 +34,7 @@ mod weld; // which vertices are one point
 
 pub use crate::scene::assembly::{self, Assembly};
 pub use crate::scene::value::{self, Data, Value};
+pub use annotate::annotate;
 pub use build::{Built, build};
 pub use deps::dependencies;
 pub use explain::Explained;
@@ -101,6 +103,11 @@ pub fn read(path: &Path) -> Result<(Assembly, Option<(PathBuf, Value)>)> {
     let text = format!("the asset carries no optical attributes; {} beside it is used", beside.display());
     assembly.notes.push(Note { severity: Severity::Info, at: Where::file(path), text });
     Ok((assembly, Some((beside, sidecar))))
+}
+
+/// The asset `path` as it was read, without any sidecar.
+pub fn asset(path: &Path) -> Result<Assembly> {
+    read_asset(path, &Where::Nowhere)
 }
 
 fn read_asset(path: &Path, at: &Where) -> Result<Assembly> {

@@ -44,6 +44,7 @@ pub enum Slot {
 }
 
 impl Slot {
+    pub const PART: [Slot; 3] = [Slot::Index, Slot::Absorption, Slot::Priority];
     pub const FACE: [Slot; 5] = [Slot::Finish, Slot::Coating, Slot::Shape, Slot::Emitter, Slot::Slide];
     const COUNT: usize = 8;
 
@@ -59,6 +60,19 @@ impl Slot {
             "slide" => Slot::Slide,
             _ => return None,
         })
+    }
+    /// The attribute that it goes by; an index goes by several.
+    pub fn key(self) -> &'static str {
+        match self {
+            Slot::Index => "medium",
+            Slot::Absorption => "absorption_per_m",
+            Slot::Priority => "priority",
+            Slot::Finish => "finish",
+            Slot::Coating => "coating",
+            Slot::Shape => "shape",
+            Slot::Emitter => "emitter",
+            Slot::Slide => "slide",
+        }
     }
     /// Whether it belongs to the whole part.
     pub fn of_part(self) -> bool {

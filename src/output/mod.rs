@@ -1,7 +1,6 @@
 //! Floor 2: what leaves the program: layered EXR and pictures to look at.
 
 pub mod assembly_tree;
-pub mod atomic;
 pub mod exr;
 pub mod geometry;
 pub mod tone;

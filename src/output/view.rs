@@ -6,9 +6,9 @@ use glam::DVec3;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
+use crate::base::atomic::write_atomic;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::{Channel, Frame};
-use crate::output::atomic::write_atomic;
 use crate::output::exr::COLOR_INTEROP_ID;
 use crate::output::tone::{ColorSpace, adaptation, code, srgb_code, ward_scale};
 

@@ -1,6 +1,7 @@
 //! Floor 1: the scene as plain data. Importers fill it through [`SceneBuilder`](crate::import); after that nobody can
 //! tell which format an assembly came from. Lengths of the world are metres; a mesh keeps the units of its file.
 
+pub mod annotation; // a sidecar as rows of the asset itself
 pub mod assembly; // what a format reader delivers
 pub mod attribute;
 pub mod coating;

@@ -23,6 +23,7 @@ mod notes;
 mod primitive;
 mod surface;
 mod transform;
+mod world;
 
 #[cfg(test)]
 pub(crate) mod testing;

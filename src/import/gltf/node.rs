@@ -5,7 +5,7 @@ use super::at::At;
 use super::hierarchy::{self, Tree};
 use super::light;
 use super::notes::Ledger;
-use super::transform;
+use super::{transform, world};
 use crate::base::fault::Result;
 use crate::import::assembly::{Assembly, Camera, Node};
 use glam::{DAffine3, DQuat};
@@ -13,7 +13,13 @@ use std::mem::size_of;
 
 /// Fills `assembly.nodes`, `assembly.cameras` and `assembly.lights`, depth first in the order of the file.
 pub(super) fn read(document: &Document<'_>, assembly: &mut Assembly, ledger: &mut Ledger) -> Result<()> {
-    let Tree { nodes, children, roots } = hierarchy::read(document)?;
+    let Tree { nodes, children, mut roots } = hierarchy::read(document)?;
+    if let [root] = roots.as_slice()
+        && let Some((axes, unit_m)) = nodes.get(*root).map_or(Ok(None), |at| world::read(at))?
+    {
+        (assembly.axes, assembly.unit_m) = (axes, unit_m);
+        roots = children.get(*root).cloned().unwrap_or_default();
+    }
     // (node, index of its parent in `assembly.nodes`); the last is taken first.
     let mut stack: Vec<(usize, Option<usize>)> = roots.iter().rev().map(|&root| (root, None)).collect();
     while let Some((index, parent)) = stack.pop() {
@@ -72,8 +78,9 @@ fn one(
     let mut copies = Vec::with_capacity(transforms.len());
     for (i, transform) in transforms.into_iter().enumerate() {
         let name = format!("{}[{i}]", node.name);
-        let to_world = world(node.to_world * transform)?;
         let local = node.local * transform;
+        // The product of what the hierarchy says, so that an asset with a node for each instance has the same bits.
+        let to_world = world(frame * local)?;
         copies.push(Node { path: below(&name), name, local, to_world, ..node.clone() });
     }
     // The node itself stays for its children; its mesh and attributes are the instances'.

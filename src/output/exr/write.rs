@@ -14,9 +14,9 @@ use ::exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use ::exr::prelude::{Compression, Vec2};
 
 use super::{COLOR_INTEROP_ID, DEFAULT_COLOR, PREFIX, WHITE_LUMINANCE, header};
+use crate::base::atomic::write_atomic;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::{Channel, Frame, Meta};
-use crate::output::atomic::write_atomic;
 
 /// Nuke stops at 1023 channels and slows down long before (`design/layers.md`).
 const MANY_CHANNELS: usize = 500;

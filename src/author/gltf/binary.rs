@@ -1,0 +1,87 @@
+//! The binary buffer of a new asset: one buffer view per kind of data, accessors into them.
+
+use serde_json::{Value as Json, json};
+
+/// Data of one kind, tightly packed.
+#[derive(Debug, Default)]
+struct View {
+    bytes: Vec<u8>,
+}
+
+/// Views in the order of their indices.
+const POSITIONS: usize = 0;
+const NORMALS: usize = 1;
+const UVS: usize = 2;
+const INDICES: usize = 3;
+
+#[derive(Debug, Default)]
+pub struct Binary {
+    views: [View; 4],
+    /// (view, byte offset, the rest of the accessor)
+    accessors: Vec<(usize, usize, Json)>,
+}
+
+impl Binary {
+    /// An accessor of positions with their bounds.
+    pub fn positions(&mut self, values: &[[f32; 3]]) -> usize {
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for value in values {
+            low = std::array::from_fn(|i| low[i].min(value[i]));
+            high = std::array::from_fn(|i| high[i].max(value[i]));
+        }
+        let wide = |bound: [f32; 3]| bound.map(f64::from);
+        let more = json!({ "min": wide(low), "max": wide(high) });
+        self.floats(POSITIONS, "VEC3", values, more)
+    }
+    pub fn normals(&mut self, values: &[[f32; 3]]) -> usize {
+        self.floats(NORMALS, "VEC3", values, json!({}))
+    }
+    pub fn uvs(&mut self, values: &[[f32; 2]]) -> usize {
+        self.floats(UVS, "VEC2", values, json!({}))
+    }
+    /// Vertex indices of triangles.
+    pub fn indices(&mut self, values: &[[u32; 3]]) -> usize {
+        let bytes = values.as_flattened().iter().flat_map(|index| index.to_le_bytes());
+        self.add(INDICES, bytes, values.len() * 3, json!({ "componentType": 5125, "type": "SCALAR" }))
+    }
+
+    fn floats<const N: usize>(&mut self, view: usize, kind: &str, values: &[[f32; N]], more: Json) -> usize {
+        let mut rest = json!({ "componentType": 5126, "type": kind });
+        if let (Some(rest), Json::Object(more)) = (rest.as_object_mut(), more) {
+            rest.extend(more);
+        }
+        let bytes = values.as_flattened().iter().flat_map(|number| number.to_le_bytes());
+        self.add(view, bytes, values.len(), rest)
+    }
+    fn add(&mut self, view: usize, bytes: impl Iterator<Item = u8>, count: usize, mut rest: Json) -> usize {
+        let Some(own) = self.views.get_mut(view) else { return 0 };
+        let offset = own.bytes.len();
+        own.bytes.extend(bytes);
+        rest["count"] = Json::from(count);
+        self.accessors.push((view, offset, rest));
+        self.accessors.len() - 1
+    }
+
+    /// The buffer's bytes, `bufferViews`, `accessors`.
+    pub fn finish(self) -> (Vec<u8>, Vec<Json>, Vec<Json>) {
+        let (mut bytes, mut views, mut places) = (Vec::new(), Vec::new(), [0; 4]);
+        for (index, view) in self.views.into_iter().enumerate().filter(|(_, view)| !view.bytes.is_empty()) {
+            places[index] = views.len();
+            let mut json = json!({ "buffer": 0, "byteOffset": bytes.len(), "byteLength": view.bytes.len() });
+            json["target"] = Json::from(if index == INDICES { 34963 } else { 34962 });
+            if index != INDICES {
+                json["byteStride"] = Json::from(if index == UVS { 8 } else { 12 });
+            }
+            views.push(json);
+            bytes.extend(view.bytes);
+        }
+        let accessor = |(view, offset, mut rest): (usize, usize, Json)| {
+            rest["bufferView"] = Json::from(places.get(view).copied().unwrap_or_default());
+            if offset > 0 {
+                rest["byteOffset"] = Json::from(offset);
+            }
+            rest
+        };
+        (bytes, views, self.accessors.into_iter().map(accessor).collect())
+    }
+}

@@ -1,0 +1,165 @@
+//! A whole assembly as a new glTF document.
+
+use super::super::Written;
+use super::binary::Binary;
+use super::light::PUNCTUAL;
+use super::value::{self, OPTICS};
+use super::{geometry, light, material, node, uri};
+use crate::base::atomic::write_atomic;
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::scene::assembly::Assembly;
+use crate::scene::value::{Data, Value};
+use crate::scene::{Note, Severity};
+use serde_json::{Map, Value as Json, json};
+use std::path::Path;
+
+/// The document while it is written.
+#[derive(Debug, Default)]
+pub struct Document {
+    pub binary: Binary,
+    pub nodes: Vec<Json>,
+    pub cameras: Vec<Json>,
+    pub lights: Vec<Json>,
+    /// The accessor of a single point, which stands for an empty face.
+    pub point: Option<usize>,
+    used: Vec<String>,
+    notes: Vec<Note>,
+}
+
+impl Document {
+    /// Lists an extension among those that are used.
+    pub fn uses(&mut self, extension: &str) {
+        if !self.used.iter().any(|own| own == extension) {
+            self.used.push(extension.to_owned());
+        }
+    }
+    /// Something that glTF can't say.
+    pub fn note(&mut self, at: &Where, text: String) {
+        self.notes.push(Note { severity: Severity::Warning, at: at.clone(), text });
+    }
+}
+
+/// Writes `assembly` as `.glb`, or as `.gltf` with its buffer beside it (`NAME.bin`).
+///
+/// Faults: a mesh whose triangles don't fit its vertices, numbers that JSON has not, a `.glb` above 4 GiB.
+pub fn write(assembly: &Assembly, out: &Path) -> Result<Written> {
+    let mut document = Document::default();
+    let meshes = assembly.meshes.iter().map(|mesh| geometry::mesh(&mut document, mesh)).collect::<Result<Vec<_>>>()?;
+    let materials =
+        assembly.materials.iter().map(|own| material::material(&mut document, own)).collect::<Result<Vec<_>>>()?;
+    let roots = node::nodes(&mut document, assembly)?;
+    let optics = root(&mut document, assembly, out);
+    if !assembly.layers.is_empty() {
+        let text = "the layers that the asset asks for have no form in glTF: not written";
+        document.note(&Where::file(&assembly.file), text.into());
+    }
+
+    let Document { binary, nodes, cameras, lights, mut used, notes, .. } = document;
+    let (bytes, views, accessors) = binary.finish();
+    let mut json = Map::new();
+    let generator = concat!("eyebox ", env!("CARGO_PKG_VERSION"));
+    json.insert("asset".into(), json!({ "version": "2.0", "generator": generator }));
+    let mut extensions = Map::new();
+    if let Some(optics) = optics {
+        if !used.iter().any(|own| own == OPTICS) {
+            used.push(OPTICS.into());
+        }
+        extensions.insert(OPTICS.into(), value::json(&optics)?);
+    }
+    if !lights.is_empty() {
+        extensions.insert(PUNCTUAL.into(), json!({ "lights": lights }));
+    }
+    used.sort();
+    let mut list = |key: &str, items: Vec<Json>| {
+        if !items.is_empty() {
+            json.insert(key.into(), Json::Array(items));
+        }
+    };
+    list("extensionsUsed", used.into_iter().map(Json::from).collect());
+    if !roots.is_empty() {
+        list("scenes", vec![json!({ "nodes": roots })]);
+    }
+    list("nodes", nodes);
+    list("meshes", meshes);
+    list("materials", materials);
+    list("cameras", cameras);
+    list("accessors", accessors);
+    list("bufferViews", views);
+    if !roots.is_empty() {
+        json.insert("scene".into(), Json::from(0));
+    }
+    if !extensions.is_empty() {
+        json.insert("extensions".into(), Json::Object(extensions));
+    }
+    let files = save(out, json, bytes)?;
+    Ok(Written { files, notes })
+}
+
+/// The root's attributes: those of the assembly, and the sky of a dome light.
+fn root(document: &mut Document, assembly: &Assembly, out: &Path) -> Option<Value> {
+    let Some(sky) = light::sky(document, assembly, out) else { return assembly.optics.clone() };
+    let at = sky.at.clone();
+    let version = || ("version".to_owned(), Value::new(Data::Number(1.0), at.clone()));
+    let own = assembly.optics.as_ref().and_then(Value::table);
+    let mut rows = own.map_or_else(|| vec![version()], <[_]>::to_vec);
+    rows.push(("sky".into(), sky));
+    Some(Value::new(Data::Table(rows), at))
+}
+
+/// Puts the files on disk, the buffer first. Returns them, the asset first.
+fn save(out: &Path, mut json: Map<String, Json>, mut bytes: Vec<u8>) -> Result<Vec<std::path::PathBuf>> {
+    let buffer = |json: &mut Map<String, Json>, bytes: &[u8], uri: Option<String>| {
+        if bytes.is_empty() {
+            return;
+        }
+        let mut buffer = json!({ "byteLength": bytes.len() });
+        if let Some(uri) = uri {
+            buffer["uri"] = Json::from(uri);
+        }
+        json.insert("buffers".into(), json!([buffer]));
+    };
+    if out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb")) {
+        buffer(&mut json, &bytes, None);
+        let mut text = Json::Object(json).to_string().into_bytes();
+        text.resize(text.len().next_multiple_of(4), b' ');
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        let glb = container(&text, &bytes).ok_or_else(|| {
+            Fault::new(Where::file(out), "the asset is larger than the 4 GiB of a .glb").expected("a .gltf")
+        })?;
+        write_atomic(out, &glb)?;
+        return Ok(vec![out.to_owned()]);
+    }
+    let beside = out.with_extension("bin");
+    let name = beside.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    buffer(&mut json, &bytes, Some(uri::encoded(&name)));
+    let mut text = serde_json::to_string_pretty(&json)
+        .map_err(|error| Fault::new(Where::file(out), format!("cannot be written as JSON: {error}")))?;
+    text.push('\n');
+    let mut files = vec![out.to_owned()];
+    if !bytes.is_empty() {
+        write_atomic(&beside, &bytes)?;
+        files.push(beside);
+    }
+    write_atomic(out, text.as_bytes())?;
+    Ok(files)
+}
+
+/// A `.glb` (glTF 2.0, section 4.4); both contents are padded already.
+fn container(text: &[u8], bytes: &[u8]) -> Option<Vec<u8>> {
+    let binary = if bytes.is_empty() { 0 } else { bytes.len().checked_add(8)? };
+    let length = text.len().checked_add(20)?.checked_add(binary)?;
+    let mut out = Vec::with_capacity(length);
+    out.extend(b"glTF");
+    for word in [2, u32::try_from(length).ok()?, u32::try_from(text.len()).ok()?] {
+        out.extend(word.to_le_bytes());
+    }
+    out.extend(b"JSON");
+    out.extend(text);
+    if !bytes.is_empty() {
+        out.extend(u32::try_from(bytes.len()).ok()?.to_le_bytes());
+        out.extend(b"BIN\0");
+        out.extend(bytes);
+    }
+    Some(out)
+}

@@ -1,0 +1,70 @@
+//! Meshes: one primitive per CAD face, in order, each with vertices of its own, so that reading gives the same faces with
+//! the same bits.
+
+use super::document::Document;
+use super::value::{self, OPTICS};
+use crate::base::Fault;
+use crate::base::fault::Result;
+use crate::scene::assembly::MeshSource;
+use serde_json::{Value as Json, json};
+
+/// The glTF mesh of `source`. Faults: triangles or normals that don't fit the vertices.
+pub fn mesh(document: &mut Document, source: &MeshSource) -> Result<Json> {
+    let mut primitives = Vec::new();
+    for face in 0..source.mesh.faces.len() {
+        let mut primitive = self::face(document, source, face)?;
+        if let Some(material) = source.materials.get(face).copied().flatten() {
+            primitive["material"] = Json::from(material);
+        }
+        if let Some(Some(attributes)) = source.attributes.get(face) {
+            document.uses(OPTICS);
+            primitive["extensions"] = json!({ OPTICS: value::json(attributes)? });
+        }
+        primitives.push(primitive);
+    }
+    if primitives.is_empty() {
+        document.note(&source.at, format!("mesh `{}` has no faces: it gets an empty one", source.mesh.name));
+        primitives.push(nothing(document));
+    }
+    Ok(json!({ "name": source.mesh.name, "primitives": primitives }))
+}
+
+/// What a face without triangles is: a primitive must have a vertex, so it is a single point.
+fn nothing(document: &mut Document) -> Json {
+    let point = *document.point.get_or_insert_with(|| document.binary.positions(&[[0.0; 3]]));
+    json!({ "attributes": { "POSITION": point }, "mode": 0 })
+}
+
+fn face(document: &mut Document, source: &MeshSource, face: usize) -> Result<Json> {
+    let mesh = &source.mesh;
+    let wrong = |what: &str| Fault::new(source.at.clone(), format!("mesh `{}` face {face}: {what}", mesh.name));
+    let range = mesh.faces.get(face).and_then(|range| Some((range.first, range.first.checked_add(range.count)?)));
+    let triangles = range.and_then(|(first, end)| mesh.triangles.get(first as usize..end as usize));
+    let triangles = triangles.ok_or_else(|| wrong("its triangles do not exist"))?;
+    if triangles.is_empty() {
+        return Ok(nothing(document));
+    }
+    let mut used: Vec<u32> = triangles.as_flattened().to_vec();
+    used.sort_unstable();
+    used.dedup();
+    let pick = |what: &str, count: usize| match used.last() {
+        Some(last) if (*last as usize) < count => Ok(()),
+        Some(_) | None => Err(wrong(what)),
+    };
+    pick("a vertex does not exist", mesh.positions.len())?;
+    let positions: Vec<[f32; 3]> = used.iter().map(|vertex| mesh.positions[*vertex as usize]).collect();
+    let mut attributes = json!({ "POSITION": document.binary.positions(&positions) });
+    if !mesh.normals.is_empty() {
+        pick("a normal does not exist", mesh.normals.len())?;
+        let normals: Vec<[f32; 3]> = used.iter().map(|vertex| mesh.normals[*vertex as usize]).collect();
+        attributes["NORMAL"] = Json::from(document.binary.normals(&normals));
+    }
+    if !mesh.uvs.is_empty() {
+        pick("a texture coordinate does not exist", mesh.uvs.len())?;
+        let uvs: Vec<[f32; 2]> = used.iter().map(|vertex| mesh.uvs[*vertex as usize]).collect();
+        attributes["TEXCOORD_0"] = Json::from(document.binary.uvs(&uvs));
+    }
+    let number = |vertex: u32| used.partition_point(|other| *other < vertex) as u32;
+    let corners: Vec<[u32; 3]> = triangles.iter().map(|triangle| triangle.map(number)).collect();
+    Ok(json!({ "attributes": attributes, "indices": document.binary.indices(&corners) }))
+}

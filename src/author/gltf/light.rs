@@ -1,0 +1,100 @@
+//! Lights and cameras, which hang on nodes.
+
+use super::document::Document;
+use super::value;
+use crate::base::fault::Result;
+use crate::base::relative::{folder_of, relative, slashed};
+use crate::scene::assembly::{Assembly, Camera, LightForm, LightSource};
+use crate::scene::value::{Data, Value};
+use serde_json::{Value as Json, json};
+use std::path::Path;
+
+pub const PUNCTUAL: &str = "KHR_lights_punctual";
+
+/// The light of `KHR_lights_punctual` that `light` is; none, with a note, for a form that glTF has not.
+pub fn light(document: &mut Document, light: &LightSource) -> Option<Json> {
+    let name = &light.name;
+    let (kind, strength, cone) = match light.form {
+        LightForm::Point { intensity_cd, cone: None } => ("point", intensity_cd, None),
+        LightForm::Point { intensity_cd, cone: Some(cone) } => ("spot", intensity_cd, Some(cone)),
+        LightForm::Distant { illuminance_lx, angle } => {
+            if angle > 0.0 {
+                document.note(&light.at, format!("light `{name}`: its disc of {angle} rad becomes parallel light"));
+            }
+            ("directional", illuminance_lx, None)
+        }
+        LightForm::Dome { .. } => return None,
+        LightForm::Rect { .. } | LightForm::Disk { .. } | LightForm::Sphere { .. } | LightForm::Cylinder { .. } => {
+            document.note(&light.at, format!("light `{name}` has a form that glTF has not: not written"));
+            return None;
+        }
+    };
+    if light.profile.is_some() {
+        document.note(&light.at, format!("light `{name}`: its intensity distribution is not written"));
+    }
+    // Lanes from 0 to 1; luminance 1 is taken back into the strength.
+    let most = light.color.iter().copied().fold(0.0, f64::max);
+    let (scale, color) = if most > 1.0 { (most, light.color.map(|lane| lane / most)) } else { (1.0, light.color) };
+    let intensity = value::number(strength * scale)?;
+    let mut json = json!({ "name": name, "type": kind, "intensity": intensity });
+    if color != [1.0; 3] {
+        json["color"] = json!(color);
+    }
+    if let Some((inner, outer)) = cone {
+        json["spot"] = json!({ "innerConeAngle": inner, "outerConeAngle": outer });
+    }
+    Some(json)
+}
+
+/// The sky that a dome light with a picture is, if nothing else says a sky.
+pub fn sky(document: &mut Document, assembly: &Assembly, out: &Path) -> Option<Value> {
+    if assembly.optics.as_ref().is_some_and(|optics| optics.get("sky").is_some()) {
+        return None;
+    }
+    let mut domes = assembly.lights.iter().filter_map(|light| match &light.form {
+        LightForm::Dome { scale_cd_m2, image } => Some((light, *scale_cd_m2, image.as_ref())),
+        LightForm::Point { .. }
+        | LightForm::Distant { .. }
+        | LightForm::Rect { .. }
+        | LightForm::Disk { .. }
+        | LightForm::Sphere { .. }
+        | LightForm::Cylinder { .. } => None,
+    });
+    let (light, scale, image) = domes.next()?;
+    if domes.next().is_some() {
+        document.note(&light.at, "of several dome lights only the first becomes the sky".into());
+    }
+    let Some(image) = image else {
+        document.note(&light.at, format!("dome light `{}` has no picture: not written", light.name));
+        return None;
+    };
+    let name = if image.is_absolute() {
+        image.to_string_lossy().into_owned()
+    } else {
+        let file = image.file_name().map(Path::new).unwrap_or(image);
+        slashed(&relative(&folder_of(out), &folder_of(image)).join(file))
+    };
+    let frame = assembly.nodes.get(light.node)?.path.clone();
+    let row = |key: &str, data: Data| (key.to_owned(), Value::new(data, light.at.clone()));
+    let rows =
+        vec![row("image", Data::Text(name)), row("scale_cd_m2", Data::Number(scale)), row("frame", Data::Text(frame))];
+    Some(Value::new(Data::Table(rows), light.at.clone()))
+}
+
+/// The glTF camera. Distances of clipping, which glTF wants, mean nothing to light.
+pub fn camera(camera: &Camera) -> Result<Json> {
+    let name = &camera.name;
+    Ok(match camera.yfov {
+        Some(yfov) => {
+            let mut lens = json!({ "yfov": yfov, "znear": 0.01 });
+            if let Some(aspect) = camera.aspect {
+                lens["aspectRatio"] = json!(aspect);
+            }
+            json!({ "name": name, "type": "perspective", "perspective": lens })
+        }
+        None => json!({
+            "name": name, "type": "orthographic",
+            "orthographic": { "xmag": 1, "ymag": 1, "zfar": 1000, "znear": 0.01 },
+        }),
+    })
+}

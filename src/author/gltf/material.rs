@@ -1,0 +1,117 @@
+//! Materials: their looks, the fields that mean something to light, and their rows.
+
+use super::document::Document;
+use super::value::{self, OPTICS};
+use crate::base::fault::Result;
+use crate::scene::assembly::Material;
+use crate::scene::value::{Data, Value};
+use serde_json::{Map, Value as Json, json};
+
+/// The glTF material of `material`: what the reader of glTF maps from the ratified extensions goes back into them.
+/// Anything else that another format mapped becomes a row of the material, where it has none.
+pub fn material(document: &mut Document, material: &Material) -> Result<Json> {
+    let mut out = json!({ "name": material.name });
+    let mut extensions = Map::new();
+    let mut put = |document: &mut Document, extension: &str, key: &str, json: Json| {
+        document.uses(extension);
+        let entry = extensions.entry(extension).or_insert_with(|| json!({}));
+        entry[key] = json;
+    };
+    let mut rows: Vec<(String, Value)> = Vec::new();
+    for (key, item) in &material.mapped {
+        let number = item.number().and_then(value::number);
+        match (key.as_str(), number) {
+            ("ior", Some(n)) => put(document, "KHR_materials_ior", "ior", n),
+            ("dispersion", Some(n)) => put(document, "KHR_materials_dispersion", "dispersion", n),
+            ("transmission", Some(n)) => put(document, "KHR_materials_transmission", "transmissionFactor", n),
+            ("thickness", Some(n)) => put(document, "KHR_materials_volume", "thicknessFactor", n),
+            ("attenuation_distance", Some(n)) => put(document, "KHR_materials_volume", "attenuationDistance", n),
+            // Infinite: the default.
+            ("attenuation_distance", None) => {}
+            ("attenuation_color", _) => {
+                put(document, "KHR_materials_volume", "attenuationColor", value::json(item)?);
+            }
+            ("luminance_cd_m2", Some(n)) => {
+                out["emissiveFactor"] = json!([1, 1, 1]);
+                put(document, "KHR_materials_emissive_strength", "emissiveStrength", n);
+            }
+            ("coating", _) if film(item).is_some() => {
+                if let Some((n, thickness)) = film(item) {
+                    let extension = "KHR_materials_iridescence";
+                    put(document, extension, "iridescenceFactor", json!(1));
+                    put(document, extension, "iridescenceIor", json!(n));
+                    put(document, extension, "iridescenceThicknessMinimum", json!(thickness));
+                    put(document, extension, "iridescenceThicknessMaximum", json!(thickness));
+                }
+            }
+            _ => rows.push((key.clone(), item.clone())),
+        }
+    }
+    let own = material.attributes.as_ref();
+    let mut all: Vec<(String, Value)> = own.and_then(Value::table).unwrap_or(&[]).to_vec();
+    for (key, item) in rows {
+        let (head, tail) = key.split_once('.').map_or((key.as_str(), None), |(head, tail)| (head, Some(tail)));
+        if own.is_some_and(|own| own.get(head).is_some()) {
+            continue;
+        }
+        // A film without a finish beside it is one of another program: a row of ours would be an error there.
+        if head == "coating" {
+            document.note(&item.at, format!("the coating of material `{}` has no form in glTF", material.name));
+            continue;
+        }
+        match (tail, all.iter_mut().find(|(own, _)| own == head)) {
+            (None, _) => all.push((key, item)),
+            (Some(tail), Some((_, Value { data: Data::Table(table), .. }))) => table.push((tail.to_owned(), item)),
+            (Some(tail), _) => {
+                let at = item.at.clone();
+                all.push((head.to_owned(), Value::new(Data::Table(vec![(tail.to_owned(), item)]), at)));
+            }
+        }
+    }
+    looks(material, &mut out)?;
+    if own.is_some() || !all.is_empty() {
+        document.uses(OPTICS);
+        let at = own.map_or(&material.at, |own| &own.at).clone();
+        extensions.insert(OPTICS.into(), value::json(&Value::new(Data::Table(all), at))?);
+    }
+    if !extensions.is_empty() {
+        out["extensions"] = Json::Object(extensions);
+    }
+    Ok(out)
+}
+
+/// (index, thickness in nm) of a single film without absorption that `KHR_materials_iridescence` can say.
+fn film(coating: &Value) -> Option<(f64, f64)> {
+    let [film] = coating.get("stack")?.list()? else { return None };
+    let only = film.table()?.iter().all(|(key, _)| key == "n" || key == "thickness_nm");
+    let (n, thickness) = (film.get("n")?.number()?, film.get("thickness_nm")?.number()?);
+    (only && n >= 1.0 && n.is_finite() && thickness >= 0.0 && thickness.is_finite()).then_some((n, thickness))
+}
+
+/// `pbrMetallicRoughness` of the material's looks.
+fn looks(material: &Material, out: &mut Json) -> Result<()> {
+    let find = |name: &str| material.looks.iter().find(|(key, _)| key == name).map(|(_, value)| value);
+    let lanes = |value: &Value| -> Option<[f64; 3]> {
+        let [r, g, b] = value.list()? else { return None };
+        Some([r.number()?, g.number()?, b.number()?])
+    };
+    let share = |name: &str| find(name).and_then(Value::number).map(|number| number.clamp(0.0, 1.0));
+    let mut pbr = Map::new();
+    let (color, opacity) = (find("base_color").and_then(lanes), share("opacity"));
+    if color.is_some() || opacity.is_some() {
+        let [r, g, b] = color.unwrap_or([1.0; 3]).map(|lane| lane.clamp(0.0, 1.0));
+        pbr.insert("baseColorFactor".into(), json!([r, g, b, opacity.unwrap_or(1.0)]));
+        if opacity.is_some() {
+            out["alphaMode"] = Json::from("BLEND");
+        }
+    }
+    for (name, key) in [("metallic", "metallicFactor"), ("roughness", "roughnessFactor")] {
+        if let Some(number) = share(name) {
+            pbr.insert(key.into(), json!(number));
+        }
+    }
+    if !pbr.is_empty() {
+        out["pbrMetallicRoughness"] = Json::Object(pbr);
+    }
+    Ok(())
+}

@@ -1,0 +1,15 @@
+//! glTF 2.0: a whole assembly as `.gltf` or `.glb`, or rows put into a copy of one.
+
+mod annotate;
+mod binary;
+mod document;
+mod geometry;
+mod light;
+mod material;
+mod node;
+mod splice;
+mod uri;
+mod value;
+
+pub use annotate::annotate;
+pub use document::write;

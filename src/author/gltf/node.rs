@@ -1,0 +1,160 @@
+//! The hierarchy: one node per node, in their order, with exact transforms.
+
+use super::document::Document;
+use super::light::{self, PUNCTUAL};
+use super::value::{self, OPTICS};
+use crate::base::fault::Result;
+use crate::scene::assembly::Assembly;
+use crate::scene::value::Value;
+use glam::{DAffine3, DMat3};
+use serde_json::{Map, Value as Json, json};
+
+/// The mark of the node that turns and scales an asset to glTF's metres and axes. Our reader takes it off again: transforms
+/// keep their bits, paths and frames their names.
+pub const WORLD: &str = "eyebox_world";
+
+/// Metres per unit that hold: what the asset's attributes say, or else what its format declared.
+pub fn unit(assembly: &Assembly) -> f64 {
+    let said = assembly.optics.as_ref().and_then(|optics| optics.get("unit")).and_then(Value::number);
+    said.filter(|unit| *unit > 0.0 && unit.is_finite()).unwrap_or(assembly.unit_m)
+}
+
+/// Writes all nodes, cameras and lights; returns the roots of the scene.
+pub fn nodes(document: &mut Document, assembly: &Assembly) -> Result<Vec<usize>> {
+    let mut children: Vec<Vec<usize>> = vec![Vec::new(); assembly.nodes.len()];
+    let mut roots = Vec::new();
+    for (index, node) in assembly.nodes.iter().enumerate() {
+        match node.parent.and_then(|parent| children.get_mut(parent)).filter(|_| node.parent < Some(index)) {
+            Some(siblings) => siblings.push(index),
+            None => roots.push(index),
+        }
+    }
+    if !depth_first(&roots, &children) {
+        let at = crate::base::Where::file(&assembly.file);
+        document.note(&at, "the parts come back in another order: glTF is read depth first".into());
+    }
+    let cameras = cameras(document, assembly)?;
+    let lights = lights(document, assembly);
+    for (index, node) in assembly.nodes.iter().enumerate() {
+        let mut out = Map::new();
+        out.insert("name".into(), Json::from(node.name.as_str()));
+        if let Some(children) = children.get(index).filter(|children| !children.is_empty()) {
+            out.insert("children".into(), json!(children));
+        }
+        out.extend(matrix(&node.local));
+        if let Some(mesh) = node.mesh {
+            out.insert("mesh".into(), Json::from(mesh));
+        }
+        if let Some(camera) = cameras.get(index).copied().flatten() {
+            out.insert("camera".into(), Json::from(camera));
+        }
+        let mut extensions = Map::new();
+        if let Some(light) = lights.get(index).copied().flatten() {
+            extensions.insert(PUNCTUAL.into(), json!({ "light": light }));
+        }
+        if let Some(attributes) = &node.attributes {
+            document.uses(OPTICS);
+            extensions.insert(OPTICS.into(), value::json(attributes)?);
+        }
+        if !extensions.is_empty() {
+            out.insert("extensions".into(), Json::Object(extensions));
+        }
+        document.nodes.push(Json::Object(out));
+    }
+    let unit = unit(assembly);
+    if unit == 1.0 && assembly.axes == DMat3::IDENTITY || roots.is_empty() {
+        return Ok(roots);
+    }
+    let world = DAffine3::from_mat3(assembly.axes * unit);
+    let mut out = Map::new();
+    out.insert("name".into(), Json::from(unique(assembly)));
+    out.insert("children".into(), json!(roots));
+    out.extend(matrix(&world));
+    out.insert("extras".into(), json!({ WORLD: true }));
+    document.nodes.push(Json::Object(out));
+    Ok(vec![document.nodes.len() - 1])
+}
+
+/// Whether the nodes stand in the order in which a reader of the tree meets them.
+fn depth_first(roots: &[usize], children: &[Vec<usize>]) -> bool {
+    let mut stack: Vec<usize> = roots.iter().rev().copied().collect();
+    let mut expected = 0;
+    while let Some(index) = stack.pop() {
+        if index != expected {
+            return false;
+        }
+        expected += 1;
+        stack.extend(children.get(index).into_iter().flatten().rev());
+    }
+    true
+}
+
+/// The entry `matrix`, column by column; none for the identity.
+fn matrix(local: &DAffine3) -> Option<(String, Json)> {
+    let bits = |affine: &DAffine3| affine.to_cols_array().map(f64::to_bits);
+    if bits(local) == bits(&DAffine3::IDENTITY) {
+        return None;
+    }
+    let m = local.to_cols_array();
+    let columns = m.chunks(3).zip([0, 0, 0, 1]);
+    let numbers = columns.flat_map(|(column, last)| {
+        column.iter().map(|number| value::number(*number).unwrap_or_default()).chain([Json::from(last)])
+    });
+    Some(("matrix".into(), Json::Array(numbers.collect())))
+}
+
+/// A name for the node above all others: that of the asset, unless another node has it.
+fn unique(assembly: &Assembly) -> String {
+    let stem = assembly.file.file_stem().map_or_else(|| "asset".into(), |stem| stem.to_string_lossy().into_owned());
+    let taken = |name: &str| assembly.nodes.iter().any(|node| node.name == name);
+    let mut name = stem.clone();
+    let mut number = 1;
+    while taken(&name) {
+        number += 1;
+        name = format!("{stem}_{number}");
+    }
+    name
+}
+
+/// The camera of each node. A camera that stands where no node does is left out, with a note.
+fn cameras(document: &mut Document, assembly: &Assembly) -> Result<Vec<Option<usize>>> {
+    let mut held = vec![None; assembly.nodes.len()];
+    for camera in &assembly.cameras {
+        let stands = |index: &usize| {
+            held.get(*index) == Some(&None) && assembly.nodes.get(*index).is_some_and(|n| n.to_world == camera.to_world)
+        };
+        let named = |index: &usize| assembly.nodes.get(*index).is_some_and(|node| node.name == camera.name);
+        let all = 0..assembly.nodes.len();
+        let place = all.clone().find(|index| named(index) && stands(index)).or_else(|| all.clone().find(stands));
+        match place.and_then(|place| held.get_mut(place)) {
+            Some(place) => {
+                *place = Some(document.cameras.len());
+                document.cameras.push(light::camera(camera)?);
+            }
+            None => {
+                let at = crate::base::Where::file(&assembly.file);
+                document.note(&at, format!("camera `{}` is on no node: not written", camera.name));
+            }
+        }
+    }
+    Ok(held)
+}
+
+/// The light of each node.
+fn lights(document: &mut Document, assembly: &Assembly) -> Vec<Option<usize>> {
+    let mut held = vec![None; assembly.nodes.len()];
+    for light in &assembly.lights {
+        let Some(json) = light::light(document, light) else { continue };
+        match held.get_mut(light.node) {
+            Some(place @ None) => {
+                document.uses(PUNCTUAL);
+                *place = Some(document.lights.len());
+                document.lights.push(json);
+            }
+            Some(Some(_)) | None => {
+                document.note(&light.at, format!("light `{}` shares its node with another: not written", light.name));
+            }
+        }
+    }
+    held
+}

@@ -1,0 +1,41 @@
+//! `eyebox convert`: an assembly in another format.
+
+use super::{Format, authored};
+use crate::author;
+use crate::base::Result;
+use crate::base::atomic::check_writable;
+use crate::base::relative::folder_of;
+use crate::import::{self, annotate};
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Write an assembly in another format, with all its optical attributes.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+The extension of OUT says the format. A sidecar as IN becomes part of the new asset. Names, hierarchy, instances and \
+geometry stay; what the format can't say is listed (docs/interchange.md). Images are not copied: OUT names them relative \
+to its own folder.
+
+Examples:
+  eyebox convert hud.optics.toml hud.glb
+  eyebox convert hud.glb hud.gltf")]
+pub struct ConvertArgs {
+    /// Sidecar (*.optics.toml) or asset (.glb, .gltf).
+    asset: PathBuf,
+    /// The asset to write (.glb, .gltf).
+    output: PathBuf,
+    /// How the summary is printed.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Runs the command.
+pub fn run(args: &ConvertArgs) -> Result<ExitCode> {
+    check_writable(&args.output)?;
+    let (mut assembly, sidecar) = import::read(&args.asset)?;
+    let sidecar = sidecar.map(|(_, value)| value);
+    annotate(&assembly, sidecar.as_ref(), &folder_of(&args.output))?.apply(&mut assembly);
+    let written = author::convert(&assembly, &args.output)?;
+    authored(args.format, &assembly, &written)
+}

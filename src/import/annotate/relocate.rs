@@ -1,0 +1,45 @@
+//! File names inside attributes, rewritten for another folder.
+
+use crate::base::Where;
+use crate::base::relative::{folder_of, relocated};
+use crate::scene::assembly::Assembly;
+use crate::scene::value::{Data, Value};
+use std::path::Path;
+
+/// Attributes whose text is a file name (`Form::File` of the table of attributes, but for the sidecar's `asset`).
+const FILES: [&str; 2] = ["image", "file"];
+
+/// Rewrites every file name below `value`, which is relative to the file that the name stands in, for the folder `out`.
+pub fn value(value: &mut Value, out: &Path) {
+    match &mut value.data {
+        Data::Bool(_) | Data::Number(_) | Data::Text(_) => {}
+        Data::List(items) => items.iter_mut().for_each(|item| self::value(item, out)),
+        Data::Table(entries) => {
+            for (key, item) in entries {
+                let folder = folder(&item.at).filter(|_| FILES.contains(&key.as_str()));
+                if let (Data::Text(name), Some(folder)) = (&mut item.data, folder) {
+                    *name = relocated(name, &folder, out);
+                } else {
+                    self::value(item, out);
+                }
+            }
+        }
+    }
+}
+
+fn folder(at: &Where) -> Option<std::path::PathBuf> {
+    match at {
+        Where::File(file) | Where::Line { file, .. } | Where::Pointer { file, .. } => Some(folder_of(file)),
+        Where::Nowhere | Where::Part { .. } | Where::Option(_) => None,
+    }
+}
+
+/// Rewrites every file name in the attributes of `assembly`.
+pub fn assembly(assembly: &mut Assembly, out: &Path) {
+    let rows = assembly.optics.iter_mut();
+    let rows = rows.chain(assembly.nodes.iter_mut().filter_map(|node| node.attributes.as_mut()));
+    let rows = rows.chain(assembly.materials.iter_mut().filter_map(|material| material.attributes.as_mut()));
+    let rows = rows.chain(assembly.meshes.iter_mut().flat_map(|mesh| mesh.attributes.iter_mut().flatten()));
+    rows.chain(assembly.lights.iter_mut().filter_map(|light| light.attributes.as_mut()))
+        .for_each(|row| value(row, out));
+}
