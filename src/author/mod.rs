@@ -3,6 +3,7 @@
 
 pub mod gltf; // .gltf and .glb
 pub mod schema; // JSON and USD schemas from the attribute table
+pub mod usd; // .usda, .usdc and .usdz
 
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
@@ -32,8 +33,10 @@ pub struct Writer {
 }
 
 /// What can be written.
-pub const WRITERS: &[Writer] =
-    &[Writer { extensions: &["glb", "gltf"], name: "glTF 2.0", write: gltf::write, annotate: gltf::annotate }];
+pub const WRITERS: &[Writer] = &[
+    Writer { extensions: &["glb", "gltf"], name: "glTF 2.0", write: gltf::write, annotate: gltf::annotate },
+    Writer { extensions: &["usda", "usdc", "usdz", "usd"], name: "USD", write: usd::write, annotate: usd::annotate },
+];
 
 /// Writes `assembly` to `out`, whose extension says the format. Faults: none is known; the file can't be written; what
 /// the format can't hold.

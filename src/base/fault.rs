@@ -15,6 +15,8 @@ pub enum Where {
     Line { file: PathBuf, line: usize },
     /// A JSON pointer (RFC 6901) inside a JSON or glTF file, e.g. `/nodes/3/extensions/EYEBOX_optics`.
     Pointer { file: PathBuf, pointer: String },
+    /// A prim or property of a USD stage whose root layer is `file`, e.g. `/hud/LENS_01.xformOpOrder`.
+    Prim { file: PathBuf, prim: String },
     /// A part of the assembly by its root-relative path, e.g. `HUD_B/LENS_01_PMMA`, with a face if one is meant.
     Part { path: String, face: Option<usize> },
     /// A command-line option, e.g. `--set led.flux_lm=-1`.
@@ -37,6 +39,7 @@ impl fmt::Display for Where {
             Where::File(file) => write!(f, "{}", file.display()),
             Where::Line { file, line } => write!(f, "{}:{line}", file.display()),
             Where::Pointer { file, pointer } => write!(f, "{}#{pointer}", file.display()),
+            Where::Prim { file, prim } => write!(f, "{}<{prim}>", file.display()),
             Where::Part { path, face: None } => write!(f, "part {path}"),
             Where::Part { path, face: Some(face) } => write!(f, "part {path} face {face}"),
             Where::Option(text) => write!(f, "{text}"),

@@ -33,7 +33,7 @@ pub struct ConvertArgs {
 /// Runs the command.
 pub fn run(args: &ConvertArgs) -> Result<ExitCode> {
     check_writable(&args.output)?;
-    let (mut assembly, sidecar) = import::read(&args.asset)?;
+    let (mut assembly, sidecar) = import::read(&args.asset, &Default::default())?;
     let sidecar = sidecar.map(|(_, value)| value);
     annotate(&assembly, sidecar.as_ref(), &folder_of(&args.output))?.apply(&mut assembly);
     let written = author::convert(&assembly, &args.output)?;

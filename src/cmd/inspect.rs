@@ -60,7 +60,8 @@ pub fn run(args: &InspectArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     }
     let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let built = import(&args.asset, &ImportOptions { sets }).map_err(|fault| args.shown(fault))?;
+    let built =
+        import(&args.asset, &ImportOptions { sets, ..ImportOptions::default() }).map_err(|fault| args.shown(fault))?;
     let refused = refusal(&built.scene);
     match &args.explain {
         Some(part) => {

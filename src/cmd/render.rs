@@ -135,7 +135,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         .build()
         .map_err(|error| Fault::new(Where::Option("--threads".to_owned()), error.to_string()))?;
     let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let Built { mut scene, layers: wishes, .. } = import(&args.asset, &ImportOptions { sets })?;
+    let Built { mut scene, layers: wishes, .. } =
+        import(&args.asset, &ImportOptions { sets, ..ImportOptions::default() })?;
     if let Some(resolution) = args.resolution {
         scene.eye.resolution = resolution;
     }

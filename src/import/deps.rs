@@ -81,7 +81,7 @@ fn asset(path: &Path, at: Where, all: &mut Vec<Dependency>) -> Result<()> {
     if matches!(extension(path).as_str(), "gltf" | "glb") {
         return gltf::dependencies(path, all);
     }
-    let assembly = super::read_asset(path, &at)?;
+    let assembly = super::read_asset(path, &at, &super::ReadOptions::default())?;
     let layers = assembly.dependencies.iter().filter(|file| file.as_path() != path);
     all.extend(layers.map(|file| Dependency::new(file.clone(), "layer", Where::file(path))));
     carried(&assembly, all);

@@ -164,7 +164,7 @@ mod tests {
         let text = std::fs::read_to_string(&file).expect("the sample is there");
         let line = |start: &str| 1 + text.lines().position(|line| line.starts_with(start)).expect("such a line");
         let sets = vec![Set::parse("LENS_01_PMMA.glass=F2").expect("a set")];
-        let built = import(&file, &ImportOptions { sets }).expect("the sample imports");
+        let built = import(&file, &ImportOptions { sets, ..ImportOptions::default() }).expect("the sample imports");
         let parts = built.explained.find("LENS_01_PMMA").expect("the lens is there");
         let [lens] = parts.as_slice() else { panic!("{} parts", parts.len()) };
         let row = |face, attribute: &str| {

@@ -20,7 +20,9 @@ pub fn read(path: &Path, at: &Where, kind: &str) -> Result<Vec<u8>> {
 /// the working directory.
 pub fn resolve(name: &str, at: &Where) -> PathBuf {
     let base = match at {
-        Where::File(file) | Where::Line { file, .. } | Where::Pointer { file, .. } => file.parent(),
+        Where::File(file) | Where::Line { file, .. } | Where::Pointer { file, .. } | Where::Prim { file, .. } => {
+            file.parent()
+        }
         Where::Nowhere | Where::Part { .. } | Where::Option(_) => None,
     };
     base.map_or_else(|| PathBuf::from(name), |folder| folder.join(name))

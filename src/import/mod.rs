@@ -30,6 +30,7 @@ pub mod testing;
 #[cfg(test)]
 mod tests;
 pub mod toml; // sidecars
+pub mod usd; // .usda, .usdc and .usdz
 mod weld; // which vertices are one point
 
 pub use crate::scene::assembly::{self, Assembly};
@@ -51,24 +52,37 @@ pub struct Format {
     /// Lower-case file name extensions.
     pub extensions: &'static [&'static str],
     pub name: &'static str,
-    pub read: fn(&Path) -> Result<Assembly>,
+    pub read: fn(&Path, &ReadOptions) -> Result<Assembly>,
+}
+
+/// How to read an asset.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ReadOptions {
+    /// The time code at which time-sampled values are taken; none takes an attribute's own value, and its earliest
+    /// sample where it has none. Formats without time ignore it.
+    pub frame: Option<f64>,
 }
 
 /// What can be imported.
-pub const FORMATS: &[Format] = &[Format { extensions: &["glb", "gltf"], name: "glTF 2.0", read: gltf::read }];
+pub const FORMATS: &[Format] = &[
+    Format { extensions: &["glb", "gltf"], name: "glTF 2.0", read: |path, _| gltf::read(path) },
+    Format { extensions: &["usda", "usdc", "usdz", "usd"], name: "USD", read: usd::read },
+];
 
 /// How to import.
 #[derive(Debug, Clone, Default)]
 pub struct ImportOptions {
     /// `--set`, in order.
     pub sets: Vec<Set>,
+    /// `--frame`.
+    pub frame: Option<f64>,
 }
 
 /// Imports a scene: `path` is an asset, or a sidecar (`.toml`) that names its asset.
 ///
 /// An asset without attributes of its own takes the sidecar `NAME.optics.toml` beside it, with a note.
 pub fn import(path: &Path, options: &ImportOptions) -> Result<Built> {
-    let (mut assembly, sidecar) = read(path)?;
+    let (mut assembly, sidecar) = read(path, &ReadOptions { frame: options.frame })?;
     if let Some((file, _)) = &sidecar {
         assembly.dependencies.push(file.clone());
     }
@@ -76,7 +90,7 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Built> {
 }
 
 /// The assembly that `path` means and its sidecar, as they were read.
-pub fn read(path: &Path) -> Result<(Assembly, Option<(PathBuf, Value)>)> {
+pub fn read(path: &Path, options: &ReadOptions) -> Result<(Assembly, Option<(PathBuf, Value)>)> {
     if extension(path) == "toml" {
         let sidecar = toml::read(path)?;
         let Some(asset) = sidecar.get("asset") else {
@@ -92,9 +106,9 @@ pub fn read(path: &Path) -> Result<(Assembly, Option<(PathBuf, Value)>)> {
                 format!("can't read the asset {}: there is no such file", file.display()),
             ));
         }
-        return Ok((read_asset(&file, &asset.at)?, Some((path.to_owned(), sidecar))));
+        return Ok((read_asset(&file, &asset.at, options)?, Some((path.to_owned(), sidecar))));
     }
-    let mut assembly = read_asset(path, &Where::Nowhere)?;
+    let mut assembly = read_asset(path, &Where::Nowhere, options)?;
     let beside = path.with_extension("optics.toml");
     if assembly.optics.is_some() || !beside.is_file() {
         return Ok((assembly, None));
@@ -107,13 +121,13 @@ pub fn read(path: &Path) -> Result<(Assembly, Option<(PathBuf, Value)>)> {
 
 /// The asset `path` as it was read, without any sidecar.
 pub fn asset(path: &Path) -> Result<Assembly> {
-    read_asset(path, &Where::Nowhere)
+    read_asset(path, &Where::Nowhere, &ReadOptions::default())
 }
 
-fn read_asset(path: &Path, at: &Where) -> Result<Assembly> {
+fn read_asset(path: &Path, at: &Where, options: &ReadOptions) -> Result<Assembly> {
     let extension = extension(path);
     if let Some(format) = FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str())) {
-        return (format.read)(path);
+        return (format.read)(path, options);
     }
     let known: Vec<String> =
         FORMATS.iter().flat_map(|format| format.extensions).map(|known| format!(".{known}")).collect();

@@ -26,7 +26,7 @@ age = 45
 /// Names, hierarchy and geometry of the asset that `path` means, in metres by the sidecar's `unit` if that is sound.
 /// Finishes, lamps and the eye of this scene mean nothing. Faults: the asset can't be read.
 pub fn outline(path: &Path) -> Result<Scene> {
-    let (mut assembly, sidecar) = super::read(path)?;
+    let (mut assembly, sidecar) = super::read(path, &super::ReadOptions::default())?;
     strip(&mut assembly);
     let mut stand_in = toml::parse(STAND_IN, path)?;
     let unit = sidecar.and_then(|(_, sidecar)| sidecar.get("unit").cloned()).filter(|unit| optics::unit(unit).is_ok());
@@ -39,7 +39,7 @@ pub fn outline(path: &Path) -> Result<Scene> {
 /// The assembly that `path` means, its unit replaced by the sidecar's if that is sound; nothing optical is looked at.
 /// Faults: the asset can't be read.
 pub fn geometry(path: &Path) -> Result<Assembly> {
-    let (mut assembly, sidecar) = super::read(path)?;
+    let (mut assembly, sidecar) = super::read(path, &super::ReadOptions::default())?;
     if let Some(unit) = sidecar.and_then(|(_, sidecar)| optics::unit(sidecar.get("unit")?).ok()) {
         assembly.unit_m = unit;
     } else {

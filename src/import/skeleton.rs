@@ -36,7 +36,7 @@ pub fn skeleton(asset: &Path, sidecar: &Path) -> Result<Skeleton> {
     if super::extension(asset) == "toml" {
         return Err(Fault::new(Where::file(asset), "this is a sidecar already").expected("an asset: .gltf or .glb"));
     }
-    let assembly = super::read_asset(asset, &Where::Nowhere)?;
+    let assembly = super::read_asset(asset, &Where::Nowhere, &super::ReadOptions::default())?;
     of(assembly, &relative(asset, sidecar), sidecar)
 }
 

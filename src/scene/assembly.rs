@@ -32,6 +32,18 @@ pub struct Assembly {
     pub optics: Option<Value>,
     /// What was repaired, ignored or not understood.
     pub notes: Vec<Note>,
+    /// What a layer over a USD stage has to know of it.
+    pub stage: Option<StageFacts>,
+}
+
+/// What a USD stage says beside its prims.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StageFacts {
+    pub default_prim: Option<String>,
+    /// `startTimeCode`, `endTimeCode`, `timeCodesPerSecond`, as far as they are said.
+    pub times: Vec<(&'static str, f64)>,
+    /// The paths of the outermost instances: nothing can be said of what is inside them.
+    pub instances: Vec<String>,
 }
 
 impl Default for Assembly {
@@ -49,6 +61,7 @@ impl Default for Assembly {
             layers: Vec::new(),
             optics: None,
             notes: Vec::new(),
+            stage: None,
         }
     }
 }

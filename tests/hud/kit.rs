@@ -19,7 +19,7 @@ pub const ONE_LED: [&str; 2] = ["led.flux_lm=0", "LED_DIE_5.flux_lm=0.45"];
 pub fn import_hud(name: &str, sets: &[&str]) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("samples/hud-{name}/hud.optics.toml"));
     let sets = sets.iter().map(|text| Set::parse(text).expect("a `--set`")).collect();
-    import(&path, &ImportOptions { sets }).expect("the sample is sound").scene
+    import(&path, &ImportOptions { sets, ..ImportOptions::default() }).expect("the sample is sound").scene
 }
 
 /// The same in the dark: no sky, nor its light group.

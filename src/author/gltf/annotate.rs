@@ -154,7 +154,12 @@ fn index_of(at: &Where, list: &str) -> Option<usize> {
         Where::Pointer { pointer, .. } => {
             pointer.strip_prefix('/')?.strip_prefix(list)?.strip_prefix('/')?.parse().ok()
         }
-        Where::Nowhere | Where::File(_) | Where::Line { .. } | Where::Part { .. } | Where::Option(_) => None,
+        Where::Nowhere
+        | Where::File(_)
+        | Where::Line { .. }
+        | Where::Prim { .. }
+        | Where::Part { .. }
+        | Where::Option(_) => None,
     }
 }
 

@@ -29,7 +29,9 @@ pub fn value(value: &mut Value, out: &Path) {
 
 fn folder(at: &Where) -> Option<std::path::PathBuf> {
     match at {
-        Where::File(file) | Where::Line { file, .. } | Where::Pointer { file, .. } => Some(folder_of(file)),
+        Where::File(file) | Where::Line { file, .. } | Where::Pointer { file, .. } | Where::Prim { file, .. } => {
+            Some(folder_of(file))
+        }
         Where::Nowhere | Where::Part { .. } | Where::Option(_) => None,
     }
 }

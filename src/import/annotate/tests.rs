@@ -34,7 +34,7 @@ fn alone(assembly: &Assembly, sidecar: &Value, out: &Path) -> Assembly {
 fn both_huds_mean_the_same_without_their_sidecars() {
     for sample in ["samples/hud-direct/hud.optics.toml", "samples/hud-diffuse/hud.optics.toml"] {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(sample);
-        let (asset, sidecar) = crate::import::read(&file).unwrap();
+        let (asset, sidecar) = crate::import::read(&file, &Default::default()).unwrap();
         let sidecar = sidecar.unwrap().1;
         let alone = alone(&asset, &sidecar, &folder_of(&file));
         let again = annotate(&alone, None, &folder_of(&file)).unwrap();

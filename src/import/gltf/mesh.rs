@@ -33,7 +33,7 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, index: usize, ledger: &
 }
 
 /// Appends a face; none if its indices do not fit into 32 bits.
-fn append(mesh: &mut Mesh, face: FaceMesh) -> Option<()> {
+pub(in crate::import) fn append(mesh: &mut Mesh, face: FaceMesh) -> Option<()> {
     let base = u32::try_from(mesh.positions.len()).ok()?;
     u32::try_from(mesh.positions.len() + face.positions.len()).ok()?;
     let first = u32::try_from(mesh.triangles.len()).ok()?;

@@ -15,14 +15,14 @@ mod features;
 mod hierarchy;
 mod light;
 mod material;
-mod mesh;
+pub(super) mod mesh;
 mod meshopt;
 mod node;
-mod normals;
-mod notes;
-mod primitive;
+pub(super) mod normals;
+pub(super) mod notes;
+pub(super) mod primitive;
 mod surface;
-mod transform;
+pub(super) mod transform;
 mod world;
 
 #[cfg(test)]

@@ -11,13 +11,13 @@ use glam::DVec3;
 const ANY: [f32; 3] = [0.0, 0.0, 1.0];
 
 /// Twice the area of a triangle times its unit normal, by the right-hand rule.
-fn area_normal(positions: &[[f32; 3]], triangle: [u32; 3]) -> DVec3 {
+pub(in crate::import) fn area_normal(positions: &[[f32; 3]], triangle: [u32; 3]) -> DVec3 {
     let corner = |i: u32| positions.get(i as usize).map_or(DVec3::ZERO, |p| DVec3::from(p.map(f64::from)));
     let [a, b, c] = triangle.map(corner);
     (b - a).cross(c - a)
 }
 
-fn unit(normal: DVec3) -> Option<[f32; 3]> {
+pub(in crate::import) fn unit(normal: DVec3) -> Option<[f32; 3]> {
     // The length is taken after scaling: neither denormal nor huge vectors lose their direction.
     let largest = normal.abs().max_element();
     let usable = largest > 0.0 && largest.is_finite() && normal.is_finite();
@@ -27,7 +27,7 @@ fn unit(normal: DVec3) -> Option<[f32; 3]> {
 /// Whether every normal is within 20° of every triangle at its vertex: then none contradicts, and the thorough look
 /// around each vertex (which costs some microseconds a triangle) can be left out. On a fine tessellation only faces
 /// with a wrong normal fail.
-pub(super) fn are_sound(positions: &[[f32; 3]], normals: &[[f32; 3]], triangles: &[[u32; 3]]) -> bool {
+pub(in crate::import) fn are_sound(positions: &[[f32; 3]], normals: &[[f32; 3]], triangles: &[[u32; 3]]) -> bool {
     const COS_20: f64 = 0.939_692_620_785_908_4;
     triangles.iter().all(|&triangle| {
         let area = area_normal(positions, triangle);
@@ -39,10 +39,20 @@ pub(super) fn are_sound(positions: &[[f32; 3]], normals: &[[f32; 3]], triangles:
 
 /// The face with vertices of its own for each triangle and flat normals.
 pub(super) fn flat(face: FaceMesh, at: &At<'_>, notes: &mut Notes) -> FaceMesh {
-    let mut out = FaceMesh::default();
+    let (out, without_area) = flat_shaded(&face);
+    if without_area > 0 {
+        let text = "a triangle without area and without normals";
+        notes.add_many(crate::scene::Severity::Info, at.place(), text, without_area);
+    }
+    out
+}
+
+/// The face with vertices of its own for each triangle and flat normals, and how many triangles have no area.
+pub(in crate::import) fn flat_shaded(face: &FaceMesh) -> (FaceMesh, usize) {
+    let (mut out, mut without_area) = (FaceMesh::default(), 0);
     for &triangle in &face.triangles {
         let normal = unit(area_normal(&face.positions, triangle)).unwrap_or_else(|| {
-            notes.info(at, "a triangle without area and without normals");
+            without_area += 1;
             ANY
         });
         let first = out.positions.len() as u32;
@@ -53,13 +63,22 @@ pub(super) fn flat(face: FaceMesh, at: &At<'_>, notes: &mut Notes) -> FaceMesh {
             out.uvs.extend(face.uvs.get(vertex as usize));
         }
     }
-    out
+    (out, without_area)
+}
+
+/// Normals as [`settle`] leaves them, and what was wrong with how many.
+pub(in crate::import) struct Settled {
+    pub normals: Vec<[f32; 3]>,
+    /// Not of unit length: normalised.
+    pub off: usize,
+    /// Zero or not finite: computed.
+    pub broken: usize,
 }
 
 /// The file's normals at unit length; those that are zero or not finite become the area-weighted mean of the
 /// triangles around the vertex, with a note.
 pub(super) fn settled(
-    mut normals: Vec<[f32; 3]>,
+    read: Vec<[f32; 3]>,
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
     accessor: &Accessor<'_>,
@@ -67,8 +86,28 @@ pub(super) fn settled(
 ) -> Vec<[f32; 3]> {
     // Quantized normals are never of unit length; floats are, to rounding.
     let tolerance = if accessor.component == super::accessor::Component::F32 { 1e-3 } else { 0.05 };
+    let Settled { normals, off, broken } = settle(read, positions, triangles, tolerance);
+    if off > 0 {
+        let text = "normals that are not of unit length: normalised";
+        notes.add_many(crate::scene::Severity::Info, accessor.at.place(), text, off);
+    }
+    if broken > 0 {
+        let text = "a normal that is zero or not finite: computed from the triangles around its vertex";
+        notes.add_many(crate::scene::Severity::Warning, accessor.at.place(), text, broken);
+    }
+    normals
+}
+
+/// As [`settled`]; lengths off by up to `tolerance` are not counted.
+pub(in crate::import) fn settle(
+    read: Vec<[f32; 3]>,
+    positions: &[[f32; 3]],
+    triangles: &[[u32; 3]],
+    tolerance: f64,
+) -> Settled {
+    let mut out = Settled { normals: read, off: 0, broken: 0 };
     let mut broken = Vec::new();
-    for (vertex, normal) in normals.iter_mut().enumerate() {
+    for (vertex, normal) in out.normals.iter_mut().enumerate() {
         let stored = DVec3::from(normal.map(f64::from));
         let off = (stored.length() - 1.0).abs();
         if off <= 1e-6 {
@@ -76,9 +115,7 @@ pub(super) fn settled(
         }
         match unit(stored) {
             Some(unit) => {
-                if off > tolerance {
-                    notes.info(&accessor.at, "normals that are not of unit length: normalised");
-                }
+                out.off += usize::from(off > tolerance);
                 *normal = unit;
             }
             None => {
@@ -87,10 +124,11 @@ pub(super) fn settled(
             }
         }
     }
+    out.broken = broken.len();
     if broken.is_empty() {
-        return normals;
+        return out;
     }
-    let mut sums = vec![DVec3::ZERO; normals.len()];
+    let mut sums = vec![DVec3::ZERO; out.normals.len()];
     for &triangle in triangles {
         let normal = area_normal(positions, triangle);
         for vertex in triangle {
@@ -100,11 +138,10 @@ pub(super) fn settled(
         }
     }
     for vertex in broken {
-        notes.warn(&accessor.at, "a normal that is zero or not finite: computed from the triangles around its vertex");
         let computed = sums.get(vertex).copied().and_then(unit);
-        if let (Some(slot), Some(normal)) = (normals.get_mut(vertex), computed) {
+        if let (Some(slot), Some(normal)) = (out.normals.get_mut(vertex), computed) {
             *slot = normal;
         }
     }
-    normals
+    out
 }

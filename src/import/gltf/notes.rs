@@ -6,7 +6,7 @@ use crate::scene::{Note, Severity};
 use std::collections::HashMap;
 
 #[derive(Debug, Default)]
-pub(super) struct Notes {
+pub(in crate::import) struct Notes {
     entries: Vec<(Note, usize)>,
     by_text: HashMap<String, usize>,
 }
@@ -22,10 +22,10 @@ impl Notes {
         self.by_text.insert(text.clone(), self.entries.len());
         self.entries.push((Note { severity, at, text }, count));
     }
-    pub fn info(&mut self, at: &At<'_>, text: impl Into<String>) {
+    pub(super) fn info(&mut self, at: &At<'_>, text: impl Into<String>) {
         self.add_many(Severity::Info, at.place(), text, 1);
     }
-    pub fn warn(&mut self, at: &At<'_>, text: impl Into<String>) {
+    pub(super) fn warn(&mut self, at: &At<'_>, text: impl Into<String>) {
         self.add_many(Severity::Warning, at.place(), text, 1);
     }
     /// All notes in the order of their first place.

@@ -9,7 +9,7 @@ use crate::import::normals::repair;
 
 /// The geometry of one face, indices from 0.
 #[derive(Debug, Default)]
-pub(super) struct FaceMesh {
+pub(in crate::import) struct FaceMesh {
     pub positions: Vec<[f32; 3]>,
     pub normals: Vec<[f32; 3]>,
     /// One per position, or none.

@@ -58,7 +58,7 @@ pub(super) fn unit_rotation(at: &At<'_>, xyzw: [f64; 4], tolerance: f64, notes: 
 }
 
 /// Whether the volume of the transformed unit cube is rounding noise, compared with a box of its edges.
-fn is_singular(transform: DAffine3) -> bool {
+pub(in crate::import) fn is_singular(transform: DAffine3) -> bool {
     let m = transform.matrix3;
     let edges = DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());
     // Edge by edge, so that neither a scale of 1e-120 nor one of 1e120 leaves the range of f64.

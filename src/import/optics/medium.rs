@@ -80,9 +80,9 @@ pub fn absorption(value: &Value, nm: f64) -> Result<f64> {
     if let Data::Number(_) = value.data {
         return number(value, row);
     }
-    let rows = table(value, row, [("λ", Range::Positive, "nm"), ("absorption", Range::AtLeast(0.0), "1/m")])?;
+    let lines = table(value, row, [("λ", Range::Positive, "nm"), ("absorption", Range::AtLeast(0.0), "1/m")])?;
     let mut below: Option<[f64; 2]> = None;
-    for [at, a] in rows {
+    for [at, a] in lines {
         match below {
             Some([nm_0, _]) if nm_0 >= at => {
                 return Err(Fault::new(

@@ -9,7 +9,7 @@ use std::path::Path;
 fn sample(name: &str, sets: &[&str]) -> Built {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name);
     let sets = sets.iter().map(|text| Set::parse(text).unwrap()).collect();
-    import(&path, &ImportOptions { sets }).unwrap_or_else(|fault| panic!("{fault}"))
+    import(&path, &ImportOptions { sets, ..ImportOptions::default() }).unwrap_or_else(|fault| panic!("{fault}"))
 }
 
 fn part<'a>(scene: &'a Scene, name: &str) -> &'a Part {
@@ -263,7 +263,7 @@ fn paths_that_lead_nowhere_are_faults() {
     assert_eq!(fault("no/such.optics.toml"), "can't read the sidecar no/such.optics.toml: there is no such file");
     assert_eq!(
         fault("hud.step"),
-        "hud.step is of no format that can be imported; expected .glb, .gltf or a sidecar .toml"
+        "hud.step is of no format that can be imported; expected .glb, .gltf, .usda, .usdc, .usdz, .usd or a sidecar .toml"
     );
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.toml");

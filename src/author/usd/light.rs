@@ -1,0 +1,144 @@
+//! Lights as UsdLux, the camera as UsdGeomCamera. Their numbers are single precision in USD; `customData["eyebox"]`
+//! has those that are not.
+
+use super::layer::{Datum, Prim, Property};
+use super::name::Siblings;
+use super::optics;
+use super::stage::{Writing, matrix, named};
+use crate::base::fault::Result;
+use crate::scene::assembly::{LightForm, LightSource};
+
+/// Appends a light below the node that holds it.
+///
+/// A point is a sphere with `treatAsPoint` and `normalize`: a sphere of radius r and luminance L has the intensity
+/// π r² L, and normalising divides by its area 4π r² (UsdLuxLightAPI, `inputs:normalize`), so that an intensity I takes
+/// `inputs:intensity` = 4 I, whatever the radius.
+pub(super) fn write(
+    writing: &Writing<'_>,
+    source: &LightSource,
+    depth: usize,
+    siblings: &mut Siblings,
+    prims: &mut Vec<Prim>,
+) -> Result<()> {
+    let mut inputs: Vec<Property> = Vec::new();
+    let mut number = |name: &str, x: f64| inputs.push(Property::new(format!("inputs:{name}"), Datum::Float(x as f32)));
+    let mut exact: Vec<(&'static str, f64)> = Vec::new();
+    let mut image = None;
+    let mut spot = false;
+    let type_name = match &source.form {
+        LightForm::Point { intensity_cd, cone } => {
+            number("intensity", 4.0 * intensity_cd);
+            number("radius", 0.0);
+            exact.push(("intensity_cd", *intensity_cd));
+            if let Some((inner, outer)) = cone {
+                spot = true;
+                number("shaping:cone:angle", outer.to_degrees());
+                number("shaping:cone:softness", if *outer > 0.0 { 1.0 - inner / outer } else { 0.0 });
+                exact.extend([("cone_inner", *inner), ("cone_outer", *outer)]);
+            }
+            "SphereLight"
+        }
+        LightForm::Distant { illuminance_lx, angle } => {
+            number("intensity", *illuminance_lx);
+            number("angle", angle.to_degrees());
+            exact.extend([("illuminance_lx", *illuminance_lx), ("angle", *angle)]);
+            "DistantLight"
+        }
+        LightForm::Rect { luminance_cd_m2, width, height } => {
+            number("intensity", *luminance_cd_m2);
+            number("width", *width);
+            number("height", *height);
+            exact.extend([("luminance_cd_m2", *luminance_cd_m2), ("width", *width), ("height", *height)]);
+            "RectLight"
+        }
+        LightForm::Disk { luminance_cd_m2, radius } => {
+            number("intensity", *luminance_cd_m2);
+            number("radius", *radius);
+            exact.extend([("luminance_cd_m2", *luminance_cd_m2), ("radius", *radius)]);
+            "DiskLight"
+        }
+        LightForm::Sphere { luminance_cd_m2, radius } => {
+            number("intensity", *luminance_cd_m2);
+            number("radius", *radius);
+            exact.extend([("luminance_cd_m2", *luminance_cd_m2), ("radius", *radius)]);
+            "SphereLight"
+        }
+        LightForm::Cylinder { luminance_cd_m2, radius, length } => {
+            number("intensity", *luminance_cd_m2);
+            number("radius", *radius);
+            number("length", *length);
+            exact.extend([("luminance_cd_m2", *luminance_cd_m2), ("radius", *radius), ("length", *length)]);
+            "CylinderLight"
+        }
+        LightForm::Dome { scale_cd_m2, image: file } => {
+            number("intensity", *scale_cd_m2);
+            exact.push(("scale_cd_m2", *scale_cd_m2));
+            image.clone_from(file);
+            "DomeLight"
+        }
+    };
+    let mut prim = Prim::def(depth, type_name, siblings.name(&source.name, "Light"));
+    named(&mut prim, &source.name);
+    prim.marks.push(("part", Datum::Bool(true)));
+    prim.marks.extend(exact.into_iter().map(|(key, x)| (key, Datum::Double(x))));
+    prim.marks.push(("color", Datum::Double3(source.color)));
+    prim.properties = inputs;
+    prim.push(Property::new("inputs:color", Datum::Float3(source.color.map(|lane| lane as f32))).typed("color3f"));
+    match &source.form {
+        LightForm::Point { .. } => {
+            prim.push(Property::new("inputs:normalize", Datum::Bool(true)));
+            prim.push(Property::new("treatAsPoint", Datum::Bool(true)));
+        }
+        LightForm::Distant { .. } => prim.push(Property::new("inputs:normalize", Datum::Bool(true))),
+        LightForm::Rect { .. }
+        | LightForm::Disk { .. }
+        | LightForm::Sphere { .. }
+        | LightForm::Cylinder { .. }
+        | LightForm::Dome { .. } => {}
+    }
+    if let Some(image) = image {
+        prim.push(Property::new("inputs:texture:file", Datum::Asset(optics::asset_path(writing.folder, &image)?)));
+    }
+    if let Some(profile) = &source.profile {
+        prim.push(Property::new("inputs:shaping:ies:file", Datum::Asset(optics::asset_path(writing.folder, profile)?)));
+    }
+    if spot || source.profile.is_some() {
+        prim.apply("ShapingAPI");
+    }
+    if let Some(attributes) = &source.attributes {
+        optics::apply(writing, attributes, &mut prim)?;
+    }
+    prims.push(prim);
+    Ok(())
+}
+
+/// Appends the cameras below the default prim, each where it stands in the asset's world.
+pub(super) fn cameras(writing: &Writing<'_>, siblings: &mut Siblings, prims: &mut Vec<Prim>) -> Result<()> {
+    for camera in &writing.assembly.cameras {
+        if !camera.to_world.is_finite() {
+            let what = format!("the place of camera `{}` is not finite", camera.name);
+            return Err(writing.fault(&crate::base::Where::Nowhere, what));
+        }
+        let mut prim = Prim::def(1, "Camera", siblings.name(&camera.name, "Camera"));
+        named(&mut prim, &camera.name);
+        prim.marks.push(("part", Datum::Bool(true)));
+        // Aperture and focal length are in tenths of a unit; only their ratio says something.
+        match camera.yfov {
+            Some(yfov) => {
+                let (focal, tall) = (50.0, 100.0 * (0.5 * yfov).tan());
+                let wide = tall * camera.aspect.unwrap_or(1.0);
+                prim.marks.push(("yfov", Datum::Double(yfov)));
+                prim.marks.extend(camera.aspect.map(|aspect| ("aspect", Datum::Double(aspect))));
+                prim.push(Property::new("focalLength", Datum::Float(focal)));
+                prim.push(Property::new("horizontalAperture", Datum::Float(wide as f32)));
+                prim.push(Property::new("verticalAperture", Datum::Float(tall as f32)));
+            }
+            None => prim.push(Property::new("projection", Datum::Token("orthographic".to_owned()))),
+        }
+        prim.push(Property::new("xformOp:transform", matrix(camera.to_world)));
+        let order = vec!["!resetXformStack!".to_owned(), "xformOp:transform".to_owned()];
+        prim.push(Property::new("xformOpOrder", Datum::Tokens(order)).uniform());
+        prims.push(prim);
+    }
+    Ok(())
+}

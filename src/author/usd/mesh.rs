@@ -1,0 +1,127 @@
+//! Meshes: one vertex per position, one GeomSubset per face.
+
+use super::layer::{Datum, Prim, Property};
+use super::name::Siblings;
+use super::stage::{Writing, named};
+use super::{material, optics};
+use crate::base::fault::Result;
+use crate::scene::assembly::MeshSource;
+use std::collections::BTreeSet;
+
+/// The family of subsets that are CAD faces; where they have materials of their own, USD wants its own word.
+const FACES: &str = "cadFace";
+const BOUND: &str = "materialBind";
+
+/// Appends mesh `index` and its faces at `depth`.
+///
+/// # Errors
+/// Positions or normals that are not finite, faces that reach beyond the triangles or share some, more triangles than
+/// USD's indices count.
+pub(super) fn write(
+    writing: &Writing<'_>,
+    index: usize,
+    depth: usize,
+    siblings: &mut Siblings,
+    prims: &mut Vec<Prim>,
+) -> Result<()> {
+    let Some(source) = writing.assembly.meshes.get(index) else { return Ok(()) };
+    let mesh = &source.mesh;
+    let fault = |what: &str| writing.fault(&source.at, format!("mesh `{}`: {what}", mesh.name));
+    if mesh.positions.iter().flatten().chain(mesh.normals.iter().flatten()).any(|x| !x.is_finite()) {
+        return Err(fault("positions or normals that are not finite"));
+    }
+    if mesh.normals.len() != mesh.positions.len() || !(mesh.uvs.is_empty() || mesh.uvs.len() == mesh.positions.len()) {
+        return Err(fault("not one normal (and texture coordinate) per position"));
+    }
+    if i32::try_from(mesh.positions.len()).is_err() || i32::try_from(mesh.triangles.len()).is_err() {
+        return Err(fault("more vertices or triangles than USD can count").expected("at most 2147483647"));
+    }
+    let mut prim = Prim::def(depth, "Mesh", siblings.name(&mesh.name, "Mesh"));
+    named(&mut prim, &mesh.name);
+    prim.marks.push(("part", Datum::Bool(true)));
+    let indices: Vec<i32> = mesh.triangles.iter().flatten().map(|index| i32::try_from(*index).unwrap_or(-1)).collect();
+    if mesh.triangles.iter().flatten().any(|index| *index as usize >= mesh.positions.len()) {
+        return Err(fault("triangles with vertices that are not there"));
+    }
+    if let Some(extent) = extent(&mesh.positions) {
+        prim.push(Property::new("extent", Datum::Float3s(extent.to_vec())));
+    }
+    prim.push(Property::new("faceVertexCounts", Datum::Ints(vec![3; mesh.triangles.len()])));
+    prim.push(Property::new("faceVertexIndices", Datum::Ints(indices)));
+    prim.push(Property::new("points", Datum::Float3s(mesh.positions.clone())).typed("point3f[]"));
+    prim.push(Property::new("normals", Datum::Float3s(mesh.normals.clone())).typed("normal3f[]").per("vertex"));
+    if !mesh.uvs.is_empty() {
+        prim.push(Property::new("primvars:st", Datum::Float2s(mesh.uvs.clone())).typed("texCoord2f[]").per("vertex"));
+    }
+    prim.push(Property::new("orientation", Datum::Token("rightHanded".to_owned())).uniform());
+    prim.push(Property::new("subdivisionScheme", Datum::Token("none".to_owned())).uniform());
+
+    let bound: BTreeSet<Option<usize>> = (0..mesh.faces.len()).map(|face| material_of(source, face)).collect();
+    let family = match bound.iter().collect::<Vec<_>>().as_slice() {
+        [] | [None] => FACES,
+        [Some(material)] => {
+            material::bind(writing, *material, &mut prim)?;
+            FACES
+        }
+        _ => BOUND,
+    };
+    prim.push(
+        Property::new(format!("subsetFamily:{family}:familyType"), Datum::Token("partition".to_owned())).uniform(),
+    );
+    prims.push(prim);
+    subsets(writing, source, family, depth + 1, prims)
+}
+
+fn material_of(source: &MeshSource, face: usize) -> Option<usize> {
+    source.materials.get(face).copied().flatten()
+}
+
+fn subsets(
+    writing: &Writing<'_>,
+    source: &MeshSource,
+    family: &str,
+    depth: usize,
+    prims: &mut Vec<Prim>,
+) -> Result<()> {
+    let mesh = &source.mesh;
+    let width = mesh.faces.len().saturating_sub(1).max(1).to_string().len().max(3);
+    let mut next = 0usize;
+    for (index, face) in mesh.faces.iter().enumerate() {
+        let end = (face.first as usize).checked_add(face.count as usize);
+        let Some(end) = end.filter(|end| *end <= mesh.triangles.len() && face.first as usize == next) else {
+            let what = format!("face {index} of mesh `{}` does not follow the one before it", mesh.name);
+            return Err(writing.fault(&source.at, what).expected("faces that partition the triangles in order"));
+        };
+        next = end;
+        let mut prim = Prim::def(depth, "GeomSubset", format!("Face_{index:0width$}"));
+        prim.push(Property::new("elementType", Datum::Token("face".to_owned())).uniform());
+        prim.push(Property::new("familyName", Datum::Token(family.to_owned())).uniform());
+        let triangles = (face.first..face.first.saturating_add(face.count)).filter_map(|i| i32::try_from(i).ok());
+        prim.push(Property::new("indices", Datum::Ints(triangles.collect())));
+        if family == BOUND
+            && let Some(material) = material_of(source, index)
+        {
+            material::bind(writing, material, &mut prim)?;
+        }
+        if let Some(Some(attributes)) = source.attributes.get(index) {
+            optics::apply(writing, attributes, &mut prim)?;
+        }
+        prims.push(prim);
+    }
+    if next != mesh.triangles.len() {
+        return Err(writing.fault(&source.at, format!("mesh `{}` has triangles of no face", mesh.name)));
+    }
+    Ok(())
+}
+
+fn extent(positions: &[[f32; 3]]) -> Option<[[f32; 3]; 2]> {
+    let first = *positions.first()?;
+    let mut out = [first, first];
+    for p in positions {
+        for axis in 0..3 {
+            out[0][axis] = out[0][axis].min(p[axis]);
+            out[1][axis] = out[1][axis].max(p[axis]);
+        }
+    }
+    Some(out)
+}

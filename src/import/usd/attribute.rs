@@ -1,0 +1,176 @@
+//! A prim as the other modules see it: authored values at the chosen time, and a place for messages.
+
+use super::value;
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use openusd::sdf::{self, Value};
+use openusd::usd::{Prim, ResolveInfoSource, Stage, TimeCode};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// The root layer and the time at which values are taken.
+#[derive(Debug, Clone)]
+pub(super) struct Moment {
+    pub file: PathBuf,
+    pub frame: Option<f64>,
+}
+
+impl Moment {
+    pub fn at(&self, path: &sdf::Path) -> Where {
+        Where::Prim { file: self.file.clone(), prim: path.as_str().to_owned() }
+    }
+    pub fn fault(&self, path: &sdf::Path, what: impl Into<String>) -> Box<Fault> {
+        Fault::new(self.at(path), what)
+    }
+    /// A failure inside the USD library while reading at `path`.
+    pub fn failed(&self, path: &sdf::Path, error: impl std::fmt::Display) -> Box<Fault> {
+        self.fault(path, format!("cannot be read: {}", one_line(&error.to_string())))
+    }
+}
+
+/// The library's parse errors show the line in question on lines of their own.
+pub(super) fn one_line(text: &str) -> String {
+    let mut out = String::with_capacity(text.len().min(400));
+    for word in text.split_whitespace() {
+        if out.len() > 300 {
+            out.push_str(" …");
+            break;
+        }
+        if !out.is_empty() {
+            out.push(' ');
+        }
+        out.push_str(word);
+    }
+    out
+}
+
+/// A prim with the names of its authored properties.
+pub(super) struct PrimView {
+    pub prim: Prim,
+    pub moment: Rc<Moment>,
+    names: Vec<String>,
+}
+
+impl PrimView {
+    pub fn new(prim: Prim, moment: &Rc<Moment>) -> Result<Self> {
+        let names = prim.authored_property_names().map_err(|error| moment.failed(prim.path(), error))?;
+        let names = names.iter().map(|name| name.as_str().to_owned()).collect();
+        Ok(PrimView { prim, moment: Rc::clone(moment), names })
+    }
+    pub fn path(&self) -> &sdf::Path {
+        self.prim.path()
+    }
+    #[allow(dead_code)] // for lights and render settings
+    pub fn stage(&self) -> &Stage {
+        self.prim.stage()
+    }
+    pub fn name(&self) -> &str {
+        self.path().name().unwrap_or_default()
+    }
+    pub fn at(&self) -> Where {
+        self.moment.at(self.path())
+    }
+    /// The place of a property.
+    pub fn at_property(&self, name: &str) -> Where {
+        Where::Prim { file: self.moment.file.clone(), prim: format!("{}.{name}", self.path().as_str()) }
+    }
+    pub fn fault(&self, what: impl Into<String>) -> Box<Fault> {
+        self.moment.fault(self.path(), what)
+    }
+    pub fn fault_in(&self, name: &str, what: impl Into<String>) -> Box<Fault> {
+        Fault::new(self.at_property(name), what)
+    }
+
+    /// The composed type name; empty if there is none.
+    pub fn type_name(&self) -> Result<String> {
+        let name = self.prim.type_name().map_err(|error| self.moment.failed(self.path(), error))?;
+        Ok(name.map(|name| name.as_str().to_owned()).unwrap_or_default())
+    }
+    pub fn property_names(&self) -> &[String] {
+        &self.names
+    }
+    /// Whether anything is authored for a property.
+    pub fn has(&self, name: &str) -> bool {
+        self.names.iter().any(|known| known == name)
+    }
+
+    /// The value of an authored attribute at the moment: with a frame, the one of that time; without, the attribute's
+    /// own value, else its earliest sample. `None` if nothing is authored or the value is blocked: the schema's fallback
+    /// is the caller's to know.
+    pub fn get(&self, name: &str) -> Result<Option<Value>> {
+        if !self.has(name) {
+            return Ok(None);
+        }
+        let attribute = self.prim.attribute(name);
+        let failed = |error| Fault::new(self.at_property(name), one_line(&format!("cannot be read: {error}")));
+        let time = self.moment.frame.map(TimeCode::new);
+        let source = attribute.resolve_info_at(time).map_err(failed)?.source();
+        let time = match (source, time) {
+            (ResolveInfoSource::None | ResolveInfoSource::Fallback, None) => {
+                match attribute.resolve_info_at(Some(TimeCode::EARLIEST)).map_err(failed)?.source() {
+                    ResolveInfoSource::None | ResolveInfoSource::Fallback => return Ok(None),
+                    ResolveInfoSource::Default | ResolveInfoSource::TimeSamples | ResolveInfoSource::ValueClips => {
+                        Some(TimeCode::EARLIEST)
+                    }
+                }
+            }
+            (ResolveInfoSource::None | ResolveInfoSource::Fallback, Some(_)) => return Ok(None),
+            (ResolveInfoSource::Default | ResolveInfoSource::TimeSamples | ResolveInfoSource::ValueClips, time) => time,
+        };
+        attribute.get_at::<Value>(time).map_err(failed)
+    }
+
+    /// As [`get`](Self::get), read by `convert`; a value of another type is a fault that names what is `expected`.
+    pub fn read<T>(&self, name: &str, expected: &str, convert: impl FnOnce(Value) -> Option<T>) -> Result<Option<T>> {
+        let Some(found) = self.get(name)? else { return Ok(None) };
+        match convert(found) {
+            Some(value) => Ok(Some(value)),
+            None => Err(self.fault_in(name, "a value of another type").expected(expected)),
+        }
+    }
+    pub fn number(&self, name: &str) -> Result<Option<f64>> {
+        self.read(name, "a number", |value| value::number(&value))
+    }
+    /// A finite number that is not negative.
+    #[allow(dead_code)] // for lights
+    pub fn length(&self, name: &str) -> Result<Option<f64>> {
+        let Some(x) = self.number(name)? else { return Ok(None) };
+        if x.is_finite() && x >= 0.0 {
+            return Ok(Some(x));
+        }
+        Err(self.fault_in(name, format!("the value {x}")).expected("a finite number >= 0"))
+    }
+    pub fn token(&self, name: &str) -> Result<Option<String>> {
+        self.read(name, "a token", |value| value::text(&value).map(str::to_owned))
+    }
+    pub fn tokens(&self, name: &str) -> Result<Option<Vec<String>>> {
+        self.read(name, "a list of tokens", value::texts)
+    }
+    /// The paths that a relationship leads to; empty if it is not authored.
+    pub fn targets(&self, name: &str) -> Result<Vec<sdf::Path>> {
+        if !self.has(name) {
+            return Ok(Vec::new());
+        }
+        let found = self.prim.relationship(name).forwarded_targets();
+        found.map_err(|error| self.fault_in(name, one_line(&format!("cannot be read: {error}"))))
+    }
+    /// Metadata of a property, e.g. `interpolation`.
+    pub fn property_text(&self, name: &str, key: &str) -> Result<Option<String>> {
+        let found = self.prim.attribute(name).get_metadata::<Value>(key);
+        let found = found.map_err(|error| self.fault_in(name, one_line(&format!("cannot be read: {error}"))))?;
+        Ok(found.as_ref().and_then(value::text).map(str::to_owned))
+    }
+    pub fn metadata(&self, key: &str) -> Result<Option<Value>> {
+        self.prim.get_metadata::<Value>(key).map_err(|error| self.moment.failed(self.path(), error))
+    }
+    /// The children on the stage, in its order; those of an instance are its prototype's.
+    pub fn children(&self) -> Result<Vec<Prim>> {
+        self.prim.children().map_err(|error| self.moment.failed(self.path(), error))
+    }
+}
+
+/// Where a file of an asset path lies, if the library found it.
+#[allow(dead_code)] // for pictures and profiles
+pub(super) fn resolved(path: &sdf::AssetPath) -> Option<&Path> {
+    path.resolved_path().filter(|path| !path.is_empty()).map(Path::new)
+}

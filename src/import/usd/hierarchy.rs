@@ -1,0 +1,348 @@
+//! The walk over the stage: which prims are there for us, and the nodes they become. What is below an instance is
+//! walked once per prototype; further instances copy its nodes and share its meshes.
+
+use super::attribute::PrimView;
+use super::marks::{Fold, Marks};
+use super::reader::Reader;
+use super::xform::{self, Local};
+use super::{camera, implicit, instancer, light, material, mesh, optics};
+use crate::base::Where;
+use crate::base::fault::Result;
+use crate::import::assembly::Node;
+use openusd::sdf::{self, Specifier};
+use openusd::usd::Prim;
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
+
+/// Deeper than any assembly; each level is a level of recursion here and in composition.
+const MOST_DEEP: usize = 500;
+
+/// What prims take over from those above them.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Handed {
+    /// By purpose: `default` and `render` are, `proxy` and `guide` are not.
+    pub shown: bool,
+    pub material: material::Inherited,
+}
+
+/// Where the walk is.
+#[derive(Debug, Clone)]
+pub(super) struct Above {
+    pub node: Option<usize>,
+    pub handed: Handed,
+    /// The innermost instance and its prototype: what is below both is one and the same.
+    pub instance: Option<(sdf::Path, sdf::Path)>,
+    pub depth: usize,
+    /// Roots of instancers' prototypes need not be defined.
+    pub may_be_over: bool,
+}
+
+/// The nodes below a node that others may copy.
+#[derive(Debug, Clone)]
+pub(super) struct Template {
+    top: usize,
+    nodes: Range<usize>,
+    cameras: Range<usize>,
+    lights: Range<usize>,
+}
+
+/// What the walk remembers.
+#[derive(Debug, Default)]
+pub(super) struct Placed {
+    instances: HashMap<(String, Handed), Template>,
+    /// Nodes that start afresh from the world.
+    pub resets: HashSet<usize>,
+    /// Nodes that our own writer made for what another node holds.
+    pub folds: HashMap<usize, Fold>,
+    /// The outermost instances.
+    pub outermost: Vec<String>,
+}
+
+/// Fills `assembly.nodes`, `meshes`, `cameras` and `lights`, depth first in the order of the stage.
+pub(super) fn read(reader: &mut Reader) -> Result<()> {
+    let handed = Handed { shown: true, material: material::Inherited::default() };
+    let above = Above { node: None, handed, instance: None, depth: 0, may_be_over: false };
+    let root = sdf::Path::abs_root();
+    let names = reader.stage.root_prims().map_err(|error| reader.moment.failed(&root, error))?;
+    for name in names {
+        let Ok(path) = root.append_path(name.as_str()) else { continue };
+        let child = reader.stage.prim(path).map_err(|error| reader.moment.failed(&root, error))?;
+        prim(reader, child, &above)?;
+    }
+    Ok(())
+}
+
+/// Types that place nothing and hold nothing that is placed.
+const BESIDE: [&str; 12] = [
+    "Material",
+    "NodeGraph",
+    "Shader",
+    "GeomSubset",
+    "RenderSettings",
+    "RenderProduct",
+    "RenderVar",
+    "RenderPass",
+    "RenderDenoisePass",
+    "SkelAnimation",
+    "BlendShape",
+    "OpenExecNode",
+];
+
+/// Types with a shape that is not read.
+const UNUSED: [&str; 10] = [
+    "BasisCurves",
+    "NurbsCurves",
+    "HermiteCurves",
+    "NurbsPatch",
+    "Points",
+    "TetMesh",
+    "Volume",
+    "OpenVDBAsset",
+    "Field3DAsset",
+    "ParticleField",
+];
+
+/// Walks one prim and what is below it.
+pub(super) fn prim(reader: &mut Reader, prim: Prim, above: &Above) -> Result<()> {
+    let Reader { ledger, moment, opened, .. } = &mut *reader;
+    ledger.prim(|| moment.at(prim.path()), opened.bytes())?;
+    if above.depth > MOST_DEEP {
+        return Err(moment.fault(prim.path(), "prims nested too deep").expected(format!("at most {MOST_DEEP} levels")));
+    }
+    let failed = |error| moment.failed(prim.path(), error);
+    let specifier = prim.specifier().map_err(failed)?;
+    let there = match specifier {
+        Some(Specifier::Def) => true,
+        Some(Specifier::Over | Specifier::Class) | None => above.may_be_over,
+    };
+    if !there || prim.get_metadata::<bool>("active").map_err(failed)? == Some(false) {
+        return Ok(());
+    }
+    let view = PrimView::new(prim, moment)?;
+    let type_name = view.type_name()?;
+    if BESIDE.contains(&type_name.as_str()) || view.token("visibility")?.as_deref() == Some("invisible") {
+        return Ok(());
+    }
+    let shown = match view.token("purpose")?.as_deref() {
+        None => above.handed.shown,
+        Some("default" | "render") => true,
+        Some("proxy" | "guide") => false,
+        Some(other) => {
+            let fault = view.fault_in("purpose", format!("the purpose `{other}`"));
+            return Err(fault.expected("default, render, proxy or guide"));
+        }
+    };
+    let local = xform::local(&view, ledger)?;
+    let handed = Handed { shown, material: above.handed.material.below(&view)? };
+    let marks = Marks::of(&view)?;
+    let node = place(reader, &view, local, above.node, marks.text("name").unwrap_or(view.name()))?;
+    reader.placed.folds.extend(marks.fold().map(|fold| (node, fold)));
+    reader.assembly.nodes[node].attributes = optics::node(reader, &view)?;
+    let mut below = Above {
+        node: Some(node),
+        handed,
+        instance: above.instance.clone(),
+        depth: above.depth + 1,
+        may_be_over: false,
+    };
+    if shown {
+        content(reader, &view, &type_name, &below)?;
+    }
+    if type_name != "PointInstancer" {
+        let is_instance = view.prim.is_instance().map_err(|error| reader.moment.failed(view.path(), error))?;
+        if is_instance { instance(reader, &view, &mut below)? } else { children(reader, &view, &below)? }
+    }
+    // A container without contents, or one that is not shown, says nothing.
+    let is_container = matches!(type_name.as_str(), "" | "Scope") || !shown;
+    let own = &reader.assembly.nodes[node];
+    if is_container && reader.assembly.nodes.len() == node + 1 && own.mesh.is_none() && own.attributes.is_none() {
+        reader.assembly.nodes.pop();
+        reader.placed.resets.remove(&node);
+        reader.placed.folds.remove(&node);
+    }
+    Ok(())
+}
+
+fn children(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<()> {
+    for child in view.children()? {
+        prim(reader, child, below)?;
+    }
+    Ok(())
+}
+
+/// What is below an instance: walked if it is the first of its prototype, else copied.
+fn instance(reader: &mut Reader, view: &PrimView, below: &mut Above) -> Result<()> {
+    let prototype = view.prim.prototype().map_err(|error| reader.moment.failed(view.path(), error))?;
+    let (Some(prototype), Some(node)) = (prototype, below.node) else { return children(reader, view, below) };
+    if below.instance.is_none() {
+        reader.placed.outermost.push(view.path().as_str().to_owned());
+    }
+    let key = (prototype.as_str().to_owned(), below.handed.clone());
+    if let Some(template) = reader.placed.instances.get(&key).cloned() {
+        return copy(reader, view, &template, node);
+    }
+    below.instance = Some((view.path().clone(), prototype));
+    let start = marks(reader);
+    children(reader, view, below)?;
+    let template = template(reader, node, start);
+    reader.placed.instances.insert(key, template);
+    Ok(())
+}
+
+/// How many nodes, cameras and lights there are.
+pub(super) fn marks(reader: &Reader) -> [usize; 3] {
+    [reader.assembly.nodes.len(), reader.assembly.cameras.len(), reader.assembly.lights.len()]
+}
+
+/// All that was added below `top` since `start`.
+pub(super) fn template(reader: &Reader, top: usize, start: [usize; 3]) -> Template {
+    let [nodes, cameras, lights] = marks(reader);
+    Template { top, nodes: start[0]..nodes, cameras: start[1]..cameras, lights: start[2]..lights }
+}
+
+/// The node's name below a parent.
+fn below(reader: &Reader, parent: Option<usize>, name: &str) -> String {
+    match parent.and_then(|parent| reader.assembly.nodes.get(parent)) {
+        Some(parent) if !parent.path.is_empty() => format!("{}/{name}", parent.path),
+        Some(_) | None => name.to_owned(),
+    }
+}
+
+/// Appends a node for `view`; its index.
+pub(super) fn place(
+    reader: &mut Reader,
+    view: &PrimView,
+    local: Local,
+    parent: Option<usize>,
+    name: &str,
+) -> Result<usize> {
+    let path = below(reader, parent, name);
+    reader.charge(view.path(), 1, size_of::<Node>() + path.len() + name.len() + view.path().as_str().len())?;
+    let frame = parent.and_then(|parent| reader.assembly.nodes.get(parent)).map(|parent| parent.to_world);
+    let overflow = || view.fault("the prim's world transform overflows").expected("finite numbers");
+    let resets = local.resets && frame.is_some();
+    let (local, to_world) = match frame {
+        Some(frame) if local.resets => (frame.inverse() * local.transform, local.transform),
+        Some(frame) => (local.transform, frame * local.transform),
+        // A product here, too: it has no −0, as in glTF.
+        None => (local.transform, glam::DAffine3::IDENTITY * local.transform),
+    };
+    if !to_world.is_finite() || !local.is_finite() {
+        return Err(overflow());
+    }
+    let node = reader.assembly.nodes.len();
+    if resets {
+        reader.placed.resets.insert(node);
+    }
+    let name = name.to_owned();
+    reader.assembly.nodes.push(Node {
+        name,
+        path,
+        parent,
+        local,
+        to_world,
+        mesh: None,
+        attributes: None,
+        at: view.at(),
+    });
+    Ok(node)
+}
+
+/// Appends copies of a template's nodes below `top`, which stands for `view`.
+pub(super) fn copy(reader: &mut Reader, view: &PrimView, template: &Template, top: usize) -> Result<()> {
+    let Some(old) = reader.assembly.nodes.get(template.top).map(|node| (node.path.clone(), node.at.clone())) else {
+        return Ok(());
+    };
+    let base = reader.assembly.nodes.len();
+    let bytes: usize = template.nodes.clone().filter_map(|i| reader.assembly.nodes.get(i)).map(cost).sum();
+    reader.charge(view.path(), 1, bytes)?;
+    for index in template.nodes.clone() {
+        let Some(mut node) = reader.assembly.nodes.get(index).cloned() else { continue };
+        let parent =
+            node.parent.map(|parent| if parent == template.top { top } else { parent - template.nodes.start + base });
+        let Some(above) = parent.and_then(|parent| reader.assembly.nodes.get(parent)) else { continue };
+        let own = below(reader, parent, &node.name);
+        let frame = above.to_world;
+        if reader.placed.resets.contains(&index) {
+            node.local = frame.inverse() * node.to_world;
+            reader.placed.resets.insert(reader.assembly.nodes.len());
+        } else {
+            node.to_world = frame * node.local;
+        }
+        if !node.to_world.is_finite() {
+            return Err(view.fault("the prim's world transform overflows").expected("finite numbers"));
+        }
+        if let Some(fold) = reader.placed.folds.get(&index).copied() {
+            reader.placed.folds.insert(reader.assembly.nodes.len(), fold);
+        }
+        node.at = moved(&node.at, &old.1, &reader.moment.at(view.path()));
+        (node.parent, node.path) = (parent, own);
+        reader.assembly.nodes.push(node);
+    }
+    for index in template.lights.clone() {
+        let Some(mut light) = reader.assembly.lights.get(index).cloned() else { continue };
+        light.node = light.node - template.nodes.start + base;
+        light.at = moved(&light.at, &old.1, &reader.moment.at(view.path()));
+        reader.assembly.lights.push(light);
+    }
+    if !template.cameras.is_empty() {
+        reader.ledger.info(view.at(), "cameras below further instances are not repeated");
+    }
+    Ok(())
+}
+
+fn cost(node: &Node) -> usize {
+    let attributes = if node.attributes.is_some() { 1024 } else { 0 };
+    size_of::<Node>() + 2 * node.path.len() + 2 * node.name.len() + 64 + attributes
+}
+
+/// A place below `from`, as seen below `to`.
+fn moved(at: &Where, from: &Where, to: &Where) -> Where {
+    match (at, from, to) {
+        (Where::Prim { file, prim }, Where::Prim { prim: from, .. }, Where::Prim { prim: to, .. }) => {
+            let rest = prim.strip_prefix(from.as_str());
+            Where::Prim { file: file.clone(), prim: rest.map_or_else(|| prim.clone(), |rest| format!("{to}{rest}")) }
+        }
+        _ => at.clone(),
+    }
+}
+
+/// What a prim that is shown holds itself.
+fn content(reader: &mut Reader, view: &PrimView, type_name: &str, below: &Above) -> Result<()> {
+    let Some(node) = below.node else { return Ok(()) };
+    let found = match type_name {
+        "Mesh" => mesh::of(reader, view, below)?,
+        "Camera" => {
+            let to_world = reader.assembly.nodes[node].to_world;
+            let camera = camera::read(view, to_world, &mut reader.ledger)?;
+            reader.assembly.cameras.push(camera);
+            None
+        }
+        "PointInstancer" => {
+            instancer::read(reader, view, below)?;
+            None
+        }
+        "Xform" | "Scope" | "" => None,
+        other => {
+            if let Some(shape) = implicit::Kind::of(other) {
+                implicit::of(reader, view, shape, below)?
+            } else if other.ends_with("Light") || other.ends_with("Light_1") {
+                light::read(reader, view, node, other)?;
+                None
+            } else {
+                if UNUSED.contains(&other) {
+                    reader.ledger.warn(view.at(), format!("geometry of type {other} is not used"));
+                }
+                None
+            }
+        }
+    };
+    reader.assembly.nodes[node].mesh = found;
+    Ok(())
+}
+
+/// The path by which the instances of a prototype know a prim: the same for all of them.
+pub(super) fn shared_path(view: &PrimView, below: &Above) -> String {
+    let moved = below.instance.as_ref().and_then(|(from, to)| view.path().replace_prefix(from, to));
+    moved.as_ref().unwrap_or(view.path()).as_str().to_owned()
+}

@@ -1,0 +1,196 @@
+//! Implicit shapes (UsdGeomSphere, …): a mesh fine enough to show them and, where the vocabulary has it, the exact
+//! surface.
+
+use super::attribute::PrimView;
+use super::hierarchy::Above;
+use super::reader::Reader;
+use super::{material, mesh, tessellate};
+use crate::base::Where;
+use crate::base::fault::Result;
+use crate::import::assembly::MeshSource;
+use crate::import::place::uniform_scale;
+use crate::import::value::{Data, Value};
+use crate::scene::Mesh;
+use glam::DVec3;
+use std::collections::HashMap;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Sphere,
+    Cube,
+    Cylinder,
+    Cylinder1,
+    Cone,
+    Capsule,
+    Capsule1,
+    Plane,
+}
+
+impl Kind {
+    /// By the type of the prim.
+    pub fn of(type_name: &str) -> Option<Self> {
+        Some(match type_name {
+            "Sphere" => Kind::Sphere,
+            "Cube" => Kind::Cube,
+            "Cylinder" => Kind::Cylinder,
+            "Cylinder_1" => Kind::Cylinder1,
+            "Cone" => Kind::Cone,
+            "Capsule" => Kind::Capsule,
+            "Capsule_1" => Kind::Capsule1,
+            "Plane" => Kind::Plane,
+            _ => return None,
+        })
+    }
+}
+
+/// The axis of a shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+impl Axis {
+    /// Turns a shape about z into one about this axis.
+    pub fn turn(self, v: DVec3) -> DVec3 {
+        match self {
+            Axis::X => DVec3::new(v.z, v.x, v.y),
+            Axis::Y => DVec3::new(v.y, v.z, v.x),
+            Axis::Z => v,
+        }
+    }
+}
+
+/// The mesh of an implicit shape, an index of `Assembly::meshes`.
+pub(super) fn of(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above) -> Result<Option<usize>> {
+    mesh::shared(reader, view, below, |reader, view, below| {
+        let (mesh, shapes) = shape(reader, view, kind)?;
+        reader.charge(view.path(), mesh.triangles.len() + 2 * mesh.positions.len(), 12)?;
+        let material = material::bound(reader, view, &below.handed.material)?;
+        let materials = vec![material; mesh.faces.len()];
+        let mut attributes = vec![None; mesh.faces.len()];
+        for (face, shape) in shapes {
+            if let Some(slot) = attributes.get_mut(face) {
+                *slot = Some(shape);
+            }
+        }
+        Ok(Some(MeshSource { mesh, materials, attributes, at: view.at() }))
+    })
+}
+
+/// The mesh, and the exact surfaces of some faces.
+fn shape(reader: &mut Reader, view: &PrimView, kind: Kind) -> Result<(Mesh, Vec<(usize, Value)>)> {
+    let length = |name: &str, fallback: f64| -> Result<f64> {
+        let x = view.number(name)?.unwrap_or(fallback);
+        if x.is_finite() && x > 0.0 && x <= f64::from(f32::MAX) {
+            return Ok(x);
+        }
+        Err(view.fault_in(name, format!("the value {x}")).expected("a finite number > 0"))
+    };
+    let name = view.name();
+    let mut shapes = Vec::new();
+    let mesh = match kind {
+        Kind::Sphere => {
+            let radius = length("radius", 1.0)?;
+            shapes.push((0, sphere(DVec3::ZERO, DVec3::Z, radius, view)));
+            tessellate::sphere(name, radius)
+        }
+        Kind::Cube => tessellate::cube(name, length("size", 2.0)?),
+        Kind::Cylinder => {
+            inexact(reader, view);
+            let radius = length("radius", 1.0)?;
+            tessellate::frustum(name, axis(view)?, length("height", 2.0)?, radius, radius)
+        }
+        Kind::Cylinder1 => {
+            inexact(reader, view);
+            let radii = [length("radiusBottom", 1.0)?, length("radiusTop", 1.0)?];
+            tessellate::frustum(name, axis(view)?, length("height", 2.0)?, radii[0], radii[1])
+        }
+        Kind::Cone => {
+            inexact(reader, view);
+            tessellate::frustum(name, axis(view)?, length("height", 2.0)?, length("radius", 1.0)?, 0.0)
+        }
+        Kind::Capsule | Kind::Capsule1 => {
+            inexact(reader, view);
+            let (axis, height) = (axis(view)?, length("height", 1.0)?);
+            let radius = match kind {
+                Kind::Capsule1 => length("radiusBottom", 0.5)?,
+                Kind::Sphere
+                | Kind::Cube
+                | Kind::Cylinder
+                | Kind::Cylinder1
+                | Kind::Cone
+                | Kind::Capsule
+                | Kind::Plane => length("radius", 0.5)?,
+            };
+            if kind == Kind::Capsule1 && length("radiusTop", 0.5)? != radius {
+                reader.ledger.warn(view.at(), "a capsule with two radii: taken with the one of its bottom");
+            }
+            let z = axis.turn(DVec3::Z);
+            shapes.push((0, sphere(-0.5 * height * z, z, radius, view)));
+            shapes.push((2, sphere(0.5 * height * z, -z, radius, view)));
+            tessellate::capsule(name, axis, height, radius)
+        }
+        Kind::Plane => tessellate::plane(name, axis(view)?, length("width", 2.0)?, length("length", 2.0)?),
+    };
+    Ok((mesh, shapes))
+}
+
+fn axis(view: &PrimView) -> Result<Axis> {
+    match view.token("axis")?.as_deref() {
+        None | Some("Z") => Ok(Axis::Z),
+        Some("X") => Ok(Axis::X),
+        Some("Y") => Ok(Axis::Y),
+        Some(other) => Err(view.fault_in("axis", format!("the axis `{other}`")).expected("X, Y or Z")),
+    }
+}
+
+fn inexact(reader: &mut Reader, view: &PrimView) {
+    let text = "the curved side of a cylinder, cone or capsule is traced as a mesh with exact normals";
+    reader.ledger.info(view.at(), text);
+}
+
+/// `shape = { kind = "sphere", … }` for a sphere about `centre`, its vertex on the side of −axis.
+fn sphere(centre: DVec3, axis: DVec3, radius: f64, view: &PrimView) -> Value {
+    let at = view.at();
+    let value = |data: Data| Value::new(data, at.clone());
+    let three = |v: DVec3| value(Data::List(v.to_array().map(|x| value(Data::Number(x))).to_vec()));
+    let shape = vec![
+        ("kind".to_owned(), value(Data::Text("sphere".to_owned()))),
+        ("vertex".to_owned(), three(centre - radius * axis)),
+        ("axis".to_owned(), three(axis)),
+        ("radius".to_owned(), value(Data::Number(radius))),
+    ];
+    value(Data::Table(vec![("shape".to_owned(), value(Data::Table(shape)))]))
+}
+
+/// Takes the exact surface from implicit spheres that are scaled unevenly: they are ellipsoids, traced as meshes.
+pub(super) fn flatten_stretched(reader: &mut Reader) {
+    let mut plain: HashMap<usize, usize> = HashMap::new();
+    for index in 0..reader.assembly.nodes.len() {
+        let node = &reader.assembly.nodes[index];
+        let Some(mesh) = node.mesh.filter(|_| uniform_scale(&node.to_world).is_none()) else { continue };
+        let Some(source) = reader.assembly.meshes.get(mesh).filter(|source| carries_sphere(source)) else { continue };
+        let at: Where = node.at.clone();
+        let other = match plain.get(&mesh) {
+            Some(&other) => other,
+            None => {
+                let mut source = source.clone();
+                source.attributes.iter_mut().for_each(|attributes| *attributes = None);
+                reader.assembly.meshes.push(source);
+                plain.insert(mesh, reader.assembly.meshes.len() - 1);
+                reader.assembly.meshes.len() - 1
+            }
+        };
+        reader.assembly.nodes[index].mesh = Some(other);
+        reader.ledger.warn(at, "a sphere that is scaled unevenly: traced as a mesh, not exactly");
+    }
+}
+
+/// Whether a mesh is an implicit shape with an exact sphere. (Meshes carry attributes of other kinds, too.)
+fn carries_sphere(source: &MeshSource) -> bool {
+    source.attributes.iter().flatten().any(|attributes| {
+        attributes.get("shape").is_some_and(|shape| shape.at == source.at && attributes.at == source.at)
+    })
+}

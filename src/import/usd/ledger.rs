@@ -1,0 +1,58 @@
+//! What a reader has to say, and how much work and memory the files may still ask for.
+
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::import::gltf::notes::Notes;
+use crate::scene::Severity;
+
+/// A few bytes can ask for much: references that multiply, an instancer of instancers, compressed arrays. Everything
+/// that can multiply is charged here before it is made.
+#[derive(Debug)]
+pub(super) struct Ledger {
+    pub notes: Notes,
+    memory: usize,
+    prims: usize,
+}
+
+impl Ledger {
+    /// Crate files are compressed: index arrays up to 16 times, other data by LZ4. An honest file stays far below this.
+    const BYTES_PER_BYTE: usize = 256;
+    const LEAST_BYTES: usize = 1 << 26;
+    const MOST_BYTES: usize = 3 << 30;
+    /// A prim costs composition about 0.1 ms, and at least this many bytes of a file that does not repeat itself.
+    const BYTES_PER_PRIM: usize = 8;
+    const LEAST_PRIMS: usize = 50_000;
+
+    pub fn new() -> Self {
+        Ledger { notes: Notes::default(), memory: 0, prims: 0 }
+    }
+
+    /// Takes memory for `count` things of `size` bytes each; `read` bytes of files were read so far.
+    pub fn charge(&mut self, at: impl Fn() -> Where, read: usize, count: usize, size: usize) -> Result<()> {
+        let most = read.saturating_mul(Self::BYTES_PER_BYTE).saturating_add(Self::LEAST_BYTES).min(Self::MOST_BYTES);
+        self.memory = self.memory.saturating_add(count.saturating_mul(size));
+        if self.memory <= most {
+            return Ok(());
+        }
+        Err(Fault::new(at(), "the asset repeats itself into more memory than it can honestly need")
+            .expected(format!("at most {most} bytes for {read} bytes of files")))
+    }
+
+    /// Takes one composed prim.
+    pub fn prim(&mut self, at: impl Fn() -> Where, read: usize) -> Result<()> {
+        let most = (read / Self::BYTES_PER_PRIM).saturating_add(Self::LEAST_PRIMS);
+        self.prims += 1;
+        if self.prims <= most {
+            return Ok(());
+        }
+        Err(Fault::new(at(), "the asset repeats itself into more prims than it can honestly need")
+            .expected(format!("at most {most} prims for {read} bytes of files")))
+    }
+
+    pub fn info(&mut self, at: Where, text: impl Into<String>) {
+        self.notes.add_many(Severity::Info, at, text, 1);
+    }
+    pub fn warn(&mut self, at: Where, text: impl Into<String>) {
+        self.notes.add_many(Severity::Warning, at, text, 1);
+    }
+}

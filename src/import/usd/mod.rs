@@ -1,0 +1,63 @@
+//! USD, `.usda`, `.usdc` and `.usdz`, into an [`Assembly`].
+//!
+//! The `openusd` crate reads layers and composes them; what prims mean is decided here. Transforms are multiplied in
+//! f64 by the same code as glTF's, so that an asset that was converted from one to the other stays what it was, bit for
+//! bit.
+
+mod attribute;
+mod camera;
+mod faces;
+mod hierarchy;
+mod implicit;
+mod instancer;
+mod ledger;
+mod light;
+mod marks;
+mod material;
+mod mesh;
+mod normalise;
+mod optics;
+mod primvar;
+mod reader;
+mod render;
+mod resolver;
+mod stage;
+mod tessellate;
+mod triangulate;
+mod value;
+mod xform;
+
+#[cfg(test)]
+mod tests;
+
+use super::ReadOptions;
+use super::assembly::Assembly;
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use reader::Reader;
+use std::path::Path;
+
+/// Composition and the walk recurse over the depth of namespaces, which is bounded (see `hierarchy` and `resolver`);
+/// the bound needs more than the 2 MiB that a thread has by default.
+const STACK_BYTES: usize = 256 << 20;
+
+/// Reads the stage whose root layer is `path`: one node per prim that places something, one mesh per Mesh prim or
+/// implicit shape (instances share it), one face per GeomSubset.
+///
+/// # Errors
+/// The root layer cannot be read; a value contradicts itself, with its prim. What composition could not find is a note.
+/// A hostile file gives a fault, too: no panic, no hang, and no more memory than the file can honestly need.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Assembly> {
+    let failed = |error: std::io::Error| Fault::new(Where::file(path), format!("cannot read the asset: {error}"));
+    if std::fs::metadata(path).map_err(failed)?.is_dir() {
+        return Err(Fault::new(Where::file(path), "this is a folder").expected("a .usda, .usdc or .usdz file"));
+    }
+    std::thread::scope(|scope| {
+        let builder = std::thread::Builder::new().name("usd".to_owned()).stack_size(STACK_BYTES);
+        let reading = builder.spawn_scoped(scope, || Reader::open(path, options.frame)?.run()).map_err(failed)?;
+        // A panic in the crate is a defect of it, but ends here all the same.
+        reading.join().unwrap_or_else(|_| {
+            Err(Fault::new(Where::file(path), "the USD library failed on this file (a defect in it)"))
+        })
+    })
+}

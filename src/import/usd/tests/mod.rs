@@ -1,0 +1,8 @@
+//! Small stages written on the spot, each with one thing that the reader must get right.
+
+mod compose;
+mod kit;
+mod meshes;
+mod text;
+mod transforms;
+mod twins;
