@@ -1,12 +1,15 @@
 //! Closed forms of radiometry (`tests/data/radiometry_cases.json`, whose header says what made it) against the
-//! emitting faces, the eye and the scatterers. Cases that take a whole tracer (slabs, plates, interfaces, enclosures,
-//! integrating spheres, the furnaces with dielectrics) are not here.
+//! emitting faces, the eye and the scatterers; the cases that take a whole tracer are in `oracle_radiometry/traced.rs`
+//! (plates and slabs in `oracle_slabs.rs`).
 //!
 //! Integrals are means of jittered strata; their noise is measured over independent repetitions, must be below 0.1 %,
 //! and the closed form must lie within 3 of its standard errors (and a rounding of 1e-6: meshes are f32).
 
+mod common;
 #[path = "oracle_radiometry/shapes.rs"]
 mod shapes;
+#[path = "oracle_radiometry/traced.rs"]
+mod traced;
 
 use eyebox::base::rng::{Rng, Stream};
 use eyebox::base::stats::Moments;

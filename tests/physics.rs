@@ -104,12 +104,19 @@ fn a_plate_transmits_its_closed_form() {
     );
     let (films, _) = render(&s, BACKWARD, 4096, 5);
     let (mean, sigma) = mean(&image(&films));
-    let (sin, cos) = tilt.sin_cos();
-    let q2 = (1.5f64 * 1.5 - sin * sin).sqrt();
-    let r_s = ((cos - q2) / (cos + q2)).powi(2);
-    let r_p = ((2.25 * cos - q2) / (2.25 * cos + q2)).powi(2);
-    let r = (r_s + r_p) / 2.0;
-    let want = 1000.0 * (1.0 - r) / (1.0 + r);
+    let transmittance = |cos: f64| {
+        let q2 = (1.25 + cos * cos).sqrt();
+        let r_s = ((cos - q2) / (cos + q2)).powi(2);
+        let r_p = ((2.25 * cos - q2) / (2.25 * cos + q2)).powi(2);
+        let r = (r_s + r_p) / 2.0;
+        (1.0 - r) / (1.0 + r)
+    };
+    // The mean over the field, which is 4e-5 less than in its middle.
+    let (half, steps) = (0.5f64.to_radians().tan(), 64);
+    let place = |k: usize| half * ((2 * k + 1) as f64 / steps as f64 - 1.0);
+    let cos_at = |x: f64, y: f64| (tilt.cos() - tilt.sin() * y) / (1.0 + x * x + y * y).sqrt();
+    let cells = (0..steps * steps).map(|k| transmittance(cos_at(place(k % steps), place(k / steps))));
+    let want = 1000.0 * cells.sum::<f64>() / (steps * steps) as f64;
     assert!(sigma / want < 2e-3, "{sigma}");
     assert!((mean - want).abs() < 4.0 * sigma, "{mean} ± {sigma}, {want}");
 }
@@ -181,9 +188,10 @@ fn photons_agree_with_backward() {
     assert!(worst < bound, "{worst} of {bound}");
 }
 
-/// Every emitted lumen is found again among the fates, each counted where it happens.
+/// Every emitted lumen is found again among the fates, each counted where it happens. That a planted leak turns this
+/// red is shown beside the walk, in `src/estimate/leak_tests.rs`.
 #[test]
-fn the_ledger_balances_and_a_leak_is_found() {
+fn the_ledger_balances() {
     let mut s = ball_and_screen();
     s.media[0].absorption_per_m = 20.0;
     for (choice, estimator) in
@@ -195,9 +203,7 @@ fn the_ledger_balances_and_a_leak_is_found() {
         assert!(sigma < 1e-4 * ledger.emitted, "{estimator:?}: σ {} of {}", sigma, ledger.emitted);
         assert!(ledger.imbalance().abs() <= 3.0 * sigma, "{estimator:?}: {} of σ {sigma}", ledger.imbalance());
         assert_eq!(ledger.invalid_paths, 0);
-        // A face that swallowed a thousandth of the light unbooked would show.
-        let leak = ledger.absorbed.iter().copied().fold(0.0, f64::max) * 1e-2;
-        assert!((ledger.imbalance() + leak).abs() > 3.0 * sigma, "{estimator:?}: a leak of {leak} hides in {sigma}");
+        assert!(ledger.vertex_error <= 1e-12, "{estimator:?}: R + T + A − 1 = {:.1e}", ledger.vertex_error);
     }
 }
 

@@ -62,6 +62,12 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
         let text = format!("its emitter has the light group `{}` of the sky", scene.group(sky.group).name);
         return Err(Fault::new(Where::part(&part.path), text).expected("a group of its own"));
     }
+    if let Some(sky) = &scene.sky
+        && let Some(light) = scene.lights.iter().find(|light| light.group == sky.group)
+    {
+        let text = format!("the light has the light group `{}` of the sky", scene.group(sky.group).name);
+        return Err(Fault::new(Where::part(&light.name), text).expected("a group of its own"));
+    }
     let faces = || scene.parts.iter().flat_map(|part| &part.faces);
     let facts = Facts {
         scatters: faces()
@@ -71,7 +77,7 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
                 || matches!(f.finish, Finish::Polished | Finish::MirrorMetal { .. } | Finish::MirrorIdeal { .. })
         }),
         pinhole: scene.eye.pupil_diameter_m == 0.0,
-        no_light: scene.sky.is_none() && faces().all(|f| f.emitter.is_none()),
+        no_light: scene.sky.is_none() && faces().all(|f| f.emitter.is_none()) && scene.lights.is_empty(),
     };
     Ok(Checked { scene, facts })
 }

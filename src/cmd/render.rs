@@ -9,6 +9,7 @@ use crate::estimate::data::data_layers;
 use crate::estimate::picture::{add_data_layers, add_meta, check_layers, keep_layers, picture, plan_lines};
 use crate::estimate::run::{Limits, Outcome, Stop, run as trace};
 use crate::estimate::wish;
+use crate::film::detail::ErrorDetail;
 use crate::film::plan::{Estimator, Plan};
 use crate::import::{Built, ImportOptions, Set, import};
 use crate::output::exr::write_exr;
@@ -59,6 +60,10 @@ pub struct RenderArgs {
     /// Write only these layers (and the default image), not those that the asset asks for: direct, caustic_led, stderr, Z, …
     #[arg(long, value_name = "LAYER,…", value_delimiter = ',')]
     layers: Vec<String>,
+    /// Whose standard errors to write: of the picture, or of every layer, group, `open` and `content` too (with the
+    /// covariance of these two).
+    #[arg(long, value_enum, value_name = "OF", default_value_t)]
+    stderr: StderrArg,
     /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5, eye.pupil_diameter="3 mm".
     #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
     sets: Vec<String>,
@@ -81,6 +86,15 @@ enum EstimatorArg {
     Forward,
     /// Photon map for caustic and secondary.
     Photon,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum StderrArg {
+    /// `stderr`: of `hybrid`.
+    #[default]
+    Picture,
+    /// Also LAYER_stderr, LAYER_GROUP_stderr, …_open_stderr, …_content_stderr and …_covariance.
+    Layers,
 }
 
 impl EstimatorArg {
@@ -145,7 +159,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let world = World::freeze(&scene)?;
     let stop = || signals.caught().is_some();
     let plan = pool.install(|| plan_unless(&checked, &world, args.estimator.choice(), &stop));
-    let Some(plan) = plan else { return Ok(stopped_early(args, &signals)) };
+    let Some(mut plan) = plan else { return Ok(stopped_early(args, &signals)) };
+    plan.errors = args.errors();
     // What the command line asks for goes before what the asset asks for.
     let wishes: &[LayerWish] = if args.layers.is_empty() { &wishes } else { &[] };
     let (named, ungranted) = wish::granted(wishes, &scene.groups);
@@ -177,6 +192,15 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
 }
 
 impl RenderArgs {
+    /// Standard errors of layers are kept if they are asked for, be it by name.
+    fn errors(&self) -> ErrorDetail {
+        let named = |layer: &String| layer.ends_with("_stderr") || layer.ends_with("_covariance");
+        match self.stderr {
+            StderrArg::Picture if !self.layers.iter().any(named) => ErrorDetail::Picture,
+            StderrArg::Picture | StderrArg::Layers => ErrorDetail::Layers,
+        }
+    }
+
     fn limits(&self) -> Limits {
         let none = self.samples.is_none() && self.time.is_none() && self.error.is_none();
         let passes = if none { Some(DEFAULT_PASSES) } else { self.samples };

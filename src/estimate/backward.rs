@@ -10,6 +10,7 @@ use crate::film::accumulate::{Film, Light};
 use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use crate::world::interior::Interior;
+use crate::world::light::Strength;
 use crate::world::scatter::Scatter;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -29,6 +30,20 @@ struct Scattered {
     point: DVec3,
     /// Density per steradian of the direction taken.
     pdf: f64,
+}
+
+/// Light that a lamp sends to a scatterer.
+struct Sent {
+    /// Unit direction to the lamp.
+    dir: DVec3,
+    distance: f64,
+    target: Option<Site>,
+    /// cd/m², or lx across the direction for a lamp that has no luminance.
+    luminance: f64,
+    /// Density of the direction per steradian, or the probability of a lamp without luminance.
+    pdf: f64,
+    /// A scattered ray could have found the lamp too.
+    by_chance: bool,
 }
 
 impl<'w> Backward<'w> {
@@ -83,7 +98,8 @@ impl<'w> Backward<'w> {
             let vertex = match walker.advance(ledger) {
                 Met::Sky => {
                     self.see_sky(walker, last.as_ref(), out);
-                    ledger.escaped += walker.beam.carried();
+                    self.see_discs(walker, last.as_ref(), out);
+                    walker.escape(ledger);
                     return;
                 }
                 Met::Pupil(_) | Met::Ended => return,
@@ -105,6 +121,7 @@ impl<'w> Backward<'w> {
                 Meeting::Scatter(scatter, frame) => {
                     self.sample_lamps(walker, &vertex, scatter, &frame, out);
                     self.sample_sky(walker, &vertex, scatter, &frame, out);
+                    self.sample_lights(walker, &vertex, scatter, &frame, out);
                     let Some(pdf) = walker.scatter(&vertex, scatter, &frame, ledger) else { return };
                     last = Some(Scattered { point: vertex.hit.point, pdf });
                 }
@@ -147,6 +164,15 @@ impl<'w> Backward<'w> {
         out[plane].add(walker.beam.light(sky.luminance(walker.ray.dir) * factor));
     }
 
+    /// Distant lamps that have a disc.
+    fn see_discs(&self, walker: &Walker<'w>, last: Option<&Scattered>, out: &mut [Light]) {
+        for (light, luminance, density) in self.world.lights.met(walker.ray.dir, last.map(|from| from.point)) {
+            let Some(plane) = self.route.from_eye(light.group(), walker.trail) else { continue };
+            let weight = last.map_or(1.0, |from| from.pdf / (from.pdf + density));
+            out[plane].add(walker.beam.light(luminance * weight * Self::radiance_factor(walker.index_here())));
+        }
+    }
+
     fn sample_lamps(
         &self,
         walker: &mut Walker<'w>,
@@ -172,7 +198,8 @@ impl<'w> Backward<'w> {
         }
         let pdf = probability / lamp.area_m2 * distance * distance / cos;
         let site = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: target.triangle };
-        self.connect(walker, vertex, scatter, frame, dir, distance, Some(site), luminance, pdf, &mut out[plane]);
+        let sent = Sent { dir, distance, target: Some(site), luminance, pdf, by_chance: true };
+        self.connect(walker, vertex, scatter, frame, &sent, &mut out[plane]);
     }
 
     fn sample_sky(
@@ -188,25 +215,44 @@ impl<'w> Backward<'w> {
         let (dir, pdf) = sky.sample(walker.rng.pair());
         if pdf > 0.0 {
             let luminance = sky.luminance(dir);
-            self.connect(walker, vertex, scatter, frame, dir, f64::INFINITY, None, luminance, pdf, &mut out[plane]);
+            let sent = Sent { dir, distance: f64::INFINITY, target: None, luminance, pdf, by_chance: true };
+            self.connect(walker, vertex, scatter, frame, &sent, &mut out[plane]);
         }
     }
 
-    /// Adds the light that comes along `dir` from `distance` away, if nothing is in between. `pdf` per steradian.
-    #[allow(clippy::too_many_arguments)]
+    fn sample_lights(
+        &self,
+        walker: &mut Walker<'w>,
+        vertex: &Vertex,
+        scatter: &Scatter,
+        frame: &Frame,
+        out: &mut [Light],
+    ) {
+        if self.world.lights.all().is_empty() {
+            return;
+        }
+        let (pick, uv) = (walker.rng.uniform(), walker.rng.pair());
+        let Some((light, probability, toward)) = self.world.lights.sample(vertex.hit.point, pick, uv) else { return };
+        let Some(plane) = self.route.from_eye(light.group(), walker.trail.then(scatter.event())) else { return };
+        let (luminance, pdf, by_chance) = match toward.light {
+            Strength::Delta(illuminance) => (illuminance, probability, false),
+            Strength::Area(luminance, density) => (luminance, probability * density, true),
+        };
+        let sent = Sent { dir: toward.dir, distance: toward.distance, target: None, luminance, pdf, by_chance };
+        self.connect(walker, vertex, scatter, frame, &sent, &mut out[plane]);
+    }
+
+    /// Adds the light that comes from a lamp, if nothing is in between.
     fn connect(
         &self,
         walker: &Walker<'w>,
         vertex: &Vertex,
         scatter: &Scatter,
         frame: &Frame,
-        dir: DVec3,
-        distance: f64,
-        target: Option<Site>,
-        luminance: f64,
-        pdf: f64,
+        sent: &Sent,
         out: &mut Light,
     ) {
+        let Sent { dir, distance, target, luminance, pdf, by_chance } = *sent;
         let (d_in, d_out) = (frame.to_local(walker.ray.dir), frame.to_local(dir));
         let value = scatter.eval(d_in, d_out);
         if value <= 0.0 {
@@ -219,7 +265,7 @@ impl<'w> Backward<'w> {
             return;
         }
         let (index, transmittance) = walker.beyond(vertex, d_out.z < 0.0, distance);
-        let weight = pdf / (pdf + scatter.pdf(d_in, d_out));
+        let weight = if by_chance { pdf / (pdf + scatter.pdf(d_in, d_out)) } else { 1.0 };
         let factor = value * d_out.z.abs() / pdf * weight * transmittance * Self::radiance_factor(index);
         out.add(walker.beam.light(luminance * factor));
     }

@@ -27,6 +27,8 @@ pub struct Ledger {
     pub invalid_paths: u64,
     /// Hits that contradict the solids the path was thought to be in: a crack or an open solid.
     pub mismatches: u64,
+    /// Largest |R + T + A − 1| of all specular vertices met, the three computed apart.
+    pub vertex_error: f64,
     /// Sum over paths of (emitted − fates)², for the error of the balance.
     imbalance2: f64,
 }
@@ -43,6 +45,11 @@ impl Ledger {
         self.absorbed[part as usize] += amount;
     }
 
+    /// Checks the shares reflected, transmitted and absorbed at a vertex.
+    pub fn check_vertex(&mut self, reflected: f64, transmitted: f64, absorbed: f64) {
+        self.vertex_error = self.vertex_error.max((reflected + transmitted + absorbed - 1.0).abs());
+    }
+
     /// Adds the entries of another ledger of the same scene.
     pub fn merge(&mut self, other: &Ledger) {
         self.paths += other.paths;
@@ -56,6 +63,7 @@ impl Ledger {
         self.cut += other.cut;
         self.invalid_paths += other.invalid_paths;
         self.mismatches += other.mismatches;
+        self.vertex_error = self.vertex_error.max(other.vertex_error);
         self.imbalance2 += other.imbalance2;
         if self.absorbed.len() < other.absorbed.len() {
             self.absorbed.resize(other.absorbed.len(), 0.0);

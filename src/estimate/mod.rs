@@ -3,7 +3,10 @@
 pub mod backward;
 pub mod beam;
 pub mod data;
+pub mod emission;
 pub mod forward;
+#[cfg(test)]
+mod leak_tests;
 pub mod ledger;
 pub mod photon;
 pub mod photon_map;

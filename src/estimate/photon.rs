@@ -3,21 +3,22 @@
 //! passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
 
 use super::ShouldStop;
-use super::forward::{Emission, Started};
+use super::emission::{Emission, Origin, Shots, Visitor};
 use super::ledger::Ledger;
 use super::photon_map::{Photon, PhotonMap};
 use super::route::{Reach, Route};
-use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Walker};
+use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::base::path::{Event, Trail};
 use crate::base::rng::{Rng, Stream};
 use crate::film::accumulate::{Film, Light};
 use crate::film::guide::Guide;
 use crate::world::World;
+use crate::world::eye::Arrival;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
+use crate::world::scatter::Scatter;
+use glam::DVec3;
 use rayon::prelude::*;
-
-const CHUNK: u64 = 1 << 13;
 
 /// The squared radius falls as (pass + 1)^(α − 1): bias and variance of the mean both vanish for 0 < α < 1.
 const ALPHA: f64 = 2.0 / 3.0;
@@ -36,6 +37,41 @@ pub struct PhotonMapper<'w> {
     photons: u64,
     first_radius_m: f64,
     seed: u64,
+}
+
+/// What paths leave at broad scatterers.
+#[derive(Default)]
+struct Stored {
+    photons: Vec<Photon>,
+}
+
+impl Visitor for Stored {
+    fn split_from(&self, _: &Walker<'_>) -> Option<f64> {
+        None
+    }
+
+    fn pupil(&mut self, _: &Walker<'_>, _: Origin, _: &Arrival) {}
+
+    fn scatterer(&mut self, walker: &Walker<'_>, from: Origin, vertex: &Vertex, scatter: &Scatter) {
+        if !scatter.is_narrow() {
+            self.photons.push(Photon {
+                position: vertex.hit.point,
+                dir: walker.ray.dir,
+                flux: walker.beam.light(1.0),
+                group: from.group,
+                trail: walker.trail,
+                site: vertex.hit.site,
+                outside: vertex.outside,
+            });
+        }
+    }
+}
+
+/// Where a photon came from, local to the point that gathers it, on the side of the face at which it arrived. On a
+/// curved face the two normals differ: what grazes the face at the photon may be below the horizon here, and without it
+/// a concave wall of radius R loses the share r²/12R² of its light.
+fn on_side(dir: DVec3, through: bool) -> DVec3 {
+    DVec3::new(dir.x, dir.y, if through { -dir.z.abs() } else { dir.z.abs() })
 }
 
 impl<'w> PhotonMapper<'w> {
@@ -67,28 +103,17 @@ impl<'w> PhotonMapper<'w> {
     }
 
     fn emit(&self, pass: u64) -> (Vec<Photon>, Ledger) {
-        let chunks = self.photons.div_ceil(CHUNK);
-        let parts = self.world.solids.len();
-        let done: Vec<(Vec<Photon>, Ledger)> = (0..chunks)
+        let done: Vec<(Vec<Photon>, Ledger)> = (0..Shots::chunks(self.photons))
             .into_par_iter()
             .map(|chunk| {
-                let mut photons = Vec::new();
-                let mut ledger = Ledger::new(parts);
-                for sample in chunk * CHUNK..((chunk + 1) * CHUNK).min(self.photons) {
-                    let rng = Rng::new(self.seed, Stream::PhotonEmission, pass, sample);
-                    let balance = ledger.imbalance();
-                    if let Some(started) = self.emission.start(self.world, rng, self.photons) {
-                        ledger.paths += 1;
-                        ledger.emitted += started.flux_lm;
-                        self.photon(started, &mut photons, &mut ledger);
-                        ledger.close_path(balance);
-                    }
-                }
-                (photons, ledger)
+                let mut stored = Stored::default();
+                let shots = self.shots(Stream::PhotonEmission, pass);
+                let ledger = self.emission.chunk(self.world, shots, chunk, &mut stored);
+                (stored.photons, ledger)
             })
             .collect();
         let mut all = Vec::with_capacity(done.iter().map(|(photons, _)| photons.len()).sum());
-        let mut total = Ledger::new(parts);
+        let mut total = Ledger::new(self.world.solids.len());
         for (photons, ledger) in done {
             all.extend(photons);
             total.merge(&ledger);
@@ -99,21 +124,9 @@ impl<'w> PhotonMapper<'w> {
     /// Traces one pass for learning: (lamp, uv, flux stored that did not come straight from the lamp) per path.
     /// Once `stop` says true the rest is left out, and the result is worthless.
     pub fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<(usize, [f64; 2], f64)> {
-        (0..self.photons)
-            .into_par_iter()
-            .filter_map(|sample| {
-                if stop() {
-                    return None;
-                }
-                let rng = Rng::new(self.seed, Stream::Pilot, pass, sample);
-                let started = self.emission.start(self.world, rng, self.photons)?;
-                let (lamp, uv) = (started.lamp, started.uv);
-                let mut photons = Vec::new();
-                self.photon(started, &mut photons, &mut Ledger::new(self.world.solids.len()));
-                let useful: f64 = photons.iter().filter(|p| !p.trail.is_empty()).map(|p| p.flux.open()).sum();
-                (useful > 0.0).then_some((lamp, uv, useful))
-            })
-            .collect()
+        let useful =
+            |stored: &Stored| stored.photons.iter().filter(|p| !p.trail.is_empty()).map(|p| p.flux.open()).sum();
+        self.emission.probe(self.world, self.shots(Stream::Pilot, pass), stop, Stored::default, useful)
     }
 
     /// Flux of each traced lamp, lm.
@@ -121,46 +134,8 @@ impl<'w> PhotonMapper<'w> {
         self.emission.flux()
     }
 
-    fn photon(&self, started: Started<'w>, photons: &mut Vec<Photon>, ledger: &mut Ledger) {
-        let Started { mut walker, group, .. } = started;
-        let reach = &self.emission.reach[group.index()];
-        loop {
-            let vertex = match walker.advance(ledger) {
-                Met::Sky => {
-                    ledger.escaped += walker.beam.carried();
-                    return;
-                }
-                Met::Ended => return,
-                Met::Pupil(_) => {
-                    ledger.arrived += walker.beam.carried();
-                    return;
-                }
-                Met::Face(vertex) => vertex,
-            };
-            match walker.meet(&vertex, ledger) {
-                Meeting::Ended => return,
-                Meeting::Went => {}
-                Meeting::Scatter(scatter, frame) => {
-                    if !scatter.is_narrow() {
-                        photons.push(Photon {
-                            position: vertex.hit.point,
-                            dir: walker.ray.dir,
-                            flux: walker.beam.light(1.0),
-                            group,
-                            trail: walker.trail,
-                            site: vertex.hit.site,
-                        });
-                    }
-                    if walker.scatter(&vertex, scatter, &frame, ledger).is_none() {
-                        return;
-                    }
-                }
-            }
-            if !reach.allows(walker.trail) {
-                ledger.not_owned += walker.beam.carried();
-                return;
-            }
-        }
+    fn shots(&self, stream: Stream, pass: u64) -> Shots {
+        Shots { seed: self.seed, stream, pass, paths: self.photons }
     }
 
     fn gather(&self, film: &mut Film, pass: u64, map: &PhotonMap) {
@@ -202,8 +177,9 @@ impl<'w> PhotonMapper<'w> {
                     map.gather(vertex.hit.point, vertex.hit.site, |photon, density| {
                         let trail = Trail::join(walker.trail, Event::Diffuse, photon.trail);
                         let Some(plane) = self.route.from_eye(photon.group, trail) else { return };
-                        let d_out = frame.to_local(-photon.dir);
-                        let (index, _) = walker.beyond(&vertex, d_out.z < 0.0, 0.0);
+                        let through = photon.outside != vertex.outside;
+                        let d_out = on_side(frame.to_local(-photon.dir), through);
+                        let (index, _) = walker.beyond(&vertex, through, 0.0);
                         let value = scatter.eval(d_in, d_out) * density / (index * index);
                         out[plane].add(walker.beam.with_slides_of(photon.flux, value));
                     });

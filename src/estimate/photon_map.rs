@@ -20,6 +20,8 @@ pub struct Photon {
     /// From the lamp up to, but without, this vertex.
     pub trail: Trail,
     pub site: Site,
+    /// It arrived at the outside of the face.
+    pub outside: bool,
 }
 
 /// Photons of one pass.
@@ -112,6 +114,7 @@ mod tests {
             group: GroupId(0),
             trail: Trail::START,
             site: Site { part: 0, face, triangle: 0 },
+            outside: true,
         }
     }
 

@@ -26,7 +26,7 @@ pub fn picture(scene: &Scene, outcome: &Outcome) -> Result<Finished> {
             },
         })
         .collect();
-    let finished = finish(&films, &groups, &[Layer::Direct, Layer::Caustic, Layer::Forward]);
+    let finished = finish(scene.eye.resolution, &films, &groups, &[Layer::Direct, Layer::Caustic, Layer::Forward]);
     match finished.invalid.first() {
         Some(channel) => {
             Err(Fault::new(Where::Nowhere, format!("NaN or infinite light in channel {channel}; nothing is written")))
@@ -134,8 +134,20 @@ pub fn possible_layers(groups: &[Group]) -> BTreeSet<String> {
     }
     for layer in Layer::SUM_ORDER {
         names.insert(layer.name().to_owned());
+        names.insert(format!("{}_stderr", layer.name()));
         for group in groups {
-            for suffix in ["", "_open", "_content", "_cross", "_cross2", "_cross3"] {
+            for suffix in [
+                "",
+                "_open",
+                "_content",
+                "_cross",
+                "_cross2",
+                "_cross3",
+                "_stderr",
+                "_open_stderr",
+                "_content_stderr",
+                "_covariance",
+            ] {
                 names.insert(format!("{}_{}{suffix}", layer.name(), group.name));
             }
         }

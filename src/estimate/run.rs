@@ -9,6 +9,7 @@ use super::ledger::Ledger;
 use super::photon::PhotonMapper;
 use super::route::Route;
 use crate::film::accumulate::{Film, Sampling};
+use crate::film::detail::ErrorDetail;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
 use std::time::{Duration, Instant};
@@ -103,7 +104,7 @@ impl Engine<'_> {
 }
 
 /// Traces `world` by `plan` until a limit is reached. `groups`: number of light groups; `size`: picture in pixels.
-/// At least one pass is made.
+/// At least one pass is made, unless no estimator owns anything.
 pub fn run(
     world: &World,
     plan: &Plan,
@@ -126,6 +127,10 @@ pub fn run(
             Estimator::Backward | Estimator::Photon => Sampling::PerPass,
         };
         let film = Film::new(size[0], size[1], route.planes.clone(), sampling);
+        let film = match plan.errors {
+            ErrorDetail::Picture => film,
+            ErrorDetail::Layers => film.with_detail(),
+        };
         engines.push(match estimator {
             Estimator::Backward => Engine::Backward(Backward::new(world, route, seed)),
             Estimator::Forward => Engine::Forward(Forward::new(
@@ -150,6 +155,10 @@ pub fn run(
             }
         });
         films.films.push((estimator, film, Ledger::new(world.solids.len())));
+    }
+    if engines.is_empty() {
+        // Nothing would change with time.
+        return Outcome { films, stop: Stop::Passes, elapsed: start.elapsed() };
     }
     let mut block = 1u64;
     loop {

@@ -79,7 +79,7 @@ impl<'w> Vision<'w> {
         loop {
             let vertex = match walker.advance(ledger) {
                 Met::Sky => {
-                    ledger.escaped += walker.beam.carried();
+                    walker.escape(ledger);
                     return;
                 }
                 Met::Pupil(_) | Met::Ended => return,

@@ -5,6 +5,8 @@ use super::ledger::Ledger;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Rng;
 use crate::base::warp::Frame;
+#[cfg(test)]
+use crate::world::Planted;
 use crate::world::World;
 use crate::world::eye::Arrival;
 use crate::world::fresnel::{reflect, refract};
@@ -12,7 +14,7 @@ use crate::world::geometry::{Hit, Ray};
 use crate::world::interior::Interior;
 use crate::world::lamp::Lamp;
 use crate::world::scatter::Scatter;
-use crate::world::surface::{FaceOptics, Surface};
+use crate::world::surface::{FaceOptics, Films, Surface};
 use glam::DVec3;
 
 /// Paths from the eye are split at the first interfaces they meet: at both faces of a combiner, so that the image from
@@ -42,6 +44,8 @@ pub struct Walker<'w> {
     pub events: u32,
     /// What the next interface does, if it is not left to chance.
     forced: Option<Branch>,
+    /// What the interface ahead does with light, where it is already known.
+    ahead: Option<Turn>,
     /// How often the path was split.
     splits: u8,
 }
@@ -51,6 +55,16 @@ pub struct Walker<'w> {
 enum Branch {
     Reflected,
     Refracted,
+}
+
+/// What an interface does with unpolarised light.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    reflected: f64,
+    transmitted: f64,
+    absorbed: f64,
+    /// Where the transmitted light goes; none if there is none.
+    refracted: Option<DVec3>,
 }
 
 /// What a ray met.
@@ -111,6 +125,7 @@ impl<'w> Walker<'w> {
             rng,
             events: 0,
             forced: None,
+            ahead: None,
             splits: 0,
         }
     }
@@ -150,7 +165,7 @@ impl<'w> Walker<'w> {
         {
             let before = self.beam.carried();
             self.beam.scale((-solid.absorption_per_m * length).exp());
-            ledger.absorb(part, before - self.beam.carried());
+            self.absorb(part, before - self.beam.carried(), ledger);
         }
     }
 
@@ -183,16 +198,12 @@ impl<'w> Walker<'w> {
         self.events += 1;
         let world = self.world;
         let part = vertex.hit.site.part;
+        let ahead = self.ahead.take();
         if self.events >= Ledger::MOST_EVENTS {
             ledger.cut += self.beam.carried();
             return Meeting::Ended;
         }
-        let solid = world.solids[part as usize].is_some();
-        if solid {
-            if self.interior.contains(part) == vertex.outside {
-                ledger.mismatches += 1;
-            }
-            self.interior.heal(part, !vertex.outside);
+        if self.heal(vertex, ledger) {
             // Inside a solid of higher priority a face is not there.
             let hidden = self.interior.top_without(part, &world.solids).is_some_and(|(other, above)| {
                 world.solids[part as usize].as_ref().is_some_and(|own| {
@@ -210,48 +221,44 @@ impl<'w> Walker<'w> {
                 Meeting::Went
             }
             Surface::Absorber => {
-                ledger.absorb(part, self.beam.carried());
+                self.absorb(part, self.beam.carried(), ledger);
                 Meeting::Ended
             }
             Surface::Slide(index) => {
                 let slide = &world.slides[*index];
                 let before = self.beam.carried();
                 let Some(s) = slide.s(vertex.hit.local) else {
-                    ledger.absorb(part, before);
+                    self.absorb(part, before, ledger);
                     return Meeting::Ended;
                 };
                 self.beam.cross(slide, s);
-                ledger.absorb(part, before - self.beam.carried());
+                self.absorb(part, before - self.beam.carried(), ledger);
                 self.trail = self.trail.then(Event::Specular);
                 self.pass_through(vertex);
                 self.roulette(ledger)
             }
             Surface::Mirror(mirror) => {
                 let cos_i = -self.ray.dir.dot(vertex.normal);
-                let share = mirror.power(self.index_here(), cos_i).reflectance();
-                ledger.absorb(part, self.beam.carried() * (1.0 - share));
-                self.beam.scale(share);
+                let power = mirror.power(self.index_here(), cos_i);
+                ledger.check_vertex(power.reflectance(), power.transmittance(), power.absorptance());
+                self.absorb(part, self.beam.carried() * power.absorptance(), ledger);
+                self.beam.scale(power.reflectance());
                 self.trail = self.trail.then(Event::Specular);
                 self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger)
             }
             Surface::Interface(films) => {
-                let n1 = self.index_here();
-                let n2 = self.index_beyond(vertex);
-                let cos_i = -self.ray.dir.dot(vertex.normal);
-                let power = films.power(n1, n2, cos_i, vertex.outside, world.wavelength_nm);
-                let (r, t) = (power.reflectance(), power.transmittance());
-                let refracted = if t > 0.0 { refract(self.ray.dir, vertex.normal, n1 / n2) } else { None };
-                // Rounding at the critical angle may leave power to a direction that does not exist.
-                let (r, t) = if refracted.is_some() { (r, t) } else { (r + t, 0.0) };
+                let turn = ahead.unwrap_or_else(|| self.turn(vertex, films));
+                let Turn { reflected: r, transmitted: t, absorbed: a, refracted } = turn;
+                ledger.check_vertex(r, t, a);
                 self.trail = self.trail.then(Event::Specular);
                 let (weight, absorbed, branch) = match self.forced.take() {
                     // The absorbed share is booked by the refracted branch alone.
                     Some(Branch::Reflected) => (r, 0.0, Branch::Reflected),
-                    Some(Branch::Refracted) => (t, 1.0 - r - t, Branch::Refracted),
-                    None if self.rng.uniform() * (r + t) >= r => (r + t, 1.0 - r - t, Branch::Refracted),
-                    None => (r + t, 1.0 - r - t, Branch::Reflected),
+                    Some(Branch::Refracted) => (t, a, Branch::Refracted),
+                    None if self.rng.uniform() * (r + t) >= r => (r + t, a, Branch::Refracted),
+                    None => (r + t, a, Branch::Reflected),
                 };
-                ledger.absorb(part, self.beam.carried() * absorbed);
+                self.absorb(part, self.beam.carried() * absorbed, ledger);
                 self.beam.scale(weight);
                 match (branch, refracted) {
                     (Branch::Refracted, Some(dir)) => self.go(vertex, dir, true, ledger),
@@ -273,15 +280,16 @@ impl<'w> Walker<'w> {
             return None;
         }
         let Surface::Interface(films) = &self.optics(vertex).surface else { return None };
-        let (n1, n2) = (self.index_here(), self.index_beyond(vertex));
-        if n1 == n2 {
+        self.heal(vertex, ledger);
+        if self.index_here() == self.index_beyond(vertex) {
             return None;
         }
-        let power = films.power(n1, n2, -self.ray.dir.dot(vertex.normal), vertex.outside, self.world.wavelength_nm);
-        if power.reflectance().min(power.transmittance()) < least {
+        let turn = self.turn(vertex, films);
+        self.ahead = Some(turn);
+        if turn.reflected.min(turn.transmitted) < least {
             return None;
         }
-        refract(self.ray.dir, vertex.normal, n1 / n2)?;
+        turn.refracted?;
         self.splits += 1;
         let mut reflected = self.clone();
         reflected.rng = self.rng.fork();
@@ -291,6 +299,56 @@ impl<'w> Walker<'w> {
             Meeting::Went => Some(reflected),
             Meeting::Ended | Meeting::Scatter(..) => None,
         }
+    }
+
+    /// What the interface at `vertex` does, in the solids that are around the ray now.
+    fn turn(&self, vertex: &Vertex, films: &Films) -> Turn {
+        let (n1, n2) = (self.index_here(), self.index_beyond(vertex));
+        let cos_i = -self.ray.dir.dot(vertex.normal);
+        let power = films.power(n1, n2, cos_i, vertex.outside, self.world.wavelength_nm);
+        let (r, t) = (power.reflectance(), power.transmittance());
+        let refracted = if t > 0.0 { refract(self.ray.dir, vertex.normal, n1 / n2) } else { None };
+        // Rounding at the critical angle may leave power to a direction that does not exist.
+        let (reflected, transmitted) = if refracted.is_some() { (r, t) } else { (r + t, 0.0) };
+        #[cfg(test)]
+        let (reflected, transmitted) = if self.world.planted == (Planted::Leak { part: vertex.hit.site.part }) {
+            (0.99 * reflected, 0.99 * transmitted)
+        } else {
+            (reflected, transmitted)
+        };
+        Turn { reflected, transmitted, absorbed: power.absorptance(), refracted }
+    }
+
+    /// Makes the solids around the ray agree with what the hit proves, once per vertex however often it is asked for.
+    /// Returns whether the face belongs to a solid.
+    fn heal(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> bool {
+        let part = vertex.hit.site.part;
+        let solid = self.world.solids[part as usize].is_some();
+        if solid {
+            if self.interior.contains(part) == vertex.outside {
+                ledger.mismatches += 1;
+            }
+            self.interior.heal(part, !vertex.outside);
+        }
+        solid
+    }
+
+    /// Books what `part` takes.
+    fn absorb(&self, part: u32, amount: f64, ledger: &mut Ledger) {
+        #[cfg(test)]
+        if self.world.planted == (Planted::Unbooked { part }) {
+            return;
+        }
+        ledger.absorb(part, amount);
+    }
+
+    /// Books a path that leaves the scene.
+    pub fn escape(&self, ledger: &mut Ledger) {
+        #[cfg(test)]
+        if self.world.planted == Planted::UnbookedEscape {
+            return;
+        }
+        ledger.escaped += self.beam.carried();
     }
 
     /// Whether the path has been split before: it is past a combiner's first face.
@@ -310,14 +368,11 @@ impl<'w> Walker<'w> {
             }
             Surface::Slide(_) | Surface::Mirror(_) => matches!(self.meet(vertex, ledger), Meeting::Went),
             Surface::Interface(films) => {
-                let part = vertex.hit.site.part;
-                self.interior.heal(part, !vertex.outside);
-                let (n1, n2) = (self.index_here(), self.index_beyond(vertex));
-                let cos_i = -self.ray.dir.dot(vertex.normal);
-                let power = films.power(n1, n2, cos_i, vertex.outside, self.world.wavelength_nm);
-                let turned = match refract(self.ray.dir, vertex.normal, n1 / n2) {
+                self.heal(vertex, ledger);
+                let turn = self.turn(vertex, films);
+                let turned = match turn.refracted {
                     Some(dir) => {
-                        self.beam.scale(power.transmittance());
+                        self.beam.scale(turn.transmitted);
                         self.go(vertex, dir, true, ledger)
                     }
                     None => self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger),
@@ -333,7 +388,7 @@ impl<'w> Walker<'w> {
         let part = vertex.hit.site.part;
         let d_in = frame.to_local(self.ray.dir);
         let [reflected, transmitted] = scatter.albedo(-d_in.z);
-        ledger.absorb(part, self.beam.carried() * (1.0 - reflected - transmitted));
+        self.absorb(part, self.beam.carried() * (1.0 - reflected - transmitted), ledger);
         self.trail = self.trail.then(scatter.event());
         let u = [self.rng.uniform(), self.rng.uniform(), self.rng.uniform()];
         let sampled = scatter.sample(d_in, u)?;

@@ -1,5 +1,6 @@
 //! Sums of light per pixel, layer and group. A film belongs to one estimator; films are added up when the frame is made.
 
+use super::detail::{Detail, DetailRow};
 use super::layer::Layer;
 use crate::base::ids::GroupId;
 
@@ -90,6 +91,8 @@ pub struct Film {
     sums: Vec<Light>,
     /// `[pixel][plane]`, then one more for the sum over planes: squares of `value`.
     squares: Vec<f64>,
+    /// Kept on request.
+    detail: Option<Detail>,
 }
 
 /// One row of a film, for the thread that owns it.
@@ -97,6 +100,15 @@ pub struct Row<'f> {
     planes: usize,
     sums: &'f mut [Light],
     squares: &'f mut [f64],
+    detail: Option<DetailRow<'f>>,
+}
+
+/// Variances and covariance of the mean `open` and `content` of a pixel's light.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MixError {
+    pub open: f64,
+    pub content: f64,
+    pub covariance: f64,
 }
 
 impl Film {
@@ -110,7 +122,20 @@ impl Film {
             passes: 0,
             sums: vec![Light::default(); pixels * count],
             squares: vec![0.0; pixels * (count + 1)],
+            detail: None,
         }
+    }
+
+    /// Keeps what standard errors per layer, and of mixtures of `open` and `content`, need.
+    #[must_use]
+    pub fn with_detail(mut self) -> Self {
+        self.detail = Some(Detail::new(self.width * self.height, &self.planes));
+        self
+    }
+
+    /// The further sums, if they are kept.
+    pub fn detail(&self) -> Option<&Detail> {
+        self.detail.as_ref()
     }
 
     pub fn plane(&self, key: PlaneKey) -> Option<usize> {
@@ -121,10 +146,16 @@ impl Film {
     pub fn rows(&mut self) -> impl Iterator<Item = (usize, Row<'_>)> {
         let planes = self.planes.len();
         let width = self.width;
+        let mut details = self.detail.as_mut().map(|detail| detail.rows(width));
         self.sums
             .chunks_mut((width * planes).max(1))
             .zip(self.squares.chunks_mut(width * (planes + 1)))
-            .map(move |(sums, squares)| Row { planes, sums, squares })
+            .map(move |(sums, squares)| Row {
+                planes,
+                sums,
+                squares,
+                detail: details.as_mut().and_then(Iterator::next),
+            })
             .enumerate()
     }
 
@@ -135,6 +166,9 @@ impl Film {
         let square = light.value * light.value;
         self.squares[pixel * (planes + 1) + plane] += square;
         self.squares[pixel * (planes + 1) + planes] += square;
+        if let Some(detail) = &mut self.detail {
+            detail.splat(pixel, plane, light);
+        }
     }
 
     /// Mean light of a pixel in a plane.
@@ -148,7 +182,31 @@ impl Film {
         let planes = self.planes.len();
         let all = &self.sums[pixel * planes..(pixel + 1) * planes];
         let sum: f64 = if plane < planes { all[plane].value } else { all.iter().map(|light| light.value).sum() };
-        let square = self.squares[pixel * (planes + 1) + plane];
+        self.covariance_of_means(sum, sum, self.squares[pixel * (planes + 1) + plane]).max(0.0)
+    }
+
+    /// Variance of the mean `value` of a pixel's layer; none if it is not kept or the film has no such layer.
+    pub fn layer_variance(&self, pixel: usize, layer: Layer) -> Option<f64> {
+        let detail = self.detail.as_ref()?;
+        let index = detail.layers.iter().position(|own| *own == layer)?;
+        let sum: f64 = detail.planes_of(index).map(|plane| self.sums[pixel * self.planes.len() + plane].value).sum();
+        Some(self.covariance_of_means(sum, sum, detail.square(pixel, index)).max(0.0))
+    }
+
+    /// What a mixture of `open` and `content` needs for its standard error; none if it is not kept.
+    pub fn mix_error(&self, pixel: usize, plane: usize) -> Option<MixError> {
+        let mixed = self.detail.as_ref()?.mixed(pixel, plane);
+        let sum = self.sums[pixel * self.planes.len() + plane];
+        let (open, content) = (sum.open(), sum.content());
+        Some(MixError {
+            open: self.covariance_of_means(open, open, mixed.open2).max(0.0),
+            content: self.covariance_of_means(content, content, mixed.content2).max(0.0),
+            covariance: self.covariance_of_means(open, content, mixed.open_content),
+        })
+    }
+
+    /// Covariance of two means over the passes from the sums over samples of the two and of their product.
+    fn covariance_of_means(&self, a: f64, b: f64, product: f64) -> f64 {
         let passes = self.passes as f64;
         let samples = match self.sampling {
             Sampling::PerPass => passes,
@@ -157,7 +215,7 @@ impl Film {
         if samples < 2.0 {
             return 0.0;
         }
-        let of_sum = (square - sum * sum / samples).max(0.0) * samples / (samples - 1.0);
+        let of_sum = (product - a * b / samples) * samples / (samples - 1.0);
         of_sum / (passes * passes)
     }
 }
@@ -172,6 +230,9 @@ impl Row<'_> {
             total += light.value;
         }
         self.squares[x * (self.planes + 1) + self.planes] += total * total;
+        if let Some(detail) = &mut self.detail {
+            detail.add_pass(x, pass);
+        }
     }
 }
 

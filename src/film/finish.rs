@@ -1,6 +1,6 @@
 //! From films to a frame: means, layers per group, the contrast split, `hybrid`, standard errors.
 
-use super::accumulate::{Film, Light, PlaneKey};
+use super::accumulate::{Film, Light, MixError, PlaneKey};
 use super::frame::{Channel, Frame};
 use super::layer::Layer;
 use crate::base::ids::GroupId;
@@ -34,9 +34,9 @@ pub struct Finished {
 /// The largest share of a layer's peak by which recombining `open` and `content` may miss the layer.
 const SPLIT_TOLERANCE: f64 = 1e-7;
 
-/// Makes the picture layers. `always`: layers that are written even if no estimator filled them.
-pub fn finish(films: &[&Film], groups: &[GroupInfo], always: &[Layer]) -> Finished {
-    let (width, height) = films.first().map_or((0, 0), |film| (film.width, film.height));
+/// Makes the picture layers of films of `size` pixels; without a film they are black. `always`: layers that are written
+/// even if no estimator filled them.
+pub fn finish([width, height]: [usize; 2], films: &[&Film], groups: &[GroupInfo], always: &[Layer]) -> Finished {
     let pixels = width * height;
     let mut planes: BTreeMap<PlaneKey, Vec<Light>> = BTreeMap::new();
     for film in films {
@@ -57,11 +57,14 @@ pub fn finish(films: &[&Film], groups: &[GroupInfo], always: &[Layer]) -> Finish
         }
         let mut sum = vec![0f32; pixels];
         for (group, plane) in own.into_iter().filter(|(_, plane)| lit(plane)) {
-            let stored = out.group(layer, &groups[group.index()], plane);
+            let info = &groups[group.index()];
+            let stored = out.group(layer, info, plane);
+            out.group_errors(films, PlaneKey { layer, group }, info);
             sum.iter_mut().zip(&stored).for_each(|(a, b)| *a += b);
         }
         hybrid.iter_mut().zip(&sum).for_each(|(a, b)| *a += b);
         out.grey(layer.name(), sum);
+        out.layer_errors(films, layer);
     }
     out.grey("hybrid", hybrid.clone());
     out.grey("", hybrid);
@@ -135,6 +138,54 @@ impl Maker {
                 self.grey(&format!("{name}{suffix}"), plane.iter().map(|l| cross(l, order) as f32).collect());
             }
         }
+    }
+
+    /// `LAYER_stderr`, if it was kept. Films of different estimators are independent, here and below.
+    fn layer_errors(&mut self, films: &[&Film], layer: Layer) {
+        if films.iter().any(|film| film.detail().is_none()) {
+            return;
+        }
+        let variance = |pixel: usize| films.iter().filter_map(|film| film.layer_variance(pixel, layer)).sum::<f64>();
+        self.sigma(&format!("{}_stderr", layer.name()), variance);
+    }
+
+    /// `LAYER_GROUP_stderr`, and where the group's light was split `…_open_stderr`, `…_content_stderr` and their
+    /// `…_covariance` in (cd/m²)²: the picture for contrast C has the variance u²·content² + v²·open² +
+    /// 2uv·covariance with u = 1 − 1/C and v = 1/C.
+    fn group_errors(&mut self, films: &[&Film], key: PlaneKey, group: &GroupInfo) {
+        let own: Vec<(&Film, usize)> = films.iter().filter_map(|film| Some((*film, film.plane(key)?))).collect();
+        if own.iter().any(|(film, _)| film.detail().is_none()) {
+            return;
+        }
+        let name = format!("{}_{}", key.layer.name(), group.name);
+        self.sigma(&format!("{name}_stderr"), |pixel| {
+            own.iter().map(|(film, plane)| film.variance(pixel, *plane)).sum()
+        });
+        if !self.frame.channels.iter().any(|channel| channel.name == format!("{name}_open.R")) {
+            return;
+        }
+        let mix = |pixel: usize| {
+            own.iter().filter_map(|(film, plane)| film.mix_error(pixel, *plane)).fold(
+                MixError::default(),
+                |sum, one| {
+                    let MixError { open, content, covariance } = one;
+                    MixError {
+                        open: sum.open + open,
+                        content: sum.content + content,
+                        covariance: sum.covariance + covariance,
+                    }
+                },
+            )
+        };
+        self.sigma(&format!("{name}_open_stderr"), |pixel| mix(pixel).open);
+        self.sigma(&format!("{name}_content_stderr"), |pixel| mix(pixel).content);
+        let pixels = self.frame.width * self.frame.height;
+        self.grey(&format!("{name}_covariance"), (0..pixels).map(|pixel| mix(pixel).covariance as f32).collect());
+    }
+
+    fn sigma(&mut self, name: &str, variance: impl Fn(usize) -> f64) {
+        let pixels = self.frame.width * self.frame.height;
+        self.grey(name, (0..pixels).map(|pixel| variance(pixel).sqrt() as f32).collect());
     }
 
     /// `stderr`: one sigma of `hybrid`. Films of different estimators are independent.

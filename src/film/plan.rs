@@ -1,5 +1,6 @@
 //! The plan as data: who owns which (light group, path class), and why. Made on floor 5, read by all below.
 
+use super::detail::ErrorDetail;
 use super::guide::Guide;
 use crate::base::ids::GroupId;
 use crate::base::path::{Class, Trail};
@@ -62,6 +63,8 @@ pub struct Plan {
     /// The same for photons.
     #[serde(skip)]
     pub photon_guide: Option<Guide>,
+    /// Whose standard errors are kept.
+    pub errors: ErrorDetail,
     /// What the plan wants a reader to know: skipped estimators and layers, the wavelength, assumptions.
     pub notes: Vec<String>,
 }

@@ -85,6 +85,10 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         Some(value) => Some(builder.sky(value)?),
         None => None,
     };
+    let mut made = builder.lights(sky.as_ref().map(|sky| sky.group))?;
+    let sky = sky.or(made.dome.take());
+    let mut scene_parts: Vec<Part> = scene_parts;
+    scene_parts.append(&mut made.parts);
     let eye = place::eye(&assembly, sheet.eye.as_ref(), unit_m, &mut builder.notes)?
         .ok_or_else(|| no_eye(sidecar, &assembly.file))?;
     let Builder { media, coatings, slides, groups, files, mut notes, .. } = builder;
@@ -99,7 +103,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         }
     }
     let name = assembly.file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let meshes = assembly.meshes.into_iter().map(|source| source.mesh).collect();
+    let meshes = assembly.meshes.into_iter().map(|source| source.mesh).chain(made.meshes).collect();
     let scene = Scene {
         name,
         unit_m,
@@ -110,6 +114,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         coatings,
         slides,
         groups,
+        lights: made.lights,
         sky,
         eye,
         notes: seen,

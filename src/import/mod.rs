@@ -11,6 +11,7 @@ mod files;
 pub mod fit; // exact surfaces from the points of a CAD face
 pub mod gltf; // .gltf and .glb
 pub mod json; // attributes that travel inside JSON
+mod lights; // lights that are no geometry in the format
 mod mapped; // what a format's own material fields mean
 mod measure; // normals and bounds of CAD faces
 pub mod normals; // vertex normals that contradict their triangles

@@ -6,6 +6,7 @@ use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
+use crate::film::detail::ErrorDetail;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use crate::world::World;
 
@@ -42,8 +43,17 @@ fn make(checked: &Checked, world: &World, choice: Choice, stop: &ShouldStop<'_>)
                 Choice::Auto => auto(checked, world, group, class, is_sky),
                 Choice::Only(estimator) => only(checked, estimator, class, is_sky),
             };
+            let verdict = without_area(world, group, class, verdict);
             rows.push(Row { group, class, verdict });
         }
+    }
+    let sightless = world.lights.all().iter().filter(|light| !light.is_visible());
+    let sightless: std::collections::BTreeSet<GroupId> = sightless.map(|light| light.group()).collect();
+    for group in sightless {
+        notes.push(format!(
+            "group {}: a point and parallel light have no luminance, so no pixel shows them, nor their glints; what they light is there",
+            scene.group(group).name
+        ));
     }
     if let crate::scene::Wavelengths::Visible = scene.wavelengths {
         notes.push(format!(
@@ -58,6 +68,7 @@ fn make(checked: &Checked, world: &World, choice: Choice, stop: &ShouldStop<'_>)
         photon_radius_m: 0.0,
         forward_guide: None,
         photon_guide: None,
+        errors: ErrorDetail::default(),
         notes,
     };
     while plan.runs(Estimator::Forward) && !stop() {
@@ -82,6 +93,8 @@ fn make(checked: &Checked, world: &World, choice: Choice, stop: &ShouldStop<'_>)
     }
     if facts.no_light {
         plan.notes.push("nothing emits: the picture is black".to_owned());
+    } else if !Estimator::ALL.iter().any(|estimator| plan.runs(*estimator)) {
+        plan.notes.push("no estimator can bring this scene's light to the eye: the picture is black".to_owned());
     }
     plan
 }
@@ -99,6 +112,27 @@ fn give_up_forward(plan: &mut Plan, groups: &[GroupId], traced: u64) -> bool {
         }
     }
     changed
+}
+
+/// What remains of a verdict for a group of points and parallel light, which no ray meets by chance.
+fn without_area(world: &World, group: GroupId, class: Class, verdict: Verdict) -> Verdict {
+    let lights = || world.lights.all().iter().filter(|light| light.group() == group);
+    let faces = world.lamps.all().iter().any(|lamp| lamp.group == group);
+    if lights().next().is_none() {
+        return verdict;
+    }
+    let disc = lights().any(|light| light.is_visible());
+    match (&verdict, class) {
+        (Verdict::Skip { .. }, _) => verdict,
+        (Verdict::Own { .. }, Class::Vision) if disc => {
+            own(Estimator::Backward, "its disc is at infinity: rays from the eye meet it")
+        }
+        (Verdict::Own { .. }, Class::Vision) if !faces => skip("a point or parallel light has no luminance"),
+        (Verdict::Own { owner: Estimator::Backward, .. }, Class::Caustic) if !faces && !disc => {
+            skip("rays from the eye can't meet a point or parallel light through specular faces")
+        }
+        (Verdict::Own { .. }, Class::Vision | Class::Primary | Class::Caustic | Class::Secondary) => verdict,
+    }
 }
 
 fn own(owner: Estimator, because: impl Into<String>) -> Verdict {

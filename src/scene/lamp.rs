@@ -1,7 +1,7 @@
-//! Whatever emits: faces, and the sky.
+//! Whatever emits: faces, lamps that are no faces, and the sky.
 
 use crate::base::ids::GroupId;
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// How strong an emitter is.
@@ -34,6 +34,47 @@ pub struct Emitter {
     pub angular: Angular,
     /// Name of the spectrum; colour is rendered from a later version on, until then it is kept and reported.
     pub spectrum: Option<String>,
+}
+
+/// A lamp that is no face: a point, a spot or a distant lamp.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Beacon {
+    /// For messages.
+    pub name: String,
+    pub group: GroupId,
+    pub form: BeaconForm,
+}
+
+/// Where it is and how strong.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BeaconForm {
+    Point {
+        /// World, m.
+        position: DVec3,
+        /// Along the axis of a spot; the same everywhere without one.
+        intensity_cd: f64,
+        spot: Option<SpotCone>,
+    },
+    /// From infinity.
+    Distant {
+        /// Unit direction that the light travels in.
+        dir: DVec3,
+        /// On a plane across `dir`, lx.
+        illuminance_lx: f64,
+        /// Full angle of its disc, 0 for parallel light, below π.
+        angle_rad: f64,
+    },
+}
+
+/// A spot's intensity is full within the inner half angle and falls to 0 at the outer one, as the square of a line in
+/// cos θ (KHR_lights_punctual).
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct SpotCone {
+    /// Unit, away from the lamp.
+    pub axis: DVec3,
+    pub inner_rad: f64,
+    pub outer_rad: f64,
 }
 
 /// Lat-long panorama. Looking along the axes of `to_world`: +y is the top row's pole; the centre of the picture is +z

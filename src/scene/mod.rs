@@ -23,7 +23,7 @@ pub use dispersion::Dispersion;
 
 pub use eye::Eye;
 pub use finish::Finish;
-pub use lamp::{Angular, Emitter, Photometry, Sky};
+pub use lamp::{Angular, Beacon, BeaconForm, Emitter, Photometry, Sky, SpotCone};
 pub use mesh::{FaceRange, Mesh};
 pub use note::{Note, Severity};
 pub use part::{Face, Medium, Part};
@@ -76,6 +76,8 @@ pub struct Scene {
     pub coatings: Vec<Coating>,
     pub slides: Vec<Slide>,
     pub groups: Vec<Group>,
+    /// Lamps that are no faces.
+    pub lights: Vec<Beacon>,
     pub sky: Option<Sky>,
     pub eye: Eye,
     /// What was found, repaired, defaulted or not understood on the way in.

@@ -6,18 +6,22 @@
 use crate::base::Complex;
 use glam::DVec3;
 
-/// Shares of the incident power per polarisation, each 0..1. What is neither reflected nor transmitted is absorbed.
+/// Shares of the incident power per polarisation, each 0..1. The three are computed apart, none as what the others
+/// leave, so that their sum can be checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PowerSp {
     pub r_s: f64,
     pub r_p: f64,
     pub t_s: f64,
     pub t_p: f64,
+    /// Absorbed between the two media.
+    pub a_s: f64,
+    pub a_p: f64,
 }
 
 impl PowerSp {
     /// Everything comes back: total internal reflection, or light along the face.
-    pub const TOTAL: PowerSp = PowerSp { r_s: 1.0, r_p: 1.0, t_s: 0.0, t_p: 0.0 };
+    pub const TOTAL: PowerSp = PowerSp { r_s: 1.0, r_p: 1.0, t_s: 0.0, t_p: 0.0, a_s: 0.0, a_p: 0.0 };
 
     /// Reflected share of unpolarised light.
     pub fn reflectance(&self) -> f64 {
@@ -29,7 +33,7 @@ impl PowerSp {
     }
     /// Share of unpolarised light that stays between the two media; 0 for a bare interface.
     pub fn absorptance(&self) -> f64 {
-        (1.0 - self.reflectance() - self.transmittance()).max(0.0)
+        (self.a_s + self.a_p) / 2.0
     }
 }
 
@@ -79,7 +83,7 @@ fn dielectric(n1: f64, n2: f64, c: f64) -> PowerSp {
     let four_q = 4.0 * q1 * q2;
     let (r_s, t_s) = shares(d_s * d_s, four_q);
     let (r_p, t_p) = shares(d_p * d_p, n1_sq * n2_sq * four_q);
-    PowerSp { r_s, r_p, t_s, t_p }
+    PowerSp { r_s, r_p, t_s, t_p, a_s: 0.0, a_p: 0.0 }
 }
 
 fn absorbing(n1: f64, n2: Complex, c: f64) -> PowerSp {
@@ -98,7 +102,7 @@ fn absorbing(n1: f64, n2: Complex, c: f64) -> PowerSp {
     let four_q = 4.0 * q1 * q2.re;
     let (r_s, t_s) = shares(d_s.norm_sq(), four_q);
     let (r_p, t_p) = shares(d_p.norm_sq(), n1_sq * four_q * (q2.norm_sq() + s_sq));
-    PowerSp { r_s, r_p, t_s, t_p }
+    PowerSp { r_s, r_p, t_s, t_p, a_s: 0.0, a_p: 0.0 }
 }
 
 /// The direction of `d` (unit, direction of travel) after reflection at a face with unit normal `n`, as a unit vector.

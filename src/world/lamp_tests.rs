@@ -39,6 +39,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
         coatings: vec![],
         slides: vec![],
         groups: vec![],
+        lights: Vec::new(),
         sky: None,
         eye: Eye {
             position: DVec3::ZERO,

@@ -8,6 +8,7 @@ pub mod gauss;
 pub mod geometry;
 pub mod interior;
 pub mod lamp;
+pub mod light;
 pub mod scatter;
 pub mod sky;
 pub mod slide;
@@ -15,11 +16,12 @@ pub mod surface;
 pub mod thinfilm;
 
 use crate::base::Result;
-use crate::scene::Scene;
+use crate::scene::{BeaconForm, Scene};
 use eye::EyeLens;
 use geometry::Geometry;
 use interior::{Interior, Solid};
 use lamp::Lamps;
+use light::Lights;
 use sky::SkyLight;
 use slide::SlideMap;
 use surface::FaceOptics;
@@ -35,11 +37,31 @@ pub struct World {
     pub lamps: Lamps,
     /// Solids that contain each lamp's surface: where its light starts.
     pub lamp_interiors: Vec<Interior>,
+    pub lights: Lights,
+    /// Solids that each light is inside of.
+    pub light_interiors: Vec<Interior>,
     pub sky: Option<SkyLight>,
     pub eye: EyeLens,
     pub slides: Vec<SlideMap>,
     /// nm.
     pub wavelength_nm: f64,
+    /// A fault that a test plants in the walk, to see that the balances find it.
+    #[cfg(test)]
+    pub planted: Planted,
+}
+
+/// What a test breaks on purpose.
+#[cfg(test)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Planted {
+    #[default]
+    Nothing,
+    /// This part's faces lose a hundredth of the light that is reflected or transmitted, and book it nowhere.
+    Leak { part: u32 },
+    /// What this part absorbs is not booked.
+    Unbooked { part: u32 },
+    /// What leaves the scene is not booked.
+    UnbookedEscape,
 }
 
 impl World {
@@ -74,16 +96,32 @@ impl World {
             )
             .expected("an eye in air"));
         }
+        let lights = Lights::build(scene, geometry.origin(), reach(&geometry, &eye, scene.eye.pupil_diameter_m))?;
+        // A distant lamp starts outside of everything.
+        let light_interiors = scene
+            .lights
+            .iter()
+            .map(|light| match light.form {
+                BeaconForm::Point { position, .. } => {
+                    Interior::of(geometry.solids_containing(position - geometry.origin()))
+                }
+                BeaconForm::Distant { .. } => Interior::default(),
+            })
+            .collect();
         Ok(World {
             faces,
             solids,
             lamps,
             lamp_interiors,
+            lights,
+            light_interiors,
             sky: scene.sky.as_ref().map(SkyLight::build).transpose()?,
             eye,
             slides: scene.slides.iter().map(SlideMap::build).collect::<Result<_>>()?,
             geometry,
             wavelength_nm,
+            #[cfg(test)]
+            planted: Planted::Nothing,
         })
     }
 
@@ -91,4 +129,14 @@ impl World {
     pub fn index_in(&self, interior: &Interior) -> f64 {
         interior.top(&self.solids).map_or(1.0, |(_, solid)| solid.index)
     }
+}
+
+/// Centre and radius of a sphere about the geometry and the pupil, a little larger than it need be.
+fn reach(geometry: &Geometry, eye: &EyeLens, pupil_diameter_m: f64) -> (glam::DVec3, f64) {
+    const MARGIN: f64 = 1.0 + 1e-9;
+    let pupil = glam::DVec3::splat(pupil_diameter_m / 2.0);
+    let (low, high) = geometry.bounds();
+    let (near, far) = (eye.position() - pupil, eye.position() + pupil);
+    let (low, high) = if low.cmple(high).all() { (low.min(near), high.max(far)) } else { (near, far) };
+    (0.5 * (low + high), 0.5 * (high - low).length() * MARGIN)
 }

@@ -58,10 +58,11 @@ impl Films {
 impl Mirror {
     pub fn power(self, n1: f64, cos_i: f64) -> PowerSp {
         match self {
-            Mirror::Ideal(r) => PowerSp { r_s: r, r_p: r, t_s: 0.0, t_p: 0.0 },
+            Mirror::Ideal(r) => PowerSp { r_s: r, r_p: r, t_s: 0.0, t_p: 0.0, a_s: 1.0 - r, a_p: 1.0 - r },
             Mirror::Metal(n) => {
                 let sp = fresnel(n1, n, cos_i);
-                PowerSp { t_s: 0.0, t_p: 0.0, ..sp }
+                // What crosses into the metal stays there.
+                PowerSp { t_s: 0.0, t_p: 0.0, a_s: sp.t_s, a_p: sp.t_p, ..sp }
             }
         }
     }

@@ -34,8 +34,8 @@ pub fn stack(n_in: f64, films: &[Film], n_out: Complex, cos_i: f64, wavelength_n
     let q_out = normal_sq_complex(n_in, n_out, q_in).sqrt();
     let k0 = std::f64::consts::TAU / wavelength_nm;
     // The p fields carry a factor q_out, so that n²/q needs no division where q_out = 0.
-    let mut s = Fields { b: Complex::ONE, c: q_out, log_scale: 0.0 };
-    let mut p = Fields { b: q_out, c: n_out.square(), log_scale: 0.0 };
+    let mut s = Fields { b: Complex::ONE, c: q_out, absorbed: 0.0, log_scale: 0.0 };
+    let mut p = Fields { b: q_out, c: n_out.square(), absorbed: 0.0, log_scale: 0.0 };
     for film in films.iter().rev() {
         let k0_d = k0 * film.thickness_nm;
         if film.n.im == 0.0 {
@@ -54,9 +54,9 @@ pub fn stack(n_in: f64, films: &[Film], n_out: Complex, cos_i: f64, wavelength_n
     // Re q (|q|² + s²) (p, with the factor |q|² of the fields).
     let n_in_sq = n_in * n_in;
     let sin_sq = n_in_sq * ((1.0 - c) * (1.0 + c));
-    let (r_s, t_s) = s.power(q_in, 1.0, q_out.re);
-    let (r_p, t_p) = p.power(n_in_sq, q_in, q_out.re * (q_out.norm_sq() + sin_sq));
-    PowerSp { r_s, r_p, t_s, t_p }
+    let (r_s, t_s, a_s) = s.power(q_in, 1.0, q_out.re);
+    let (r_p, t_p, a_p) = p.power(n_in_sq, q_in, q_out.re * (q_out.norm_sq() + sin_sq));
+    PowerSp { r_s, r_p, t_s, t_p, a_s, a_p }
 }
 
 /// cos δ, sin δ/q and the power of e taken out of both, for real n² (so real q², of either sign).
@@ -90,6 +90,9 @@ fn absorbing_layer(q_sq: Complex, k0_d: f64) -> (Complex, Complex, f64) {
 struct Fields {
     b: Complex,
     c: Complex,
+    /// Flux that the absorbing films crossed so far have taken, film by film: what runs into each less what leaves it.
+    /// Lossless films add nothing here, so that R + T + A = 1 checks their matrices. Times exp(2 `log_scale`).
+    absorbed: f64,
     log_scale: f64,
 }
 
@@ -97,9 +100,10 @@ impl Fields {
     fn cross(&mut self, cos: Complex, down: Complex, up: Complex, log: f64) {
         let minus_i = |z: Complex| Complex::new(z.im, -z.re);
         let (b, c) = (self.b, self.c);
+        let leaving = flux(b, c) * (-2.0 * log).exp();
         self.b = cos * b + minus_i(down * c);
         self.c = cos * c + minus_i(up * b);
-        self.rescale(log);
+        self.rescale(log, |entering| entering - leaving);
     }
 
     /// [`Fields::cross`] for a lossless film, whose matrix is real on the diagonal and imaginary off it. Real B with
@@ -108,25 +112,36 @@ impl Fields {
         let (b, c) = (self.b, self.c);
         self.b = Complex::new(cos * b.re + down * c.im, cos * b.im - down * c.re);
         self.c = Complex::new(cos * c.re + up * b.im, cos * c.im - up * b.re);
-        self.rescale(log);
+        self.rescale(log, |_| 0.0);
     }
 
     /// Hundreds of mirror pairs multiply the fields by thousands of decades: fold a power of two into the exponent.
-    fn rescale(&mut self, log: f64) {
+    fn rescale(&mut self, log: f64, taken: impl Fn(f64) -> f64) {
         self.log_scale += log;
+        if log != 0.0 {
+            self.absorbed *= (-2.0 * log).exp();
+        }
+        self.absorbed += taken(flux(self.b, self.c));
         if self.b.norm_sq() + self.c.norm_sq() > 1e120 {
             let down = 2f64.powi(-200);
             (self.b, self.c) = (self.b * down, self.c * down);
+            self.absorbed *= down * down;
             self.log_scale += 200.0 * std::f64::consts::LN_2;
         }
     }
 
-    /// Reflected and transmitted share for a near-side admittance `num/den` and a flux `out` carried by the start fields.
-    fn power(&self, num: f64, den: f64, out: f64) -> (f64, f64) {
+    /// Reflected, transmitted and absorbed share for a near-side admittance `num/den` and a flux `out` carried by the start fields.
+    fn power(&self, num: f64, den: f64, out: f64) -> (f64, f64, f64) {
         let (a, b) = (self.b * num, self.c * den);
         let whole = (a + b).norm_sq();
-        ((a - b).norm_sq() / whole, 4.0 * num * den * out / whole * (-2.0 * self.log_scale).exp())
+        let transmitted = 4.0 * num * den * out / whole * (-2.0 * self.log_scale).exp();
+        ((a - b).norm_sq() / whole, transmitted, 4.0 * num * den * self.absorbed / whole)
     }
+}
+
+/// Re(B C*): the power that runs through a plane where the tangential fields are B and C.
+fn flux(b: Complex, c: Complex) -> f64 {
+    b.re * c.re + b.im * c.im
 }
 
 #[cfg(test)]
@@ -190,6 +205,7 @@ mod tests {
         // 1 mm of absorber (e^2000), a 4000-layer mirror, both from either side.
         let thick = stack(1.0, &[film(1.5, 0.1, 1e6)], GLASS, 0.8, 550.0);
         assert!(near(thick, PowerSp { t_s: 0.0, t_p: 0.0, ..fresnel(1.0, Complex::new(1.5, 0.1), 0.8) }, 1e-15));
+        assert!((thick.r_s + thick.a_s - 1.0).abs() < 1e-14 && (thick.r_p + thick.a_p - 1.0).abs() < 1e-14);
         let pair = [film(2.35, 0.0, 550.0 / 4.0 / 2.35), film(1.38, 0.0, 550.0 / 4.0 / 1.38)];
         let mirror: Vec<Film> = pair.iter().cycle().take(4000).copied().collect();
         let r = stack(1.0, &mirror, GLASS, 1.0, 550.0);

@@ -30,6 +30,7 @@ pub fn scene() -> Scene {
         coatings: Vec::new(),
         slides: Vec::new(),
         groups: Vec::new(),
+        lights: Vec::new(),
         sky: None,
         eye: Eye {
             position: DVec3::ZERO,

@@ -42,6 +42,7 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         coatings: vec![],
         slides: vec![],
         groups: vec![],
+        lights: Vec::new(),
         sky: None,
         eye: eye(DVec3::ZERO, DVec3::Z, 0.004, 10.0),
         notes: vec![],

@@ -85,19 +85,8 @@ pub(super) fn note_unused(root: &At<'_>, notes: &mut Notes) -> Result<()> {
         let at = Where::Pointer { file: root.file.to_owned(), pointer: first };
         let text = if name == "EYEBOX_optics" {
             "`EYEBOX_optics` means nothing here: ignored".to_owned()
-        } else if name == "KHR_lights_punctual" {
-            // The lamps themselves are in the root's list; nodes only refer to them.
-            let lights = root.extension(name)?.map_or(Ok(Vec::new()), |extension| extension.list("lights"))?;
-            if let Some(first) = lights.first() {
-                let text =
-                    "lights of `KHR_lights_punctual` are read but do not shine yet: bind an emitter to a part instead";
-                notes.add_many(Severity::Warning, first.place(), text, lights.len());
-            }
-            continue;
         } else if name == "KHR_materials_variants" {
             "`KHR_materials_variants`: the default materials are used".to_owned()
-        } else if name == "EXT_lights_ies" {
-            "lights of `EXT_lights_ies` are read but do not shine yet".to_owned()
         } else if name == "KHR_texture_transform" {
             let text = "`KHR_texture_transform` moves nothing: textures are not used";
             notes.add_many(Severity::Info, at, text, count);

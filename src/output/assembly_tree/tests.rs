@@ -85,6 +85,7 @@ fn scene() -> Scene {
             contrast: 100.0,
         }],
         groups: vec![Group { name: "led".into() }, Group { name: "sky".into() }],
+        lights: Vec::new(),
         sky: Some(Sky {
             group: GroupId(1),
             width: 2,

@@ -24,7 +24,7 @@ mod hostile_tests;
 #[cfg(test)]
 mod leave_tests;
 #[cfg(test)]
-mod scenes;
+pub(crate) mod scenes;
 #[cfg(test)]
 mod tests;
 

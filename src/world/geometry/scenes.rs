@@ -184,6 +184,7 @@ pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
         coatings: vec![],
         slides: vec![],
         groups: vec![],
+        lights: Vec::new(),
         sky: None,
         eye: Eye {
             position: DVec3::ZERO,

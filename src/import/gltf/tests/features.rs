@@ -365,10 +365,6 @@ fn what_bears_on_light_and_is_not_used_is_said_once_per_kind() {
             "the extension `EYEBOX_optic` is not known and was ignored; did you mean `EYEBOX_optics`?",
         ),
         (
-            "/extensions/KHR_lights_punctual/lights/0",
-            "lights of `KHR_lights_punctual` are read but do not shine yet: bind an emitter to a part instead (2 places, first here)",
-        ),
-        (
             "/materials/0/extensions/KHR_texture_transform",
             "`KHR_texture_transform` moves nothing: textures are not used (3 places, first here)",
         ),

@@ -1,0 +1,226 @@
+//! Paths that start on lamps: where they start, and the one walk that light tracing and photon mapping share.
+
+use super::ShouldStop;
+use super::ledger::Ledger;
+use super::route::{Reach, Route};
+use super::walk::{Meeting, Met, Travel, Vertex, Walker};
+use crate::base::ids::GroupId;
+use crate::base::path::Trail;
+use crate::base::rng::{Rng, Stream};
+use crate::film::guide::Guide;
+use crate::world::World;
+use crate::world::eye::Arrival;
+use crate::world::geometry::{Ray, Site};
+use crate::world::scatter::Scatter;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Lamp paths that one thread traces before it hands over what it found; the order of hand-overs is fixed.
+const CHUNK: u64 = 1 << 13;
+
+/// What an estimator does along a path from a lamp. All branches of a path are visited before the next path starts.
+pub trait Visitor {
+    /// Share of the power that both ways on from an interface must carry for the path to be split there; none: it
+    /// never is.
+    fn split_from(&self, walker: &Walker<'_>) -> Option<f64>;
+    /// The path has arrived in the pupil and ends there.
+    fn pupil(&mut self, walker: &Walker<'_>, from: Origin, arrival: &Arrival);
+    /// The path has met a scatterer; it goes on after this.
+    fn scatterer(&mut self, walker: &Walker<'_>, from: Origin, vertex: &Vertex, scatter: &Scatter);
+    /// A path and all its branches have ended.
+    fn end(&mut self) {}
+}
+
+/// Where a path comes from.
+#[derive(Debug, Clone, Copy)]
+pub struct Origin {
+    pub group: GroupId,
+    /// The lamp has a luminance; a point and parallel light have none, so no pixel can show them.
+    pub visible: bool,
+}
+
+/// Which paths: their stream of random numbers, the pass, and how many share the lamps' flux.
+#[derive(Debug, Clone, Copy)]
+pub struct Shots {
+    pub seed: u64,
+    pub stream: Stream,
+    pub pass: u64,
+    pub paths: u64,
+}
+
+impl Shots {
+    /// Number of chunks of a pass of `paths` paths.
+    pub fn chunks(paths: u64) -> u64 {
+        paths.div_ceil(CHUNK)
+    }
+
+    fn samples(&self, chunk: u64) -> Range<u64> {
+        chunk * CHUNK..((chunk + 1) * CHUNK).min(self.paths)
+    }
+}
+
+/// Starts paths on the lamps whose light an estimator traces: by flux and intensity, or as a guide says.
+pub struct Emission {
+    sources: Vec<Source>,
+    /// lm
+    flux: Vec<f64>,
+    guide: Guide,
+    /// Per light group: how far a trail from it can still lead to paths that are owned.
+    reach: Vec<Reach>,
+}
+
+/// Index of a lamp in the world: an emitting face, or a light that is no face.
+#[derive(Debug, Clone, Copy)]
+enum Source {
+    Face(usize),
+    Light(usize),
+}
+
+/// A path that starts on a lamp.
+struct Started<'w> {
+    walker: Walker<'w>,
+    origin: Origin,
+    /// Index in the emission's lamps and point of the square of directions, for learning.
+    lamp: usize,
+    uv: [f64; 2],
+    /// lm that the path carries; its mean over paths is the lamps' flux over their number.
+    flux_lm: f64,
+}
+
+impl Emission {
+    pub fn new(world: &World, route: &Route, groups: usize, guide: Option<&Guide>) -> Self {
+        let reach: Vec<Reach> = (0..groups).map(|g| Reach::from_lamp(route, GroupId::from_index(g))).collect();
+        let faces = world.lamps.all().iter().enumerate();
+        let faces = faces.map(|(index, lamp)| (Source::Face(index), lamp.group, lamp.flux_lm));
+        let lights = world.lights.all().iter().enumerate();
+        let lights = lights.map(|(index, light)| (Source::Light(index), light.group(), light.flux_lm()));
+        let (sources, flux): (Vec<Source>, Vec<f64>) = faces
+            .chain(lights)
+            .filter(|(_, group, flux)| *flux > 0.0 && reach[group.index()].allows(Trail::START))
+            .map(|(source, _, flux)| (source, flux))
+            .unzip();
+        let guide = guide.cloned().unwrap_or_else(|| Guide::unguided(&flux));
+        Emission { sources, flux, guide, reach }
+    }
+
+    /// Flux of each lamp that is traced, lm.
+    pub fn flux(&self) -> &[f64] {
+        &self.flux
+    }
+
+    /// The light group of a traced lamp.
+    pub fn group_of(&self, world: &World, lamp: usize) -> GroupId {
+        match self.sources[lamp] {
+            Source::Face(index) => world.lamps.all()[index].group,
+            Source::Light(index) => world.lights.all()[index].group(),
+        }
+    }
+
+    /// Starts one of `paths` paths. None if there is no lamp.
+    fn start<'w>(&self, world: &'w World, mut rng: Rng, paths: u64) -> Option<Started<'w>> {
+        let total: f64 = self.flux.iter().sum();
+        let drawn = self.guide.draw(&self.flux, [rng.uniform(), rng.uniform(), rng.uniform(), rng.uniform()])?;
+        let flux_lm = total / paths as f64 / drawn.density;
+        let (ray, interior, origin) = match self.sources[drawn.lamp] {
+            Source::Face(index) => {
+                let lamp = &world.lamps.all()[index];
+                let point = lamp.sample_point(rng.pair());
+                let dir = lamp.sample_direction(point.normal, drawn.uv);
+                let from = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: point.triangle };
+                let ray = Ray { origin: point.position, dir, from: Some(from) };
+                (ray, world.lamp_interiors[index].clone(), Origin { group: lamp.group, visible: true })
+            }
+            Source::Light(index) => {
+                let light = &world.lights.all()[index];
+                let (origin, dir) = light.emit(rng.pair(), drawn.uv);
+                let ray = Ray { origin, dir, from: None };
+                let from = Origin { group: light.group(), visible: light.is_visible() };
+                (ray, world.light_interiors[index].clone(), from)
+            }
+        };
+        let walker = Walker::new(world, Travel::FromLamp, ray, flux_lm, interior, rng);
+        Some(Started { walker, origin, lamp: drawn.lamp, uv: drawn.uv, flux_lm })
+    }
+
+    /// Traces one chunk of a pass.
+    pub fn chunk<V: Visitor>(&self, world: &World, shots: Shots, chunk: u64, visitor: &mut V) -> Ledger {
+        let mut ledger = Ledger::new(world.solids.len());
+        for sample in shots.samples(chunk) {
+            let rng = Rng::new(shots.seed, shots.stream, shots.pass, sample);
+            let balance = ledger.imbalance();
+            if let Some(started) = self.start(world, rng, shots.paths) {
+                ledger.paths += 1;
+                ledger.emitted += started.flux_lm;
+                self.walk(started.walker, started.origin, visitor, &mut ledger);
+                visitor.end();
+                ledger.close_path(balance);
+            }
+        }
+        ledger
+    }
+
+    /// Traces a pass for learning: (lamp, uv, what `gain` makes of the path's visit) of each path that gained.
+    /// Once `stop` says true the rest is left out, and the result is worthless.
+    pub fn probe<V: Visitor>(
+        &self,
+        world: &World,
+        shots: Shots,
+        stop: &ShouldStop<'_>,
+        visitor: impl Fn() -> V + Sync,
+        gain: impl Fn(&V) -> f64 + Sync,
+    ) -> Vec<(usize, [f64; 2], f64)> {
+        (0..shots.paths)
+            .into_par_iter()
+            .filter_map(|sample| {
+                if stop() {
+                    return None;
+                }
+                let rng = Rng::new(shots.seed, shots.stream, shots.pass, sample);
+                let started = self.start(world, rng, shots.paths)?;
+                let mut visitor = visitor();
+                let mut ledger = Ledger::new(world.solids.len());
+                self.walk(started.walker, started.origin, &mut visitor, &mut ledger);
+                let gained = gain(&visitor);
+                (gained > 0.0).then_some((started.lamp, started.uv, gained))
+            })
+            .collect()
+    }
+
+    fn walk<V: Visitor>(&self, mut walker: Walker<'_>, from: Origin, visitor: &mut V, ledger: &mut Ledger) {
+        let reach = &self.reach[from.group.index()];
+        loop {
+            let vertex = match walker.advance(ledger) {
+                Met::Sky => {
+                    walker.escape(ledger);
+                    return;
+                }
+                Met::Ended => return,
+                Met::Pupil(arrival) => {
+                    ledger.arrived += walker.beam.carried();
+                    visitor.pupil(&walker, from, &arrival);
+                    return;
+                }
+                Met::Face(vertex) => vertex,
+            };
+            if let Some(least) = visitor.split_from(&walker)
+                && let Some(reflected) = walker.split(&vertex, least, Walker::MOST_SPLITS, ledger)
+            {
+                self.walk(reflected, from, visitor, ledger);
+            }
+            match walker.meet(&vertex, ledger) {
+                Meeting::Ended => return,
+                Meeting::Went => {}
+                Meeting::Scatter(scatter, frame) => {
+                    visitor.scatterer(&walker, from, &vertex, scatter);
+                    if walker.scatter(&vertex, scatter, &frame, ledger).is_none() {
+                        return;
+                    }
+                }
+            }
+            if !reach.allows(walker.trail) {
+                ledger.not_owned += walker.beam.carried();
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! The energy balance finds what is planted in the walk: a face that loses light, and fates that nobody counts.
+
+use super::ledger::Ledger;
+use super::run::{Films, Limits, Observer, Status, run};
+use crate::base::ids::GroupId;
+use crate::base::path::Class;
+use crate::film::detail::ErrorDetail;
+use crate::film::plan::{Estimator, Plan, Row, Verdict};
+use crate::scene::{Dispersion, Face, Finish, Group, Medium, Scene, Shape, Sky};
+use crate::world::geometry::scenes::{self, Builder};
+use crate::world::{Planted, World};
+use glam::{DAffine3, DMat3, DVec3};
+use std::sync::Arc;
+
+struct Nobody;
+impl Observer for Nobody {
+    fn block(&mut self, _: &Status) -> bool {
+        true
+    }
+}
+
+const BALL: u32 = 0;
+const SCREEN: u32 = 1;
+
+/// A ball of glass before a large eye.
+fn ball() -> Scene {
+    let mm = DAffine3::from_scale(DVec3::splat(1e-3));
+    let centre = DVec3::Z * 100.0;
+    let mesh = scenes::sphere(10.0, 24, 48, centre);
+    let mut scene = scenes::scene(vec![mesh], vec![scenes::part(0, &[scenes::sphere_shape(10.0, centre)], mm)]);
+    scene.eye.pupil_diameter_m = 0.05;
+    scene.eye.focus_distance_m = 0.1;
+    scene.eye.resolution = [4, 4];
+    scene.groups = vec![Group { name: "light".to_owned() }];
+    scene
+}
+
+/// The ball, a screen behind it and a lamp behind the screen's edge; the glass absorbs a little.
+fn lit() -> Scene {
+    let mut scene = ball();
+    scene.media[0] = Medium { name: "tint".to_owned(), index: Dispersion::Constant(1.5), absorption_per_m: 5.0 };
+    let mut square = |half: f64, z: f64, finish: Finish| {
+        let corner = |x: f64, y: f64| (DVec3::new(x * half, y * half, z), DVec3::NEG_Z);
+        let mut builder = Builder::default();
+        let corners = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+        builder.face(&corners, &[[0, 1, 2], [0, 2, 3]]);
+        scene.meshes.push(builder.mesh);
+        let mut part = scenes::part(scene.meshes.len() as u32 - 1, &[Shape::Mesh], scene.parts[0].to_world);
+        part.medium = None;
+        part.faces = vec![Face { finish, coating: None, shape: Shape::Mesh, emitter: None, slide: None }];
+        scene.parts.push(part);
+    };
+    square(15.0, 115.0, Finish::Lambert { reflectance: 0.5, transmittance: 0.4 });
+    square(8.0, 140.0, Finish::Absorber);
+    scene.parts[2].faces[0].emitter = Some(scenes::emitter());
+    scene
+}
+
+fn trace(scene: &Scene, planted: Planted, estimator: Estimator, passes: u64) -> Films {
+    let mut world = World::freeze(scene).expect("it can be traced");
+    world.planted = planted;
+    let own = Verdict::Own { owner: estimator, because: "test".to_owned() };
+    let row = |class| Row { group: GroupId(0), class, verdict: own.clone() };
+    let plan = Plan {
+        rows: Class::ALL.map(row).to_vec(),
+        forward_paths: 4096,
+        photons: 4096,
+        photon_radius_m: 1e-3,
+        forward_guide: None,
+        photon_guide: None,
+        errors: ErrorDetail::Picture,
+        notes: Vec::new(),
+    };
+    let limits = Limits { passes: Some(passes), ..Limits::default() };
+    run(&world, &plan, 1, scene.eye.resolution, 7, &limits, &mut Nobody).films
+}
+
+/// emitted = Σ fates within 3σ with σ ≤ 1e-4.
+fn balances(ledger: &Ledger) -> bool {
+    let sigma = ledger.imbalance_sigma();
+    assert!(ledger.paths > 1000 && ledger.emitted > 0.0 && ledger.invalid_paths == 0, "{ledger:?}");
+    sigma <= 1e-4 * ledger.emitted && ledger.imbalance().abs() <= 3.0 * sigma.max(1e-12 * ledger.emitted)
+}
+
+/// R + T + A = 1 at every specular vertex, the three computed apart.
+fn vertices_close(ledger: &Ledger) -> bool {
+    ledger.vertex_error <= 1e-12
+}
+
+#[test]
+fn a_leaky_face_or_an_uncounted_fate_turns_the_balance_red() {
+    let scene = lit();
+    for estimator in Estimator::ALL {
+        let verdict = |planted| {
+            let films = trace(&scene, planted, estimator, 512);
+            let ledger = films.ledger(estimator).expect("it ran").clone();
+            println!(
+                "{estimator:?} {planted:?}: {:+.2e} of all, vertex {:.1e}",
+                ledger.imbalance() / ledger.emitted,
+                ledger.vertex_error
+            );
+            (balances(&ledger), vertices_close(&ledger))
+        };
+        assert_eq!(verdict(Planted::Nothing), (true, true), "{estimator:?}: nothing is planted");
+        assert_eq!(verdict(Planted::Leak { part: BALL }), (false, false), "{estimator:?}: a leaky face");
+        for planted in [Planted::Unbooked { part: BALL }, Planted::Unbooked { part: SCREEN }, Planted::UnbookedEscape] {
+            assert_eq!(verdict(planted), (false, true), "{estimator:?}: {planted:?}");
+        }
+    }
+}
+
+#[test]
+fn a_leaky_face_is_seen_in_a_furnace() {
+    let mut scene = ball();
+    let luminance = Arc::new(vec![500f32; 64 * 32]);
+    let sky =
+        Sky { group: GroupId(0), width: 64, height: 32, luminance, to_world: DMat3::IDENTITY, file: "furnace".into() };
+    scene.sky = Some(sky);
+    let mean_of = |planted| {
+        let films = trace(&scene, planted, Estimator::Backward, 256);
+        let (_, film, _) = &films.films[0];
+        let pixels = film.width * film.height;
+        let mean: f64 = (0..pixels).map(|pixel| film.mean(pixel, 0).value).sum::<f64>() / pixels as f64;
+        let variance: f64 = (0..pixels).map(|pixel| film.variance(pixel, film.planes.len())).sum();
+        (mean, variance.sqrt() / pixels as f64)
+    };
+    let near = |(mean, sigma): (f64, f64)| (mean - 500.0).abs() <= 4.0 * sigma + 1e-9 && sigma < 0.1;
+    let (sound, leaky) = (mean_of(Planted::Nothing), mean_of(Planted::Leak { part: BALL }));
+    println!("sound {sound:?}, leaky {leaky:?}");
+    assert!(near(sound), "{sound:?}");
+    // Every ray that meets the ball loses at least a hundredth, most lose it twice.
+    assert!(!near(leaky) && leaky.0 < 495.0, "{leaky:?}");
+}

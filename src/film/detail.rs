@@ -1,0 +1,111 @@
+//! What a film keeps on request beyond the squares of its pixels: the squares of each layer, and of `open` and
+//! `content` with their product, so that a picture mixed for another contrast can say how uncertain it is.
+
+use super::accumulate::{Light, PlaneKey};
+use super::layer::Layer;
+
+/// Whose standard errors a run keeps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ErrorDetail {
+    /// Of `hybrid` alone.
+    #[default]
+    Picture,
+    /// Of every layer, of every group's share, and of its `open` and `content`.
+    Layers,
+}
+
+/// Second moments of the light of one plane, sums over samples.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Mixed {
+    pub open2: f64,
+    pub content2: f64,
+    pub open_content: f64,
+}
+
+impl Mixed {
+    fn add(&mut self, light: Light) {
+        let (open, content) = (light.open(), light.content());
+        self.open2 += open * open;
+        self.content2 += content * content;
+        self.open_content += open * content;
+    }
+}
+
+/// The further sums of a film.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Detail {
+    /// The layers of the film's planes, each once.
+    pub layers: Vec<Layer>,
+    /// Plane → index in `layers`.
+    of_plane: Vec<usize>,
+    /// `[pixel][plane]`
+    mixed: Vec<Mixed>,
+    /// `[pixel][layer]`: squares of a layer's `value`.
+    squares: Vec<f64>,
+}
+
+/// One row of it.
+pub struct DetailRow<'f> {
+    of_plane: &'f [usize],
+    layers: usize,
+    mixed: &'f mut [Mixed],
+    squares: &'f mut [f64],
+}
+
+impl Detail {
+    pub fn new(pixels: usize, planes: &[PlaneKey]) -> Self {
+        let mut layers: Vec<Layer> = planes.iter().map(|key| key.layer).collect();
+        layers.sort_unstable();
+        layers.dedup();
+        let of_plane = planes.iter().filter_map(|key| layers.iter().position(|layer| *layer == key.layer)).collect();
+        Detail {
+            of_plane,
+            mixed: vec![Mixed::default(); pixels * planes.len()],
+            squares: vec![0.0; pixels * layers.len()],
+            layers,
+        }
+    }
+
+    /// The rows of a film that is `width` pixels wide.
+    pub fn rows(&mut self, width: usize) -> impl Iterator<Item = DetailRow<'_>> {
+        let (of_plane, layers) = (self.of_plane.as_slice(), self.layers.len());
+        self.mixed
+            .chunks_mut((width * of_plane.len()).max(1))
+            .zip(self.squares.chunks_mut((width * layers).max(1)))
+            .map(move |(mixed, squares)| DetailRow { of_plane, layers, mixed, squares })
+    }
+
+    /// Adds the light of one path in one plane.
+    pub fn splat(&mut self, pixel: usize, plane: usize, light: Light) {
+        self.mixed[pixel * self.of_plane.len() + plane].add(light);
+        self.squares[pixel * self.layers.len() + self.of_plane[plane]] += light.value * light.value;
+    }
+
+    pub fn mixed(&self, pixel: usize, plane: usize) -> Mixed {
+        self.mixed[pixel * self.of_plane.len() + plane]
+    }
+    /// Sum of the squares of a layer, by its index in `layers`.
+    pub fn square(&self, pixel: usize, layer: usize) -> f64 {
+        self.squares[pixel * self.layers.len() + layer]
+    }
+    /// Planes of a layer, by its index in `layers`.
+    pub fn planes_of(&self, layer: usize) -> impl Iterator<Item = usize> {
+        self.of_plane.iter().enumerate().filter(move |(_, of)| **of == layer).map(|(plane, _)| plane)
+    }
+}
+
+impl DetailRow<'_> {
+    /// Adds one pass's light of pixel `x` (one entry per plane).
+    pub fn add_pass(&mut self, x: usize, pass: &[Light]) {
+        let planes = self.of_plane.len();
+        for (plane, light) in pass.iter().enumerate() {
+            self.mixed[x * planes + plane].add(*light);
+        }
+        for layer in 0..self.layers {
+            let own = pass.iter().zip(self.of_plane).filter(|(_, of)| **of == layer);
+            let value: f64 = own.map(|(light, _)| light.value).sum();
+            self.squares[x * self.layers + layer] += value * value;
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! Lights that the asset has as such: points, spots and distant lamps become lamps without faces, the others parts
+//! that emit, a dome the sky.
+
+use super::build::{Builder, intern};
+use super::optics::group_name;
+use super::{files, picture, place};
+use crate::base::fault::Result;
+use crate::base::ids::{GroupId, MeshId};
+use crate::base::{Fault, Where};
+use crate::scene::assembly::{LightForm, LightSource};
+use crate::scene::{
+    Angular, Beacon, BeaconForm, Emitter, Face, FaceRange, Finish, Group, Mesh, Note, Part, Photometry, Severity,
+    Shape, Sky, SpotCone,
+};
+use glam::{DAffine3, DMat3, DVec3};
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What lights become.
+#[derive(Default)]
+pub(super) struct Made {
+    pub lights: Vec<Beacon>,
+    pub meshes: Vec<Mesh>,
+    /// Their meshes are numbered from the end of the asset's.
+    pub parts: Vec<Part>,
+    pub dome: Option<Sky>,
+}
+
+/// Corners of a round lamp's mesh.
+const AROUND: u32 = 96;
+
+/// The factor by which a regular polygon of [`AROUND`] corners must be larger than a circle to have its area.
+fn swell() -> f64 {
+    let step = TAU / f64::from(AROUND);
+    (step / step.sin()).sqrt()
+}
+
+impl Builder<'_> {
+    /// Makes the asset's lights. `sky`: the light group of the sky that something else says, whose dome has no say.
+    pub(super) fn lights(&mut self, sky: Option<GroupId>) -> Result<Made> {
+        let mut made = Made::default();
+        let assembly = self.assembly;
+        for light in &assembly.lights {
+            if light.profile.is_some() {
+                self.warn(light, "its intensity distribution is not used by this version: it shines evenly");
+            }
+            let to_asset = assembly.nodes.get(light.node).map_or(DAffine3::IDENTITY, |node| node.to_world);
+            let to_world = place::in_metres(&to_asset, self.unit_m, &assembly.axes);
+            let axis = || {
+                (to_world.matrix3 * DVec3::NEG_Z).try_normalize().ok_or_else(|| {
+                    Fault::new(light.at.clone(), format!("light {} has no direction", light.name))
+                        .expected("a node that is not scaled to nothing")
+                })
+            };
+            let form = match light.form {
+                LightForm::Point { intensity_cd, cone } => {
+                    let spot = match cone {
+                        Some((inner_rad, outer_rad)) => Some(SpotCone { axis: axis()?, inner_rad, outer_rad }),
+                        None => None,
+                    };
+                    BeaconForm::Point { position: to_world.translation, intensity_cd, spot }
+                }
+                LightForm::Distant { illuminance_lx, angle } => {
+                    BeaconForm::Distant { dir: axis()?, illuminance_lx, angle_rad: angle }
+                }
+                LightForm::Dome { scale_cd_m2, ref image } => {
+                    if sky.is_some() || made.dome.is_some() {
+                        self.warn(light, "there is a sky already: this dome is left out");
+                    } else {
+                        made.dome = Some(self.dome(light, scale_cd_m2, image.as_deref(), &to_asset)?);
+                    }
+                    continue;
+                }
+                LightForm::Rect { luminance_cd_m2, width, height } => {
+                    self.shine(light, luminance_cd_m2, rect(width, height), to_world, sky, &mut made)?;
+                    continue;
+                }
+                LightForm::Disk { luminance_cd_m2, radius } => {
+                    self.shine(light, luminance_cd_m2, disk(radius), to_world, sky, &mut made)?;
+                    continue;
+                }
+                LightForm::Sphere { luminance_cd_m2, radius } => {
+                    self.shine(light, luminance_cd_m2, sphere(radius), to_world, sky, &mut made)?;
+                    continue;
+                }
+                LightForm::Cylinder { luminance_cd_m2, radius, length } => {
+                    self.shine(light, luminance_cd_m2, cylinder(radius, length), to_world, sky, &mut made)?;
+                    continue;
+                }
+            };
+            let group = self.light_group(light, sky)?;
+            made.lights.push(Beacon { name: light.name.clone(), group, form });
+        }
+        Ok(made)
+    }
+
+    fn warn(&mut self, light: &LightSource, text: &str) {
+        let text = format!("light {}: {text}", light.name);
+        self.notes.push(Note { severity: Severity::Warning, at: light.at.clone(), text });
+    }
+
+    /// The light's own attributes say the group, or its name does.
+    fn light_group(&mut self, light: &LightSource, sky: Option<GroupId>) -> Result<GroupId> {
+        let given = light
+            .attributes
+            .as_ref()
+            .and_then(|own| own.get("group").or_else(|| own.get("emitter").and_then(|emitter| emitter.get("group"))));
+        let name = match given {
+            Some(value) => {
+                let text = value.text().ok_or_else(|| {
+                    Fault::new(value.at.clone(), format!("`group` is {}", value.kind())).expected("a name")
+                })?;
+                group_name(text, &value.at)?
+            }
+            None => {
+                let mut name = layer_name(&light.name);
+                if sky.and_then(|sky| self.groups.get(sky.index())).is_some_and(|sky| sky.name == name) {
+                    name.push_str("_light");
+                }
+                name
+            }
+        };
+        Ok(GroupId::from_index(intern(&mut self.groups, Group { name })))
+    }
+
+    fn shine(
+        &mut self,
+        light: &LightSource,
+        luminance: f64,
+        mesh: Mesh,
+        to_world: DAffine3,
+        sky: Option<GroupId>,
+        made: &mut Made,
+    ) -> Result<()> {
+        let group = self.light_group(light, sky)?;
+        let photometry = Photometry::LuminanceCdM2(luminance);
+        let emitter = Emitter { group, photometry, angular: Angular::Lambert, spectrum: None };
+        let face =
+            Face { finish: Finish::Absorber, coating: None, shape: Shape::Mesh, emitter: Some(emitter), slide: None };
+        let node = self.assembly.nodes.get(light.node).map_or("", |node| node.path.as_str());
+        made.parts.push(Part {
+            name: light.name.clone(),
+            path: if node.ends_with(light.name.as_str()) { node.to_owned() } else { format!("{node}/{}", light.name) },
+            mesh: MeshId::from_index(self.assembly.meshes.len() + made.meshes.len()),
+            to_world,
+            medium: None,
+            priority: 0,
+            faces: vec![face],
+        });
+        made.meshes.push(Mesh { name: light.name.clone(), ..mesh });
+        Ok(())
+    }
+
+    /// A uniform sky, or a panorama in the axes of the dome's node.
+    fn dome(&mut self, light: &LightSource, scale: f64, image: Option<&Path>, to_asset: &DAffine3) -> Result<Sky> {
+        let group = self.light_group(light, None)?;
+        let (width, height, mut pixels, file) = match image {
+            None => (1, 1, vec![1.0], "uniform".to_owned()),
+            Some(file) => {
+                let bytes = files::read(file, &light.at, "dome image")?;
+                let read = picture::panorama(&bytes, file, &light.at)?;
+                self.files.push(file.to_owned());
+                (read.width, read.height, read.pixels, file.display().to_string())
+            }
+        };
+        for pixel in &mut pixels {
+            *pixel = (f64::from(*pixel) * scale) as f32;
+        }
+        if pixels.iter().any(|pixel| !(*pixel >= 0.0 && pixel.is_finite())) {
+            let what = format!("the luminance of dome {} is negative or overflows", light.name);
+            return Err(Fault::new(light.at.clone(), what).expected("0 or more, and finite"));
+        }
+        let luminance = Arc::new(pixels);
+        let to_world = self.assembly.axes * rotation(&to_asset.matrix3, &light.at)?;
+        Ok(Sky { group, width, height, luminance, to_world, file })
+    }
+}
+
+/// The rotation in a node's axes; scale is taken off.
+fn rotation(axes: &DMat3, at: &Where) -> Result<DMat3> {
+    let bad = || Fault::new(at.clone(), "the dome's axes are not a rotation").expected("a node that is not mirrored");
+    let x = axes.x_axis.try_normalize().ok_or_else(bad)?;
+    let y = (axes.y_axis - x * axes.y_axis.dot(x)).try_normalize().ok_or_else(bad)?;
+    let turned = DMat3::from_cols(x, y, x.cross(y));
+    if turned.z_axis.dot(axes.z_axis) > 0.0 { Ok(turned) } else { Err(bad()) }
+}
+
+/// A name that layers can carry.
+fn layer_name(name: &str) -> String {
+    let clean: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if clean.starts_with(|c: char| c.is_ascii_alphabetic()) { clean } else { format!("light_{clean}") }
+}
+
+/// A mesh of one face from points with normals.
+fn mesh(points: impl IntoIterator<Item = (DVec3, DVec3)>, triangles: Vec<[u32; 3]>) -> Mesh {
+    let mut mesh = Mesh { faces: vec![FaceRange { first: 0, count: triangles.len() as u32 }], ..Mesh::default() };
+    for (point, normal) in points {
+        mesh.positions.push(point.as_vec3().to_array());
+        mesh.normals.push(normal.as_vec3().to_array());
+    }
+    mesh.triangles = triangles;
+    mesh
+}
+
+fn rect(width: f64, height: f64) -> Mesh {
+    let (x, y) = (width / 2.0, height / 2.0);
+    let corners = [(-x, -y), (-x, y), (x, y), (x, -y)];
+    mesh(corners.map(|(x, y)| (DVec3::new(x, y, 0.0), DVec3::NEG_Z)), vec![[0, 1, 2], [0, 2, 3]])
+}
+
+/// Direction in the xy-plane of corner `k`.
+fn spoke(k: u32) -> DVec3 {
+    let (sin, cos) = (TAU * f64::from(k % AROUND) / f64::from(AROUND)).sin_cos();
+    DVec3::new(cos, sin, 0.0)
+}
+
+fn disk(radius: f64) -> Mesh {
+    let rim = (0..AROUND).map(|k| (spoke(k) * radius * swell(), DVec3::NEG_Z));
+    let triangles = (0..AROUND).map(|k| [0, 1 + (k + 1) % AROUND, 1 + k]).collect();
+    mesh(std::iter::once((DVec3::ZERO, DVec3::NEG_Z)).chain(rim), triangles)
+}
+
+/// Along x, without caps.
+fn cylinder(radius: f64, length: f64) -> Mesh {
+    let step = TAU / f64::from(AROUND);
+    // The perimeter of the polygon is that of the circle.
+    let radius = radius * (step / 2.0) / (step / 2.0).sin();
+    let ring = |x: f64| {
+        (0..AROUND).map(move |k| {
+            let normal = DVec3::new(0.0, spoke(k).x, spoke(k).y);
+            (DVec3::X * x + normal * radius, normal)
+        })
+    };
+    let quads = (0..AROUND).flat_map(|k| {
+        let (a, b) = (k, (k + 1) % AROUND);
+        [[a, b, b + AROUND], [a, b + AROUND, a + AROUND]]
+    });
+    mesh(ring(-length / 2.0).chain(ring(length / 2.0)), quads.collect())
+}
+
+fn sphere(radius: f64) -> Mesh {
+    const RINGS: u32 = AROUND / 2;
+    let at = |ring: u32, k: u32| {
+        let (sin, cos) = (PI * f64::from(ring) / f64::from(RINGS)).sin_cos();
+        spoke(k) * sin + DVec3::Z * cos
+    };
+    let normals: Vec<DVec3> = std::iter::once(DVec3::Z)
+        .chain((1..RINGS).flat_map(|ring| (0..AROUND).map(move |k| (ring, k))).map(|(ring, k)| at(ring, k)))
+        .chain(std::iter::once(DVec3::NEG_Z))
+        .collect();
+    let index = |ring: u32, k: u32| 1 + (ring - 1) * AROUND + k % AROUND;
+    let last = normals.len() as u32 - 1;
+    let mut triangles = Vec::new();
+    for k in 0..AROUND {
+        triangles.push([0, index(1, k), index(1, k + 1)]);
+        for ring in 1..RINGS - 1 {
+            let (a, b) = (index(ring, k), index(ring, k + 1));
+            triangles.extend([[a, index(ring + 1, k), index(ring + 1, k + 1)], [a, index(ring + 1, k + 1), b]]);
+        }
+        triangles.push([last, index(RINGS - 1, k + 1), index(RINGS - 1, k)]);
+    }
+    // As large as the sphere: luminance times area is the flux.
+    let area: f64 = triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|i| normals[i as usize]);
+            (b - a).cross(c - a).length() / 2.0
+        })
+        .sum();
+    let radius = radius * (4.0 * PI / area).sqrt();
+    mesh(normals.iter().map(|normal| (*normal * radius, *normal)), triangles)
+}
