@@ -12,7 +12,7 @@ use crate::scene::assembly::{LightForm, LightSource};
 ///
 /// A point is a sphere with `treatAsPoint` and `normalize`: a sphere of radius r and luminance L has the intensity
 /// π r² L, and normalising divides by its area 4π r² (UsdLuxLightAPI, `inputs:normalize`), so that an intensity I takes
-/// `inputs:intensity` = 4 I, whatever the radius.
+/// `inputs:intensity` = 4 I, whatever the radius, with the area in metres: 4 I / unit² in scene units.
 pub(super) fn write(
     writing: &Writing<'_>,
     source: &LightSource,
@@ -23,11 +23,12 @@ pub(super) fn write(
     let mut inputs: Vec<Property> = Vec::new();
     let mut number = |name: &str, x: f64| inputs.push(Property::new(format!("inputs:{name}"), Datum::Float(x as f32)));
     let mut exact: Vec<(&'static str, f64)> = Vec::new();
+    let unit = optics::unit(writing.assembly);
     let mut image = None;
     let mut spot = false;
     let type_name = match &source.form {
         LightForm::Point { intensity_cd, cone } => {
-            number("intensity", 4.0 * intensity_cd);
+            number("intensity", 4.0 * intensity_cd / (unit * unit));
             number("radius", 0.0);
             exact.push(("intensity_cd", *intensity_cd));
             if let Some((inner, outer)) = cone {

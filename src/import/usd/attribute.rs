@@ -4,7 +4,7 @@ use super::value;
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use openusd::sdf::{self, Value};
-use openusd::usd::{Prim, ResolveInfoSource, Stage, TimeCode};
+use openusd::usd::{Prim, ResolveInfoSource, TimeCode};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -59,10 +59,6 @@ impl PrimView {
     }
     pub fn path(&self) -> &sdf::Path {
         self.prim.path()
-    }
-    #[allow(dead_code)] // for lights and render settings
-    pub fn stage(&self) -> &Stage {
-        self.prim.stage()
     }
     pub fn name(&self) -> &str {
         self.path().name().unwrap_or_default()
@@ -132,7 +128,6 @@ impl PrimView {
         self.read(name, "a number", |value| value::number(&value))
     }
     /// A finite number that is not negative.
-    #[allow(dead_code)] // for lights
     pub fn length(&self, name: &str) -> Result<Option<f64>> {
         let Some(x) = self.number(name)? else { return Ok(None) };
         if x.is_finite() && x >= 0.0 {
@@ -170,7 +165,6 @@ impl PrimView {
 }
 
 /// Where a file of an asset path lies, if the library found it.
-#[allow(dead_code)] // for pictures and profiles
 pub(super) fn resolved(path: &sdf::AssetPath) -> Option<&Path> {
     path.resolved_path().filter(|path| !path.is_empty()).map(Path::new)
 }

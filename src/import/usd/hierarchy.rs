@@ -5,7 +5,7 @@ use super::attribute::PrimView;
 use super::marks::{Fold, Marks};
 use super::reader::Reader;
 use super::xform::{self, Local};
-use super::{camera, implicit, instancer, light, material, mesh, optics};
+use super::{binding, camera, implicit, instancer, light, material, mesh, optics};
 use crate::base::Where;
 use crate::base::fault::Result;
 use crate::import::assembly::Node;
@@ -15,14 +15,14 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// Deeper than any assembly; each level is a level of recursion here and in composition.
-const MOST_DEEP: usize = 500;
+pub(super) const MOST_DEEP: usize = 500;
 
 /// What prims take over from those above them.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct Handed {
     /// By purpose: `default` and `render` are, `proxy` and `guide` are not.
     pub shown: bool,
-    pub material: material::Inherited,
+    pub material: binding::Inherited,
 }
 
 /// Where the walk is.
@@ -60,7 +60,7 @@ pub(super) struct Placed {
 
 /// Fills `assembly.nodes`, `meshes`, `cameras` and `lights`, depth first in the order of the stage.
 pub(super) fn read(reader: &mut Reader) -> Result<()> {
-    let handed = Handed { shown: true, material: material::Inherited::default() };
+    let handed = Handed { shown: true, material: binding::Inherited::default() };
     let above = Above { node: None, handed, instance: None, depth: 0, may_be_over: false };
     let root = sdf::Path::abs_root();
     let names = reader.stage.root_prims().map_err(|error| reader.moment.failed(&root, error))?;
@@ -120,8 +120,16 @@ pub(super) fn prim(reader: &mut Reader, prim: Prim, above: &Above) -> Result<()>
     }
     let view = PrimView::new(prim, moment)?;
     let type_name = view.type_name()?;
-    if BESIDE.contains(&type_name.as_str()) || view.token("visibility")?.as_deref() == Some("invisible") {
+    if BESIDE.contains(&type_name.as_str()) {
+        match type_name.as_str() {
+            "Material" => material::met(reader, &view)?,
+            "RenderSettings" => reader.render.settings.push(view.path().clone()),
+            _ => {}
+        }
         return Ok(());
+    }
+    if view.token("visibility")?.as_deref() == Some("invisible") {
+        return material::meet_below(reader, &view, above.depth);
     }
     let shown = match view.token("purpose")?.as_deref() {
         None => above.handed.shown,
@@ -133,7 +141,7 @@ pub(super) fn prim(reader: &mut Reader, prim: Prim, above: &Above) -> Result<()>
         }
     };
     let local = xform::local(&view, ledger)?;
-    let handed = Handed { shown, material: above.handed.material.below(&view)? };
+    let handed = Handed { shown, material: above.handed.material.below(reader, &view)? };
     let marks = Marks::of(&view)?;
     let node = place(reader, &view, local, above.node, marks.text("name").unwrap_or(view.name()))?;
     reader.placed.folds.extend(marks.fold().map(|fold| (node, fold)));
@@ -151,6 +159,8 @@ pub(super) fn prim(reader: &mut Reader, prim: Prim, above: &Above) -> Result<()>
     if type_name != "PointInstancer" {
         let is_instance = view.prim.is_instance().map_err(|error| reader.moment.failed(view.path(), error))?;
         if is_instance { instance(reader, &view, &mut below)? } else { children(reader, &view, &below)? }
+    } else {
+        material::meet_below(reader, &view, above.depth)?;
     }
     // A container without contents, or one that is not shown, says nothing.
     let is_container = matches!(type_name.as_str(), "" | "Scope") || !shown;
@@ -177,6 +187,7 @@ fn instance(reader: &mut Reader, view: &PrimView, below: &mut Above) -> Result<(
     if below.instance.is_none() {
         reader.placed.outermost.push(view.path().as_str().to_owned());
     }
+    below.handed.material.inside(view);
     let key = (prototype.as_str().to_owned(), below.handed.clone());
     if let Some(template) = reader.placed.instances.get(&key).cloned() {
         return copy(reader, view, &template, node);
@@ -311,10 +322,14 @@ fn moved(at: &Where, from: &Where, to: &Where) -> Where {
 fn content(reader: &mut Reader, view: &PrimView, type_name: &str, below: &Above) -> Result<()> {
     let Some(node) = below.node else { return Ok(()) };
     let found = match type_name {
-        "Mesh" => mesh::of(reader, view, below)?,
+        "Mesh" => {
+            light::of_mesh(reader, view, node)?;
+            mesh::of(reader, view, below)?
+        }
         "Camera" => {
             let to_world = reader.assembly.nodes[node].to_world;
             let camera = camera::read(view, to_world, &mut reader.ledger)?;
+            reader.render.cameras.push((view.path().clone(), reader.assembly.cameras.len()));
             reader.assembly.cameras.push(camera);
             None
         }

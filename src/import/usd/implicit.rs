@@ -4,7 +4,7 @@
 use super::attribute::PrimView;
 use super::hierarchy::Above;
 use super::reader::Reader;
-use super::{material, mesh, tessellate};
+use super::{binding, mesh, tessellate};
 use crate::base::Where;
 use crate::base::fault::Result;
 use crate::import::assembly::MeshSource;
@@ -67,7 +67,7 @@ pub(super) fn of(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above
     mesh::shared(reader, view, below, |reader, view, below| {
         let (mesh, shapes) = shape(reader, view, kind)?;
         reader.charge(view.path(), mesh.triangles.len() + 2 * mesh.positions.len(), 12)?;
-        let material = material::bound(reader, view, &below.handed.material)?;
+        let material = binding::bound(reader, view, &below.handed.material);
         let materials = vec![material; mesh.faces.len()];
         let mut attributes = vec![None; mesh.faces.len()];
         for (face, shape) in shapes {

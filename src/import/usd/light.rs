@@ -1,17 +1,344 @@
-//! UsdLux lights.
+//! UsdLux lights: luminance = intensity · 2^exposure · colour, in nit; divided by the surface in world space where
+//! `normalize` says so (UsdLuxLightAPI).
 
-use super::attribute::PrimView;
+use super::attribute::{PrimView, resolved};
+use super::marks::{Marks, refined};
 use super::reader::Reader;
+use super::surface::luminance;
+use super::{shape, value};
 use crate::base::fault::Result;
+use crate::import::assembly::{LightForm, LightSource, Node};
+use crate::import::value::{Data, Value};
+use glam::{DAffine3, DMat3};
+use openusd::sdf;
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::path::{Path, PathBuf};
 
 /// Appends the light of a prim whose type is one, for `node` of the assembly.
+///
+/// | type | form | strength |
+/// |---|---|---|
+/// | Rect, Disk, Sphere, Cylinder | the same | luminance L |
+/// | Sphere with `treatAsPoint` or radius 0 | `Point` | π r² L |
+/// | Distant | `Distant` | illuminance; L × π sin²(angle/2), which `normalize` divides by |
+/// | Dome, Dome_1 | `Dome` | factor of the picture |
+///
+/// # Errors
+/// Values of the wrong type. Lights of kinds that are not known, and values out of range, are notes.
 pub(super) fn read(reader: &mut Reader, view: &PrimView, node: usize, type_name: &str) -> Result<()> {
-    let _ = node;
-    reader.ledger.warn(view.at(), format!("lights of type {type_name} are not used"));
+    let Some(to_world) = reader.assembly.nodes.get(node).map(|node| node.to_world) else { return Ok(()) };
+    let Some((strength, color)) = strength(reader, view, if type_name == "DistantLight" { 50_000.0 } else { 1.0 })?
+    else {
+        return Ok(());
+    };
+    let marks = Marks::of(view)?;
+    let light = Lit { view, marks: &marks, to_world, strength, normal: flag(view, "inputs:normalize")? };
+    let mut holder = node;
+    let form = match type_name {
+        "RectLight" => light.rect(reader)?,
+        "DiskLight" => light.disk(reader)?,
+        "SphereLight" => light.sphere(reader)?,
+        "CylinderLight" => light.cylinder(reader)?,
+        "DistantLight" => light.distant(reader)?,
+        "DomeLight" | "DomeLight_1" => {
+            let form = light.dome(reader)?;
+            if form.is_some() && type_name == "DomeLight_1" && pole_is_z(reader, view)? {
+                holder = turned(reader, view, node)?;
+            }
+            form
+        }
+        other => {
+            reader.ledger.warn(view.at(), format!("lights of type {other} are not used"));
+            None
+        }
+    };
+    let Some(form) = form else { return Ok(()) };
+    let profile = shape::profile(reader, view)?;
+    shape::unused(reader, view, matches!(form, LightForm::Point { .. }))?;
+    reader.charge(view.path(), 1, size_of::<LightSource>() + 2 * view.path().as_str().len())?;
+    let color = marks.triple("color").map_or(color, |exact| {
+        let mut lanes = color;
+        lanes.iter_mut().zip(exact).for_each(|(lane, exact)| *lane = refined(Some(exact), *lane));
+        lanes
+    });
+    let attributes = reader.assembly.nodes.get_mut(node).and_then(|node| node.attributes.take());
+    reader.assembly.lights.push(LightSource {
+        name: marks.text("name").unwrap_or(view.name()).to_owned(),
+        node: holder,
+        form,
+        color,
+        profile,
+        attributes,
+        at: view.at(),
+    });
     Ok(())
 }
 
-/// After all prims are known.
-pub(super) fn finish(_reader: &mut Reader) -> Result<()> {
+/// A mesh that is a light (MeshLightAPI): a lamp of ours, unless its attributes say what it emits.
+///
+/// # Errors
+/// Values of the wrong type.
+pub(super) fn of_mesh(reader: &mut Reader, view: &PrimView, node: usize) -> Result<()> {
+    // Asking the schemas of every mesh costs more than its names.
+    if !view.property_names().iter().any(|name| name.starts_with("inputs:") || name.starts_with("light:")) {
+        return Ok(());
+    }
+    let schemas = view.prim.api_schemas().map_err(|error| view.moment.failed(view.path(), error))?;
+    if !schemas.iter().any(|schema| schema.as_str() == "MeshLightAPI") {
+        return Ok(());
+    }
+    let Some((strength, _)) = strength(reader, view, 1.0)? else { return Ok(()) };
+    if flag(view, "inputs:normalize")? {
+        reader.ledger.warn(view.at(), "a mesh light that is normalised by its area: not used");
+        return Ok(());
+    }
+    let at = view.at_property("inputs:intensity");
+    let luminance = ("luminance_cd_m2".to_owned(), Value::new(Data::Number(strength), at.clone()));
+    let row = ("emitter".to_owned(), Value::new(Data::Table(vec![luminance]), at.clone()));
+    let Some(node) = reader.assembly.nodes.get_mut(node) else { return Ok(()) };
+    match &mut node.attributes {
+        Some(Value { data: Data::Table(rows), .. }) if rows.iter().all(|(key, _)| key != "emitter") => rows.push(row),
+        Some(_) => {}
+        None => node.attributes = Some(Value::new(Data::Table(vec![row]), at)),
+    }
     Ok(())
 }
+
+/// The strength with the colour's luminance in it, and the colour at luminance 1; `None` for a light that cannot be
+/// used.
+fn strength(reader: &mut Reader, view: &PrimView, fallback: f64) -> Result<Option<(f64, [f64; 3])>> {
+    let intensity = view.number("inputs:intensity")?.unwrap_or(fallback);
+    let exposure = view.number("inputs:exposure")?.unwrap_or(0.0);
+    let triple = |found: sdf::Value| value::triple(&found);
+    let mut color = view.read("inputs:color", "a colour", triple)?.unwrap_or([1.0; 3]);
+    if flag(view, "inputs:enableColorTemperature")? {
+        let kelvin = view.number("inputs:colorTemperature")?.unwrap_or(6500.0);
+        match blackbody(kelvin) {
+            Some(tint) => color.iter_mut().zip(tint).for_each(|(lane, tint)| *lane *= tint),
+            None => {
+                let at = view.at_property("inputs:colorTemperature");
+                reader.ledger.warn(at, "a colour temperature outside 1000 to 15000 K: ignored");
+            }
+        }
+    }
+    let own = luminance(color);
+    let strength = intensity * exposure.exp2() * own;
+    if color.iter().any(|lane| !(*lane >= 0.0)) || !strength.is_finite() || strength < 0.0 {
+        reader.ledger.warn(view.at(), "a light whose strength or colour is negative or not finite: left out");
+        return Ok(None);
+    }
+    if own == 0.0 {
+        reader.ledger.warn(view.at(), "a black light");
+        return Ok(Some((0.0, [1.0; 3])));
+    }
+    let color = color.map(|lane| lane / own);
+    Ok(Some((strength, if color.iter().all(|lane| lane.is_finite()) { color } else { [1.0; 3] })))
+}
+
+/// Linear Rec.709 of a black body at luminance 1, from 1000 to 15000 K: the Planckian locus in CIE 1960 (u, v) by
+/// Krystek, Color Res. Appl. 10 (1985) 38, within 8e-5.
+fn blackbody(kelvin: f64) -> Option<[f64; 3]> {
+    if !(1000.0..=15000.0).contains(&kelvin) {
+        return None;
+    }
+    let t = kelvin;
+    let u =
+        (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t * t) / (1.0 + 8.42420235e-4 * t + 7.08145163e-7 * t * t);
+    let v =
+        (0.317398726 + 4.22806245e-5 * t + 4.20481691e-8 * t * t) / (1.0 - 2.89741816e-5 * t + 1.61456053e-7 * t * t);
+    // CIE 15: x = 3u / (2u − 8v + 4), y = 2v / (2u − 8v + 4); X = x/y, Y = 1, Z = (1 − x − y)/y.
+    let (x, y) = (3.0 * u / (2.0 * u - 8.0 * v + 4.0), 2.0 * v / (2.0 * u - 8.0 * v + 4.0));
+    let (x, z) = (x / y, (1.0 - x - y) / y);
+    // IEC 61966-2-1, its inverse matrix.
+    let lanes = [
+        3.2406255 * x - 1.537208 - 0.4986286 * z,
+        -0.9689307 * x + 1.8757561 + 0.0415175 * z,
+        0.0557101 * x - 0.2040211 + 1.0569959 * z,
+    ];
+    let lanes = lanes.map(|lane: f64| lane.max(0.0));
+    let own = luminance(lanes);
+    Some(lanes.map(|lane| lane / own))
+}
+
+pub(super) fn flag(view: &PrimView, name: &str) -> Result<bool> {
+    Ok(view.read(name, "true or false", |found| value::flag(&found))?.unwrap_or(false))
+}
+
+/// One light on its way.
+struct Lit<'a> {
+    view: &'a PrimView,
+    marks: &'a Marks,
+    to_world: DAffine3,
+    strength: f64,
+    /// `inputs:normalize`.
+    normal: bool,
+}
+
+impl Lit<'_> {
+    fn size(&self, name: &str, fallback: f64) -> Result<f64> {
+        let exact = self.marks.number(name);
+        Ok(refined(exact, self.view.length(&format!("inputs:{name}"))?.unwrap_or(fallback)))
+    }
+    /// Lengths of the light's axes in the world.
+    fn axes(&self) -> [f64; 3] {
+        let m = self.to_world.matrix3;
+        [m.x_axis.length(), m.y_axis.length(), m.z_axis.length()]
+    }
+    /// The luminance of a surface of `area` scene units² in the world; `None` for none that can be used.
+    fn luminance(&self, reader: &mut Reader, area: f64) -> Option<f64> {
+        let luminance = if self.normal { self.strength / area } else { self.strength };
+        if luminance.is_finite() && area > 0.0 {
+            return Some(refined(self.marks.number("luminance_cd_m2"), luminance));
+        }
+        reader.ledger.warn(self.view.at(), "a light without surface: left out");
+        None
+    }
+
+    fn rect(&self, reader: &mut Reader) -> Result<Option<LightForm>> {
+        let (width, height) = (self.size("width", 1.0)?, self.size("height", 1.0)?);
+        let m = self.to_world.matrix3;
+        let area = width * height * m.x_axis.cross(m.y_axis).length();
+        if self.view.has("inputs:texture:file") {
+            let at = self.view.at_property("inputs:texture:file");
+            reader.ledger.warn(at, "the picture of a rectangular light is not used: it shines evenly");
+        }
+        Ok(self.luminance(reader, area).map(|luminance_cd_m2| LightForm::Rect { luminance_cd_m2, width, height }))
+    }
+    fn disk(&self, reader: &mut Reader) -> Result<Option<LightForm>> {
+        let radius = self.size("radius", 0.5)?;
+        let m = self.to_world.matrix3;
+        let area = PI * radius * radius * m.x_axis.cross(m.y_axis).length();
+        Ok(self.luminance(reader, area).map(|luminance_cd_m2| LightForm::Disk { luminance_cd_m2, radius }))
+    }
+    fn sphere(&self, reader: &mut Reader) -> Result<Option<LightForm>> {
+        let radius = self.size("radius", 0.5)?;
+        let semi = self.axes().map(|scale| radius * scale);
+        if !flag(self.view, "treatAsPoint")? && radius > 0.0 {
+            let area = ellipsoid(semi);
+            return Ok(self
+                .luminance(reader, area)
+                .map(|luminance_cd_m2| LightForm::Sphere { luminance_cd_m2, radius }));
+        }
+        // A sphere shows π r² from everywhere; `normalize` divides by 4 π r², whatever r.
+        let shown = if self.normal { 0.25 } else { PI * (semi[0] * semi[1] * semi[2]).cbrt().powi(2) };
+        let intensity = self.strength * shown * reader.assembly.unit_m * reader.assembly.unit_m;
+        if !intensity.is_finite() {
+            reader.ledger.warn(self.view.at(), "a light that overflows: left out");
+            return Ok(None);
+        }
+        if shown == 0.0 {
+            reader.ledger.warn(self.view.at(), "a point without `normalize` has no light");
+        }
+        let intensity_cd = refined(self.marks.number("intensity_cd"), intensity);
+        Ok(Some(LightForm::Point { intensity_cd, cone: shape::cone(self.view, self.marks)? }))
+    }
+    fn cylinder(&self, reader: &mut Reader) -> Result<Option<LightForm>> {
+        let (radius, length) = (self.size("radius", 0.5)?, self.size("length", 1.0)?);
+        if flag(self.view, "treatAsLine")? {
+            reader.ledger.info(self.view.at_property("treatAsLine"), "a cylinder keeps its radius here");
+        }
+        let [x, y, z] = self.axes();
+        let area = ellipse(radius * y, radius * z) * length * x;
+        Ok(self.luminance(reader, area).map(|luminance_cd_m2| LightForm::Cylinder { luminance_cd_m2, radius, length }))
+    }
+    fn distant(&self, reader: &mut Reader) -> Result<Option<LightForm>> {
+        let mut angle = self.view.length("inputs:angle")?.unwrap_or(0.53).to_radians();
+        if angle > PI {
+            reader
+                .ledger
+                .warn(self.view.at_property("inputs:angle"), "wider than half of all directions: taken as 180°");
+            angle = PI;
+        }
+        let angle = refined(self.marks.number("angle"), angle);
+        // The schema counts a disc without extent as 1.
+        let disc = if angle > 0.0 { PI * (0.5 * angle).sin().powi(2) } else { 1.0 };
+        let illuminance = if self.normal { self.strength } else { self.strength * disc };
+        let illuminance_lx = refined(self.marks.number("illuminance_lx"), illuminance);
+        Ok(Some(LightForm::Distant { illuminance_lx, angle }))
+    }
+    fn dome(&self, reader: &mut Reader) -> Result<Option<LightForm>> {
+        let format = self.view.token("inputs:texture:format")?;
+        if !matches!(format.as_deref(), None | Some("automatic" | "latlong")) {
+            let text = format!("a dome's picture in the format {} is not used", format.unwrap_or_default());
+            reader.ledger.warn(self.view.at_property("inputs:texture:format"), text);
+            return Ok(None);
+        }
+        let image = file(self.view, "inputs:texture:file")?;
+        let scale_cd_m2 = refined(self.marks.number("scale_cd_m2"), self.strength);
+        Ok(Some(LightForm::Dome { scale_cd_m2, image }))
+    }
+}
+
+/// A file that an attribute names, as the library finds it, else beside the asset.
+pub(super) fn file(view: &PrimView, name: &str) -> Result<Option<PathBuf>> {
+    let asset = |found| match found {
+        sdf::Value::AssetPath(path) => Some(path),
+        _ => None,
+    };
+    let Some(path) = view.read(name, "an asset path", asset)? else { return Ok(None) };
+    if path.as_str().is_empty() {
+        return Ok(None);
+    }
+    let folder = view.moment.file.parent().unwrap_or(Path::new(""));
+    Ok(Some(match resolved(&path) {
+        Some(found) => {
+            // Named as the asset is named, so that messages and files do not depend on where it lies.
+            let home = if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.canonicalize().ok();
+            let below = home.and_then(|home| Some(found.strip_prefix(home).ok()?.to_owned()));
+            below.map_or_else(|| found.to_owned(), |rest| folder.join(rest))
+        }
+        None => folder.join(path.as_str()),
+    }))
+}
+
+/// Whether the top of a DomeLight_1 is +z; the stage's up axis where it says `scene`.
+fn pole_is_z(reader: &mut Reader, view: &PrimView) -> Result<bool> {
+    Ok(match view.token("poleAxis")?.as_deref() {
+        None | Some("scene") => reader.assembly.axes != DMat3::IDENTITY,
+        Some("Z") => true,
+        Some("Y") => false,
+        Some(other) => {
+            reader.ledger.warn(view.at_property("poleAxis"), format!("the axis `{other}` is none: taken as Y"));
+            false
+        }
+    })
+}
+
+/// A node below `node` whose +y is the z of it: +90° about x, as UsdImaging turns such domes.
+fn turned(reader: &mut Reader, view: &PrimView, node: usize) -> Result<usize> {
+    let Some(own) = reader.assembly.nodes.get(node) else { return Ok(node) };
+    let local = DAffine3::from_mat3(DMat3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0]));
+    let (name, to_world) = ("pole".to_owned(), own.to_world * local);
+    let path = format!("{}/{name}", own.path);
+    reader.charge(view.path(), 1, size_of::<Node>() + 2 * path.len())?;
+    let at = view.at();
+    reader.assembly.nodes.push(Node {
+        name,
+        path,
+        parent: Some(node),
+        local,
+        to_world,
+        mesh: None,
+        attributes: None,
+        at,
+    });
+    Ok(reader.assembly.nodes.len() - 1)
+}
+
+/// Surface of an ellipsoid by Thomsen's formula (p = 1.6075), within 1.1 %; exact for a sphere.
+fn ellipsoid([a, b, c]: [f64; 3]) -> f64 {
+    const P: f64 = 1.6075;
+    if a == b && b == c {
+        return 4.0 * PI * a * a;
+    }
+    let mean = ((a * b).powf(P) + (a * c).powf(P) + (b * c).powf(P)) / 3.0;
+    4.0 * PI * mean.powf(1.0 / P)
+}
+
+/// Circumference of an ellipse (Ramanujan 1914), exact for a circle.
+fn ellipse(a: f64, b: f64) -> f64 {
+    PI * (3.0 * (a + b) - ((3.0 * a + b) * (a + 3.0 * b)).sqrt())
+}
+
+/// The widest cone of a spot: half of all directions.
+pub(super) const WIDEST: f64 = FRAC_PI_2;

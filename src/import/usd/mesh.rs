@@ -6,7 +6,7 @@ use super::hierarchy::{self, Above};
 use super::primvar::{self, Primvar, Sizes};
 use super::reader::Reader;
 use super::triangulate::{self, Met};
-use super::{material, optics, value};
+use super::{binding, optics, value};
 use crate::base::fault::Result;
 use crate::import::assembly::MeshSource;
 use crate::import::gltf::mesh::append;
@@ -21,7 +21,7 @@ use std::collections::HashMap;
 /// Meshes by where they come from and by what they are.
 #[derive(Debug, Default)]
 pub(super) struct Known {
-    by_source: HashMap<(String, material::Inherited), Option<usize>>,
+    by_source: HashMap<(String, binding::Inherited), Option<usize>>,
     by_content: HashMap<blake3::Hash, Vec<usize>>,
 }
 
@@ -128,15 +128,18 @@ fn build(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<M
     let uvs = primvar::uvs(view, sizes, &mut reader.ledger)?;
     subdivision(reader, view, normals.is_some())?;
     let partition = faces::partition(reader, view, sizes.polygons)?;
-    let whole = material::bound(reader, view, &below.handed.material)?;
+    let whole = binding::bound(reader, view, &below.handed.material);
     let (mut materials, mut attributes) = (Vec::new(), Vec::new());
     let mut bindings = Vec::new();
     for binding in &partition.bindings {
-        bindings.push(material::bound_to_subset(reader, binding)?);
+        bindings.push(binding::bound_to_subset(reader, view, binding, &below.handed.material)?);
     }
     let mut cad = Vec::new();
     for subset in &partition.subsets {
-        cad.push((material::bound_to_subset(reader, subset)?, optics::face(reader, subset)?));
+        cad.push((
+            binding::bound_to_subset(reader, view, subset, &below.handed.material)?,
+            optics::face(reader, subset)?,
+        ));
     }
     for face in &partition.faces {
         let (own, said) = face.cad.and_then(|index| cad.get(index).cloned()).unwrap_or_default();

@@ -5,6 +5,7 @@
 //! bit.
 
 mod attribute;
+mod binding;
 mod camera;
 mod faces;
 mod hierarchy;
@@ -21,7 +22,10 @@ mod primvar;
 mod reader;
 mod render;
 mod resolver;
+mod shader;
+mod shape;
 mod stage;
+mod surface;
 mod tessellate;
 mod triangulate;
 mod value;

@@ -34,6 +34,11 @@ pub(super) fn face(_reader: &mut Reader, subset: &PrimView) -> Result<Option<Val
     said(subset)
 }
 
+/// Of a Material.
+pub(super) fn material(_reader: &mut Reader, view: &PrimView) -> Result<Option<Value>> {
+    said(view)
+}
+
 fn keep(all: Value, root: bool) -> Option<Value> {
     let Data::Table(entries) = all.data else { return None };
     let entries: Vec<_> = entries.into_iter().filter(|(key, _)| ROOT.contains(&key.as_str()) == root).collect();

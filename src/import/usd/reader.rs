@@ -3,7 +3,7 @@
 use super::attribute::Moment;
 use super::ledger::Ledger;
 use super::resolver::Opened;
-use super::{hierarchy, implicit, light, marks, material, mesh, optics, render, stage};
+use super::{hierarchy, implicit, marks, material, mesh, optics, render, stage};
 use crate::base::Where;
 use crate::base::fault::Result;
 use crate::import::assembly::Assembly;
@@ -20,8 +20,8 @@ pub(super) struct Reader {
     pub assembly: Assembly,
     pub placed: hierarchy::Placed,
     pub meshes: mesh::Known,
-    #[allow(dead_code)] // until materials are read
     pub materials: material::Known,
+    pub render: render::Known,
 }
 
 impl Reader {
@@ -37,6 +37,7 @@ impl Reader {
             placed: hierarchy::Placed::default(),
             meshes: mesh::Known::default(),
             materials: material::Known::default(),
+            render: render::Known::default(),
         })
     }
 
@@ -46,7 +47,7 @@ impl Reader {
         self.assembly.optics = optics::root(&mut self)?;
         hierarchy::read(&mut self)?;
         implicit::flatten_stretched(&mut self);
-        light::finish(&mut self)?;
+        material::sort(&mut self);
         render::read(&mut self)?;
         self.assembly.stage = Some(stage::facts(&self.stage, &mut self.placed.outermost));
         marks::fold(&mut self.assembly, &self.placed.folds);

@@ -19,7 +19,6 @@ pub(super) fn number(value: &Value) -> Option<f64> {
     }
 }
 
-#[allow(dead_code)] // for attributes of materials and lights
 pub(super) fn flag(value: &Value) -> Option<bool> {
     match value {
         Value::Bool(x) => Some(*x),

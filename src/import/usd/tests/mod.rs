@@ -2,7 +2,10 @@
 
 mod compose;
 mod kit;
+mod lights;
+mod materials;
 mod meshes;
+mod renders;
 mod text;
 mod transforms;
 mod twins;

@@ -1,0 +1,80 @@
+//! What shapes a light: cones, profiles; and what of UsdLux means nothing here.
+
+use super::attribute::PrimView;
+use super::light::{WIDEST, file, flag};
+use super::marks::{Marks, refined};
+use super::reader::Reader;
+use crate::base::fault::Result;
+use std::path::PathBuf;
+
+/// (inner, outer) half angle of a cone, if one is said: full inside angle · (1 − softness), nothing outside of angle
+/// (UsdLuxShapingAPI).
+///
+/// # Errors
+/// Values that are negative or not finite.
+pub(super) fn cone(view: &PrimView, marks: &Marks) -> Result<Option<(f64, f64)>> {
+    let Some(angle) = view.length("inputs:shaping:cone:angle")? else { return Ok(None) };
+    let softness = view.length("inputs:shaping:cone:softness")?.unwrap_or(0.0).min(1.0);
+    let outer = refined(marks.number("cone_outer"), angle.to_radians());
+    if outer > 2.0 * WIDEST {
+        return Ok(None);
+    }
+    let rounded = outer * (1.0 - softness);
+    // The softness is a difference: its rounding counts against the whole cone.
+    let exact = marks.number("cone_inner").filter(|inner| (inner - rounded).abs() <= 1e-6 * outer);
+    Ok(Some((exact.unwrap_or(rounded), outer)))
+}
+
+/// The file of an intensity distribution.
+///
+/// # Errors
+/// A value of another type.
+pub(super) fn profile(reader: &mut Reader, view: &PrimView) -> Result<Option<PathBuf>> {
+    let found = file(view, "inputs:shaping:ies:file")?;
+    if found.is_some() {
+        if view.number("inputs:shaping:ies:angleScale")?.is_some_and(|scale| scale != 0.0) {
+            reader.ledger.warn(view.at_property("inputs:shaping:ies:angleScale"), "`ies:angleScale` is not used");
+        }
+        if flag(view, "inputs:shaping:ies:normalize")? {
+            reader.ledger.warn(view.at_property("inputs:shaping:ies:normalize"), "`ies:normalize` is not used");
+        }
+    }
+    Ok(found)
+}
+
+/// Notes on what is said and not used; `point`: a light that can have a cone.
+///
+/// # Errors
+/// Values of the wrong type.
+pub(super) fn unused(reader: &mut Reader, view: &PrimView, point: bool) -> Result<()> {
+    let angle = view.number("inputs:shaping:cone:angle")?;
+    if !point && angle.is_some_and(|angle| angle < 90.0) {
+        let text = "the cone of a light with a surface is not used: it shines to all of its front";
+        reader.ledger.warn(view.at_property("inputs:shaping:cone:angle"), text);
+    }
+    for (name, neutral) in [
+        ("inputs:shaping:focus", 0.0),
+        ("inputs:diffuse", 1.0),
+        ("inputs:specular", 1.0),
+        ("inputs:shadow:enable", 1.0),
+    ] {
+        if view.number(name)?.is_some_and(|x| x != neutral) {
+            reader.ledger.warn(view.at_property(name), format!("`{name}` is not used: light does what it does"));
+        }
+    }
+    if !view.targets("light:filters")?.is_empty() {
+        reader.ledger.warn(view.at_property("light:filters"), "light filters are not used");
+    }
+    if view.has("portals") {
+        reader.ledger.info(view.at_property("portals"), "portals change no light, only how it is found");
+    }
+    for link in ["lightLink", "shadowLink"] {
+        for end in ["includes", "excludes"] {
+            let name = format!("collection:{link}:{end}");
+            if !view.targets(&name)?.is_empty() {
+                reader.ledger.warn(view.at_property(&name), format!("`{link}` is not used: light reaches everything"));
+            }
+        }
+    }
+    Ok(())
+}
