@@ -1,5 +1,6 @@
 //! What import costs: a `.glb` of two million triangles to a scene, against the `gltf` crate's reading of the same arrays,
-//! with the most memory that was held at a time. Run with `cargo bench --ignore-rust-version --bench import`.
+//! with the most memory that was held at a time. Run with `cargo bench --ignore-rust-version --bench import`; with files
+//! named behind `--`, those are imported instead (tests/interchange/usd_speed.py makes some and compares with usd-core).
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -111,6 +112,20 @@ fn measured(mut work: impl FnMut() -> usize) -> (f64, usize) {
 }
 
 fn main() {
+    let files: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    for file in &files {
+        let path = std::path::Path::new(file);
+        let size = std::fs::metadata(path).expect("the file").len() as f64;
+        let (read_ms, read_peak) = measured(|| eyebox::import::asset(path).expect("it reads").meshes.len());
+        let (scene_ms, scene_peak) = measured(|| eyebox::import::outline(path).expect("it imports").meshes.len());
+        println!("{file}: {:.1} MB", size / 1e6);
+        for (what, ms, peak) in [("assembly", read_ms, read_peak as f64), ("scene", scene_ms, scene_peak as f64)] {
+            println!("  {what:10} {ms:7.1} ms, {:.1} MB = {:.2} x the file", peak / 1e6, peak / size);
+        }
+    }
+    if !files.is_empty() {
+        return;
+    }
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("grid.glb");
     let bytes = asset(1000);

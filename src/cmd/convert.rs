@@ -5,7 +5,7 @@ use crate::author;
 use crate::base::Result;
 use crate::base::atomic::check_writable;
 use crate::base::relative::folder_of;
-use crate::import::{self, annotate};
+use crate::import::{self, ReadOptions, annotate};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -19,12 +19,16 @@ to its own folder.
 
 Examples:
   eyebox convert hud.optics.toml hud.glb
-  eyebox convert hud.glb hud.gltf")]
+  eyebox convert hud.glb hud.gltf
+  eyebox convert hud.usda hud.glb --frame 12")]
 pub struct ConvertArgs {
     /// Sidecar (*.optics.toml) or asset (.glb, .gltf).
     asset: PathBuf,
     /// The asset to write (.glb, .gltf).
     output: PathBuf,
+    /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
+    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
+    frame: Option<f64>,
     /// How the summary is printed.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -33,7 +37,7 @@ pub struct ConvertArgs {
 /// Runs the command.
 pub fn run(args: &ConvertArgs) -> Result<ExitCode> {
     check_writable(&args.output)?;
-    let (mut assembly, sidecar) = import::read(&args.asset, &Default::default())?;
+    let (mut assembly, sidecar) = import::read(&args.asset, &ReadOptions { frame: args.frame })?;
     let sidecar = sidecar.map(|(_, value)| value);
     annotate(&assembly, sidecar.as_ref(), &folder_of(&args.output))?.apply(&mut assembly);
     let written = author::convert(&assembly, &args.output)?;

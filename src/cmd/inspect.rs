@@ -4,7 +4,7 @@ use super::{Format, print};
 use crate::base::{Fault, Result};
 use crate::check::check;
 use crate::import::deps::{Dependency, dependencies};
-use crate::import::{ImportOptions, Set, geometry, import, outline};
+use crate::import::{ImportOptions, ReadOptions, Set, geometry, import, outline};
 use crate::output::assembly_tree::AssemblyTree;
 use crate::output::geometry::GeometryFacts;
 use crate::scene::Scene;
@@ -25,7 +25,8 @@ Examples:
   eyebox inspect hud.optics.toml --explain LENS_01_PMMA
   eyebox inspect hud.glb --geometry --format json
   eyebox inspect hud.optics.toml --deps
-  eyebox inspect hud.optics.toml --set led.flux_lm=0.6 --format json")]
+  eyebox inspect hud.optics.toml --set led.flux_lm=0.6 --format json
+  eyebox inspect hud.usda --frame 12 --geometry")]
 pub struct InspectArgs {
     /// Sidecar (*.optics.toml) or asset (.glb, .gltf).
     asset: PathBuf,
@@ -35,11 +36,14 @@ pub struct InspectArgs {
     /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5.
     #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
     sets: Vec<String>,
+    /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
+    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
+    frame: Option<f64>,
     /// Show the geometry alone, without optics: parts, triangles, bounds, materials, lights, cameras.
     #[arg(long, conflicts_with_all = ["explain", "sets"])]
     geometry: bool,
     /// List every file that the asset needs; exit 1 if one is missing.
-    #[arg(long, conflicts_with_all = ["explain", "sets", "geometry"])]
+    #[arg(long, conflicts_with_all = ["explain", "sets", "geometry", "frame"])]
     deps: bool,
     /// How the result is printed.
     #[arg(long, value_enum, default_value_t)]
@@ -55,13 +59,12 @@ pub fn run(args: &InspectArgs) -> Result<ExitCode> {
         return Ok(ExitCode::from(u8::from(missing)));
     }
     if args.geometry {
-        let facts = GeometryFacts::new(&geometry(&args.asset)?);
+        let facts = GeometryFacts::new(&geometry(&args.asset, &args.reading())?);
         print(args.format, || facts.text(), || serde_json::json!(facts))?;
         return Ok(ExitCode::SUCCESS);
     }
     let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let built =
-        import(&args.asset, &ImportOptions { sets, ..ImportOptions::default() }).map_err(|fault| args.shown(fault))?;
+    let built = import(&args.asset, &ImportOptions { sets, frame: args.frame }).map_err(|fault| args.shown(fault))?;
     let refused = refusal(&built.scene);
     match &args.explain {
         Some(part) => {
@@ -101,9 +104,12 @@ fn show(format: Format, tree: &AssemblyTree) -> Result<()> {
 }
 
 impl InspectArgs {
+    fn reading(&self) -> ReadOptions {
+        ReadOptions { frame: self.frame }
+    }
     /// Shows what can be shown in spite of `fault`, if the asset itself can be read.
     fn shown(&self, fault: Box<Fault>) -> Box<Fault> {
-        if let (None, Ok(scene)) = (&self.explain, outline(&self.asset)) {
+        if let (None, Ok(scene)) = (&self.explain, outline(&self.asset, &self.reading())) {
             let _ = show(self.format, &AssemblyTree::without_optics(&scene, &fault));
         }
         fault

@@ -100,6 +100,14 @@ fn report(fault: &Fault) {
     anstream::eprintln!("{red}error{red:#}: {fault}");
 }
 
+/// A time code of `--frame`.
+fn parse_frame(text: &str) -> std::result::Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(frame) if frame.is_finite() => Ok(frame),
+        Ok(_) | Err(_) => Err(format!("`{text}` is not a time code; write e.g. 12 or 12.5")),
+    }
+}
+
 /// Prints a command's result: text lines, or one JSON document on stdout. A closed pipe is no failure.
 fn print(format: Format, text: impl FnOnce() -> String, json: impl FnOnce() -> serde_json::Value) -> Result<()> {
     use std::io::Write;

@@ -29,7 +29,8 @@ const DEFAULT_PASSES: u64 = 64;
 #[command(after_help = "Examples:\n  \
     eyebox render samples/hud-direct/hud.optics.toml -o hud.exr\n  \
     eyebox render hud.optics.toml -o hud.exr --time 90s --set led.flux_lm=0.6 --set eye.pupil_diameter=\"3 mm\"\n  \
-    eyebox render hud.optics.toml -o check.exr --estimator backward --samples 256 --seed 7")]
+    eyebox render hud.optics.toml -o check.exr --estimator backward --samples 256 --seed 7\n  \
+    eyebox render hud.usda -o hud.0012.exr --frame 12")]
 pub struct RenderArgs {
     /// Sidecar (*.optics.toml) or asset (.glb, .gltf).
     asset: PathBuf,
@@ -67,6 +68,9 @@ pub struct RenderArgs {
     /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5, eye.pupil_diameter="3 mm".
     #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
     sets: Vec<String>,
+    /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
+    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
+    frame: Option<f64>,
     /// No progress and no summary.
     #[arg(short, long)]
     quiet: bool,
@@ -149,8 +153,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         .build()
         .map_err(|error| Fault::new(Where::Option("--threads".to_owned()), error.to_string()))?;
     let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let Built { mut scene, layers: wishes, .. } =
-        import(&args.asset, &ImportOptions { sets, ..ImportOptions::default() })?;
+    let Built { mut scene, layers: wishes, .. } = import(&args.asset, &ImportOptions { sets, frame: args.frame })?;
     if let Some(resolution) = args.resolution {
         scene.eye.resolution = resolution;
     }

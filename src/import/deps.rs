@@ -40,8 +40,8 @@ pub fn dependencies(path: &Path) -> Result<Vec<Dependency>> {
         sidecar(path, Where::Nowhere, &mut all)?;
     } else {
         asset(path, Where::Nowhere, &mut all)?;
-        let beside = path.with_extension("optics.toml");
-        if beside.is_file() {
+        let assembly = super::read_asset(path, &Where::Nowhere, &super::ReadOptions::default()).ok();
+        if let Some((beside, _)) = super::beside(path, assembly.as_ref())? {
             sidecar(&beside, Where::file(path), &mut all)?;
         }
     }

@@ -81,7 +81,8 @@ pub struct ImportOptions {
 
 /// Imports a scene: `path` is an asset, or a sidecar (`.toml`) that names its asset.
 ///
-/// An asset without attributes of its own takes the sidecar `NAME.optics.toml` beside it, with a note.
+/// An asset without attributes of its own takes the sidecar `NAME.optics.toml` beside it, with a note, unless that names
+/// another asset.
 pub fn import(path: &Path, options: &ImportOptions) -> Result<Built> {
     let (mut assembly, sidecar) = read(path, &ReadOptions { frame: options.frame })?;
     if let Some((file, _)) = &sidecar {
@@ -110,14 +111,26 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<(Assembly, Option<(Pat
         return Ok((read_asset(&file, &asset.at, options)?, Some((path.to_owned(), sidecar))));
     }
     let mut assembly = read_asset(path, &Where::Nowhere, options)?;
-    let beside = path.with_extension("optics.toml");
-    if assembly.optics.is_some() || !beside.is_file() {
-        return Ok((assembly, None));
-    }
-    let sidecar = toml::read(&beside)?;
+    let Some((beside, sidecar)) = beside(path, Some(&assembly))? else { return Ok((assembly, None)) };
     let text = format!("the asset carries no optical attributes; {} beside it is used", beside.display());
     assembly.notes.push(Note { severity: Severity::Info, at: Where::file(path), text });
     Ok((assembly, Some((beside, sidecar))))
+}
+
+/// The sidecar `NAME.optics.toml` beside an asset, if it is meant: the asset says nothing of itself, and the sidecar
+/// names no other file. `assembly` is none where the asset can't be read.
+fn beside(path: &Path, assembly: Option<&Assembly>) -> Result<Option<(PathBuf, Value)>> {
+    let file = path.with_extension("optics.toml");
+    if assembly.is_some_and(Assembly::carries_optics) || !file.is_file() {
+        return Ok(None);
+    }
+    let sidecar = toml::read(&file)?;
+    let other = sidecar.get("asset").and_then(|value| Some(files::resolve(value.text()?, &value.at)));
+    let same = |other: &Path| match (other.canonicalize(), path.canonicalize()) {
+        (Ok(other), Ok(own)) => other == own,
+        (_, _) => other == path,
+    };
+    Ok(other.is_none_or(|other| same(&other)).then_some((file, sidecar)))
 }
 
 /// The asset `path` as it was read, without any sidecar.

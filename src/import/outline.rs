@@ -2,7 +2,7 @@
 
 use super::gltf::looks_like_millimetres;
 use super::value::{Data, Value};
-use super::{Assembly, build, optics, toml};
+use super::{Assembly, ReadOptions, build, optics, toml};
 use crate::base::fault::Result;
 use crate::scene::Scene;
 use std::path::Path;
@@ -25,8 +25,8 @@ age = 45
 
 /// Names, hierarchy and geometry of the asset that `path` means, in metres by the sidecar's `unit` if that is sound.
 /// Finishes, lamps and the eye of this scene mean nothing. Faults: the asset can't be read.
-pub fn outline(path: &Path) -> Result<Scene> {
-    let (mut assembly, sidecar) = super::read(path, &super::ReadOptions::default())?;
+pub fn outline(path: &Path, options: &ReadOptions) -> Result<Scene> {
+    let (mut assembly, sidecar) = super::read(path, options)?;
     strip(&mut assembly);
     let mut stand_in = toml::parse(STAND_IN, path)?;
     let unit = sidecar.and_then(|(_, sidecar)| sidecar.get("unit").cloned()).filter(|unit| optics::unit(unit).is_ok());
@@ -38,8 +38,8 @@ pub fn outline(path: &Path) -> Result<Scene> {
 
 /// The assembly that `path` means, its unit replaced by the sidecar's if that is sound; nothing optical is looked at.
 /// Faults: the asset can't be read.
-pub fn geometry(path: &Path) -> Result<Assembly> {
-    let (mut assembly, sidecar) = super::read(path, &super::ReadOptions::default())?;
+pub fn geometry(path: &Path, options: &ReadOptions) -> Result<Assembly> {
+    let (mut assembly, sidecar) = super::read(path, options)?;
     if let Some(unit) = sidecar.and_then(|(_, sidecar)| optics::unit(sidecar.get("unit")?).ok()) {
         assembly.unit_m = unit;
     } else {

@@ -66,6 +66,16 @@ impl Default for Assembly {
     }
 }
 
+impl Assembly {
+    /// Whether the asset itself says anything in our vocabulary.
+    pub fn carries_optics(&self) -> bool {
+        self.optics.is_some()
+            || self.nodes.iter().any(|node| node.attributes.is_some())
+            || self.materials.iter().any(|material| material.attributes.is_some())
+            || self.meshes.iter().any(|mesh| mesh.attributes.iter().any(Option::is_some))
+    }
+}
+
 #[derive(Debug, Clone)]
 pub struct Node {
     pub name: String,

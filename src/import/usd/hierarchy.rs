@@ -128,16 +128,20 @@ pub(super) fn prim(reader: &mut Reader, prim: Prim, above: &Above) -> Result<()>
         }
         return Ok(());
     }
-    if view.token("visibility")?.as_deref() == Some("invisible") {
+    // Prims without a type are not UsdGeomImageable: visibility and purpose say nothing there.
+    let is_imageable = !type_name.is_empty();
+    if is_imageable && view.token("visibility")?.as_deref() == Some("invisible") {
         return material::meet_below(reader, &view, above.depth);
     }
-    let shown = match view.token("purpose")?.as_deref() {
+    let purpose = if is_imageable { view.token("purpose")? } else { None };
+    let shown = match purpose.as_deref() {
         None => above.handed.shown,
         Some("default" | "render") => true,
         Some("proxy" | "guide") => false,
         Some(other) => {
-            let fault = view.fault_in("purpose", format!("the purpose `{other}`"));
-            return Err(fault.expected("default, render, proxy or guide"));
+            ledger
+                .warn(view.at_property("purpose"), format!("the purpose `{other}` is none that USD knows: not shown"));
+            false
         }
     };
     let local = xform::local(&view, ledger)?;

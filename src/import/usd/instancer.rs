@@ -13,7 +13,7 @@ use std::collections::HashSet;
 /// Appends a node `NAME[i]` beside the instancer's own for each instance, and the prototype below it.
 ///
 /// # Errors
-/// Lists of different lengths, prototypes that do not exist.
+/// Values of other types than the schema's.
 pub(super) fn read(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<()> {
     let prototypes = view.targets("prototypes")?;
     let indices = view.read("protoIndices", "int[]", value::ints)?.unwrap_or_default();
@@ -26,8 +26,10 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView, below: &Above) -> Resul
     let count = indices.len();
     for (name, length) in [("positions", positions.len()), ("scales", scales.len()), ("orientations", turns.len())] {
         if length != count && (length != 0 || name == "positions") {
-            let what = format!("{length} {name} for {count} instances");
-            return Err(view.fault_in(name, what).expected("one for each entry of protoIndices"));
+            // USD draws nothing then.
+            let text = format!("{length} {name} for {count} entries of protoIndices: no instances");
+            reader.ledger.warn(view.at_property(name), text);
+            return Ok(());
         }
     }
     let hidden = hidden(view, count)?;
@@ -44,10 +46,12 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView, below: &Above) -> Resul
         if hidden.contains(&i) {
             continue;
         }
-        let prototype = usize::try_from(index).ok().filter(|&index| index < prototypes.len()).ok_or_else(|| {
-            let fault = view.fault_in("protoIndices", format!("entry {i} names prototype {index}"));
-            fault.expected(format!("0 to {}", prototypes.len().saturating_sub(1)))
-        })?;
+        let Some(prototype) = usize::try_from(index).ok().filter(|&index| index < prototypes.len()) else {
+            reader
+                .ledger
+                .warn(view.at_property("protoIndices"), format!("no prototype has the number {index}: left out"));
+            continue;
+        };
         let shift = positions.get(i).map_or(DVec3::ZERO, |&p| DVec3::from(p));
         let size = scales.get(i).map_or(DVec3::ONE, |&s| DVec3::from(s));
         let turn = match turns.get(i) {

@@ -104,7 +104,7 @@ struct Polygons {
     points: Vec<[f32; 3]>,
     indices: Vec<i32>,
     /// First corner of each polygon, and the count of all corners at the end.
-    starts: Vec<usize>,
+    starts: Vec<u32>,
     holes: Vec<i32>,
     left_handed: bool,
 }
@@ -149,7 +149,7 @@ fn build(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<M
     }
     let mut mesh = Mesh { name: view.name().to_owned(), ..Mesh::default() };
     let data = Data { polygons: &polygons, normals: normals.as_ref(), uvs: uvs.as_ref() };
-    let mut scratch = Scratch::new(sizes.points);
+    let mut scratch = Scratch::new();
     for (number, own) in grouped(&partition, &polygons).into_iter().enumerate() {
         let face = face(reader, view, &data, &own, number, &mut scratch)?;
         append(&mut mesh, face).ok_or_else(|| view.fault("the mesh has more than 4294967295 vertices or triangles"))?;
@@ -172,16 +172,16 @@ fn polygons(reader: &mut Reader, view: &PrimView) -> Result<Option<Polygons>> {
         return Err(view.fault_in("points", format!("point {bad} is at ({x}, {y}, {z})")).expected("finite points"));
     }
     let mut starts = Vec::with_capacity(counts.len() + 1);
-    let mut corner = 0usize;
+    let mut corner = 0u32;
     for (polygon, &count) in counts.iter().enumerate() {
         starts.push(corner);
-        let count = usize::try_from(count).map_err(|_| {
+        let count = u32::try_from(count).map_err(|_| {
             view.fault_in("faceVertexCounts", format!("polygon {polygon} has {count} corners")).expected("at least 3")
         })?;
         corner = corner.saturating_add(count);
     }
     starts.push(corner);
-    if corner != indices.len() {
+    if corner as usize != indices.len() {
         let what = format!("the polygons have {corner} corners, but there are {} indices", indices.len());
         return Err(view.fault_in("faceVertexIndices", what).expected("one index per corner"));
     }
@@ -260,8 +260,8 @@ struct Scratch {
 }
 
 impl Scratch {
-    fn new(points: usize) -> Self {
-        Scratch { used: vec![(u32::MAX, 0); points], next: Vec::new() }
+    fn new() -> Self {
+        Scratch { used: Vec::new(), next: Vec::new() }
     }
 }
 
@@ -277,13 +277,14 @@ fn face(
     let polygons = data.polygons;
     let span = |polygon: u32| {
         let polygon = polygon as usize;
-        polygons.starts.get(polygon).copied().unwrap_or(0)..polygons.starts.get(polygon + 1).copied().unwrap_or(0)
+        let start = |polygon: usize| polygons.starts.get(polygon).map_or(0, |&start| start as usize);
+        start(polygon)..start(polygon + 1)
     };
     let triangles: usize = own.iter().map(|&polygon| span(polygon).len() - 2).sum();
     // At most three vertices a triangle, and the tables of the repair.
     reader.charge(view.path(), triangles, 3 * VERTEX + 2 * TRIANGLE)?;
     // (polygon, its corners) of each triangle.
-    let mut corners: Vec<(u32, [usize; 3])> = Vec::with_capacity(triangles);
+    let mut corners: Vec<(u32, [u32; 3])> = Vec::with_capacity(triangles);
     let (mut outline, mut cut, mut ragged) = (Vec::new(), Vec::new(), 0usize);
     for &polygon in own {
         let span = span(polygon);
@@ -297,7 +298,7 @@ fn face(
             ragged += usize::from(triangulate::polygon(&outline, &mut cut) == Met::Ragged);
         }
         for &[a, b, c] in &cut {
-            let [a, b, c] = [a, b, c].map(|corner| start + corner as usize);
+            let [a, b, c] = [a, b, c].map(|corner| start as u32 + corner);
             corners.push((polygon, if polygons.left_handed { [a, c, b] } else { [a, b, c] }));
         }
     }
@@ -325,29 +326,30 @@ fn face(
 }
 
 /// Vertices are points, in the order of the points; those that no triangle uses are left out.
-fn by_points(data: &Data<'_>, corners: &[(u32, [usize; 3])]) -> FaceMesh {
+fn by_points(data: &Data<'_>, corners: &[(u32, [u32; 3])]) -> FaceMesh {
     let polygons = data.polygons;
-    let point = |corner: usize| polygons.point(corner) as u32;
-    let mut used: Vec<u32> = corners.iter().flat_map(|(_, corners)| corners.map(point)).collect();
+    let point = |corner: u32| polygons.point(corner as usize) as u32;
     let all = polygons.points.len();
-    let place: Box<dyn Fn(u32) -> u32>;
+    let mut out = FaceMesh::default();
     // A table of all points is quicker; a small face of a large mesh is better sorted.
-    if all / 4 <= used.len() {
+    let used: Vec<u32> = if all / 4 <= 3 * corners.len() {
         let mut table = vec![u32::MAX; all];
-        used.iter().for_each(|&point| table[point as usize] = 0);
-        used = (0..all as u32).filter(|&point| table[point as usize] == 0).collect();
+        corners.iter().for_each(|(_, three)| three.iter().for_each(|&corner| table[point(corner) as usize] = 0));
+        let used: Vec<u32> = (0..all as u32).filter(|&point| table[point as usize] == 0).collect();
         used.iter().enumerate().for_each(|(new, &point)| table[point as usize] = new as u32);
-        place = Box::new(move |point| table[point as usize]);
+        out.triangles = corners.iter().map(|(_, three)| three.map(|corner| table[point(corner) as usize])).collect();
+        used
     } else {
+        let mut used: Vec<u32> = corners.iter().flat_map(|(_, three)| three.map(point)).collect();
         used.sort_unstable();
         used.dedup();
-        let sorted = used.clone();
-        place = Box::new(move |point| sorted.partition_point(|&other| other < point) as u32);
-    }
-    let mut out = FaceMesh {
-        triangles: corners.iter().map(|(_, corners)| corners.map(|corner| place(point(corner)))).collect(),
-        ..FaceMesh::default()
+        let place = |corner: u32| used.partition_point(|&other| other < point(corner)) as u32;
+        out.triangles = corners.iter().map(|(_, three)| three.map(place)).collect();
+        used
     };
+    out.positions.reserve_exact(used.len());
+    out.normals.reserve_exact(if data.normals.is_some() { used.len() } else { 0 });
+    out.uvs.reserve_exact(if data.uvs.is_some() { used.len() } else { 0 });
     for point in used.iter().map(|&point| point as usize) {
         out.positions.push(polygons.position(point));
         // Values that follow points need neither polygon nor corner.
@@ -358,12 +360,13 @@ fn by_points(data: &Data<'_>, corners: &[(u32, [usize; 3])]) -> FaceMesh {
 }
 
 /// A vertex for each different (point, normal, texture coordinate), in the order of first use.
-fn by_corners(data: &Data<'_>, corners: &[(u32, [usize; 3])], number: u32, scratch: &mut Scratch) -> FaceMesh {
+fn by_corners(data: &Data<'_>, corners: &[(u32, [u32; 3])], number: u32, scratch: &mut Scratch) -> FaceMesh {
     const NONE: u32 = u32::MAX;
     /// More different values at one point are not searched through: a hostile file could ask for all pairs.
     const MOST: usize = 64;
     let mut out = FaceMesh::default();
     scratch.next.clear();
+    scratch.used.resize(data.polygons.points.len(), (NONE, 0));
     let vertex = |polygon: usize, corner: usize, out: &mut FaceMesh, scratch: &mut Scratch| -> u32 {
         let point = data.polygons.point(corner);
         let normal = data.normals.map(|normals| normals.at(polygon, corner, point).unwrap_or_default());
@@ -400,7 +403,7 @@ fn by_corners(data: &Data<'_>, corners: &[(u32, [usize; 3])], number: u32, scrat
         new
     };
     for &(polygon, three) in corners {
-        let triangle = three.map(|corner| vertex(polygon as usize, corner, &mut out, scratch));
+        let triangle = three.map(|corner| vertex(polygon as usize, corner as usize, &mut out, scratch));
         out.triangles.push(triangle);
     }
     out

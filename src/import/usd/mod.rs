@@ -8,6 +8,7 @@ mod attribute;
 mod binding;
 mod camera;
 mod faces;
+mod guard;
 mod hierarchy;
 mod implicit;
 mod instancer;

@@ -1,6 +1,6 @@
 //! Text layers as usd-core accepts them, in the form that the library's parser accepts. Tried with usd-core 26.11:
 //! `.5` and `5.`; `5.0` and `1e3` for integers (cut towards 0); `True`, `yes`, numbers and texts for booleans; `"x.png"`
-//! for asset paths. Lines stay lines, so that messages name the right ones.
+//! for asset paths, `<path>` for tokens and strings; `//` and `/* */` for comments; `config` before a type. Lines stay lines, so that messages name the right ones.
 
 use std::borrow::Cow;
 
@@ -14,7 +14,7 @@ const MOST_DEEP: usize = 1000;
 pub(super) fn layer(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     let mut scan = Scan { bytes, at: 0, out: Vec::new(), copied: 0 };
     scan.run()?;
-    if scan.out.is_empty() {
+    if scan.copied == 0 {
         return Ok(Cow::Borrowed(bytes));
     }
     let Scan { mut out, copied, .. } = scan;
@@ -28,6 +28,7 @@ enum Kind {
     Integer,
     Bool,
     Asset,
+    Text,
 }
 
 fn kind(type_name: &[u8]) -> Option<Kind> {
@@ -35,6 +36,7 @@ fn kind(type_name: &[u8]) -> Option<Kind> {
         b"int" | b"int2" | b"int3" | b"int4" | b"uint" | b"int64" | b"uint64" | b"uchar" => Some(Kind::Integer),
         b"bool" => Some(Kind::Bool),
         b"asset" => Some(Kind::Asset),
+        b"token" | b"string" => Some(Kind::Text),
         _ => None,
     }
 }
@@ -72,11 +74,14 @@ impl Scan<'_> {
                 }
                 b'/' if self.bytes.get(start + 1) == Some(&b'/') => {
                     self.skip_line();
+                    self.replace(start, b"");
                     continue;
                 }
                 b'/' if self.bytes.get(start + 1) == Some(&b'*') => {
                     self.skip_to(2, b"*/");
-                    line += self.lines(start);
+                    let lines = self.lines(start);
+                    line += lines;
+                    self.replace(start, &vec![b'\n'; lines]);
                     continue;
                 }
                 b' ' | b'\t' | b'\r' => {
@@ -89,7 +94,7 @@ impl Scan<'_> {
                     match values {
                         Some((Kind::Asset, ..)) => self.asset(start, text),
                         Some((Kind::Bool, ..)) => self.boolean(start, text),
-                        Some((Kind::Integer, ..)) | None => {}
+                        Some((Kind::Integer | Kind::Text, ..)) | None => {}
                     }
                     may_be_value = false;
                 }
@@ -106,6 +111,9 @@ impl Scan<'_> {
                 b'<' => {
                     self.skip_to(1, b">");
                     line += self.lines(start);
+                    if matches!(values, Some((Kind::Text, ..))) {
+                        self.path_as_text(start);
+                    }
                     may_be_value = false;
                 }
                 b'(' | b'[' | b'{' => {
@@ -151,8 +159,12 @@ impl Scan<'_> {
                 _ if byte.is_ascii_alphabetic() || byte == b'_' || byte >= 0x80 => {
                     self.word();
                     let word = self.bytes.get(start..self.at).unwrap_or_default();
+                    if values.is_none() && declared.is_none() && word == b"config" && self.is_word_next() {
+                        self.replace(start, b"");
+                        continue;
+                    }
                     if values.is_none() {
-                        declared = kind(word).or(declared);
+                        declared = kind(word).or(declared).filter(|_| !word.ends_with(b".connect"));
                     }
                     let in_bool = matches!(values, Some((Kind::Bool, ..)));
                     // Outside declared booleans only what is no other word of the language.
@@ -238,6 +250,20 @@ impl Scan<'_> {
         }
     }
 
+    /// A path in the place of a text.
+    fn path_as_text(&mut self, start: usize) {
+        let inside = self.bytes.get(start + 1..self.at.saturating_sub(1)).unwrap_or_default().to_vec();
+        if !inside.iter().any(|byte| matches!(byte, b'"' | b'\\' | b'\n')) {
+            self.replace(start, &[b"\"", inside.as_slice(), b"\""].concat());
+        }
+    }
+
+    /// Whether a word follows.
+    fn is_word_next(&self) -> bool {
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        rest.iter().find(|byte| !matches!(byte, b' ' | b'\t')).is_some_and(u8::is_ascii_alphabetic)
+    }
+
     fn boolean(&mut self, start: usize, word: Vec<u8>) {
         let said: &[u8] = match word.to_ascii_lowercase().as_slice() {
             b"true" | b"yes" | b"on" => b"true",
@@ -297,7 +323,7 @@ impl Scan<'_> {
                     return;
                 }
             }
-            Some(Kind::Integer | Kind::Bool | Kind::Asset) | None => {}
+            Some(Kind::Integer | Kind::Bool | Kind::Asset | Kind::Text) | None => {}
         }
         if has_dot && (whole == first || fraction_digits == 0) {
             let part = |range: std::ops::Range<usize>| self.bytes.get(range).unwrap_or_default();

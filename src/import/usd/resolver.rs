@@ -1,7 +1,7 @@
 //! How layers are found and opened: by the library's default rules, but only regular files, with what was opened
 //! recorded, and text layers brought into the form that the library's parser knows.
 
-use super::normalise;
+use super::{guard, normalise};
 use openusd::ar::{Asset, AssetBuffer, AssetInfo, DefaultResolver, ResolvedPath, Resolver};
 use std::borrow::Cow;
 use std::io::{Cursor, Error, ErrorKind, Result};
@@ -72,6 +72,11 @@ impl Resolver for Normalising {
         let asset = self.inner.open_asset(resolved)?;
         self.opened.add(disk, usize::try_from(metadata.len()).unwrap_or(usize::MAX));
         let buffer = asset.into_buffer()?;
+        if buffer.starts_with(b"PXR-USDC") || buffer.starts_with(b"PK") {
+            let view = buffer.into_shared();
+            guard::check(&view).map_err(|what| Error::new(ErrorKind::InvalidData, what))?;
+            return Ok(Box::new(Cursor::new(AssetBuffer::Shared(view))));
+        }
         if !buffer.starts_with(b"#usda") && !buffer.starts_with(b"#sdf") {
             return Ok(Box::new(Cursor::new(buffer)));
         }

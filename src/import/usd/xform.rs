@@ -29,7 +29,7 @@ enum Op {
     Translate(DVec3),
     Scale(DVec3),
     Orient(DQuat),
-    /// By degrees about axes (0 is x), the first first.
+    /// By `degrees[i]` about `axes[i]` (0 is x), the first first.
     Rotate {
         degrees: [f64; 3],
         axes: [usize; 3],
@@ -83,7 +83,11 @@ fn read(view: &PrimView, name: &str, ledger: &mut Ledger) -> Result<Option<Op>> 
     let wrong = |expected: &str| view.fault_in(name, "a value of another type").expected(expected);
     let triple = || value::triple(&found).map(DVec3::from).ok_or_else(|| wrong("three numbers"));
     let single = || value::number(&found).ok_or_else(|| wrong("a number"));
-    let about = |axes: [usize; 3]| -> Result<Op> { Ok(Op::Rotate { degrees: triple()?.to_array(), axes }) };
+    // The value is about x, y and z, whatever the order of the turns.
+    let about = |axes: [usize; 3]| -> Result<Op> {
+        let by = triple()?.to_array();
+        Ok(Op::Rotate { degrees: axes.map(|axis| by[axis]), axes })
+    };
     let one_axis = |axis: usize| -> Result<Op> {
         let mut degrees = [0.0; 3];
         degrees[0] = single()?;

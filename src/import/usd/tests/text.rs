@@ -26,6 +26,10 @@ fn values_in_the_parsers_own_form() {
         ("int a = 1e3", "int a = 1000"),
         ("int a.timeSamples = { .5: 1., 2: 3 }", "int a.timeSamples = { 0.5: 1, 2: 3 }"),
         ("int a = 1 (hidden = True)", "int a = 1 (hidden = true)"),
+        ("token a = </B.c>", "token a = \"/B.c\""),
+        ("config token a = \"b\"", " token a = \"b\""),
+        ("int a = 1 // b = 2.\nint c = 3.", "int a = 1 \nint c = 3"),
+        ("int a = 1 /* 2.\n */\nint c = 3.", "int a = 1 \n\nint c = 3"),
         ("int[] a = [\n 1., # 2.\n 3.\n]\ndouble b = 4.", "int[] a = [\n 1, # 2.\n 3\n]\ndouble b = 4.0"),
     ] {
         assert_eq!(normalised(given), want);
@@ -37,6 +41,8 @@ fn all_else_stays_as_it_is() {
     for text in [
         "string a = \".5 True\"",
         "token a = \"yes\"",
+        "token a.connect = </B.c>",
+        "float config = 1.5",
         "double a = 0.5e-3",
         "# .5 True\ndouble a = 1",
         "string s = \"\"\"\n .5 \\\"\"\" .7\"\"\"",

@@ -31,7 +31,13 @@ fn euler_angles_turn_about_the_first_axis_first() {
     let xyz = local("    float3 xformOp:rotateXYZ = (90, 90, 0)", "\"xformOp:rotateXYZ\"");
     near(xyz.transform_vector3(DVec3::Y), [1.0, 0.0, 0.0]); // y → z → x
     let zyx = local("    double3 xformOp:rotateZYX = (90, 90, 0)", "\"xformOp:rotateZYX\"");
-    near(zyx.transform_vector3(DVec3::Y), [0.0, 0.0, -1.0].map(|x: f64| -x)); // x first has no part: y → y by x 90 is z
+    near(zyx.transform_vector3(DVec3::Y), [0.0, 0.0, 1.0]); // not by z, not by y, then by x
+    // The numbers are about x, y and z in every order; this one as usd-core 26.11 turns it.
+    let zyx = local("    double3 xformOp:rotateZYX = (90, 0, 20)", "\"xformOp:rotateZYX\"");
+    let (sin, cos) = 20f64.to_radians().sin_cos();
+    near(zyx.transform_vector3(DVec3::X), [cos, 0.0, sin]);
+    let yzx = local("    double3 xformOp:rotateYZX = (90, 90, 20)", "\"xformOp:rotateYZX\"");
+    near(yzx.transform_vector3(DVec3::Z), [cos, 0.0, sin]);
 }
 
 #[test]
