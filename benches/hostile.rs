@@ -33,7 +33,7 @@ fn open(file: &Path, bytes: &[u8]) -> bool {
     }
     let broken = file.with_file_name(format!(".broken.{extension}"));
     std::fs::write(&broken, bytes).expect("the folder can be written");
-    let opened = eyebox::import::geometry(&broken).is_ok();
+    let opened = eyebox::import::geometry(&broken, &eyebox::import::ReadOptions::default()).is_ok();
     let _ = std::fs::remove_file(&broken);
     opened
 }

@@ -117,7 +117,9 @@ fn main() {
         let path = std::path::Path::new(file);
         let size = std::fs::metadata(path).expect("the file").len() as f64;
         let (read_ms, read_peak) = measured(|| eyebox::import::asset(path).expect("it reads").meshes.len());
-        let (scene_ms, scene_peak) = measured(|| eyebox::import::outline(path).expect("it imports").meshes.len());
+        let (scene_ms, scene_peak) = measured(|| {
+            eyebox::import::outline(path, &eyebox::import::ReadOptions::default()).expect("it imports").meshes.len()
+        });
         println!("{file}: {:.1} MB", size / 1e6);
         for (what, ms, peak) in [("assembly", read_ms, read_peak as f64), ("scene", scene_ms, scene_peak as f64)] {
             println!("  {what:10} {ms:7.1} ms, {:.1} MB = {:.2} x the file", peak / 1e6, peak / size);
@@ -134,7 +136,9 @@ fn main() {
     drop(bytes);
     let (raw_ms, raw_peak) = measured(|| raw(&path));
     let (read_ms, read_peak) = measured(|| eyebox::import::gltf::read(&path).expect("it reads").meshes.len());
-    let (scene_ms, scene_peak) = measured(|| eyebox::import::outline(&path).expect("it imports").meshes.len());
+    let (scene_ms, scene_peak) = measured(|| {
+        eyebox::import::outline(&path, &eyebox::import::ReadOptions::default()).expect("it imports").meshes.len()
+    });
     println!("2 000 000 triangles, {:.1} MB", size / 1e6);
     for (what, ms, peak) in
         [("gltf crate", raw_ms, raw_peak), ("assembly", read_ms, read_peak), ("scene", scene_ms, scene_peak)]

@@ -16,7 +16,8 @@ const PANEL_CD_M2: f64 = 1000.0;
 fn transmittance(n: f64, count: usize, thickness: f64, absorption_per_m: f64, degrees: f64, passes: u64) -> (f64, f64) {
     let mut s = scene();
     let group = add_group(&mut s, "panel");
-    s.eye.fov_deg = 0.5;
+    // So narrow that the mean over the field is the value in its middle: at 70° 0.5° would already be 1.6e-5 off.
+    s.eye.fov_deg = 0.05;
     s.eye.resolution = [4, 4];
     for plate in 0..count {
         let at = DVec3::new(0.0, 0.0, -0.5 - 0.05 * plate as f64);
@@ -54,7 +55,7 @@ fn plates_of_averaged_polarisation() {
         let (n, count) = (number(&case["params"]["n"]), number(&case["params"]["N"]) as usize);
         let angles = case["params"]["angles"].as_array().expect("angles");
         for (angle, want) in angles.iter().zip(case["result"]["T_unpolarised_tracer"].as_array().expect("values")) {
-            let got = transmittance(n, count, 0.002, 0.0, number(angle), 24_000);
+            let got = transmittance(n, count, 0.002, 0.0, number(angle), 600);
             check(&format!("{count} plates at {angle}°"), got, number(want));
             seen += 1;
         }
@@ -69,7 +70,7 @@ fn absorbing_slabs_at_normal_incidence() {
         let number = |key: &str| case["params"][key].as_f64().expect("a number");
         let want = case["result"]["Ts"][0].as_f64().expect("a number");
         let alpha = number("alpha_per_mm") * 1e3;
-        let got = transmittance(number("n"), 1, number("d_mm") * 1e-3, alpha, 0.0, 12_000);
+        let got = transmittance(number("n"), 1, number("d_mm") * 1e-3, alpha, 0.0, 1_000);
         check(case["id"].as_str().expect("an id"), got, want);
         seen += 1;
     }

@@ -61,7 +61,9 @@ fn both_huds_go_to_usd_and_come_back() {
             author::convert(&original, &out).unwrap_or_else(|fault| panic!("{fault}"));
             let back = read(&out);
             assert_same(&original, &back);
-            let again = folder.path().join(format!("again.{kind}"));
+            // Of the same name: a package's only layer is named after it.
+            let again = folder.path().join("again").join(format!("hud.{kind}"));
+            std::fs::create_dir_all(again.parent().unwrap()).unwrap();
             author::convert(&back, &again).unwrap_or_else(|fault| panic!("{fault}"));
             assert!(
                 std::fs::read(&out).unwrap() == std::fs::read(&again).unwrap(),

@@ -18,9 +18,10 @@ copy names them relative to its own folder, and its buffers, too.
 
 Examples:
   eyebox annotate hud.glb --optics hud.optics.toml -o hud_optics.glb
+  eyebox annotate hud_direct.usda --optics hud_usd.optics.toml -o hud.usda
   eyebox annotate hud.gltf --optics hud.optics.toml -o out/hud.gltf && eyebox render out/hud.gltf -o hud.exr")]
 pub struct AnnotateArgs {
-    /// The asset (.glb, .gltf).
+    /// The asset (.glb, .gltf, .usda, .usdc, .usdz).
     asset: PathBuf,
     /// The sidecar.
     #[arg(long, value_name = "NAME.optics.toml")]

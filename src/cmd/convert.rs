@@ -19,12 +19,13 @@ to its own folder.
 
 Examples:
   eyebox convert hud.optics.toml hud.glb
+  eyebox convert hud.optics.toml hud.usda
   eyebox convert hud.glb hud.gltf
   eyebox convert hud.usda hud.glb --frame 12")]
 pub struct ConvertArgs {
-    /// Sidecar (*.optics.toml) or asset (.glb, .gltf).
+    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
     asset: PathBuf,
-    /// The asset to write (.glb, .gltf).
+    /// The asset to write (.glb, .gltf, .usda, .usdc, .usdz).
     output: PathBuf,
     /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
     #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]

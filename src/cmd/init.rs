@@ -18,7 +18,7 @@ Examples:
   eyebox init hud.glb -o hud.optics.toml
   eyebox init hud.glb -o hud.optics.toml --force && eyebox inspect hud.optics.toml")]
 pub struct InitArgs {
-    /// The asset (.glb, .gltf).
+    /// The asset (.glb, .gltf, .usda, .usdc, .usdz).
     asset: PathBuf,
     /// The sidecar to write.
     #[arg(short, long, value_name = "NAME.optics.toml")]

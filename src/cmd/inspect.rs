@@ -28,7 +28,7 @@ Examples:
   eyebox inspect hud.optics.toml --set led.flux_lm=0.6 --format json
   eyebox inspect hud.usda --frame 12 --geometry")]
 pub struct InspectArgs {
-    /// Sidecar (*.optics.toml) or asset (.glb, .gltf).
+    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
     asset: PathBuf,
     /// Say of each attribute of a part (name, path or pattern) which line won.
     #[arg(long, value_name = "PART")]

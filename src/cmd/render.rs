@@ -32,7 +32,7 @@ const DEFAULT_PASSES: u64 = 64;
     eyebox render hud.optics.toml -o check.exr --estimator backward --samples 256 --seed 7\n  \
     eyebox render hud.usda -o hud.0012.exr --frame 12")]
 pub struct RenderArgs {
-    /// Sidecar (*.optics.toml) or asset (.glb, .gltf).
+    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
     asset: PathBuf,
     /// The EXR to write.
     #[arg(short, long, value_name = "OUT.exr")]

@@ -55,13 +55,13 @@ fn mesh(seed: u32, corners: &[usize], materials: usize, rows: Vec<Option<Value>>
             mesh.triangles.push([first + 1, first + 2, first]);
             mesh.positions.extend([a, b, c].map(|p| p.to_array()));
             mesh.normals.extend([normal; 3]);
-            if seed % 2 == 0 {
+            if seed.is_multiple_of(2) {
                 mesh.uvs.extend([[random(), 0.5], [0.0, random()], [1.0, -0.0]]);
             }
         }
     }
     let faces = mesh.faces.len();
-    let material = |face: usize| (face % 3 > 0).then_some((seed as usize + face) % materials);
+    let material = |face: usize| (!face.is_multiple_of(3)).then_some((seed as usize + face) % materials);
     let mut attributes = rows;
     attributes.resize(faces, None);
     MeshSource { mesh, materials: (0..faces).map(material).collect(), attributes, at: Where::Nowhere }

@@ -98,7 +98,8 @@ fn the_text_and_the_crate_hold_the_same_layer() {
 
 #[test]
 fn wrong_assemblies_are_faults() {
-    let cases: [(&str, fn(&mut Assembly)); 6] = [
+    type Spoil = fn(&mut Assembly);
+    let cases: [(&str, Spoil); 6] = [
         ("there is no mesh 9", |a| a.nodes[1].mesh = Some(9)),
         ("stands after it", |a| a.nodes[1].parent = Some(4)),
         ("there is no material 7", |a| a.meshes[1].materials = vec![Some(7); 3]),
@@ -186,12 +187,12 @@ fn references_to_the_root_lists_are_written_out() {
     };
     let list = |items: Vec<Value>| Value::new(Data::List(items), Where::Nowhere);
     let film = table(vec![("n", number(1.38)), ("thickness_nm", number(99.6))]);
-    let mut a = Assembly::default();
-    a.optics = Some(table(vec![
+    let optics = Some(table(vec![
         ("version", number(1.0)),
         ("coatings", list(vec![table(vec![("name", text("ar")), ("stack", list(vec![film]))])])),
         ("media", list(vec![table(vec![("glass", text("PMMA"))])])),
     ]));
+    let mut a = Assembly { optics, ..Assembly::default() };
     let node = add(&mut a, None, "x", DAffine3::IDENTITY, None);
     let row = table(vec![("faces", list(vec![number(2.0)])), ("coating", text("ar"))]);
     a.nodes[node].attributes = Some(table(vec![("medium", number(0.0)), ("faces", list(vec![row]))]));

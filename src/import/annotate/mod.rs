@@ -175,7 +175,9 @@ fn checked(sheet: &Sheet, bound: &[PartBound]) -> Result<()> {
                 Slot::Absorption => drop(optics::absorption(value, nm)?),
                 Slot::Priority => drop(optics::priority(value)?),
                 Slot::Finish => drop(optics::finish(value, &mut notes)?),
-                Slot::Shape => drop(optics::shape(value)?),
+                Slot::Shape => {
+                    optics::shape(value)?;
+                }
                 Slot::Coating => match value.text().filter(|_| !none) {
                     Some(name) => return Err(optics::unknown_coating(name, value, sheet.coatings.names())),
                     None => drop(optics::coating(value, "")?),

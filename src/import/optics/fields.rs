@@ -216,12 +216,12 @@ fn wrong(value: &Value, row: &Row) -> Box<Fault> {
 
 /// The fault of a parameter that stands beside its attribute instead of in it: `angular = "cos_n", n = 4`. None if `key` is
 /// a parameter of none of `attributes`, rows of `noun`.
-pub fn stray<'a>(
+pub fn stray(
     key: &str,
     value: &Value,
     noun: Noun,
     what: &str,
-    attributes: &mut dyn Iterator<Item = &'a str>,
+    attributes: &mut dyn Iterator<Item = &str>,
 ) -> Option<Box<Fault>> {
     attribute::row(noun, key)?;
     let attributes: Vec<&str> = attributes.collect();

@@ -258,6 +258,19 @@ fn an_asset_with_the_sidecar_beside_it_needs_no_sidecar_named() {
 }
 
 #[test]
+fn a_sidecar_beside_an_asset_that_names_another_is_not_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let home = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/peers/a1");
+    for name in ["a1.glb", "other.glb"] {
+        std::fs::copy(home.join("a1.glb"), folder.path().join(name)).unwrap();
+    }
+    let sidecar = std::fs::read_to_string(home.join("a1.optics.toml")).unwrap();
+    std::fs::write(folder.path().join("other.optics.toml"), sidecar).unwrap();
+    let fault = import(&folder.path().join("other.glb"), &ImportOptions::default()).unwrap_err().to_string();
+    assert!(fault.contains("no optical attributes bind"), "{fault}");
+}
+
+#[test]
 fn paths_that_lead_nowhere_are_faults() {
     let fault = |path: &str| import(Path::new(path), &ImportOptions::default()).unwrap_err().to_string();
     assert_eq!(fault("no/such.optics.toml"), "can't read the sidecar no/such.optics.toml: there is no such file");

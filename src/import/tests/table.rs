@@ -110,7 +110,9 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
     }
     match (key, kind.as_deref()) {
         // Shares that together are at most 1; a metal or a reflectance.
-        ("finish", Some("mirror")) => all.retain(|(key, _)| (key == "reflectance") == (pick % 2 == 0) || key == "kind"),
+        ("finish", Some("mirror")) => {
+            all.retain(|(key, _)| (key == "reflectance") == pick.is_multiple_of(2) || key == "kind")
+        }
         ("finish", _) => all.retain(|(key, _)| key != "transmittance"),
         ("emitter", _) => {
             let strength = ["flux_lm", "luminance_cd_m2", "intensity_cd"][pick % 3];
@@ -121,9 +123,10 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
                 let Data::List(films) = &mut films.data else { continue };
                 for (i, film) in films.iter_mut().enumerate() {
                     let Data::Table(film) = &mut film.data else { continue };
-                    film.retain(|(key, _)| key != "material" && (key != "n" || (i + pick) % 2 == 0));
-                    film.retain(|(key, _)| key != "k" || (i + pick) % 2 == 0);
-                    let index = if (i + pick) % 2 == 0 { ("n", list(&[])) } else { ("material", text("N-BK7")) };
+                    film.retain(|(key, _)| key != "material" && (key != "n" || (i + pick).is_multiple_of(2)));
+                    film.retain(|(key, _)| key != "k" || (i + pick).is_multiple_of(2));
+                    let index =
+                        if (i + pick).is_multiple_of(2) { ("n", list(&[])) } else { ("material", text("N-BK7")) };
                     if index.0 == "material" || !film.iter().any(|(key, _)| key == "n") {
                         let n = value(Data::Number(1.38));
                         film.push((index.0.to_owned(), if index.0 == "n" { n } else { index.1 }));

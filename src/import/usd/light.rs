@@ -123,7 +123,7 @@ fn strength(reader: &mut Reader, view: &PrimView, fallback: f64) -> Result<Optio
     }
     let own = luminance(color);
     let strength = intensity * exposure.exp2() * own;
-    if color.iter().any(|lane| !(*lane >= 0.0)) || !strength.is_finite() || strength < 0.0 {
+    if color.iter().any(|lane| lane.is_nan() || *lane < 0.0) || !strength.is_finite() || strength < 0.0 {
         reader.ledger.warn(view.at(), "a light whose strength or colour is negative or not finite: left out");
         return Ok(None);
     }

@@ -159,7 +159,16 @@ fn build(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<M
 
 /// Reads and checks the topology; none with a note if there is no surface.
 fn polygons(reader: &mut Reader, view: &PrimView) -> Result<Option<Polygons>> {
-    let points = view.read("points", "point3f[]", value::triples)?.unwrap_or_default();
+    let points = match view.get("points")?.map(value::triples) {
+        Some(Some(points)) => points,
+        Some(None) => {
+            reader
+                .ledger
+                .warn(view.at_property("points"), "a value of another type than point3f[]: taken as no points");
+            Vec::new()
+        }
+        None => Vec::new(),
+    };
     let counts = view.read("faceVertexCounts", "int[]", value::ints)?.unwrap_or_default();
     let indices = view.read("faceVertexIndices", "int[]", value::ints)?.unwrap_or_default();
     if points.is_empty() || counts.is_empty() {

@@ -7,6 +7,7 @@
 mod attribute;
 mod binding;
 mod camera;
+mod clips;
 mod faces;
 mod guard;
 mod hierarchy;

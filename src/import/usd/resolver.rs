@@ -1,7 +1,7 @@
 //! How layers are found and opened: by the library's default rules, but only regular files, with what was opened
 //! recorded, and text layers brought into the form that the library's parser knows.
 
-use super::{guard, normalise};
+use super::{clips, guard, normalise};
 use openusd::ar::{Asset, AssetBuffer, AssetInfo, DefaultResolver, ResolvedPath, Resolver};
 use std::borrow::Cow;
 use std::io::{Cursor, Error, ErrorKind, Result};
@@ -80,6 +80,7 @@ impl Resolver for Normalising {
         if !buffer.starts_with(b"#usda") && !buffer.starts_with(b"#sdf") {
             return Ok(Box::new(Cursor::new(buffer)));
         }
+        clips::check(&buffer).map_err(|what| Error::new(ErrorKind::InvalidData, what))?;
         match normalise::layer(&buffer).map_err(|what| Error::new(ErrorKind::InvalidData, what))? {
             Cow::Borrowed(_) => Ok(Box::new(Cursor::new(buffer))),
             Cow::Owned(text) => Ok(Box::new(Cursor::new(AssetBuffer::from(text)))),

@@ -84,7 +84,10 @@ pub(super) fn measures(stage: &Stage, moment: &Moment, assembly: &mut Assembly, 
     let axis = match metadata("upAxis")? {
         Some(found) => match value::text(&found).and_then(up) {
             Some(axis) => axis,
-            None => return Err(Fault::new(file(), "`upAxis` is no axis that USD knows").expected("\"Y\" or \"Z\"")),
+            None => {
+                ledger.warn(file(), "`upAxis` is no axis that USD knows (\"Y\" or \"Z\"): taken as \"Y\"");
+                Up::Y
+            }
         },
         None => Up::Y,
     };

@@ -40,7 +40,8 @@ impl Builder {
 
     /// A face that turns a profile, given from −z to +z, once around. Ends on the axis are poles.
     fn revolve(&mut self, profile: &[Profile], around: u32) {
-        let (mut points, mut rings): (Vec<(DVec3, DVec3)>, Vec<(u32, bool)>) = (Vec::new(), Vec::new());
+        let mut points: Vec<(DVec3, DVec3)> = Vec::new();
+        let mut rings: Vec<(u32, bool)> = Vec::new();
         for &(point, normal) in profile {
             let pole = point[0] == 0.0 && normal[0] == 0.0;
             rings.push((points.len() as u32, pole));

@@ -120,7 +120,7 @@ fn read(view: &PrimView, name: &str, ledger: &mut Ledger) -> Result<Option<Op>> 
             let xyzw = value::quaternion(&found).ok_or_else(|| wrong("a quaternion"))?;
             Op::Orient(rotation(view, name, xyzw, ledger)?)
         }
-        "transform" => Op::Transform(matrix(view, name, &found)?),
+        "transform" => Op::Transform(matrix(view, name, &found, ledger)?),
         _ => {
             let what = format!("`{name}` is no transform op that USD knows");
             return Err(view.fault_in("xformOpOrder", what).nearest(kind, KINDS.iter().copied()));
@@ -168,14 +168,16 @@ pub(super) fn rotation(view: &PrimView, name: &str, xyzw: [f64; 4], ledger: &mut
     Ok((quaternion / largest).normalize())
 }
 
-/// Exactly the matrix in the file. USD writes rows for row vectors, which are our columns.
-fn matrix(view: &PrimView, name: &str, found: &Value) -> Result<DAffine3> {
+/// Exactly the matrix in the file. USD writes rows for row vectors, which are our columns. Of a matrix that is not affine
+/// the affine part is taken, with a warning.
+fn matrix(view: &PrimView, name: &str, found: &Value, ledger: &mut Ledger) -> Result<DAffine3> {
     let Some(m) = value::matrix(found) else {
         return Err(view.fault_in(name, "a value of another type").expected("a matrix4d"));
     };
     let last = [m[3], m[7], m[11], m[15] - 1.0];
     if last.iter().any(|x| x.is_nan() || x.abs() > 1e-6) {
-        return Err(view.fault_in(name, "the matrix is not affine").expected("a last column of 0, 0, 0, 1"));
+        let text = "the matrix is not affine (its last column is not 0, 0, 0, 1): its affine part is taken";
+        ledger.warn(view.at_property(name), text);
     }
     let row = |r: usize| DVec3::new(m[4 * r], m[4 * r + 1], m[4 * r + 2]);
     Ok(DAffine3 { matrix3: DMat3::from_cols(row(0), row(1), row(2)), translation: row(3) })

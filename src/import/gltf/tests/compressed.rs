@@ -99,7 +99,8 @@ fn meshopt_streams_come_back_exactly() {
         };
         let mut found: Vec<_> = mesh.triangles.iter().map(|&t| turned(t)).collect();
         let mut want: Vec<_> = indices.chunks(3).map(|c| turned([c[0], c[1], c[2]])).collect();
-        (found.sort_unstable(), want.sort_unstable());
+        found.sort_unstable();
+        want.sort_unstable();
         assert_eq!(found, want);
         assert!(mesh.normals.iter().all(|n| n[2] > 0.99), "{:?}", mesh.normals[0]);
     }

@@ -215,7 +215,8 @@ fn record(noun: Noun, fields: &[&str], name: &str, pool: &Pool) -> Result<Option
 
 /// Parallel arrays as a list of tables.
 fn records(row: &Row, fields: &[&str], name: &str, pool: &Pool) -> Result<Option<Value>> {
-    let mut tables: Option<(&UsdProperty, Vec<Vec<(String, Value)>>)> = None;
+    type Tables = Vec<Vec<(String, Value)>>;
+    let mut tables: Option<(&UsdProperty, Tables)> = None;
     for field in fields {
         let Some(property) = pool.take(&format!("{name}:{field}")) else { continue };
         let at = &property.at;
