@@ -40,8 +40,8 @@ pub fn dependencies(path: &Path) -> Result<Vec<Dependency>> {
         sidecar(path, Where::Nowhere, &mut all)?;
     } else {
         asset(path, Where::Nowhere, &mut all)?;
-        let assembly = super::read_asset(path, &Where::Nowhere, &super::ReadOptions::default()).ok();
-        if let Some((beside, _)) = super::beside(path, assembly.as_ref())? {
+        let read = || super::read_asset(path, &Where::Nowhere, &super::ReadOptions::default());
+        if let Some((beside, _)) = super::beside(path, || read().is_ok_and(|assembly| assembly.carries_optics()))? {
             sidecar(&beside, Where::file(path), &mut all)?;
         }
     }

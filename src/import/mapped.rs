@@ -4,6 +4,7 @@ use super::assembly::Material;
 use super::value::{Data, Value};
 use crate::base::Fault;
 use crate::base::fault::Result;
+use crate::base::units::luminance;
 use crate::scene::{Note, Severity};
 
 /// The attributes that `material.mapped` amounts to. Names that our vocabulary has pass as they are, dotted ones as
@@ -62,9 +63,9 @@ pub fn mapped(material: &Material, notes: &mut Vec<Note>) -> Result<Vec<(String,
     if let (Some(_), Some((distance, value))) = (solid, number("attenuation_distance").filter(|(d, _)| d.is_finite())) {
         let lanes: Vec<f64> =
             find("attenuation_color").and_then(Value::list).unwrap_or(&[]).iter().filter_map(Value::number).collect();
-        // Luminance of linear Rec. 709 (ITU-R BT.709-6, item 3.2): one wavelength stands for all.
+        // One wavelength stands for all.
         let through = match lanes.as_slice() {
-            [r, g, b] => 0.2126 * r + 0.7152 * g + 0.0722 * b,
+            [r, g, b] => luminance([*r, *g, *b]),
             _ => 1.0,
         };
         if through <= 0.0 {

@@ -111,17 +111,17 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<(Assembly, Option<(Pat
         return Ok((read_asset(&file, &asset.at, options)?, Some((path.to_owned(), sidecar))));
     }
     let mut assembly = read_asset(path, &Where::Nowhere, options)?;
-    let Some((beside, sidecar)) = beside(path, Some(&assembly))? else { return Ok((assembly, None)) };
+    let Some((beside, sidecar)) = beside(path, || assembly.carries_optics())? else { return Ok((assembly, None)) };
     let text = format!("the asset carries no optical attributes; {} beside it is used", beside.display());
     assembly.notes.push(Note { severity: Severity::Info, at: Where::file(path), text });
     Ok((assembly, Some((beside, sidecar))))
 }
 
 /// The sidecar `NAME.optics.toml` beside an asset, if it is meant: the asset says nothing of itself, and the sidecar
-/// names no other file. `assembly` is none where the asset can't be read.
-fn beside(path: &Path, assembly: Option<&Assembly>) -> Result<Option<(PathBuf, Value)>> {
+/// names no other file. `carries` tells the former, and is asked only if there is a sidecar.
+fn beside(path: &Path, carries: impl FnOnce() -> bool) -> Result<Option<(PathBuf, Value)>> {
     let file = path.with_extension("optics.toml");
-    if assembly.is_some_and(Assembly::carries_optics) || !file.is_file() {
+    if !file.is_file() || carries() {
         return Ok(None);
     }
     let sidecar = toml::read(&file)?;

@@ -250,7 +250,7 @@ impl Set {
                 }
             }
         }
-        let noun = key_of(slot);
+        let noun = slot.key();
         if members.is_empty() {
             return Err(Fault::new(self.at().clone(), format!("`{target}` has no {noun} whose attributes can be set"))
                 .expected(format!("a part with {} {noun} = {{ … }}", if noun == "emitter" { "an" } else { "a" })));
@@ -334,19 +334,6 @@ fn top_slot(steps: &[Step]) -> Slot {
     match steps.first() {
         Some(Step::Key(key)) => Slot::of(key).unwrap_or(Slot::Finish),
         Some(Step::Index(_)) | None => Slot::Finish,
-    }
-}
-
-fn key_of(slot: Slot) -> &'static str {
-    match slot {
-        Slot::Index => "medium",
-        Slot::Absorption => "absorption_per_m",
-        Slot::Priority => "priority",
-        Slot::Finish => "finish",
-        Slot::Coating => "coating",
-        Slot::Shape => "shape",
-        Slot::Emitter => "emitter",
-        Slot::Slide => "slide",
     }
 }
 

@@ -4,14 +4,10 @@ use super::at::At;
 use super::notes::Ledger;
 use super::surface;
 use crate::base::fault::Result;
+use crate::base::units::luminance;
 use crate::import::assembly::Material;
 use crate::import::value::{Data, Value};
 use crate::scene::Severity;
-
-/// Luminance of a linear Rec.709 colour (ITU-R BT.709-6, item 3.2).
-pub(super) fn luminance([r, g, b]: [f64; 3]) -> f64 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
-}
 
 /// Reads material `index`. Only what the file says is mapped; its defaults are ours to choose.
 ///

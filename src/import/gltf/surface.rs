@@ -1,9 +1,9 @@
 //! Material extensions that mean a finish or a coating to us, and how a material looks to other programs.
 
 use super::at::At;
-use super::material::luminance;
 use super::notes::Ledger;
 use crate::base::fault::Result;
+use crate::base::units::luminance;
 use crate::import::value::{Data, Value};
 
 type Row = (String, Value);

@@ -4,9 +4,9 @@
 use super::attribute::{PrimView, resolved};
 use super::marks::{Marks, refined};
 use super::reader::Reader;
-use super::surface::luminance;
 use super::{shape, value};
 use crate::base::fault::Result;
+use crate::base::units::luminance;
 use crate::import::assembly::{LightForm, LightSource, Node};
 use crate::import::value::{Data, Value};
 use glam::{DAffine3, DMat3};

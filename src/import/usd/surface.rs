@@ -7,13 +7,9 @@ use super::shader::{self, End};
 use super::value;
 use crate::base::Where;
 use crate::base::fault::Result;
+use crate::base::units::luminance;
 use crate::import::value::{Data, Value};
 use openusd::sdf;
-
-/// Luminance of a linear Rec.709 colour (ITU-R BT.709-6, item 3.2).
-pub(super) fn luminance([r, g, b]: [f64; 3]) -> f64 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
-}
 
 pub(super) type Row = (String, Value);
 
