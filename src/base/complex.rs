@@ -26,6 +26,11 @@ impl Complex {
     pub fn conj(self) -> Self {
         Complex::new(self.re, -self.im)
     }
+    /// z/|z|; 0 for 0.
+    pub fn phase(self) -> Self {
+        let size = self.re.hypot(self.im);
+        if size > 0.0 { Complex::new(self.re / size, self.im / size) } else { Complex::ZERO }
+    }
     /// z²; the factored real part keeps its digits where |re| ≈ |im|.
     pub fn square(self) -> Self {
         Complex::new((self.re - self.im) * (self.re + self.im), 2.0 * self.re * self.im)

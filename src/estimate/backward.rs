@@ -11,13 +11,17 @@ use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use crate::world::interior::Interior;
 use crate::world::light::Strength;
+use crate::world::mode::{Mode, lanes, plane_of};
+use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::marker::PhantomData;
 
 /// The backward estimator, ready to run passes.
-pub struct Backward<'w> {
+pub struct Backward<'w, M: Mode> {
     world: &'w World,
+    mode: PhantomData<M>,
     route: Route,
     reach: Reach,
     /// Sees what lamps show through specular faces alone; the paths here leave that out.
@@ -33,58 +37,84 @@ struct Scattered {
 }
 
 /// Light that a lamp sends to a scatterer.
-struct Sent {
+struct Sent<M: Mode> {
     /// Unit direction to the lamp.
     dir: DVec3,
     distance: f64,
     target: Option<Site>,
-    /// cd/m², or lx across the direction for a lamp that has no luminance.
-    luminance: f64,
+    /// Per lane: cd/m², or lx across the direction for a lamp that has no luminance.
+    luminance: M::Lanes<f64>,
     /// Density of the direction per steradian, or the probability of a lamp without luminance.
     pdf: f64,
     /// A scattered ray could have found the lamp too.
     by_chance: bool,
 }
 
-impl<'w> Backward<'w> {
+impl<'w, M: Mode> Backward<'w, M> {
     pub fn new(world: &'w World, route: Route, seed: u64) -> Self {
-        Backward { world, reach: Reach::from_eye(&route), vision: Vision::new(world, &route, seed), route, seed }
+        let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, seed));
+        Backward { world, mode: PhantomData, reach, vision, route, seed }
     }
 
     /// Adds passes `first .. first + count` to the film, one eye path per pixel and pass, row by row in parallel.
     pub fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
         let width = film.width;
         let parts = self.world.solids.len();
-        let mut rows: Vec<_> = film.rows().collect();
-        let ledgers: Vec<Ledger> = rows
-            .par_iter_mut()
-            .map(|(y, row)| {
-                let mut ledger = Ledger::new(parts);
-                let mut light = vec![Light::default(); self.route.planes.len()];
-                for pass in first..first + count {
-                    for x in 0..width {
-                        light.fill(Light::default());
-                        self.path(pass, x, *y, width, &mut light, &mut ledger);
-                        if let Some(vision) = &self.vision {
-                            vision.look(&self.route, pass, x, *y, width, &mut light, &mut ledger);
-                        }
-                        row.add_pass(x, &light);
-                    }
-                }
-                ledger
-            })
-            .collect();
         let mut total = Ledger::new(parts);
-        ledgers.iter().for_each(|ledger| total.merge(ledger));
+        // Optical constants of a few passes at a time; a row adds its passes in order whatever their number.
+        const BATCH: u64 = 16;
+        let mut next = first;
+        while next < first + count {
+            let passes = next..(next + BATCH).min(first + count);
+            next = passes.end;
+            let optics: Vec<(u64, Optics<M>)> =
+                passes.map(|pass| (pass, M::optics(self.world, self.seed, pass))).collect();
+            let mut rows: Vec<_> = film.rows().collect();
+            let ledgers: Vec<Ledger> = rows
+                .par_iter_mut()
+                .map(|(y, row)| {
+                    let mut ledger = Ledger::new(parts);
+                    let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
+                    for (pass, optics) in &optics {
+                        for x in 0..width {
+                            light.fill(Light::default());
+                            self.path((*pass, optics), x, *y, width, &mut light, &mut ledger);
+                            if let Some(vision) = &self.vision {
+                                vision.look(
+                                    &self.route,
+                                    (*pass, optics),
+                                    x,
+                                    *y,
+                                    width,
+                                    &mut light,
+                                    &mut ledger,
+                                );
+                            }
+                            row.add_pass(x, &light);
+                        }
+                    }
+                    ledger
+                })
+                .collect();
+            ledgers.iter().for_each(|ledger| total.merge(ledger));
+        }
         film.passes += count;
         total
     }
 
-    fn path(&self, pass: u64, x: usize, y: usize, width: usize, out: &mut [Light], ledger: &mut Ledger) {
+    fn path(
+        &self,
+        (pass, optics): (u64, &Optics<M>),
+        x: usize,
+        y: usize,
+        width: usize,
+        out: &mut [Light],
+        ledger: &mut Ledger,
+    ) {
         let mut rng = Rng::new(self.seed, Stream::Backward, pass, (y * width + x) as u64);
         let (origin, dir) = self.world.eye.ray(x, y, rng.pair(), rng.pair());
         let ray = Ray { origin, dir, from: None };
-        let mut walker = Walker::new(self.world, Travel::FromEye, ray, 1.0, Interior::default(), rng);
+        let mut walker = Walker::new((self.world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
         let balance = ledger.imbalance();
         ledger.paths += 1;
         ledger.emitted += 1.0;
@@ -92,7 +122,7 @@ impl<'w> Backward<'w> {
         ledger.close_path(balance);
     }
 
-    fn follow(&self, walker: &mut Walker<'w>, out: &mut [Light], ledger: &mut Ledger) {
+    fn follow(&self, walker: &mut Walker<'_, M>, out: &mut [Light], ledger: &mut Ledger) {
         let mut last: Option<Scattered> = None;
         loop {
             let vertex = match walker.advance(ledger) {
@@ -107,7 +137,7 @@ impl<'w> Backward<'w> {
             };
             self.see_lamp(walker, &vertex, last.as_ref(), out);
             if walker.events < SPLIT_FIRST_EVENTS
-                && let Some(mut reflected) = walker.split(&vertex, 0.0, Walker::MOST_SPLITS, ledger)
+                && let Some(mut reflected) = walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
             {
                 self.follow(&mut reflected, out, ledger);
             }
@@ -133,16 +163,12 @@ impl<'w> Backward<'w> {
         }
     }
 
-    /// Factor from radiance over index squared, which the path carries, to luminance at the eye (in air).
-    fn radiance_factor(index: f64) -> f64 {
-        1.0 / (index * index)
-    }
-
-    fn see_lamp(&self, walker: &Walker<'w>, vertex: &Vertex, last: Option<&Scattered>, out: &mut [Light]) {
+    fn see_lamp(&self, walker: &Walker<'_, M>, vertex: &Vertex, last: Option<&Scattered>, out: &mut [Light]) {
         if !walker.trail.has_scatter() {
             return;
         }
-        let Some(Shining { lamp, index, cos, luminance }) = walker.lamp_at(vertex) else { return };
+        let Some(seen) = walker.lamp_at(vertex) else { return };
+        let Shining { lamp, index, cos, .. } = seen;
         let Some(plane) = self.route.from_eye(lamp.group, walker.trail) else { return };
         let weight = match last {
             None => 1.0,
@@ -152,30 +178,31 @@ impl<'w> Backward<'w> {
                 from.pdf / (from.pdf + pdf_nee)
             }
         };
-        let factor = weight * Self::radiance_factor(walker.index_here());
-        out[plane].add(walker.beam.light(luminance * factor));
+        walker.see(plane_of::<M>(out, plane), &seen, weight);
     }
 
-    fn see_sky(&self, walker: &Walker<'w>, last: Option<&Scattered>, out: &mut [Light]) {
+    fn see_sky(&self, walker: &Walker<'_, M>, last: Option<&Scattered>, out: &mut [Light]) {
         let Some(sky) = &self.world.sky else { return };
         let Some(plane) = self.route.from_eye(sky.group, walker.trail) else { return };
         let weight = last.map_or(1.0, |from| from.pdf / (from.pdf + sky.pdf(walker.ray.dir)));
-        let factor = weight * Self::radiance_factor(walker.index_here());
-        out[plane].add(walker.beam.light(sky.luminance(walker.ray.dir) * factor));
+        let luminance = walker.optics.sky(sky, walker.ray.dir);
+        walker.pick_up(plane_of::<M>(out, plane), &lanes::<M, _>(|lane| luminance[lane] * weight));
     }
 
     /// Distant lamps that have a disc.
-    fn see_discs(&self, walker: &Walker<'w>, last: Option<&Scattered>, out: &mut [Light]) {
-        for (light, luminance, density) in self.world.lights.met(walker.ray.dir, last.map(|from| from.point)) {
-            let Some(plane) = self.route.from_eye(light.group(), walker.trail) else { continue };
+    fn see_discs(&self, walker: &Walker<'_, M>, last: Option<&Scattered>, out: &mut [Light]) {
+        for (index, luminance, density) in self.world.lights.met(walker.ray.dir, last.map(|from| from.point)) {
+            let group = self.world.lights.all()[index].group();
+            let Some(plane) = self.route.from_eye(group, walker.trail) else { continue };
             let weight = last.map_or(1.0, |from| from.pdf / (from.pdf + density));
-            out[plane].add(walker.beam.light(luminance * weight * Self::radiance_factor(walker.index_here())));
+            let tint = walker.optics.light(index);
+            walker.pick_up(plane_of::<M>(out, plane), &lanes::<M, _>(|lane| luminance * weight * tint[lane]));
         }
     }
 
     fn sample_lamps(
         &self,
-        walker: &mut Walker<'w>,
+        walker: &mut Walker<'_, M>,
         vertex: &Vertex,
         scatter: &Scatter,
         frame: &Frame,
@@ -198,13 +225,15 @@ impl<'w> Backward<'w> {
         }
         let pdf = probability / lamp.area_m2 * distance * distance / cos;
         let site = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: target.triangle };
+        let tint = walker.optics.lamp(index);
+        let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
         let sent = Sent { dir, distance, target: Some(site), luminance, pdf, by_chance: true };
-        self.connect(walker, vertex, scatter, frame, &sent, &mut out[plane]);
+        self.connect(walker, vertex, scatter, frame, &sent, plane_of::<M>(out, plane));
     }
 
     fn sample_sky(
         &self,
-        walker: &mut Walker<'w>,
+        walker: &mut Walker<'_, M>,
         vertex: &Vertex,
         scatter: &Scatter,
         frame: &Frame,
@@ -214,15 +243,15 @@ impl<'w> Backward<'w> {
         let Some(plane) = self.route.from_eye(sky.group, walker.trail.then(scatter.event())) else { return };
         let (dir, pdf) = sky.sample(walker.rng.pair());
         if pdf > 0.0 {
-            let luminance = sky.luminance(dir);
+            let luminance = walker.optics.sky(sky, dir);
             let sent = Sent { dir, distance: f64::INFINITY, target: None, luminance, pdf, by_chance: true };
-            self.connect(walker, vertex, scatter, frame, &sent, &mut out[plane]);
+            self.connect(walker, vertex, scatter, frame, &sent, plane_of::<M>(out, plane));
         }
     }
 
     fn sample_lights(
         &self,
-        walker: &mut Walker<'w>,
+        walker: &mut Walker<'_, M>,
         vertex: &Vertex,
         scatter: &Scatter,
         frame: &Frame,
@@ -232,25 +261,28 @@ impl<'w> Backward<'w> {
             return;
         }
         let (pick, uv) = (walker.rng.uniform(), walker.rng.pair());
-        let Some((light, probability, toward)) = self.world.lights.sample(vertex.hit.point, pick, uv) else { return };
-        let Some(plane) = self.route.from_eye(light.group(), walker.trail.then(scatter.event())) else { return };
+        let Some((index, probability, toward)) = self.world.lights.sample(vertex.hit.point, pick, uv) else { return };
+        let group = self.world.lights.all()[index].group();
+        let Some(plane) = self.route.from_eye(group, walker.trail.then(scatter.event())) else { return };
         let (luminance, pdf, by_chance) = match toward.light {
             Strength::Delta(illuminance) => (illuminance, probability, false),
             Strength::Area(luminance, density) => (luminance, probability * density, true),
         };
+        let tint = walker.optics.light(index);
+        let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
         let sent = Sent { dir: toward.dir, distance: toward.distance, target: None, luminance, pdf, by_chance };
-        self.connect(walker, vertex, scatter, frame, &sent, &mut out[plane]);
+        self.connect(walker, vertex, scatter, frame, &sent, plane_of::<M>(out, plane));
     }
 
     /// Adds the light that comes from a lamp, if nothing is in between.
     fn connect(
         &self,
-        walker: &Walker<'w>,
+        walker: &Walker<'_, M>,
         vertex: &Vertex,
         scatter: &Scatter,
         frame: &Frame,
-        sent: &Sent,
-        out: &mut Light,
+        sent: &Sent<M>,
+        out: &mut [Light],
     ) {
         let Sent { dir, distance, target, luminance, pdf, by_chance } = *sent;
         let (d_in, d_out) = (frame.to_local(walker.ray.dir), frame.to_local(dir));
@@ -266,7 +298,8 @@ impl<'w> Backward<'w> {
         }
         let (index, transmittance) = walker.beyond(vertex, d_out.z < 0.0, distance);
         let weight = if by_chance { pdf / (pdf + scatter.pdf(d_in, d_out)) } else { 1.0 };
-        let factor = value * d_out.z.abs() / pdf * weight * transmittance * Self::radiance_factor(index);
-        out.add(walker.beam.light(luminance * factor));
+        let factor = value * d_out.z.abs() / pdf * weight;
+        let arriving = lanes::<M, _>(|lane| luminance[lane] * factor * transmittance[lane]);
+        walker.pick_up_in(&index, out, &arriving);
     }
 }

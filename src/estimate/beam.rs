@@ -1,47 +1,156 @@
-//! What a path carries. The only thing that estimators do with it is to scale it and to ask for its light, so that more
-//! wavelengths or Stokes vectors change this file and the vertex step, not the estimators.
+//! What a path carries. The only thing that estimators do with it is to scale it and to ask for its light: how many
+//! wavelengths there are, and whether they are polarised, is known here and in the vertex step alone.
 
 use crate::film::accumulate::Light;
+use crate::world::mode::{Mode, lanes};
+use crate::world::optics::Optics;
 use crate::world::slide::SlideMap;
+use crate::world::stokes::Amount;
+use glam::DVec3;
+
+type Axis<M> = <<M as Mode>::Amount as Amount>::Axis;
 
 /// Throughput of a path. The slides' factors are kept apart: decisions of the path (roulette) must not depend on the
 /// contrast, so that pictures for two contrasts share every path.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Beam {
+#[derive(Debug, Clone, Copy)]
+pub struct Beam<M: Mode> {
     /// Everything but the slides.
-    pub weight: f64,
+    amounts: M::Lanes<M::Amount>,
+    /// The reference direction of the amounts' polarisation.
+    axis: Axis<M>,
     /// Product of the slides' transmittances, at their own contrast and as a polynomial.
-    slides: Light,
+    slides: M::Lanes<Light>,
+    /// Dispersion has parted the lanes: the first stands for all.
+    alone: bool,
 }
 
-impl Beam {
-    pub fn new(weight: f64) -> Self {
-        Beam { weight, slides: Light::ONE }
+impl<M: Mode> Beam<M> {
+    /// An unpolarised path along `dir`.
+    pub fn new(weights: M::Lanes<f64>, dir: DVec3) -> Self {
+        Beam {
+            amounts: lanes::<M, _>(|lane| M::Amount::plain(weights[lane])),
+            axis: M::Amount::any_axis(dir),
+            slides: lanes::<M, _>(|_| Light::ONE),
+            alone: false,
+        }
     }
 
-    pub fn scale(&mut self, factor: f64) {
-        self.weight *= factor;
+    /// Lanes in use.
+    #[inline]
+    pub fn count(&self) -> usize {
+        if self.alone { 1 } else { M::LANES }
     }
 
-    /// Crosses a slide where its picture has the value `s`.
-    pub fn cross(&mut self, slide: &SlideMap, s: f64) {
-        let dark = 1.0 / slide.contrast();
-        self.slides.cross(slide.t_white(), slide.t_white() * (dark + s * (1.0 - dark)), s);
+    /// Mean of a value over the lanes in use.
+    #[inline]
+    fn mean(&self, of_lane: impl Fn(usize) -> f64) -> f64 {
+        let count = self.count();
+        let sum: f64 = (0..count).map(of_lane).sum();
+        if count == 1 { sum } else { sum / count as f64 }
     }
 
-    /// The light of `amount` (luminance or flux) carried along this path.
-    pub fn light(&self, amount: f64) -> Light {
-        self.slides.scaled(self.weight * amount)
-    }
-
-    /// The light of a lamp-side piece `flux`, scaled by `factor` and carried on along this path: slides on both pieces
-    /// multiply at each contrast.
-    pub fn with_slides_of(&self, flux: Light, factor: f64) -> Light {
-        self.slides.times(flux).scaled(factor * self.weight)
+    /// Mean weight of the lanes, without the slides.
+    #[inline]
+    pub fn weight(&self) -> f64 {
+        self.mean(|lane| self.amounts[lane].power())
     }
 
     /// What is carried at the scene's own contrast.
+    #[inline]
     pub fn carried(&self) -> f64 {
-        self.weight * self.slides.value
+        self.mean(|lane| self.amounts[lane].power() * self.slides[lane].value)
+    }
+
+    /// What would be carried with these weights.
+    #[inline]
+    pub fn carried_with(&self, weights: &M::Lanes<f64>) -> f64 {
+        self.mean(|lane| weights[lane] * self.slides[lane].value)
+    }
+
+    #[inline]
+    pub fn amount(&self, lane: usize) -> M::Amount {
+        self.amounts[lane]
+    }
+
+    #[inline]
+    pub fn axis(&self) -> Axis<M> {
+        self.axis
+    }
+
+    #[inline]
+    pub fn scale(&mut self, factor: f64) {
+        self.amounts = lanes::<M, _>(|lane| self.amounts[lane].scaled(factor));
+    }
+
+    #[inline]
+    pub fn scale_lanes(&mut self, factors: &M::Lanes<f64>) {
+        self.amounts = lanes::<M, _>(|lane| self.amounts[lane].scaled(factors[lane]));
+    }
+
+    /// Goes on with other amounts.
+    #[inline]
+    pub fn replace(&mut self, amounts: M::Lanes<M::Amount>, axis: Axis<M>) {
+        self.amounts = amounts;
+        self.axis = axis;
+    }
+
+    /// Forgets all lanes but the first, which stands for all from now on.
+    #[inline]
+    pub fn part(&mut self) {
+        self.alone = M::LANES > 1;
+    }
+
+    /// Forgets the polarisation: what a scatterer sends out along `dir` is unpolarised.
+    #[inline]
+    pub fn depolarise(&mut self, dir: DVec3) {
+        if M::Amount::POLARISED {
+            self.amounts = lanes::<M, _>(|lane| M::Amount::plain(self.amounts[lane].power()));
+            self.axis = M::Amount::any_axis(dir);
+        }
+    }
+
+    /// Crosses a slide along `dir` where its picture has the value `s`. `from_eye`: the path started at the eye.
+    pub fn cross(&mut self, slide: &SlideMap, s: f64, across: Option<DVec3>, dir: DVec3, from_eye: bool) {
+        if M::Amount::POLARISED {
+            let degree = slide.polarisation_degree();
+            let axis = across.map_or(self.axis, |to| M::Amount::axis_along(self.axis, dir, to));
+            let old = *self;
+            self.amounts = lanes::<M, _>(|lane| {
+                old.amounts[lane].turned(old.axis, axis, dir).polarised_by_slide(degree, from_eye)
+            });
+            self.axis = axis;
+        }
+        let dark = 1.0 / slide.contrast();
+        let value = slide.t_white() * (dark + s * (1.0 - dark));
+        for lane in 0..M::LANES {
+            self.slides[lane].cross(slide.t_white(), value, s);
+        }
+    }
+
+    /// Adds the light of `amounts` per lane (luminance or flux) carried along this path to a plane's entries.
+    #[inline]
+    pub fn deposit(&self, optics: &Optics<M>, out: &mut [Light], amounts: &M::Lanes<f64>) {
+        let light = lanes::<M, _>(|lane| self.slides[lane].scaled(self.amounts[lane].power() * amounts[lane]));
+        M::deposit(optics, out, light, self.alone);
+    }
+
+    /// The light itself, for a photon that is stored; `alone`: only its first lane counts.
+    pub fn stored(&self) -> (M::Lanes<Light>, bool) {
+        (lanes::<M, _>(|lane| self.slides[lane].scaled(self.amounts[lane].power())), self.alone)
+    }
+
+    /// Adds the light of a lamp-side piece, scaled by `factors` and carried on along this path: slides on both pieces
+    /// multiply at each contrast.
+    pub fn join(
+        &self,
+        optics: &Optics<M>,
+        out: &mut [Light],
+        (flux, alone): (&M::Lanes<Light>, bool),
+        factors: &M::Lanes<f64>,
+    ) {
+        let light = lanes::<M, _>(|lane| {
+            self.slides[lane].times(flux[lane]).scaled(factors[lane] * self.amounts[lane].power())
+        });
+        M::deposit(optics, out, light, self.alone || alone);
     }
 }

@@ -8,6 +8,8 @@ use crate::world::World;
 use crate::world::eye::EyeLens;
 use crate::world::geometry::{Hit, Ray};
 use crate::world::interior::Interior;
+use crate::world::mode::{Mode, Mono};
+use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use crate::world::surface::Surface;
 use glam::DVec3;
@@ -51,17 +53,18 @@ pub struct PixelData {
 /// Data of all pixels, row-major.
 pub fn data_layers(world: &World, width: usize, height: usize) -> Vec<PixelData> {
     const SIDE: usize = 4;
+    let optics = Mono::<f64>::optics(world, 0, 0);
     (0..width * height)
         .into_par_iter()
         .map(|pixel| {
             let (x, y) = (pixel % width, pixel / width);
-            let mut data = look(world, world.eye.ray(x, y, [0.5; 2], [0.5; 2]));
+            let mut data = look((world, &optics), world.eye.ray(x, y, [0.5; 2], [0.5; 2]));
             let sum: f64 = (0..SIDE * SIDE)
                 .map(|i| {
                     let jitter = [(i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5].map(|j| j / SIDE as f64);
                     // A 4 × 4 Latin arrangement of pupil points, so that no two share a row or a column.
                     let lens = [((i * 5) % 16) as f64 + 0.5, ((i * 7 + 3) % 16) as f64 + 0.5].map(|l| l / 16.0);
-                    look(world, world.eye.ray(x, y, jitter, lens)).seethrough
+                    look((world, &optics), world.eye.ray(x, y, jitter, lens)).seethrough
                 })
                 .sum();
             data.seethrough = sum / (SIDE * SIDE) as f64;
@@ -70,13 +73,13 @@ pub fn data_layers(world: &World, width: usize, height: usize) -> Vec<PixelData>
         .collect()
 }
 
-fn look(world: &World, (origin, dir): (DVec3, DVec3)) -> PixelData {
+fn look((world, optics): (&World, &Optics<Mono>), (origin, dir): (DVec3, DVec3)) -> PixelData {
     const MOST_FACES: usize = 256;
     let mut data = PixelData { first: Seen::NOTHING, seen: Seen::NOTHING, seethrough: 0.0 };
     let mut ledger = Ledger::new(world.solids.len());
     let ray = Ray { origin, dir, from: None };
     let rng = Rng::new(0, Stream::Check, 0, 0);
-    let mut walker = Walker::new(world, Travel::FromEye, ray, 1.0, Interior::default(), rng);
+    let mut walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
     for step in 0..MOST_FACES {
         let vertex = match walker.advance(&mut ledger) {
             Met::Sky => {

@@ -11,6 +11,8 @@ use crate::film::guide::Guide;
 use crate::world::World;
 use crate::world::eye::Arrival;
 use crate::world::geometry::{Ray, Site};
+use crate::world::mode::{Mode, lanes};
+use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -19,14 +21,14 @@ use std::ops::Range;
 const CHUNK: u64 = 1 << 13;
 
 /// What an estimator does along a path from a lamp. All branches of a path are visited before the next path starts.
-pub trait Visitor {
+pub trait Visitor<M: Mode> {
     /// Share of the power that both ways on from an interface must carry for the path to be split there; none: it
     /// never is.
-    fn split_from(&self, walker: &Walker<'_>) -> Option<f64>;
+    fn split_from(&self, walker: &Walker<'_, M>) -> Option<f64>;
     /// The path has arrived in the pupil and ends there.
-    fn pupil(&mut self, walker: &Walker<'_>, from: Origin, arrival: &Arrival);
+    fn pupil(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival);
     /// The path has met a scatterer; it goes on after this.
-    fn scatterer(&mut self, walker: &Walker<'_>, from: Origin, vertex: &Vertex, scatter: &Scatter);
+    fn scatterer(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex, scatter: &Scatter);
     /// A path and all its branches have ended.
     fn end(&mut self) {}
 }
@@ -77,14 +79,12 @@ enum Source {
 }
 
 /// A path that starts on a lamp.
-struct Started<'w> {
-    walker: Walker<'w>,
+struct Started<'w, M: Mode> {
+    walker: Walker<'w, M>,
     origin: Origin,
     /// Index in the emission's lamps and point of the square of directions, for learning.
     lamp: usize,
     uv: [f64; 2],
-    /// lm that the path carries; its mean over paths is the lamps' flux over their number.
-    flux_lm: f64,
 }
 
 impl Emission {
@@ -117,40 +117,52 @@ impl Emission {
     }
 
     /// Starts one of `paths` paths. None if there is no lamp.
-    fn start<'w>(&self, world: &'w World, mut rng: Rng, paths: u64) -> Option<Started<'w>> {
+    fn start<'w, M: Mode>(
+        &self,
+        (world, optics): (&'w World, &'w Optics<M>),
+        mut rng: Rng,
+        paths: u64,
+    ) -> Option<Started<'w, M>> {
         let total: f64 = self.flux.iter().sum();
         let drawn = self.guide.draw(&self.flux, [rng.uniform(), rng.uniform(), rng.uniform(), rng.uniform()])?;
         let flux_lm = total / paths as f64 / drawn.density;
-        let (ray, interior, origin) = match self.sources[drawn.lamp] {
+        let (ray, interior, origin, tint) = match self.sources[drawn.lamp] {
             Source::Face(index) => {
                 let lamp = &world.lamps.all()[index];
                 let point = lamp.sample_point(rng.pair());
                 let dir = lamp.sample_direction(point.normal, drawn.uv);
                 let from = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: point.triangle };
                 let ray = Ray { origin: point.position, dir, from: Some(from) };
-                (ray, world.lamp_interiors[index].clone(), Origin { group: lamp.group, visible: true })
+                (ray, world.lamp_interiors[index].clone(), Origin { group: lamp.group, visible: true }, optics.lamp(index))
             }
             Source::Light(index) => {
                 let light = &world.lights.all()[index];
                 let (origin, dir) = light.emit(rng.pair(), drawn.uv);
                 let ray = Ray { origin, dir, from: None };
                 let from = Origin { group: light.group(), visible: light.is_visible() };
-                (ray, world.light_interiors[index].clone(), from)
+                (ray, world.light_interiors[index].clone(), from, optics.light(index))
             }
         };
-        let walker = Walker::new(world, Travel::FromLamp, ray, flux_lm, interior, rng);
-        Some(Started { walker, origin, lamp: drawn.lamp, uv: drawn.uv, flux_lm })
+        let weights = lanes::<M, _>(|lane| flux_lm * tint[lane]);
+        let walker = Walker::with_weights((world, optics), Travel::FromLamp, ray, weights, interior, rng);
+        Some(Started { walker, origin, lamp: drawn.lamp, uv: drawn.uv })
     }
 
     /// Traces one chunk of a pass.
-    pub fn chunk<V: Visitor>(&self, world: &World, shots: Shots, chunk: u64, visitor: &mut V) -> Ledger {
+    pub fn chunk<M: Mode, V: Visitor<M>>(
+        &self,
+        (world, optics): (&World, &Optics<M>),
+        shots: Shots,
+        chunk: u64,
+        visitor: &mut V,
+    ) -> Ledger {
         let mut ledger = Ledger::new(world.solids.len());
         for sample in shots.samples(chunk) {
             let rng = Rng::new(shots.seed, shots.stream, shots.pass, sample);
             let balance = ledger.imbalance();
-            if let Some(started) = self.start(world, rng, shots.paths) {
+            if let Some(started) = self.start((world, optics), rng, shots.paths) {
                 ledger.paths += 1;
-                ledger.emitted += started.flux_lm;
+                ledger.emitted += started.walker.beam.carried();
                 self.walk(started.walker, started.origin, visitor, &mut ledger);
                 visitor.end();
                 ledger.close_path(balance);
@@ -161,9 +173,9 @@ impl Emission {
 
     /// Traces a pass for learning: (lamp, uv, what `gain` makes of the path's visit) of each path that gained.
     /// Once `stop` says true the rest is left out, and the result is worthless.
-    pub fn probe<V: Visitor>(
+    pub fn probe<M: Mode, V: Visitor<M>>(
         &self,
-        world: &World,
+        (world, optics): (&World, &Optics<M>),
         shots: Shots,
         stop: &ShouldStop<'_>,
         visitor: impl Fn() -> V + Sync,
@@ -176,7 +188,7 @@ impl Emission {
                     return None;
                 }
                 let rng = Rng::new(shots.seed, shots.stream, shots.pass, sample);
-                let started = self.start(world, rng, shots.paths)?;
+                let started = self.start((world, optics), rng, shots.paths)?;
                 let mut visitor = visitor();
                 let mut ledger = Ledger::new(world.solids.len());
                 self.walk(started.walker, started.origin, &mut visitor, &mut ledger);
@@ -186,7 +198,13 @@ impl Emission {
             .collect()
     }
 
-    fn walk<V: Visitor>(&self, mut walker: Walker<'_>, from: Origin, visitor: &mut V, ledger: &mut Ledger) {
+    fn walk<M: Mode, V: Visitor<M>>(
+        &self,
+        mut walker: Walker<'_, M>,
+        from: Origin,
+         visitor: &mut V,
+        ledger: &mut Ledger,
+    ) {
         let reach = &self.reach[from.group.index()];
         loop {
             let vertex = match walker.advance(ledger) {
@@ -203,7 +221,7 @@ impl Emission {
                 Met::Face(vertex) => vertex,
             };
             if let Some(least) = visitor.split_from(&walker)
-                && let Some(reflected) = walker.split(&vertex, least, Walker::MOST_SPLITS, ledger)
+                && let Some(reflected) = walker.split(&vertex, least, Walker::<M>::MOST_SPLITS, ledger)
             {
                 self.walk(reflected, from, visitor, ledger);
             }

@@ -13,8 +13,11 @@ use crate::film::accumulate::{Film, Light};
 use crate::film::guide::Guide;
 use crate::world::World;
 use crate::world::eye::Arrival;
+use crate::world::mode::{Mode, components, lanes};
+use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use rayon::prelude::*;
+use std::marker::PhantomData;
 
 /// A lamp path is split where reflection and transmission both carry this share: at combiners, not at lenses.
 const SPLIT_FROM: f64 = 0.1;
@@ -22,33 +25,36 @@ const SPLIT_FROM: f64 = 0.1;
 const SPLIT_AGAIN_FROM: f64 = 0.005;
 
 /// The forward estimator, ready to run passes.
-pub struct Forward<'w> {
+pub struct Forward<'w, M: Mode> {
     world: &'w World,
+    mode: PhantomData<M>,
     route: Route,
     emission: Emission,
     paths: u64,
     seed: u64,
 }
 
+/// Light that one path brought to a pixel; the entries of a plane, of which luminance alone needs the first.
 struct Splat {
     pixel: u32,
     plane: u32,
-    light: Light,
+    light: [Light; 3],
 }
 
 /// What paths bring to the picture.
-struct Arrivals<'r> {
+struct Arrivals<'r, M: Mode> {
     route: &'r Route,
+    optics: &'r Optics<M>,
     splats: Vec<Splat>,
     /// Where the splats of the path under way begin.
     first: usize,
 }
 
-impl<'w> Forward<'w> {
+impl<'w, M: Mode> Forward<'w, M> {
     /// `paths` lamp paths per pass, for `groups` light groups.
     pub fn new(world: &'w World, route: Route, groups: usize, paths: u64, guide: Option<&Guide>, seed: u64) -> Self {
         let emission = Emission::new(world, &route, groups, guide);
-        Forward { world, route, emission, paths, seed }
+        Forward { world, mode: PhantomData, route, emission, paths, seed }
     }
 
     /// Adds passes `first .. first + count` to the film.
@@ -58,17 +64,24 @@ impl<'w> Forward<'w> {
         // A bounded number of chunks is in flight, so memory does not grow with the number of paths.
         let all: Vec<(u64, u64)> = (first..first + count).flat_map(|p| (0..chunks).map(move |c| (p, c))).collect();
         for batch in all.chunks(256) {
+            let first_pass = batch[0].0;
+            let last_pass = batch[batch.len() - 1].0;
+            let optics: Vec<Optics<M>> =
+                (first_pass..=last_pass).map(|pass| M::optics(self.world, self.seed, pass)).collect();
             let done: Vec<(Vec<Splat>, Ledger)> = batch
                 .par_iter()
                 .map(|&(pass, chunk)| {
-                    let mut arrivals = self.arrivals();
+                    let optics = &optics[(pass - first_pass) as usize];
+                    let mut arrivals = self.arrivals(optics);
                     let shots = self.shots(Stream::Forward, pass);
-                    let ledger = self.emission.chunk(self.world, shots, chunk, &mut arrivals);
+                    let ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut arrivals);
                     (arrivals.splats, ledger)
                 })
                 .collect();
             for (splats, ledger) in done {
-                splats.iter().for_each(|s| film.splat(s.pixel as usize, s.plane as usize, s.light));
+                for s in &splats {
+                    film.splat(s.pixel as usize, s.plane as usize, &s.light[..M::COMPONENTS]);
+                }
                 total.merge(&ledger);
             }
         }
@@ -79,8 +92,11 @@ impl<'w> Forward<'w> {
     /// Traces one pass for learning: (lamp, uv, flux that arrived in the picture) of each path that arrived.
     /// Once `stop` says true the rest is left out, and the result is worthless.
     pub fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<(usize, [f64; 2], f64)> {
-        let arrived = |arrivals: &Arrivals| arrivals.splats.iter().map(|splat| splat.light.open()).sum();
-        self.emission.probe(self.world, self.shots(Stream::Pilot, pass), stop, || self.arrivals(), arrived)
+        let optics = M::optics(self.world, self.seed, pass);
+        let luminance = |splat: &Splat| components::<M>().luminance(&splat.light[..M::COMPONENTS]).open();
+        let arrived = |arrivals: &Arrivals<'_, M>| arrivals.splats.iter().map(luminance).sum();
+        let shots = self.shots(Stream::Pilot, pass);
+        self.emission.probe((self.world, &optics), shots, stop, || self.arrivals(&optics), arrived)
     }
 
     /// Flux of each traced lamp, lm.
@@ -97,28 +113,30 @@ impl<'w> Forward<'w> {
         Shots { seed: self.seed, stream, pass, paths: self.paths }
     }
 
-    fn arrivals(&self) -> Arrivals<'_> {
-        Arrivals { route: &self.route, splats: Vec::new(), first: 0 }
+    fn arrivals<'r>(&'r self, optics: &'r Optics<M>) -> Arrivals<'r, M> {
+        Arrivals { route: &self.route, optics, splats: Vec::new(), first: 0 }
     }
 }
 
-impl Visitor for Arrivals<'_> {
-    fn split_from(&self, walker: &Walker<'_>) -> Option<f64> {
+impl<M: Mode> Visitor<M> for Arrivals<'_, M> {
+    fn split_from(&self, walker: &Walker<'_, M>) -> Option<f64> {
         Some(if walker.was_split() { SPLIT_AGAIN_FROM } else { SPLIT_FROM })
     }
 
-    fn pupil(&mut self, walker: &Walker<'_>, from: Origin, arrival: &Arrival) {
+    fn pupil(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival) {
         if !from.visible && walker.trail.class_from_lamp() == Class::Vision {
             return;
         }
         let plane = self.route.from_lamp(from.group, walker.trail);
         if let (Some(pixel), Some(plane)) = (arrival.pixel, plane) {
-            let light = walker.beam.light(arrival.luminance_per_lumen);
+            let mut light = [Light::default(); 3];
+            let each = lanes::<M, _>(|_| arrival.luminance_per_lumen);
+            walker.beam.deposit(self.optics, &mut light[..M::COMPONENTS], &each);
             self.splats.push(Splat { pixel: pixel as u32, plane: plane as u32, light });
         }
     }
 
-    fn scatterer(&mut self, _: &Walker<'_>, _: Origin, _: &Vertex, _: &Scatter) {}
+    fn scatterer(&mut self, _: &Walker<'_, M>, _: Origin, _: &Vertex, _: &Scatter) {}
 
     fn end(&mut self) {
         merge_equal(&mut self.splats, self.first);
@@ -133,7 +151,7 @@ fn merge_equal(splats: &mut Vec<Splat>, first: usize) {
         let at = (splats[index].pixel, splats[index].plane);
         let light = splats[index].light;
         match splats[first..end].iter().position(|s| (s.pixel, s.plane) == at) {
-            Some(same) => splats[first + same].light.add(light),
+            Some(same) => splats[first + same].light.iter_mut().zip(light).for_each(|(sum, light)| sum.add(light)),
             None => {
                 splats.swap(end, index);
                 end += 1;

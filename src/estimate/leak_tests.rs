@@ -5,7 +5,7 @@ use super::run::{Films, Limits, Observer, Status, run};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::film::detail::ErrorDetail;
-use crate::film::plan::{Estimator, Plan, Row, Verdict};
+use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
 use crate::scene::{Dispersion, Face, Finish, Group, Medium, Scene, Shape, Sky};
 use crate::world::geometry::scenes::{self, Builder};
 use crate::world::{Planted, World};
@@ -68,6 +68,7 @@ fn trace(scene: &Scene, planted: Planted, estimator: Estimator, passes: u64) -> 
         photon_radius_m: 1e-3,
         forward_guide: None,
         photon_guide: None,
+        mode: PathMode::default(),
         errors: ErrorDetail::Picture,
         notes: Vec::new(),
     };

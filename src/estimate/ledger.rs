@@ -13,9 +13,9 @@ pub struct Ledger {
     pub escaped: f64,
     /// Taken by a part: its faces' absorption, its coating's, its slide's, its medium's.
     pub absorbed: Vec<f64>,
-    /// Ended by roulette.
+    /// Ended by roulette, or lost by the choice of a wavelength.
     pub roulette_lost: f64,
-    /// Added to the survivors of roulette.
+    /// Added to the survivors of roulette, or of the choice of a wavelength.
     pub roulette_gained: f64,
     /// Met a lamp and stopped there because only its light was asked for, or left the classes that the estimator owns.
     pub not_owned: f64,
@@ -45,9 +45,18 @@ impl Ledger {
         self.absorbed[part as usize] += amount;
     }
 
-    /// Checks the shares reflected, transmitted and absorbed at a vertex.
-    pub fn check_vertex(&mut self, reflected: f64, transmitted: f64, absorbed: f64) {
-        self.vertex_error = self.vertex_error.max((reflected + transmitted + absorbed - 1.0).abs());
+    /// Notes by how much the shares reflected, transmitted and absorbed at a vertex miss 1.
+    pub fn check_vertex(&mut self, error: f64) {
+        self.vertex_error = self.vertex_error.max(error);
+    }
+
+    /// Books what a random choice added (or took, below 0) on the average of nothing.
+    pub fn by_chance(&mut self, amount: f64) {
+        if amount > 0.0 {
+            self.roulette_gained += amount;
+        } else {
+            self.roulette_lost -= amount;
+        }
     }
 
     /// Adds the entries of another ledger of the same scene.

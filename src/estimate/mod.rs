@@ -14,6 +14,7 @@ pub mod picture;
 pub mod route;
 pub mod run;
 pub mod vision;
+pub mod turn;
 pub mod walk;
 pub mod wish;
 

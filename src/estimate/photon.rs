@@ -16,9 +16,12 @@ use crate::world::World;
 use crate::world::eye::Arrival;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
+use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
+use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::marker::PhantomData;
 
 /// The squared radius falls as (pass + 1)^(α − 1): bias and variance of the mean both vanish for 0 < α < 1.
 const ALPHA: f64 = 2.0 / 3.0;
@@ -29,7 +32,8 @@ pub fn radius_of_pass(first: f64, pass: u64) -> f64 {
 }
 
 /// The photon estimator, ready to run passes.
-pub struct PhotonMapper<'w> {
+pub struct PhotonMapper<'w, M: Mode> {
+    mode: PhantomData<M>,
     world: &'w World,
     route: Route,
     emission: Emission,
@@ -40,24 +44,31 @@ pub struct PhotonMapper<'w> {
 }
 
 /// What paths leave at broad scatterers.
-#[derive(Default)]
-struct Stored {
-    photons: Vec<Photon>,
+struct Stored<M: Mode> {
+    photons: Vec<Photon<M>>,
 }
 
-impl Visitor for Stored {
-    fn split_from(&self, _: &Walker<'_>) -> Option<f64> {
+impl<M: Mode> Stored<M> {
+    fn new() -> Self {
+        Stored { photons: Vec::new() }
+    }
+}
+
+impl<M: Mode> Visitor<M> for Stored<M> {
+    fn split_from(&self, _: &Walker<'_, M>) -> Option<f64> {
         None
     }
 
-    fn pupil(&mut self, _: &Walker<'_>, _: Origin, _: &Arrival) {}
+    fn pupil(&mut self, _: &Walker<'_, M>, _: Origin, _: &Arrival) {}
 
-    fn scatterer(&mut self, walker: &Walker<'_>, from: Origin, vertex: &Vertex, scatter: &Scatter) {
+    fn scatterer(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex, scatter: &Scatter) {
         if !scatter.is_narrow() {
+            let (flux, alone) = walker.beam.stored();
             self.photons.push(Photon {
                 position: vertex.hit.point,
                 dir: walker.ray.dir,
-                flux: walker.beam.light(1.0),
+                flux,
+                alone,
                 group: from.group,
                 trail: walker.trail,
                 site: vertex.hit.site,
@@ -74,7 +85,7 @@ fn on_side(dir: DVec3, through: bool) -> DVec3 {
     DVec3::new(dir.x, dir.y, if through { -dir.z.abs() } else { dir.z.abs() })
 }
 
-impl<'w> PhotonMapper<'w> {
+impl<'w, M: Mode> PhotonMapper<'w, M> {
     pub fn new(
         world: &'w World,
         route: Route,
@@ -86,29 +97,30 @@ impl<'w> PhotonMapper<'w> {
     ) -> Self {
         let emission = Emission::new(world, &route, groups, guide);
         let reach_eye = Reach::from_eye(&route);
-        PhotonMapper { world, route, emission, reach_eye, photons, first_radius_m, seed }
+        PhotonMapper { mode: PhantomData, world, route, emission, reach_eye, photons, first_radius_m, seed }
     }
 
     /// Adds passes `first .. first + count` to the film. Returns the ledger of the photons' side.
     pub fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
         let mut total = Ledger::new(self.world.solids.len());
         for pass in first..first + count {
-            let (photons, ledger) = self.emit(pass);
+            let optics = M::optics(self.world, self.seed, pass);
+            let (photons, ledger) = self.emit(pass, &optics);
             total.merge(&ledger);
             let map = PhotonMap::new(photons, radius_of_pass(self.first_radius_m, pass));
-            self.gather(film, pass, &map);
+            self.gather(film, (pass, &optics), &map);
             film.passes += 1;
         }
         total
     }
 
-    fn emit(&self, pass: u64) -> (Vec<Photon>, Ledger) {
-        let done: Vec<(Vec<Photon>, Ledger)> = (0..Shots::chunks(self.photons))
+    fn emit(&self, pass: u64, optics: &Optics<M>) -> (Vec<Photon<M>>, Ledger) {
+        let done: Vec<(Vec<Photon<M>>, Ledger)> = (0..Shots::chunks(self.photons))
             .into_par_iter()
             .map(|chunk| {
-                let mut stored = Stored::default();
+                let mut stored = Stored::new();
                 let shots = self.shots(Stream::PhotonEmission, pass);
-                let ledger = self.emission.chunk(self.world, shots, chunk, &mut stored);
+                let ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut stored);
                 (stored.photons, ledger)
             })
             .collect();
@@ -124,9 +136,11 @@ impl<'w> PhotonMapper<'w> {
     /// Traces one pass for learning: (lamp, uv, flux stored that did not come straight from the lamp) per path.
     /// Once `stop` says true the rest is left out, and the result is worthless.
     pub fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<(usize, [f64; 2], f64)> {
-        let useful =
-            |stored: &Stored| stored.photons.iter().filter(|p| !p.trail.is_empty()).map(|p| p.flux.open()).sum();
-        self.emission.probe(self.world, self.shots(Stream::Pilot, pass), stop, Stored::default, useful)
+        let optics = M::optics(self.world, self.seed, pass);
+        let open = |photon: &Photon<M>| -> f64 { photon.flux.as_slice().iter().map(|light| light.open()).sum() };
+        let useful = |stored: &Stored<M>| stored.photons.iter().filter(|p| !p.trail.is_empty()).map(open).sum();
+        let shots = self.shots(Stream::Pilot, pass);
+        self.emission.probe((self.world, &optics), shots, stop, Stored::new, useful)
     }
 
     /// Flux of each traced lamp, lm.
@@ -138,29 +152,29 @@ impl<'w> PhotonMapper<'w> {
         Shots { seed: self.seed, stream, pass, paths: self.photons }
     }
 
-    fn gather(&self, film: &mut Film, pass: u64, map: &PhotonMap) {
+    fn gather(&self, film: &mut Film, (pass, optics): (u64, &Optics<M>), map: &PhotonMap<M>) {
         let width = film.width;
         let mut rows: Vec<_> = film.rows().collect();
         rows.par_iter_mut().for_each(|(y, row)| {
-            let mut light = vec![Light::default(); self.route.planes.len()];
+            let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
             let mut ledger = Ledger::new(self.world.solids.len());
             for x in 0..width {
                 light.fill(Light::default());
                 let mut rng = Rng::new(self.seed, Stream::PhotonGather, pass, (*y * width + x) as u64);
                 let (origin, dir) = self.world.eye.ray(x, *y, rng.pair(), rng.pair());
                 let ray = Ray { origin, dir, from: None };
-                let walker = Walker::new(self.world, Travel::FromEye, ray, 1.0, Interior::default(), rng);
+                let walker = Walker::new((self.world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
                 self.eye_path(walker, map, &mut light, &mut ledger);
                 row.add_pass(x, &light);
             }
         });
     }
 
-    fn eye_path(&self, mut walker: Walker<'w>, map: &PhotonMap, out: &mut [Light], ledger: &mut Ledger) {
+    fn eye_path(&self, mut walker: Walker<'_, M>, map: &PhotonMap<M>, out: &mut [Light], ledger: &mut Ledger) {
         loop {
             let Met::Face(vertex) = walker.advance(ledger) else { return };
             if walker.events < SPLIT_FIRST_EVENTS
-                && let Some(reflected) = walker.split(&vertex, 0.0, Walker::MOST_SPLITS, ledger)
+                && let Some(reflected) = walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
             {
                 self.eye_path(reflected, map, out, ledger);
             }
@@ -180,8 +194,10 @@ impl<'w> PhotonMapper<'w> {
                         let through = photon.outside != vertex.outside;
                         let d_out = on_side(frame.to_local(-photon.dir), through);
                         let (index, _) = walker.beyond(&vertex, through, 0.0);
-                        let value = scatter.eval(d_in, d_out) * density / (index * index);
-                        out[plane].add(walker.beam.with_slides_of(photon.flux, value));
+                        let value = scatter.eval(d_in, d_out) * density;
+                        let factors = lanes::<M, _>(|lane| value / (index[lane] * index[lane]));
+                        let out = plane_of::<M>(out, plane);
+                        walker.beam.join(walker.optics, out, (&photon.flux, photon.alone), &factors);
                     });
                     return;
                 }

@@ -5,17 +5,20 @@ use crate::base::ids::GroupId;
 use crate::base::path::Trail;
 use crate::film::accumulate::Light;
 use crate::world::geometry::Site;
+use crate::world::mode::Mode;
 use glam::DVec3;
 
 /// Flux that arrived at a scatterer.
 #[derive(Debug, Clone)]
-pub struct Photon {
+pub struct Photon<M: Mode> {
     /// World, m.
     pub position: DVec3,
     /// Unit direction of propagation.
     pub dir: DVec3,
-    /// lm.
-    pub flux: Light,
+    /// Per lane, lm.
+    pub flux: M::Lanes<Light>,
+    /// Dispersion has parted the lanes: the first stands for all.
+    pub alone: bool,
     pub group: GroupId,
     /// From the lamp up to, but without, this vertex.
     pub trail: Trail,
@@ -26,17 +29,17 @@ pub struct Photon {
 
 /// Photons of one pass.
 #[derive(Debug)]
-pub struct PhotonMap {
-    photons: Vec<Photon>,
+pub struct PhotonMap<M: Mode> {
+    photons: Vec<Photon<M>>,
     /// Start of each bucket in `photons`; one more at the end.
     starts: Vec<u32>,
     cell: f64,
     radius: f64,
 }
 
-impl PhotonMap {
+impl<M: Mode> PhotonMap<M> {
     /// Sorts photons into cells for gathering within `radius` metres.
-    pub fn new(photons: Vec<Photon>, radius: f64) -> Self {
+    pub fn new(photons: Vec<Photon<M>>, radius: f64) -> Self {
         let buckets = (photons.len() * 2).next_power_of_two().max(1);
         let cell = 2.0 * radius;
         let bucket_of: Vec<u32> = photons.iter().map(|p| bucket(cell_of(p.position, cell), buckets) as u32).collect();
@@ -65,7 +68,7 @@ impl PhotonMap {
 
     /// Calls `visit` with each photon on the face of `site` within the radius of `point`, and the kernel's density there
     /// (1/m², Epanechnikov: 2/(πr²)·(1 − d²/r²)).
-    pub fn gather(&self, point: DVec3, site: Site, mut visit: impl FnMut(&Photon, f64)) {
+    pub fn gather(&self, point: DVec3, site: Site, mut visit: impl FnMut(&Photon<M>, f64)) {
         let buckets = self.starts.len() - 1;
         let r2 = self.radius * self.radius;
         let peak = 2.0 / (std::f64::consts::PI * r2);
@@ -105,12 +108,14 @@ fn bucket(cell: [i64; 3], buckets: usize) -> usize {
 mod tests {
     use super::*;
     use crate::base::rng::{Rng, Stream};
+    use crate::world::mode::Mono;
 
-    fn photon(position: DVec3, face: u32) -> Photon {
+    fn photon(position: DVec3, face: u32) -> Photon<Mono> {
         Photon {
             position,
             dir: DVec3::Z,
-            flux: Light { value: 1.0, ..Light::default() },
+            flux: [Light { value: 1.0, ..Light::default() }],
+            alone: false,
             group: GroupId(0),
             trail: Trail::START,
             site: Site { part: 0, face, triangle: 0 },
@@ -122,7 +127,7 @@ mod tests {
     fn gathers_exactly_the_photons_in_reach() {
         let mut rng = Rng::new(1, Stream::Check, 0, 0);
         let mut point = || DVec3::new(rng.uniform() - 0.5, rng.uniform() - 0.5, rng.uniform() - 0.5);
-        let photons: Vec<Photon> = (0..5000).map(|i| photon(point(), i % 2)).collect();
+        let photons: Vec<Photon<Mono>> = (0..5000).map(|i| photon(point(), i % 2)).collect();
         let map = PhotonMap::new(photons.clone(), 0.1);
         for _ in 0..200 {
             let at = point();
@@ -146,7 +151,7 @@ mod tests {
             .collect();
         let map = PhotonMap::new(photons, 0.1);
         let mut sum = 0.0;
-        map.gather(DVec3::new(0.5, 0.5, 0.0), Site { part: 0, face: 0, triangle: 0 }, |p, k| sum += p.flux.value * k);
+        map.gather(DVec3::new(0.5, 0.5, 0.0), Site { part: 0, face: 0, triangle: 0 }, |p, k| sum += p.flux[0].value * k);
         assert!((sum / (n * n) as f64 - 1.0).abs() < 1e-3, "{sum}");
     }
 }

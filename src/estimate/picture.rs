@@ -24,6 +24,7 @@ pub fn picture(scene: &Scene, outcome: &Outcome) -> Result<Finished> {
                 [slide] => Some(slide.contrast),
                 [] | [_, _, ..] => None,
             },
+            tint: [1.0; 3],
         })
         .collect();
     let finished = finish(scene.eye.resolution, &films, &groups, &[Layer::Direct, Layer::Caustic, Layer::Forward]);

@@ -12,6 +12,8 @@ use crate::film::accumulate::{Film, Sampling};
 use crate::film::detail::ErrorDetail;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
+use crate::world::mode::{Hero, Mode, Mono, Rgb, Spectral, components};
+use crate::world::stokes::Stokes;
 use std::time::{Duration, Instant};
 
 /// When to stop. The first limit that is reached counts.
@@ -87,13 +89,13 @@ impl Films {
     }
 }
 
-enum Engine<'w> {
-    Backward(Backward<'w>),
-    Forward(Forward<'w>),
-    Photon(PhotonMapper<'w>),
+enum Engine<'w, M: Mode> {
+    Backward(Backward<'w, M>),
+    Forward(Forward<'w, M>),
+    Photon(PhotonMapper<'w, M>),
 }
 
-impl Engine<'_> {
+impl<M: Mode> Engine<'_, M> {
     fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
         match self {
             Engine::Backward(e) => e.run(film, first, count),
@@ -114,8 +116,28 @@ pub fn run(
     limits: &Limits,
     observer: &mut dyn Observer,
 ) -> Outcome {
+    let trace = match (plan.mode.spectral, plan.mode.polarised) {
+        (Spectral::Mono, false) => run_in::<Mono<f64>>,
+        (Spectral::Mono, true) => run_in::<Mono<Stokes>>,
+        (Spectral::Rgb, false) => run_in::<Rgb<f64>>,
+        (Spectral::Rgb, true) => run_in::<Rgb<Stokes>>,
+        (Spectral::Hero, false) => run_in::<Hero<f64>>,
+        (Spectral::Hero, true) => run_in::<Hero<Stokes>>,
+    };
+    trace(world, plan, groups, size, seed, limits, observer)
+}
+
+fn run_in<M: Mode>(
+    world: &World,
+    plan: &Plan,
+    groups: usize,
+    size: [usize; 2],
+    seed: u64,
+    limits: &Limits,
+    observer: &mut dyn Observer,
+) -> Outcome {
     let start = Instant::now();
-    let mut engines = Vec::new();
+    let mut engines: Vec<Engine<'_, M>> = Vec::new();
     let mut films = Films { films: Vec::new(), passes: 0 };
     for estimator in Estimator::ALL {
         let route = Route::new(plan, groups, estimator);
@@ -126,7 +148,7 @@ pub fn run(
             Estimator::Forward => Sampling::PerPath { paths: plan.forward_paths },
             Estimator::Backward | Estimator::Photon => Sampling::PerPass,
         };
-        let film = Film::new(size[0], size[1], route.planes.clone(), sampling);
+        let film = Film::new(size[0], size[1], route.planes.clone(), components::<M>(), sampling);
         let film = match plan.errors {
             ErrorDetail::Picture => film,
             ErrorDetail::Layers => film.with_detail(),

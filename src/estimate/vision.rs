@@ -11,6 +11,8 @@ use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
+use crate::world::mode::{Mode, plane_of};
+use crate::world::optics::Optics;
 
 /// Paths per pixel and pass.
 const PATHS: u64 = 4;
@@ -47,10 +49,10 @@ impl<'w> Vision<'w> {
 
     /// Adds what one pass sees in pixel (`x`, `y`) to `out`, by plane. `width`: of the picture, pixels.
     #[allow(clippy::too_many_arguments)]
-    pub fn look(
+    pub fn look<M: Mode>(
         &self,
         route: &Route,
-        pass: u64,
+        (pass, optics): (u64, &Optics<M>),
         x: usize,
         y: usize,
         width: usize,
@@ -66,7 +68,7 @@ impl<'w> Vision<'w> {
             let (origin, dir) = self.world.eye.ray(x, y, jitter, rng.pair());
             let ray = Ray { origin, dir, from: None };
             let weight = 1.0 / PATHS as f64;
-            let mut walker = Walker::new(self.world, Travel::FromEye, ray, weight, Interior::default(), rng.fork());
+            let mut walker = Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
             let balance = ledger.imbalance();
             ledger.paths += 1;
             ledger.emitted += weight;
@@ -75,7 +77,14 @@ impl<'w> Vision<'w> {
         }
     }
 
-    fn follow(&self, route: &Route, walker: &mut Walker<'w>, least: f64, out: &mut [Light], ledger: &mut Ledger) {
+    fn follow<M: Mode>(
+        &self,
+        route: &Route,
+        walker: &mut Walker<'_, M>,
+        least: f64,
+        out: &mut [Light],
+        ledger: &mut Ledger,
+    ) {
         loop {
             let vertex = match walker.advance(ledger) {
                 Met::Sky => {
@@ -88,10 +97,10 @@ impl<'w> Vision<'w> {
             if let Some(seen) = walker.lamp_at(&vertex)
                 && let Some(plane) = route.from_eye(seen.lamp.group, walker.trail)
             {
-                out[plane].add(walker.beam.light(seen.luminance / walker.index_here().powi(2)));
+                walker.see(plane_of::<M>(out, plane), &seen, 1.0);
             }
             // Without the slides' factors, so that pictures at two contrasts share every path.
-            let share = walker.beam.weight;
+            let share = walker.beam.weight();
             if share > least
                 && let Some(mut reflected) = walker.split(&vertex, least / share, u8::MAX, ledger)
             {

@@ -2,19 +2,23 @@
 
 use super::beam::Beam;
 use super::ledger::Ledger;
+use super::turn::{Branch, Turn};
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Rng;
 use crate::base::warp::Frame;
+use crate::film::accumulate::Light;
 #[cfg(test)]
 use crate::world::Planted;
 use crate::world::World;
 use crate::world::eye::Arrival;
-use crate::world::fresnel::{reflect, refract};
 use crate::world::geometry::{Hit, Ray};
 use crate::world::interior::Interior;
 use crate::world::lamp::Lamp;
+use crate::world::mode::{Mode, lanes};
+use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
-use crate::world::surface::{FaceOptics, Films, Surface};
+use crate::world::slide::SlideMap;
+use crate::world::surface::{FaceOptics, Surface};
 use glam::DVec3;
 
 /// Paths from the eye are split at the first interfaces they meet: at both faces of a combiner, so that the image from
@@ -30,11 +34,13 @@ pub enum Travel {
 
 /// A path under way.
 #[derive(Clone)]
-pub struct Walker<'w> {
+pub struct Walker<'w, M: Mode> {
     pub world: &'w World,
+    /// Of the pass that the path belongs to.
+    pub optics: &'w Optics<M>,
     pub travel: Travel,
     pub ray: Ray,
-    pub beam: Beam,
+    pub beam: Beam<M>,
     /// Weight at the start: roulette compares with it.
     start_weight: f64,
     pub trail: Trail,
@@ -43,28 +49,11 @@ pub struct Walker<'w> {
     /// Vertices so far.
     pub events: u32,
     /// What the next interface does, if it is not left to chance.
-    forced: Option<Branch>,
+    pub(super) forced: Option<Branch>,
     /// What the interface ahead does with light, where it is already known.
-    ahead: Option<Turn>,
+    pub(super) ahead: Option<Turn<M>>,
     /// How often the path was split.
-    splits: u8,
-}
-
-/// One of the two ways on from an interface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Branch {
-    Reflected,
-    Refracted,
-}
-
-/// What an interface does with unpolarised light.
-#[derive(Debug, Clone, Copy)]
-struct Turn {
-    reflected: f64,
-    transmitted: f64,
-    absorbed: f64,
-    /// Where the transmitted light goes; none if there is none.
-    refracted: Option<DVec3>,
+    pub(super) splits: u8,
 }
 
 /// What a ray met.
@@ -109,17 +98,39 @@ pub enum Meeting<'w> {
     Scatter(&'w Scatter, Frame),
 }
 
-impl<'w> Walker<'w> {
+impl<'w, M: Mode> Walker<'w, M> {
     /// Most splits of a path that may scatter.
     pub const MOST_SPLITS: u8 = 2;
 
-    pub fn new(world: &'w World, travel: Travel, ray: Ray, weight: f64, interior: Interior, rng: Rng) -> Self {
+    /// A path that starts with the same weight in all lanes.
+    pub fn new(
+        (world, optics): (&'w World, &'w Optics<M>),
+        travel: Travel,
+        ray: Ray,
+        weight: f64,
+        interior: Interior,
+        rng: Rng,
+    ) -> Self {
+        Self::with_weights((world, optics), travel, ray, lanes::<M, _>(|_| weight), interior, rng)
+    }
+
+    /// A path that starts with these weights.
+    pub fn with_weights(
+        (world, optics): (&'w World, &'w Optics<M>),
+        travel: Travel,
+        ray: Ray,
+        weights: M::Lanes<f64>,
+        interior: Interior,
+        rng: Rng,
+    ) -> Self {
+        let beam = Beam::new(weights, ray.dir);
         Walker {
             world,
+            optics,
             travel,
             ray,
-            beam: Beam::new(weight),
-            start_weight: weight,
+            start_weight: beam.weight(),
+            beam,
             trail: Trail::START,
             interior,
             rng,
@@ -160,26 +171,44 @@ impl<'w> Walker<'w> {
 
     /// Beer–Lambert over `length` metres of the medium that the ray runs in.
     fn attenuate(&mut self, length: f64, ledger: &mut Ledger) {
-        if let Some((part, solid)) = self.world_top()
-            && solid.absorption_per_m > 0.0
+        if let Some((part, _)) = self.interior.top(&self.world.solids)
+            && let Some(absorption) = self.optics.absorption_in(part)
         {
             let before = self.beam.carried();
-            self.beam.scale((-solid.absorption_per_m * length).exp());
+            self.beam.scale_lanes(&lanes::<M, _>(|lane| (-absorption[lane] * length).exp()));
             self.absorb(part, before - self.beam.carried(), ledger);
         }
     }
 
-    fn world_top(&self) -> Option<(u32, &'w crate::world::interior::Solid)> {
-        self.interior.top(&self.world.solids)
+    /// Refractive index where the path is now.
+    pub(super) fn index_here(&self) -> M::Lanes<f64> {
+        self.index_in(&self.interior)
     }
 
-    /// Refractive index where the path is now. Radiance over index squared is what a path from the eye carries, so the
-    /// factor (n_eye/n_here)² is applied once, where light is picked up.
-    pub fn index_here(&self) -> f64 {
-        self.world.index_in(&self.interior)
+    pub(super) fn index_in(&self, interior: &Interior) -> M::Lanes<f64> {
+        self.optics.index_in(interior.top(&self.world.solids).map(|(part, _)| part))
     }
 
-    pub fn optics(&self, vertex: &Vertex) -> &'w FaceOptics {
+    /// Adds the light that a path from the eye picks up where it is: `amounts` per lane, luminance.
+    ///
+    /// Radiance over index squared is what such a path carries, so the factor (n_eye/n_here)² is applied here, once.
+    pub fn pick_up(&self, out: &mut [Light], amounts: &M::Lanes<f64>) {
+        self.pick_up_in(&self.index_here(), out, amounts);
+    }
+
+    /// Adds the light of a lamp that the path has met, `factor` times.
+    pub fn see(&self, out: &mut [Light], seen: &Shining<'_>, factor: f64) {
+        let tint = self.optics.lamp(seen.index);
+        self.pick_up(out, &lanes::<M, _>(|lane| seen.luminance * factor * tint[lane]));
+    }
+
+    /// [`Walker::pick_up`] in a medium of this index.
+    pub fn pick_up_in(&self, index: &M::Lanes<f64>, out: &mut [Light], amounts: &M::Lanes<f64>) {
+        self.beam.deposit(self.optics, out, &lanes::<M, _>(|lane| amounts[lane] / (index[lane] * index[lane])));
+    }
+
+    /// What the face at a vertex is.
+    pub fn face(&self, vertex: &Vertex) -> &'w FaceOptics {
         &self.world.faces[vertex.hit.site.part as usize][vertex.hit.site.face as usize]
     }
 
@@ -215,7 +244,7 @@ impl<'w> Walker<'w> {
                 return Meeting::Went;
             }
         }
-        match &self.optics(vertex).surface {
+        match &self.face(vertex).surface {
             Surface::Absent => {
                 self.pass_through(vertex);
                 Meeting::Went
@@ -231,97 +260,30 @@ impl<'w> Walker<'w> {
                     self.absorb(part, before, ledger);
                     return Meeting::Ended;
                 };
-                self.beam.cross(slide, s);
+                self.cross(vertex, slide, s);
                 self.absorb(part, before - self.beam.carried(), ledger);
                 self.trail = self.trail.then(Event::Specular);
                 self.pass_through(vertex);
                 self.roulette(ledger)
             }
             Surface::Mirror(mirror) => {
-                let cos_i = -self.ray.dir.dot(vertex.normal);
-                let power = mirror.power(self.index_here(), cos_i);
-                ledger.check_vertex(power.reflectance(), power.transmittance(), power.absorptance());
-                self.absorb(part, self.beam.carried() * power.absorptance(), ledger);
-                self.beam.scale(power.reflectance());
+                let turn = self.turn_at_mirror(vertex, *mirror);
                 self.trail = self.trail.then(Event::Specular);
-                self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger)
+                self.take_branch(vertex, &turn, Some(Branch::Only), ledger)
             }
-            Surface::Interface(films) => {
-                let turn = ahead.unwrap_or_else(|| self.turn(vertex, films));
-                let Turn { reflected: r, transmitted: t, absorbed: a, refracted } = turn;
-                ledger.check_vertex(r, t, a);
+            Surface::Interface(coating) => {
+                let turn = ahead.unwrap_or_else(|| self.turn(vertex, *coating));
                 self.trail = self.trail.then(Event::Specular);
-                let (weight, absorbed, branch) = match self.forced.take() {
-                    // The absorbed share is booked by the refracted branch alone.
-                    Some(Branch::Reflected) => (r, 0.0, Branch::Reflected),
-                    Some(Branch::Refracted) => (t, a, Branch::Refracted),
-                    None if self.rng.uniform() * (r + t) >= r => (r + t, a, Branch::Refracted),
-                    None => (r + t, a, Branch::Reflected),
-                };
-                self.absorb(part, self.beam.carried() * absorbed, ledger);
-                self.beam.scale(weight);
-                match (branch, refracted) {
-                    (Branch::Refracted, Some(dir)) => self.go(vertex, dir, true, ledger),
-                    (Branch::Reflected, _) | (Branch::Refracted, None) => {
-                        self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger)
-                    }
-                }
+                let forced = self.forced.take();
+                self.take_branch(vertex, &turn, forced, ledger)
             }
             Surface::Scatter(scatter) => Meeting::Scatter(scatter, Frame::about(vertex.normal)),
         }
     }
 
-    /// Splits a path at an interface where both ways carry at least `least` of the power: the returned path has been
-    /// reflected there with its share, this one will be refracted when it [meets](Walker::meet) the vertex. Through a
-    /// combiner the eye sees two worlds, and what is faint in one of them (a lamp's glint) should not wait for a rare
-    /// choice. At most `most` times on one path.
-    pub fn split(&mut self, vertex: &Vertex, least: f64, most: u8, ledger: &mut Ledger) -> Option<Walker<'w>> {
-        if self.splits >= most {
-            return None;
-        }
-        let Surface::Interface(films) = &self.optics(vertex).surface else { return None };
-        self.heal(vertex, ledger);
-        if self.index_here() == self.index_beyond(vertex) {
-            return None;
-        }
-        let turn = self.turn(vertex, films);
-        self.ahead = Some(turn);
-        if turn.reflected.min(turn.transmitted) < least {
-            return None;
-        }
-        turn.refracted?;
-        self.splits += 1;
-        let mut reflected = self.clone();
-        reflected.rng = self.rng.fork();
-        reflected.forced = Some(Branch::Reflected);
-        self.forced = Some(Branch::Refracted);
-        match reflected.meet(vertex, ledger) {
-            Meeting::Went => Some(reflected),
-            Meeting::Ended | Meeting::Scatter(..) => None,
-        }
-    }
-
-    /// What the interface at `vertex` does, in the solids that are around the ray now.
-    fn turn(&self, vertex: &Vertex, films: &Films) -> Turn {
-        let (n1, n2) = (self.index_here(), self.index_beyond(vertex));
-        let cos_i = -self.ray.dir.dot(vertex.normal);
-        let power = films.power(n1, n2, cos_i, vertex.outside, self.world.wavelength_nm);
-        let (r, t) = (power.reflectance(), power.transmittance());
-        let refracted = if t > 0.0 { refract(self.ray.dir, vertex.normal, n1 / n2) } else { None };
-        // Rounding at the critical angle may leave power to a direction that does not exist.
-        let (reflected, transmitted) = if refracted.is_some() { (r, t) } else { (r + t, 0.0) };
-        #[cfg(test)]
-        let (reflected, transmitted) = if self.world.planted == (Planted::Leak { part: vertex.hit.site.part }) {
-            (0.99 * reflected, 0.99 * transmitted)
-        } else {
-            (reflected, transmitted)
-        };
-        Turn { reflected, transmitted, absorbed: power.absorptance(), refracted }
-    }
-
     /// Makes the solids around the ray agree with what the hit proves, once per vertex however often it is asked for.
     /// Returns whether the face belongs to a solid.
-    fn heal(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> bool {
+    pub(super) fn heal(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> bool {
         let part = vertex.hit.site.part;
         let solid = self.world.solids[part as usize].is_some();
         if solid {
@@ -334,7 +296,7 @@ impl<'w> Walker<'w> {
     }
 
     /// Books what `part` takes.
-    fn absorb(&self, part: u32, amount: f64, ledger: &mut Ledger) {
+    pub(super) fn absorb(&self, part: u32, amount: f64, ledger: &mut Ledger) {
         #[cfg(test)]
         if self.world.planted == (Planted::Unbooked { part }) {
             return;
@@ -351,35 +313,31 @@ impl<'w> Walker<'w> {
         ledger.escaped += self.beam.carried();
     }
 
-    /// Whether the path has been split before: it is past a combiner's first face.
-    pub fn was_split(&self) -> bool {
-        self.splits > 0
-    }
-
     /// Goes on without chance: through what transmits, back from what only reflects. False (and the path stays) at
     /// what is not specular.
     pub fn go_straight_on(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> bool {
         self.events += 1;
-        match &self.optics(vertex).surface {
+        match &self.face(vertex).surface {
             Surface::Absorber | Surface::Scatter(_) => false,
             Surface::Absent => {
                 self.pass_through(vertex);
                 true
             }
             Surface::Slide(_) | Surface::Mirror(_) => matches!(self.meet(vertex, ledger), Meeting::Went),
-            Surface::Interface(films) => {
+            Surface::Interface(coating) => {
                 self.heal(vertex, ledger);
-                let turn = self.turn(vertex, films);
-                let turned = match turn.refracted {
-                    Some(dir) => {
-                        self.beam.scale(turn.transmitted);
-                        self.go(vertex, dir, true, ledger)
-                    }
-                    None => self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger),
-                };
-                matches!(turned, Meeting::Went)
+                let turn = self.turn(vertex, *coating);
+                let branch = if turn.refracts() { Branch::Refracted } else { Branch::Reflected };
+                matches!(self.take_branch(vertex, &turn, Some(branch), ledger), Meeting::Went)
             }
         }
+    }
+
+    /// Crosses a slide.
+    fn cross(&mut self, vertex: &Vertex, slide: &SlideMap, s: f64) {
+        let part = vertex.hit.site.part;
+        let across = slide.polarisation_axis().map(|axis| self.world.geometry.part_to_world(part).transform_vector3(axis));
+        self.beam.cross(slide, s, across, self.ray.dir, self.travel == Travel::FromEye);
     }
 
     /// Scatters at a vertex for which [`Walker::meet`] said `Scatter`. Returns the direction's density per steradian
@@ -393,6 +351,7 @@ impl<'w> Walker<'w> {
         let u = [self.rng.uniform(), self.rng.uniform(), self.rng.uniform()];
         let sampled = scatter.sample(d_in, u)?;
         self.beam.scale(sampled.weight);
+        self.beam.depolarise(frame.to_world(sampled.dir));
         let through = sampled.dir.z < 0.0;
         match self.go(vertex, frame.to_world(sampled.dir), through, ledger) {
             Meeting::Went => Some(sampled.pdf),
@@ -402,18 +361,22 @@ impl<'w> Walker<'w> {
 
     /// Index of the medium on the side where light is picked up (`through` the face or not), and the medium's
     /// transmittance over `length` metres there.
-    pub fn beyond(&self, vertex: &Vertex, through: bool, length: f64) -> (f64, f64) {
+    pub fn beyond(&self, vertex: &Vertex, through: bool, length: f64) -> (M::Lanes<f64>, M::Lanes<f64>) {
         let there = if through { self.interior_beyond(vertex) } else { self.interior.clone() };
-        let top = there.top(&self.world.solids).map(|(_, solid)| *solid);
-        top.map_or((1.0, 1.0), |solid| {
-            let depth = if solid.absorption_per_m > 0.0 { solid.absorption_per_m * length } else { 0.0 };
-            (solid.index, (-depth).exp())
-        })
+        let top = there.top(&self.world.solids).map(|(part, _)| part);
+        let absorption = top.and_then(|part| self.optics.absorption_in(part));
+        let transmittance = absorption.map_or_else(
+            || lanes::<M, _>(|_| 1.0),
+            |absorption| {
+                lanes::<M, _>(|lane| if absorption[lane] > 0.0 { (-absorption[lane] * length).exp() } else { 1.0 })
+            },
+        );
+        (self.optics.index_in(top), transmittance)
     }
 
     /// The index behind the face: what fills the space once the ray has gone through.
-    fn index_beyond(&self, vertex: &Vertex) -> f64 {
-        self.world.index_in(&self.interior_beyond(vertex))
+    pub(super) fn index_beyond(&self, vertex: &Vertex) -> M::Lanes<f64> {
+        self.index_in(&self.interior_beyond(vertex))
     }
 
     /// The solids around the ray once it has gone through the face.
@@ -433,7 +396,7 @@ impl<'w> Walker<'w> {
     }
 
     /// Leaves a vertex in `dir`, through the face or back from it.
-    fn go(&mut self, vertex: &Vertex, dir: DVec3, through: bool, ledger: &mut Ledger) -> Meeting<'w> {
+    pub(super) fn go(&mut self, vertex: &Vertex, dir: DVec3, through: bool, ledger: &mut Ledger) -> Meeting<'w> {
         let leaves_outside = dir.dot(vertex.hit.normal) > 0.0;
         if leaves_outside != (vertex.outside != through) {
             // Only the interpolated normals of meshes can do this.
@@ -456,7 +419,8 @@ impl<'w> Walker<'w> {
             ledger.invalid_paths += 1;
             return Meeting::Ended;
         }
-        if self.beam.weight <= 0.0 {
+        let weight = self.beam.weight();
+        if weight <= 0.0 {
             return Meeting::Ended;
         }
         if self.events <= FREE_EVENTS {
@@ -464,7 +428,7 @@ impl<'w> Walker<'w> {
         }
         // Light that total reflection traps loses nothing; only the event count can end it.
         let trapped: f64 = if self.events > TRAPPED_EVENTS { 0.999 } else { 1.0 };
-        let survive = (self.beam.weight / self.start_weight * 4.0).clamp(0.05, 1.0) * trapped;
+        let survive = (weight / self.start_weight * 4.0).clamp(0.05, 1.0) * trapped;
         if survive >= 1.0 {
             return Meeting::Went;
         }

@@ -3,6 +3,7 @@
 use super::detail::{Detail, DetailRow};
 use super::layer::Layer;
 use crate::base::ids::GroupId;
+use crate::base::units::LUMINANCE_OF_REC709;
 
 /// Light of one path or pixel, cd/m² (or lm before it is measured), as it depends on the slide's contrast.
 ///
@@ -78,18 +79,52 @@ pub enum Sampling {
     PerPath { paths: u64 },
 }
 
+/// What a plane of a film holds per pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Components {
+    Luminance,
+    /// Linear Rec.709, whose luminance is Y.
+    Rec709,
+}
+
+impl Components {
+    pub fn count(self) -> usize {
+        match self {
+            Components::Luminance => 1,
+            Components::Rec709 => 3,
+        }
+    }
+
+    /// The luminance of one plane's entries.
+    pub fn luminance(self, entries: &[Light]) -> Light {
+        match (self, entries) {
+            (Components::Rec709, [r, g, b]) => {
+                let [wr, wg, wb] = LUMINANCE_OF_REC709;
+                let mut sum = r.scaled(wr);
+                sum.add(g.scaled(wg));
+                sum.add(b.scaled(wb));
+                sum
+            }
+            (Components::Luminance | Components::Rec709, entries) => entries.first().copied().unwrap_or_default(),
+        }
+    }
+}
+
 /// Sums over passes, pixel-major so that a row is one contiguous piece.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
     pub width: usize,
     pub height: usize,
     pub planes: Vec<PlaneKey>,
+    /// Values per plane: luminance alone, or linear Rec.709.
+    pub components: Components,
     pub sampling: Sampling,
     /// Passes added so far.
     pub passes: u64,
-    /// `[pixel][plane]`
+    /// `[pixel][plane][component]`
     sums: Vec<Light>,
-    /// `[pixel][plane]`, then one more for the sum over planes: squares of `value`.
+    /// `[pixel][plane]`, then one more for the sum over planes: squares of the luminance.
     squares: Vec<f64>,
     /// Kept on request.
     detail: Option<Detail>,
@@ -98,6 +133,7 @@ pub struct Film {
 /// One row of a film, for the thread that owns it.
 pub struct Row<'f> {
     planes: usize,
+    components: Components,
     sums: &'f mut [Light],
     squares: &'f mut [f64],
     detail: Option<DetailRow<'f>>,
@@ -112,15 +148,22 @@ pub struct MixError {
 }
 
 impl Film {
-    pub fn new(width: usize, height: usize, planes: Vec<PlaneKey>, sampling: Sampling) -> Self {
+    pub fn new(
+        width: usize,
+        height: usize,
+        planes: Vec<PlaneKey>,
+        components: Components,
+        sampling: Sampling,
+    ) -> Self {
         let (pixels, count) = (width * height, planes.len());
         Film {
             width,
             height,
             planes,
+            components,
             sampling,
             passes: 0,
-            sums: vec![Light::default(); pixels * count],
+            sums: vec![Light::default(); pixels * count * components.count()],
             squares: vec![0.0; pixels * (count + 1)],
             detail: None,
         }
@@ -145,13 +188,15 @@ impl Film {
     /// The rows, top to bottom, to be filled in parallel.
     pub fn rows(&mut self) -> impl Iterator<Item = (usize, Row<'_>)> {
         let planes = self.planes.len();
+        let components = self.components;
         let width = self.width;
         let mut details = self.detail.as_mut().map(|detail| detail.rows(width));
         self.sums
-            .chunks_mut((width * planes).max(1))
+            .chunks_mut((width * planes * components.count()).max(1))
             .zip(self.squares.chunks_mut(width * (planes + 1)))
             .map(move |(sums, squares)| Row {
                 planes,
+                components,
                 sums,
                 squares,
                 detail: details.as_mut().and_then(Iterator::next),
@@ -159,10 +204,12 @@ impl Film {
             .enumerate()
     }
 
-    /// Adds the light of one path that landed in `pixel`.
-    pub fn splat(&mut self, pixel: usize, plane: usize, light: Light) {
+    /// Adds the light of one path that landed in `pixel`: the entries of one plane.
+    pub fn splat(&mut self, pixel: usize, plane: usize, entries: &[Light]) {
         let planes = self.planes.len();
-        self.sums[pixel * planes + plane].add(light);
+        let at = self.entries_at(pixel, plane);
+        self.sums[at].iter_mut().zip(entries).for_each(|(sum, light)| sum.add(*light));
+        let light = self.components.luminance(entries);
         let square = light.value * light.value;
         self.squares[pixel * (planes + 1) + plane] += square;
         self.squares[pixel * (planes + 1) + planes] += square;
@@ -171,17 +218,37 @@ impl Film {
         }
     }
 
-    /// Mean light of a pixel in a plane.
+    fn entries_at(&self, pixel: usize, plane: usize) -> std::ops::Range<usize> {
+        let count = self.components.count();
+        let first = (pixel * self.planes.len() + plane) * count;
+        first..first + count
+    }
+
+    /// Sum of the luminance of a pixel in a plane.
+    fn sum(&self, pixel: usize, plane: usize) -> Light {
+        self.components.luminance(&self.sums[self.entries_at(pixel, plane)])
+    }
+
+    /// Mean luminance of a pixel in a plane.
     pub fn mean(&self, pixel: usize, plane: usize) -> Light {
-        self.sums[pixel * self.planes.len() + plane].scaled(1.0 / self.passes.max(1) as f64)
+        self.sum(pixel, plane).scaled(1.0 / self.passes.max(1) as f64)
+    }
+
+    /// Mean light of a pixel in a plane, one entry per component.
+    pub fn mean_entries(&self, pixel: usize, plane: usize) -> impl Iterator<Item = Light> {
+        let factor = 1.0 / self.passes.max(1) as f64;
+        self.sums[self.entries_at(pixel, plane)].iter().map(move |light| light.scaled(factor))
     }
 
     /// Variance of the mean `value` of a pixel: of one plane, or of the sum over planes (`plane == planes.len()`).
     /// Zero when there are not yet two samples.
     pub fn variance(&self, pixel: usize, plane: usize) -> f64 {
         let planes = self.planes.len();
-        let all = &self.sums[pixel * planes..(pixel + 1) * planes];
-        let sum: f64 = if plane < planes { all[plane].value } else { all.iter().map(|light| light.value).sum() };
+        let sum: f64 = if plane < planes {
+            self.sum(pixel, plane).value
+        } else {
+            (0..planes).map(|plane| self.sum(pixel, plane).value).sum()
+        };
         self.covariance_of_means(sum, sum, self.squares[pixel * (planes + 1) + plane]).max(0.0)
     }
 
@@ -189,14 +256,14 @@ impl Film {
     pub fn layer_variance(&self, pixel: usize, layer: Layer) -> Option<f64> {
         let detail = self.detail.as_ref()?;
         let index = detail.layers.iter().position(|own| *own == layer)?;
-        let sum: f64 = detail.planes_of(index).map(|plane| self.sums[pixel * self.planes.len() + plane].value).sum();
+        let sum: f64 = detail.planes_of(index).map(|plane| self.sum(pixel, plane).value).sum();
         Some(self.covariance_of_means(sum, sum, detail.square(pixel, index)).max(0.0))
     }
 
     /// What a mixture of `open` and `content` needs for its standard error; none if it is not kept.
     pub fn mix_error(&self, pixel: usize, plane: usize) -> Option<MixError> {
         let mixed = self.detail.as_ref()?.mixed(pixel, plane);
-        let sum = self.sums[pixel * self.planes.len() + plane];
+        let sum = self.sum(pixel, plane);
         let (open, content) = (sum.open(), sum.content());
         Some(MixError {
             open: self.covariance_of_means(open, open, mixed.open2).max(0.0),
@@ -221,17 +288,23 @@ impl Film {
 }
 
 impl Row<'_> {
-    /// Adds one pass's light of pixel `x` (one entry per plane).
+    /// Adds one pass's light of pixel `x`: the entries of each plane in turn.
     pub fn add_pass(&mut self, x: usize, pass: &[Light]) {
+        let count = self.components.count();
+        let own = x * self.planes * count..(x + 1) * self.planes * count;
+        self.sums[own].iter_mut().zip(pass).for_each(|(sum, light)| sum.add(*light));
         let mut total = 0.0;
-        for (plane, light) in pass.iter().enumerate() {
-            self.sums[x * self.planes + plane].add(*light);
+        for plane in 0..self.planes {
+            let light = self.components.luminance(&pass[plane * count..(plane + 1) * count]);
             self.squares[x * (self.planes + 1) + plane] += light.value * light.value;
             total += light.value;
+            if let Some(detail) = &mut self.detail {
+                detail.add(x, plane, light);
+            }
         }
         self.squares[x * (self.planes + 1) + self.planes] += total * total;
         if let Some(detail) = &mut self.detail {
-            detail.add_pass(x, pass);
+            detail.close(x);
         }
     }
 }
@@ -265,7 +338,7 @@ mod tests {
 
     #[test]
     fn mean_and_variance_per_pass() {
-        let mut film = Film::new(1, 1, vec![KEY], Sampling::PerPass);
+        let mut film = Film::new(1, 1, vec![KEY], Components::Luminance, Sampling::PerPass);
         for x in [1.0, 2.0, 4.0, 5.0] {
             film.rows().for_each(|(_, mut row)| row.add_pass(0, &[light(x)]));
             film.passes += 1;
@@ -279,8 +352,8 @@ mod tests {
     #[test]
     fn variance_per_path_counts_the_paths_that_missed() {
         // 100 paths, 25 of them add 2: mean of the sum 50, variance 100·p(1−p)·4·(100/99).
-        let mut film = Film::new(1, 1, vec![KEY], Sampling::PerPath { paths: 100 });
-        (0..25).for_each(|_| film.splat(0, 0, light(2.0)));
+        let mut film = Film::new(1, 1, vec![KEY], Components::Luminance, Sampling::PerPath { paths: 100 });
+        (0..25).for_each(|_| film.splat(0, 0, &[light(2.0)]));
         film.passes = 1;
         assert_eq!(film.mean(0, 0).value, 50.0);
         let want = 100.0 * 0.25 * 0.75 * 4.0 * 100.0 / 99.0;

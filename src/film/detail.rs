@@ -51,6 +51,8 @@ pub struct DetailRow<'f> {
     layers: usize,
     mixed: &'f mut [Mixed],
     squares: &'f mut [f64],
+    /// Luminance of each layer in the pass under way.
+    pass: Vec<f64>,
 }
 
 impl Detail {
@@ -73,7 +75,7 @@ impl Detail {
         self.mixed
             .chunks_mut((width * of_plane.len()).max(1))
             .zip(self.squares.chunks_mut((width * layers).max(1)))
-            .map(move |(mixed, squares)| DetailRow { of_plane, layers, mixed, squares })
+            .map(move |(mixed, squares)| DetailRow { of_plane, layers, mixed, squares, pass: vec![0.0; layers] })
     }
 
     /// Adds the light of one path in one plane.
@@ -96,16 +98,17 @@ impl Detail {
 }
 
 impl DetailRow<'_> {
-    /// Adds one pass's light of pixel `x` (one entry per plane).
-    pub fn add_pass(&mut self, x: usize, pass: &[Light]) {
-        let planes = self.of_plane.len();
-        for (plane, light) in pass.iter().enumerate() {
-            self.mixed[x * planes + plane].add(*light);
-        }
-        for layer in 0..self.layers {
-            let own = pass.iter().zip(self.of_plane).filter(|(_, of)| **of == layer);
-            let value: f64 = own.map(|(light, _)| light.value).sum();
-            self.squares[x * self.layers + layer] += value * value;
+    /// Adds one pass's luminance of pixel `x` in one plane.
+    pub fn add(&mut self, x: usize, plane: usize, light: Light) {
+        self.mixed[x * self.of_plane.len() + plane].add(light);
+        self.pass[self.of_plane[plane]] += light.value;
+    }
+
+    /// After the last plane of a pixel's pass.
+    pub fn close(&mut self, x: usize) {
+        for (layer, value) in self.pass.iter_mut().enumerate() {
+            self.squares[x * self.layers + layer] += *value * *value;
+            *value = 0.0;
         }
     }
 }

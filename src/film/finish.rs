@@ -1,6 +1,6 @@
 //! From films to a frame: means, layers per group, the contrast split, `hybrid`, standard errors.
 
-use super::accumulate::{Film, Light, MixError, PlaneKey};
+use super::accumulate::{Components, Film, Light, MixError, PlaneKey};
 use super::frame::{Channel, Frame};
 use super::layer::Layer;
 use crate::base::ids::GroupId;
@@ -12,7 +12,12 @@ pub struct GroupInfo {
     pub name: String,
     /// Contrast C of the slide that the group's light crosses, if its layers are to be split into `open` and `content`.
     pub contrast: Option<f64>,
+    /// Linear Rec.709 of a unit of the group's luminance, where films hold luminance alone.
+    pub tint: [f64; 3],
 }
+
+/// The light of a pixel in the three channels.
+type Coloured = [Light; 3];
 
 /// What was decided about splitting a group, for the header.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -38,39 +43,76 @@ const SPLIT_TOLERANCE: f64 = 1e-7;
 /// even if no estimator filled them.
 pub fn finish([width, height]: [usize; 2], films: &[&Film], groups: &[GroupInfo], always: &[Layer]) -> Finished {
     let pixels = width * height;
-    let mut planes: BTreeMap<PlaneKey, Vec<Light>> = BTreeMap::new();
+    let mut planes: BTreeMap<PlaneKey, Vec<Coloured>> = BTreeMap::new();
     for film in films {
         for (index, key) in film.planes.iter().enumerate() {
-            let plane = planes.entry(*key).or_insert_with(|| vec![Light::default(); pixels]);
-            plane.iter_mut().enumerate().for_each(|(pixel, light)| light.add(film.mean(pixel, index)));
+            let plane = planes.entry(*key).or_insert_with(|| vec![Coloured::default(); pixels]);
+            let tint = groups[key.group.index()].tint;
+            for (pixel, sums) in plane.iter_mut().enumerate() {
+                let light = coloured(film, pixel, index, tint);
+                sums.iter_mut().zip(light).for_each(|(sum, light)| sum.add(light));
+            }
         }
     }
     let mut out = Maker { frame: Frame { width, height, ..Frame::default() }, splits: Vec::new() };
-    let mut hybrid = vec![0f32; pixels];
+    let mut hybrid = Channels::black(pixels);
     for layer in Layer::SUM_ORDER {
-        let own: Vec<(GroupId, &Vec<Light>)> =
+        let own: Vec<(GroupId, &Vec<Coloured>)> =
             planes.iter().filter(|(key, _)| key.layer == layer).map(|(key, plane)| (key.group, plane)).collect();
-        let lit = |plane: &[Light]| plane.iter().any(|l| l.value != 0.0 || l.open() != 0.0);
+        let lit = |plane: &[Coloured]| plane.iter().flatten().any(|l| l.value != 0.0 || l.open() != 0.0);
         let filled = own.iter().any(|(_, plane)| lit(plane));
         if !filled && !always.contains(&layer) {
             continue;
         }
-        let mut sum = vec![0f32; pixels];
+        let mut sum = Channels::black(pixels);
         for (group, plane) in own.into_iter().filter(|(_, plane)| lit(plane)) {
             let info = &groups[group.index()];
             let stored = out.group(layer, info, plane);
             out.group_errors(films, PlaneKey { layer, group }, info);
-            sum.iter_mut().zip(&stored).for_each(|(a, b)| *a += b);
+            sum.add(&stored);
         }
-        hybrid.iter_mut().zip(&sum).for_each(|(a, b)| *a += b);
-        out.grey(layer.name(), sum);
+        hybrid.add(&sum);
+        out.rgb(layer.name(), sum);
         out.layer_errors(films, layer);
     }
-    out.grey("hybrid", hybrid.clone());
-    out.grey("", hybrid);
+    out.rgb("hybrid", hybrid.clone());
+    out.rgb("", hybrid);
     out.stderr(films, pixels);
     let invalid = out.frame.channels.iter().filter_map(first_invalid).collect();
     Finished { frame: out.frame, splits: out.splits, invalid }
+}
+
+/// The mean light of a pixel in a plane: luminance times the group's tint, or what the film holds.
+fn coloured(film: &Film, pixel: usize, plane: usize, tint: [f64; 3]) -> Coloured {
+    match film.components {
+        Components::Luminance => {
+            let light = film.mean(pixel, plane);
+            tint.map(|share| if share == 1.0 { light } else { light.scaled(share) })
+        }
+        Components::Rec709 => {
+            let mut entries = film.mean_entries(pixel, plane);
+            std::array::from_fn(|_| entries.next().unwrap_or_default())
+        }
+    }
+}
+
+/// Three channels as they are stored.
+#[derive(Clone)]
+struct Channels([Vec<f32>; 3]);
+
+impl Channels {
+    fn black(pixels: usize) -> Self {
+        Channels(std::array::from_fn(|_| vec![0f32; pixels]))
+    }
+    fn of(plane: &[Coloured], value: impl Fn(&Light) -> f64) -> Self {
+        Channels(std::array::from_fn(|c| plane.iter().map(|light| value(&light[c]) as f32).collect()))
+    }
+    /// The f32 sum: `hybrid` is the sum of what is stored.
+    fn add(&mut self, other: &Channels) {
+        for (own, other) in self.0.iter_mut().zip(&other.0) {
+            own.iter_mut().zip(other).for_each(|(a, b)| *a += b);
+        }
+    }
 }
 
 fn first_invalid(channel: &Channel) -> Option<String> {
@@ -84,29 +126,34 @@ struct Maker {
 }
 
 impl Maker {
-    /// Adds an achromatic layer; the empty name is the default image. Light traced at one wavelength is grey: R = G = B
-    /// = Y, which keeps Y = 0.2126 R + 0.7152 G + 0.0722 B in cd/m².
-    fn grey(&mut self, layer: &str, data: Vec<f32>) {
-        for channel in ["R", "G", "B"] {
+    /// Adds a layer; the empty name is the default image.
+    fn rgb(&mut self, layer: &str, Channels(data): Channels) {
+        for (channel, data) in ["R", "G", "B"].into_iter().zip(data) {
             let name = if layer.is_empty() { channel.to_owned() } else { format!("{layer}.{channel}") };
-            self.frame.channels.push(Channel { name, data: data.clone() });
+            self.frame.channels.push(Channel { name, data });
         }
     }
 
+    /// Adds a layer that is no light, the same in all channels.
+    fn grey(&mut self, layer: &str, data: Vec<f32>) {
+        self.rgb(layer, Channels([data.clone(), data.clone(), data]));
+    }
+
     /// Adds the layers of one group; returns what was stored for the group itself.
-    fn group(&mut self, layer: Layer, group: &GroupInfo, plane: &[Light]) -> Vec<f32> {
+    fn group(&mut self, layer: Layer, group: &GroupInfo, plane: &[Coloured]) -> Channels {
         let name = format!("{}_{}", layer.name(), group.name);
         if let Some(contrast) = group.contrast {
             self.split(layer, group, &name, contrast, plane);
         }
-        let stored: Vec<f32> = plane.iter().map(|light| light.value as f32).collect();
-        self.grey(&name, stored.clone());
+        let stored = Channels::of(plane, |light| light.value);
+        self.rgb(&name, stored.clone());
         stored
     }
 
-    fn split(&mut self, layer: Layer, group: &GroupInfo, name: &str, contrast: f64, plane: &[Light]) {
+    fn split(&mut self, layer: Layer, group: &GroupInfo, name: &str, contrast: f64, plane: &[Coloured]) {
         // Light that crossed no slide does not depend on the contrast: there is nothing to split.
-        if plane.iter().all(|l| l.powers[1..].iter().all(|p| *p == 0.0)) {
+        let all = || plane.iter().flatten();
+        if all().all(|l| l.powers[1..].iter().all(|p| *p == 0.0)) {
             return;
         }
         let (u, v) = (1.0 - 1.0 / contrast, 1.0 / contrast);
@@ -117,8 +164,8 @@ impl Maker {
             let crossings: f64 = (0..orders).rev().fold(0.0, |sum, j| sum * u + cross(l, j));
             l.content() * u + l.open() * v + crossings * u * v
         };
-        let peak = plane.iter().fold(0.0f64, |peak, l| peak.max(l.value.abs()));
-        let miss = plane.iter().map(|l| (recombined(l) - l.value).abs()).fold(0.0f64, f64::max);
+        let peak = all().fold(0.0f64, |peak, l| peak.max(l.value.abs()));
+        let miss = all().map(|l| (recombined(l) - l.value).abs()).fold(0.0f64, f64::max);
         let written = miss <= SPLIT_TOLERANCE * peak;
         let because = if written {
             format!("recombining misses by {:.1e} of the peak", miss / peak.max(f64::MIN_POSITIVE))
@@ -131,11 +178,11 @@ impl Maker {
         if !written {
             return;
         }
-        self.grey(&format!("{name}_open"), plane.iter().map(|l| l.open() as f32).collect());
-        self.grey(&format!("{name}_content"), plane.iter().map(|l| l.content() as f32).collect());
+        self.rgb(&format!("{name}_open"), Channels::of(plane, |l| l.open()));
+        self.rgb(&format!("{name}_content"), Channels::of(plane, |l| l.content()));
         for (order, suffix) in ["_cross", "_cross2", "_cross3"].into_iter().enumerate().take(orders) {
-            if plane.iter().any(|l| cross(l, order) != 0.0) {
-                self.grey(&format!("{name}{suffix}"), plane.iter().map(|l| cross(l, order) as f32).collect());
+            if all().any(|l| cross(l, order) != 0.0) {
+                self.rgb(&format!("{name}{suffix}"), Channels::of(plane, |l| cross(l, order)));
             }
         }
     }

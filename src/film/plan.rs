@@ -38,6 +38,39 @@ pub enum Verdict {
     Skip { because: String },
 }
 
+/// What the lanes of a path stand for: how many wavelengths it carries at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Spectral {
+    /// Luminance at one wavelength, or of light that nothing in the scene tells apart by wavelength.
+    #[default]
+    Mono,
+    /// Linear Rec.709 values: the colours are given, and nothing bends or splits them.
+    Rgb,
+    /// Four wavelengths.
+    Hero,
+}
+
+impl Spectral {
+    pub fn name(self) -> &'static str {
+        match self {
+            Spectral::Mono => "mono",
+            Spectral::Rgb => "rgb",
+            Spectral::Hero => "hero",
+        }
+    }
+}
+
+/// How paths are traced: the smallest mode that is exact for the scene, and why.
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+pub struct PathMode {
+    pub spectral: Spectral,
+    pub spectral_because: String,
+    /// Paths carry Stokes vectors.
+    pub polarised: bool,
+    pub polarised_because: String,
+}
+
 /// One row per light group and class.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Row {
@@ -63,6 +96,7 @@ pub struct Plan {
     /// The same for photons.
     #[serde(skip)]
     pub photon_guide: Option<Guide>,
+    pub mode: PathMode,
     /// Whose standard errors are kept.
     pub errors: ErrorDetail,
     /// What the plan wants a reader to know: skipped estimators and layers, the wavelength, assumptions.

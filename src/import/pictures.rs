@@ -83,6 +83,7 @@ impl Builder<'_> {
             size: spec.size,
             transmittance: spec.transmittance,
             contrast: spec.contrast,
+            polarisation: spec.polarisation,
         };
         Ok(Some(SlideId::from_index(intern(&mut self.slides, slide))))
     }

@@ -7,7 +7,7 @@ use crate::base::path::Class;
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::film::detail::ErrorDetail;
-use crate::film::plan::{Estimator, Plan, Row, Verdict};
+use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
 use crate::world::World;
 
 /// Which estimators may be used.
@@ -68,6 +68,7 @@ fn make(checked: &Checked, world: &World, choice: Choice, stop: &ShouldStop<'_>)
         photon_radius_m: 0.0,
         forward_guide: None,
         photon_guide: None,
+        mode: PathMode::default(),
         errors: ErrorDetail::default(),
         notes,
     };

@@ -13,6 +13,7 @@ use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
+use crate::world::mode::{Mode, Mono};
 use glam::DVec3;
 
 /// Lamp paths per round of a pilot: a small picture is not worth many.
@@ -39,7 +40,7 @@ pub fn forward(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>)
     let mut arrived = vec![0; groups];
     for round in 0..ROUNDS {
         let route = Route::new(plan, groups, Estimator::Forward);
-        let forward = Forward::new(world, route, groups, paths(world), guide.as_ref(), SEED);
+        let forward = Forward::<Mono>::new(world, route, groups, paths(world), guide.as_ref(), SEED);
         let samples = forward.probe(round, stop);
         samples.iter().for_each(|(lamp, _, _)| arrived[forward.group_of(*lamp).index()] += 1);
         guide = Some(Guide::learn(forward.flux(), &samples));
@@ -52,7 +53,7 @@ pub fn photon(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) 
     let mut guide = None;
     for round in 0..ROUNDS {
         let route = Route::new(plan, groups, Estimator::Photon);
-        let mapper = PhotonMapper::new(world, route, groups, paths(world), guide.as_ref(), 1.0, SEED);
+        let mapper = PhotonMapper::<Mono>::new(world, route, groups, paths(world), guide.as_ref(), 1.0, SEED);
         let samples = mapper.probe(round, stop);
         guide = Some(Guide::learn(mapper.flux(), &samples));
     }
@@ -100,7 +101,8 @@ fn first_broad(world: &World, (x, y): (usize, usize), salt: u64) -> Option<((u32
     let (origin, dir) = world.eye.ray(x, y, [0.5; 2], [0.5; 2]);
     let rng = Rng::new(0, Stream::Pilot, 0, salt);
     let ray = Ray { origin, dir, from: None };
-    let mut walker = Walker::new(world, Travel::FromEye, ray, 1.0, Interior::default(), rng);
+    let optics = Mono::<f64>::optics(world, 0, 0);
+    let mut walker = Walker::new((world, &optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
     let mut ledger = Ledger::new(world.solids.len());
     for _ in 0..64 {
         let Met::Face(vertex) = walker.advance(&mut ledger) else { return None };

@@ -28,7 +28,7 @@ pub use mesh::{FaceRange, Mesh};
 pub use note::{Note, Severity};
 pub use part::{Face, Medium, Part};
 pub use shape::Shape;
-pub use slide::Slide;
+pub use slide::{Polarisation, Slide};
 
 use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, SlideId};
 

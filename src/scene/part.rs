@@ -14,6 +14,13 @@ pub struct Medium {
     pub absorption_per_m: f64,
 }
 
+impl Medium {
+    /// Absorption at a wavelength in vacuum, 1/m: `absorption_per_m`, and 4πk/λ of an imaginary index.
+    pub fn absorption_per_m_at(&self, nm: f64) -> f64 {
+        self.absorption_per_m + 4.0 * std::f64::consts::PI * self.index.index(nm).im / (nm * 1e-9)
+    }
+}
+
 /// A node with geometry.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Part {

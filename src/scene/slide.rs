@@ -24,4 +24,15 @@ pub struct Slide {
     pub transmittance: f64,
     /// C = T_white/T_black, infinite if T_black = 0.
     pub contrast: f64,
+    /// Of the light that leaves; none: unpolarised.
+    pub polarisation: Option<Polarisation>,
+}
+
+/// Linear polarisation.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Polarisation {
+    /// Direction of the electric field, from u towards v.
+    pub angle_deg: f64,
+    /// Polarised share of the power, 0–1.
+    pub degree: f64,
 }

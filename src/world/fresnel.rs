@@ -3,6 +3,7 @@
 //! Everything is written in q = n cos θ, and differences of squares are factored, so that no digit is lost at grazing
 //! incidence, between nearly equal indices or just below the critical angle (formula sheet, section 1).
 
+use super::stokes::Turning;
 use crate::base::Complex;
 use glam::DVec3;
 
@@ -45,6 +46,33 @@ impl PowerSp {
 pub fn fresnel(n1: f64, n2: Complex, cos_i: f64) -> PowerSp {
     let c = cos_i.clamp(0.0, 1.0);
     if n2.im == 0.0 { dielectric(n1, n2.re, c) } else { absorbing(n1, n2, c) }
+}
+
+impl Turning {
+    /// Light along the face: all of it comes back, r_s = r_p = −1 (the limit of Fresnel's equations).
+    pub const GRAZING: Turning =
+        Turning { power: PowerSp::TOTAL, reflected: Complex::ONE, transmitted: Complex::ZERO };
+}
+
+/// [`fresnel`] with the phases between s and p. What crosses into an absorbing medium is not followed; its phase is left
+/// at that of a clear one.
+pub fn fresnel_turning(n1: f64, n2: Complex, cos_i: f64) -> Turning {
+    let c = cos_i.clamp(0.0, 1.0);
+    let q1 = n1 * c;
+    if q1 == 0.0 {
+        return Turning::GRAZING;
+    }
+    // r_s = −Δ/(q₁ + q₂)² and r_p = n₁² Δ (n₂² cos² θ₁ − s²)/(n₂² q₁ + n₁² q₂)², Δ = n₂² − n₁² (see above).
+    let real = Complex::real;
+    let q2 = normal_sq_complex(n1, n2, q1).sqrt();
+    let (n1_sq, n2_sq) = (n1 * n1, n2.square());
+    let s_sq = n1_sq * ((1.0 - c) * (1.0 + c));
+    let difference = (n2 - real(n1)) * (n2 + real(n1));
+    let (sum_s, sum_p) = ((real(q1) + q2).phase(), (n2_sq * q1 + q2 * n1_sq).phase());
+    let r_s = -(difference * (sum_s * sum_s).conj());
+    let r_p = difference * (n2_sq * (c * c) - real(s_sq)) * (sum_p * sum_p).conj();
+    let reflected = (r_s.phase() * r_p.phase().conj()).phase();
+    Turning { power: fresnel(n1, n2, cos_i), reflected, transmitted: Complex::ONE }
 }
 
 /// q₂² = n₂² − n₁² sin² θ₁ without cancellation: n₂² − n₁² factored, plus q₁².

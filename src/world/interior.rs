@@ -1,28 +1,12 @@
 //! Which solids a ray is inside of, and which of them fills the space: nested dielectrics by priority
 //! (the rule of Schmidt and Budge, "Simple nested dielectrics in ray traced images", JGT 7(2), 2002).
 
-use crate::scene::Medium;
 use arrayvec::ArrayVec;
 
-/// The medium of a part at the traced wavelength.
+/// A part that fills space with its medium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solid {
-    /// Real refractive index.
-    pub index: f64,
-    /// Napierian absorption, 1/m, contributed both by `absorption_per_m` and by an imaginary index (4πk/λ).
-    pub absorption_per_m: f64,
     pub priority: i32,
-}
-
-impl Solid {
-    pub fn new(medium: &Medium, priority: i32, wavelength_nm: f64) -> Self {
-        let n = medium.index.index(wavelength_nm);
-        Solid {
-            index: n.re,
-            absorption_per_m: medium.absorption_per_m + 4.0 * std::f64::consts::PI * n.im / (wavelength_nm * 1e-9),
-            priority,
-        }
-    }
 }
 
 /// The solids around a ray. Deeper nesting than [`Interior::DEPTH`] keeps the newest ones.
@@ -81,7 +65,7 @@ mod tests {
     use super::*;
 
     fn solid(priority: i32) -> Option<Solid> {
-        Some(Solid { index: 1.5, absorption_per_m: 0.0, priority })
+        Some(Solid { priority })
     }
 
     #[test]

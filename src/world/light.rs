@@ -261,32 +261,32 @@ impl Lights {
         &self.lights
     }
 
-    /// A lamp by what it may give at a point, its probability, and how it is seen from there.
-    pub fn sample(&self, at: DVec3, pick: f64, uv: [f64; 2]) -> Option<(&Light, f64, Toward)> {
+    /// The index of a lamp by what it may give at a point, its probability, and how it is seen from there.
+    pub fn sample(&self, at: DVec3, pick: f64, uv: [f64; 2]) -> Option<(usize, f64, Toward)> {
         let total = self.total(at);
         let mut rest = pick * total;
         let mut chosen = None;
-        for light in &self.lights {
+        for (index, light) in self.lights.iter().enumerate() {
             let importance = light.importance(at);
             if importance > 0.0 {
-                chosen = Some((light, importance / total));
+                chosen = Some((index, importance / total));
                 if rest < importance {
                     break;
                 }
                 rest -= importance;
             }
         }
-        let (light, probability) = chosen?;
-        Some((light, probability, light.toward(at, uv)?))
+        let (index, probability) = chosen?;
+        Some((index, probability, self.lights[index].toward(at, uv)?))
     }
 
-    /// Discs that a ray which leaves the scene along `dir` meets: lamp, luminance, and the density in 1/sr with which
+    /// Discs that a ray which leaves the scene along `dir` meets: index, luminance, and the density in 1/sr with which
     /// [`Lights::sample`] would have taken that direction from the point `from`.
-    pub fn met(&self, dir: DVec3, from: Option<DVec3>) -> impl Iterator<Item = (&Light, f64, f64)> {
-        self.lights.iter().filter_map(move |light| {
+    pub fn met(&self, dir: DVec3, from: Option<DVec3>) -> impl Iterator<Item = (usize, f64, f64)> {
+        self.lights.iter().enumerate().filter_map(move |(index, light)| {
             let (luminance, density) = light.met(dir)?;
             let pick = from.map_or(0.0, |at| light.importance(at) / self.total(at));
-            Some((light, luminance, density * pick))
+            Some((index, luminance, density * pick))
         })
     }
 

@@ -9,14 +9,17 @@ pub mod geometry;
 pub mod interior;
 pub mod lamp;
 pub mod light;
+pub mod mode;
+pub mod optics;
 pub mod scatter;
 pub mod sky;
 pub mod slide;
+pub mod stokes;
 pub mod surface;
 pub mod thinfilm;
 
 use crate::base::Result;
-use crate::scene::{BeaconForm, Scene};
+use crate::scene::{BeaconForm, Coating, Medium, Scene};
 use eye::EyeLens;
 use geometry::Geometry;
 use interior::{Interior, Solid};
@@ -30,10 +33,13 @@ use surface::FaceOptics;
 /// the world's origin renders the same).
 pub struct World {
     pub geometry: Geometry,
-    /// Per part, per face: what it does with light at the traced wavelength.
+    /// Per part, per face: what it does with light.
     pub faces: Vec<Vec<FaceOptics>>,
-    /// Per part: the medium it is filled with, if it is a solid.
+    /// Per part: where it stands among nested ones, if it is a solid.
     pub solids: Vec<Option<Solid>>,
+    /// Per part: the medium it is filled with, if it is a solid.
+    pub media_of_parts: Vec<Option<Medium>>,
+    pub coatings: Vec<Coating>,
     pub lamps: Lamps,
     /// Solids that contain each lamp's surface: where its light starts.
     pub lamp_interiors: Vec<Interior>,
@@ -43,7 +49,7 @@ pub struct World {
     pub sky: Option<SkyLight>,
     pub eye: EyeLens,
     pub slides: Vec<SlideMap>,
-    /// nm.
+    /// The wavelength of [`mode::Mono`], nm.
     pub wavelength_nm: f64,
     /// A fault that a test plants in the walk, to see that the balances find it.
     #[cfg(test)]
@@ -69,12 +75,10 @@ impl World {
     pub fn freeze(scene: &Scene) -> Result<World> {
         let wavelength_nm = scene.wavelengths.traced_nm();
         let geometry = Geometry::build(scene)?;
-        let solids: Vec<Option<Solid>> = scene
-            .parts
-            .iter()
-            .map(|part| part.medium.map(|id| Solid::new(scene.medium(id), part.priority, wavelength_nm)))
-            .collect();
-        let faces = surface::optics_of(scene, wavelength_nm)?;
+        let solids: Vec<Option<Solid>> =
+            scene.parts.iter().map(|part| part.medium.map(|_| Solid { priority: part.priority })).collect();
+        let media_of_parts = scene.parts.iter().map(|part| part.medium.map(|id| scene.medium(id).clone())).collect();
+        let faces = surface::optics_of(scene)?;
         let lamps = Lamps::build(scene, &|part| geometry.part_to_world(u32::try_from(part).unwrap_or(u32::MAX)))?;
         let lamp_interiors = lamps
             .all()
@@ -111,6 +115,8 @@ impl World {
         Ok(World {
             faces,
             solids,
+            media_of_parts,
+            coatings: scene.coatings.clone(),
             lamps,
             lamp_interiors,
             lights,
@@ -123,11 +129,6 @@ impl World {
             #[cfg(test)]
             planted: Planted::Nothing,
         })
-    }
-
-    /// The refractive index of the medium that a ray with this interior runs in.
-    pub fn index_in(&self, interior: &Interior) -> f64 {
-        interior.top(&self.solids).map_or(1.0, |(_, solid)| solid.index)
     }
 }
 

@@ -18,6 +18,8 @@ pub struct SlideMap {
     down: DVec3,
     t_white: f64,
     contrast: f64,
+    /// Direction of the electric field in mesh units, and the polarised share, of the light that leaves.
+    polarisation: Option<(DVec3, f64)>,
 }
 
 impl SlideMap {
@@ -49,6 +51,12 @@ impl SlideMap {
             let what = format!("slide `{}`: the contrast is {}", slide.name, slide.contrast);
             return Err(fault(what).expected("1 or more"));
         }
+        if let Some(polarisation) = slide.polarisation
+            && !((0.0..=1.0).contains(&polarisation.degree) && polarisation.angle_deg.is_finite())
+        {
+            let what = format!("slide `{}`: the polarisation is {polarisation:?}", slide.name);
+            return Err(fault(what).expected("a finite angle and a degree of 0 to 1"));
+        }
         let [across, down] = [slide.u / slide.size[0], -slide.v / slide.size[1]];
         let sized = slide.size.iter().all(|size| *size > 0.0 && size.is_finite());
         if !(sized && across.is_finite() && down.is_finite() && slide.centre.is_finite()) {
@@ -64,6 +72,10 @@ impl SlideMap {
             down,
             t_white: slide.transmittance,
             contrast: slide.contrast,
+            polarisation: slide.polarisation.map(|polarisation| {
+                let (sin, cos) = polarisation.angle_deg.to_radians().sin_cos();
+                (slide.u * cos + slide.v * sin, polarisation.degree)
+            }),
         })
     }
 
@@ -78,6 +90,15 @@ impl SlideMap {
     /// C = T_white/T_black, at least 1; may be infinite.
     pub fn contrast(&self) -> f64 {
         self.contrast
+    }
+
+    /// Direction of the electric field of the light that leaves, in mesh units.
+    pub fn polarisation_axis(&self) -> Option<DVec3> {
+        self.polarisation.map(|(axis, _)| axis)
+    }
+    /// Polarised share of the light that leaves, 0–1.
+    pub fn polarisation_degree(&self) -> f64 {
+        self.polarisation.map_or(0.0, |(_, degree)| degree)
     }
 
     /// s of the pixel at a point in mesh units, 0–1; none outside the picture, where the slide is opaque.
@@ -109,6 +130,7 @@ mod tests {
             size: [10.0, 6.0],
             transmittance: 0.06,
             contrast: 300.0,
+            polarisation: None,
         }
     }
 

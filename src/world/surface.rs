@@ -1,18 +1,18 @@
-//! What a face does with light at the traced wavelength: the finish, the coating and the slide of a face, resolved once,
+//! What a face does with light: the finish, the coating and the slide of a face, resolved once,
 //! and the interaction with a ray that meets it.
 
-use super::fresnel::{PowerSp, fresnel};
+use super::fresnel::{PowerSp, fresnel, fresnel_turning};
 use super::scatter::Scatter;
-use super::thinfilm::{Film, stack};
+use super::stokes::{Amount, Turning};
+use super::thinfilm::{Film, stack, stack_turning};
 use crate::base::complex::Complex;
 use crate::base::{Fault, Result, Where};
-use crate::scene::{Face, Finish, Part, Scene};
-use arrayvec::ArrayVec;
+use crate::scene::{Coating, Face, Finish, Part, Scene};
 
 /// Most films that a coating may have; more is a fault.
 pub const MAX_FILMS: usize = 64;
 
-/// A face at the traced wavelength.
+/// A face as the tracer asks it.
 #[derive(Debug, Clone)]
 pub struct FaceOptics {
     pub surface: Surface,
@@ -28,8 +28,8 @@ pub enum Surface {
     /// Index into the slides.
     Slide(usize),
     Mirror(Mirror),
-    /// A dielectric interface with films from outside the solid inwards.
-    Interface(Box<Films>),
+    /// A dielectric interface; index into the world's coatings.
+    Interface(usize),
     Scatter(Box<Scatter>),
 }
 
@@ -39,7 +39,7 @@ pub enum Mirror {
     Metal(Complex),
 }
 
-/// A stack in both orders, so that neither side costs a reversal per ray.
+/// A stack at one wavelength in both orders, so that neither side costs a reversal per ray.
 #[derive(Debug, Clone, Default)]
 pub struct Films {
     inwards: Vec<Film>,
@@ -47,37 +47,69 @@ pub struct Films {
 }
 
 impl Films {
-    /// Power coefficients for light in `n1` that meets the face under `cos_i`; `entering` the solid or leaving it.
-    pub fn power(&self, n1: f64, n2: f64, cos_i: f64, entering: bool, wavelength_nm: f64) -> PowerSp {
+    /// The films of a coating at `nm`; none of it is a bare interface.
+    pub fn at(coating: Option<&Coating>, nm: f64) -> Films {
+        let layers = coating.map_or(&[][..], |coating| coating.films.as_slice());
+        let inwards: Vec<Film> =
+            layers.iter().map(|layer| Film { n: layer.index.index(nm), thickness_nm: layer.thickness_nm }).collect();
+        let outwards = inwards.iter().rev().copied().collect();
+        Films { inwards, outwards }
+    }
+
+    /// What happens to light in `n1` that meets the face under `cos_i`; `entering` the solid or leaving it. The phases
+    /// are worked out for amounts that have a polarisation.
+    pub fn turning<A: Amount>(&self, n1: f64, n2: f64, cos_i: f64, entering: bool, wavelength_nm: f64) -> Turning {
         let films = if entering { &self.inwards } else { &self.outwards };
         let n2 = Complex { re: n2, im: 0.0 };
-        if films.is_empty() { fresnel(n1, n2, cos_i) } else { stack(n1, films, n2, cos_i, wavelength_nm) }
+        match (A::POLARISED, films.is_empty()) {
+            (false, true) => Turning::without_phases(fresnel(n1, n2, cos_i)),
+            (false, false) => Turning::without_phases(stack(n1, films, n2, cos_i, wavelength_nm)),
+            (true, true) => fresnel_turning(n1, n2, cos_i),
+            (true, false) => stack_turning(n1, films, n2, cos_i, wavelength_nm),
+        }
     }
 }
 
 impl Mirror {
-    pub fn power(self, n1: f64, cos_i: f64) -> PowerSp {
+    /// What happens to light in `n1` that meets the mirror under `cos_i`. What crosses into a metal stays there.
+    pub fn turning<A: Amount>(self, n1: f64, cos_i: f64) -> Turning {
         match self {
-            Mirror::Ideal(r) => PowerSp { r_s: r, r_p: r, t_s: 0.0, t_p: 0.0, a_s: 1.0 - r, a_p: 1.0 - r },
+            Mirror::Ideal(r) => {
+                let power = PowerSp { r_s: r, r_p: r, t_s: 0.0, t_p: 0.0, a_s: 1.0 - r, a_p: 1.0 - r };
+                // Of a perfect conductor: r_s = −1, r_p = 1.
+                Turning { power, reflected: -Complex::ONE, transmitted: Complex::ZERO }
+            }
             Mirror::Metal(n) => {
-                let sp = fresnel(n1, n, cos_i);
-                // What crosses into the metal stays there.
-                PowerSp { t_s: 0.0, t_p: 0.0, a_s: sp.t_s, a_p: sp.t_p, ..sp }
+                let turning = if A::POLARISED {
+                    fresnel_turning(n1, n, cos_i)
+                } else {
+                    Turning::without_phases(fresnel(n1, n, cos_i))
+                };
+                let sp = turning.power;
+                Turning { power: PowerSp { t_s: 0.0, t_p: 0.0, a_s: sp.t_s, a_p: sp.t_p, ..sp }, ..turning }
             }
         }
     }
 }
 
 /// Resolves every face of a scene. Errors: a polished face of a part without a medium, a coating that is too long.
-pub fn optics_of(scene: &Scene, wavelength_nm: f64) -> Result<Vec<Vec<FaceOptics>>> {
-    scene
-        .parts
-        .iter()
-        .map(|part| (0..part.faces.len()).map(|face| resolve(scene, part, face, wavelength_nm)).collect())
-        .collect()
+pub fn optics_of(scene: &Scene) -> Result<Vec<Vec<FaceOptics>>> {
+    let faces = |part: &Part| (0..part.faces.len()).map(|face| resolve(scene, part, face)).collect();
+    scene.parts.iter().map(faces).collect()
 }
 
-fn resolve(scene: &Scene, part: &Part, index: usize, wavelength_nm: f64) -> Result<FaceOptics> {
+/// Number of a face's coating among the world's: those of the scene, after the bare interface.
+fn coating(scene: &Scene, face: &Face, at: impl Fn() -> Where) -> Result<usize> {
+    let Some(id) = face.coating else { return Ok(0) };
+    let coating = scene.coating(id);
+    if coating.films.len() > MAX_FILMS {
+        let what = format!("coating `{}` has {} films", coating.name, coating.films.len());
+        return Err(Fault::new(at(), what).expected(format!("at most {MAX_FILMS}")));
+    }
+    Ok(id.index() + 1)
+}
+
+fn resolve(scene: &Scene, part: &Part, index: usize) -> Result<FaceOptics> {
     let face = &part.faces[index];
     let at = || Where::Part { path: part.path.clone(), face: Some(index) };
     let surface = match (face.slide, face.finish) {
@@ -91,7 +123,7 @@ fn resolve(scene: &Scene, part: &Part, index: usize, wavelength_nm: f64) -> Resu
                 return Err(Fault::new(at(), "a polished face needs a medium on its part")
                     .expected("`ior`, `glass` or another medium attribute, or the finish `mirror`"));
             }
-            Surface::Interface(Box::new(films(scene, face, wavelength_nm, at)?))
+            Surface::Interface(coating(scene, face, at)?)
         }
         (None, Finish::Lambert { .. } | Finish::Gauss { .. }) => match Scatter::from_finish(&face.finish) {
             Some(scatter) => Surface::Scatter(Box::new(scatter)),
@@ -99,20 +131,4 @@ fn resolve(scene: &Scene, part: &Part, index: usize, wavelength_nm: f64) -> Resu
         },
     };
     Ok(FaceOptics { surface, lamp: face.emitter.is_some() })
-}
-
-fn films(scene: &Scene, face: &Face, wavelength_nm: f64, at: impl Fn() -> Where) -> Result<Films> {
-    let Some(id) = face.coating else { return Ok(Films::default()) };
-    let coating = scene.coating(id);
-    let mut inwards: ArrayVec<Film, MAX_FILMS> = ArrayVec::new();
-    for layer in &coating.films {
-        let film = Film { n: layer.index.index(wavelength_nm), thickness_nm: layer.thickness_nm };
-        inwards.try_push(film).map_err(|_| {
-            Fault::new(at(), format!("coating `{}` has {} films", coating.name, coating.films.len()))
-                .expected(format!("at most {MAX_FILMS}"))
-        })?;
-    }
-    let inwards = inwards.to_vec();
-    let outwards = inwards.iter().rev().copied().collect();
-    Ok(Films { inwards, outwards })
 }

@@ -6,7 +6,8 @@
 //! Both entries are built from S = (sin δ)/q, which stays finite where a film is at its own critical angle (q = 0), and
 //! everything is kept with the factor exp(Im δ) taken out, so that a thick absorber can underflow but not overflow.
 
-use super::fresnel::{PowerSp, fresnel, normal_sq, normal_sq_complex};
+use super::fresnel::{PowerSp, fresnel, fresnel_turning, normal_sq, normal_sq_complex};
+use super::stokes::Turning;
 use crate::base::Complex;
 
 /// One layer: index n + ik (k ≥ 0, not zero) at the wavelength in use, thickness in nm (≥ 0).
@@ -26,10 +27,22 @@ pub fn stack(n_in: f64, films: &[Film], n_out: Complex, cos_i: f64, wavelength_n
     if films.iter().all(|film| film.thickness_nm == 0.0) {
         return fresnel(n_in, n_out, cos_i);
     }
+    solve::<false>(n_in, films, n_out, cos_i, wavelength_nm).power
+}
+
+/// [`stack`] with the phases between s and p.
+pub fn stack_turning(n_in: f64, films: &[Film], n_out: Complex, cos_i: f64, wavelength_nm: f64) -> Turning {
+    if films.iter().all(|film| film.thickness_nm == 0.0) {
+        return fresnel_turning(n_in, n_out, cos_i);
+    }
+    solve::<true>(n_in, films, n_out, cos_i, wavelength_nm)
+}
+
+fn solve<const PHASES: bool>(n_in: f64, films: &[Film], n_out: Complex, cos_i: f64, wavelength_nm: f64) -> Turning {
     let c = cos_i.clamp(0.0, 1.0);
     let q_in = n_in * c;
     if q_in == 0.0 {
-        return PowerSp::TOTAL;
+        return Turning::GRAZING;
     }
     let q_out = normal_sq_complex(n_in, n_out, q_in).sqrt();
     let k0 = std::f64::consts::TAU / wavelength_nm;
@@ -56,7 +69,19 @@ pub fn stack(n_in: f64, films: &[Film], n_out: Complex, cos_i: f64, wavelength_n
     let sin_sq = n_in_sq * ((1.0 - c) * (1.0 + c));
     let (r_s, t_s, a_s) = s.power(q_in, 1.0, q_out.re);
     let (r_p, t_p, a_p) = p.power(n_in_sq, q_in, q_out.re * (q_out.norm_sq() + sin_sq));
-    PowerSp { r_s, r_p, t_s, t_p, a_s, a_p }
+    let power = PowerSp { r_s, r_p, t_s, t_p, a_s, a_p };
+    if !PHASES {
+        return Turning { power, reflected: Complex::ZERO, transmitted: Complex::ZERO };
+    }
+    // The field that runs back has the opposite sign of E in p, by the convention of the bare interface: its axis turns
+    // with the ray.
+    let (back_s, whole_s) = s.amplitudes(q_in, 1.0);
+    let (back_p, whole_p) = p.amplitudes(n_in_sq, q_in);
+    Turning {
+        power,
+        reflected: (-(back_s * whole_s.conj()) * (back_p * whole_p.conj()).conj()).phase(),
+        transmitted: (whole_s.conj() * whole_p * q_out.conj()).phase(),
+    }
 }
 
 /// cos δ, sin δ/q and the power of e taken out of both, for real n² (so real q², of either sign).
@@ -136,6 +161,12 @@ impl Fields {
         let whole = (a + b).norm_sq();
         let transmitted = 4.0 * num * den * out / whole * (-2.0 * self.log_scale).exp();
         ((a - b).norm_sq() / whole, transmitted, 4.0 * num * den * self.absorbed / whole)
+    }
+
+    /// Phases of the light that runs back and of the light that arrives, as unit numbers.
+    fn amplitudes(&self, num: f64, den: f64) -> (Complex, Complex) {
+        let (a, b) = (self.b * num, self.c * den);
+        ((a - b).phase(), (a + b).phase())
     }
 }
 

@@ -4,7 +4,7 @@ use super::fields::Fields;
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::import::value::Value;
-use crate::scene::Note;
+use crate::scene::{Note, Polarisation};
 use crate::scene::attribute::Noun;
 use glam::DVec3;
 
@@ -21,6 +21,7 @@ pub struct SlideSpec {
     pub centre: Option<DVec3>,
     pub transmittance: f64,
     pub contrast: f64,
+    pub polarisation: Option<Polarisation>,
 }
 
 pub use crate::scene::attribute::SLIDE as ATTRIBUTES;
@@ -43,7 +44,14 @@ pub fn slide(value: &Value, notes: &mut Vec<Note>) -> Result<SlideSpec> {
         centre: fields.numbers("centre")?.map(DVec3::from_array),
         transmittance: fields.number_or("transmittance", 1.0, notes)?,
         contrast: fields.number_or("contrast", f64::INFINITY, notes)?,
+        polarisation: fields.value("polarisation").map(polarisation).transpose()?,
     })
+}
+
+/// `{ angle_deg, degree }`.
+pub fn polarisation(value: &Value) -> Result<Polarisation> {
+    let fields = Fields::of(Noun::Slide, "polarisation", value, &["angle_deg", "degree"])?;
+    Ok(Polarisation { angle_deg: fields.need_number("angle_deg")?, degree: fields.need_number("degree")? })
 }
 
 /// Cosine of the angle by which two directions may miss a right angle: what people round away when they write decimals.

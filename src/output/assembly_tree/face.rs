@@ -1,7 +1,7 @@
 //! Faces: what each is optically, with photometry in both directions.
 
 use crate::base::Where;
-use crate::scene::{Angular, Coating, Emitter, Face, Finish, Part, Photometry, Scene, Shape};
+use crate::scene::{Angular, Coating, Emitter, Face, Finish, Part, Photometry, Polarisation, Scene, Shape};
 use glam::DVec3;
 
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -38,6 +38,7 @@ pub struct SlideReport {
     pub size_m: [f64; 2],
     pub transmittance: f64,
     pub contrast: f64,
+    pub polarisation: Option<Polarisation>,
     /// Mean transmittance of the picture, T_black included.
     pub mean_transmittance: f64,
 }
@@ -70,6 +71,7 @@ pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
                 size_m: slide.size.map(|length| length * unit_m),
                 transmittance: slide.transmittance,
                 contrast: slide.contrast,
+                polarisation: slide.polarisation,
                 mean_transmittance: black + mean * (slide.transmittance - black),
             }
         }),

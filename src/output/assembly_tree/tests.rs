@@ -83,6 +83,7 @@ fn scene() -> Scene {
             size: [2.0, 1.0],
             transmittance: 0.8,
             contrast: 100.0,
+            polarisation: None,
         }],
         groups: vec![Group { name: "led".into() }, Group { name: "sky".into() }],
         lights: Vec::new(),

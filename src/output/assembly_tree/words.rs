@@ -123,8 +123,11 @@ pub fn emitter(emitter: &EmitterReport) -> String {
 }
 
 fn slide(slide: &SlideReport) -> String {
+    let polarised = slide.polarisation.map_or_else(String::new, |polarisation| {
+        format!(", {} % polarised at {}°", number(100.0 * polarisation.degree, 4), number(polarisation.angle_deg, 4))
+    });
     format!(
-        "slide {} {} x {} pixels, {} x {} mm, T {}, contrast {}, mean T {}",
+        "slide {} {} x {} pixels, {} x {} mm, T {}, contrast {}, mean T {}{polarised}",
         name(&slide.file),
         slide.pixels[0],
         slide.pixels[1],

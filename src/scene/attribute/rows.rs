@@ -131,9 +131,9 @@ pub const ROWS: &[Row] = &[
     new(Slide, "centre", Numbers(3), "mesh units", Any, "centre of the picture").or("centre of the face's bounds"),
     new(Slide, "transmittance", Number, "", Within(0.0, 1.0), "of white").or("1"),
     new(Slide, "contrast", Number, "", AtLeastOrInfinite(1.0), "transmittance of white over that of black").or("inf"),
-    new(Slide, "polarisation", Record(&["angle_deg", "degree"]), "", Any, "{ angle_deg, degree } of the light that leaves").is(NotYet),
-    new(Slide, "angle_deg", Number, "deg", Any, "direction of polarisation, from u towards v").is(NotYet),
-    new(Slide, "degree", Number, "", Within(0.0, 1.0), "degree of polarisation").is(NotYet),
+    new(Slide, "polarisation", Record(&["angle_deg", "degree"]), "", Any, "{ angle_deg, degree } of the light that leaves"),
+    new(Slide, "angle_deg", Number, "deg", Any, "direction of polarisation, from u towards v"),
+    new(Slide, "degree", Number, "", Within(0.0, 1.0), "degree of polarisation"),
     // Light from everywhere.
     new(Sky, "image", File, "", Any, "latitude-longitude panorama, EXR or HDR"),
     new(Sky, "scale_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "luminance of a pixel of value 1").or("1"),

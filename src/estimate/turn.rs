@@ -1,0 +1,225 @@
+//! What happens at a specular face: shares and amounts per lane for both ways on, the choice between them, and the
+//! splitting of a path that follows both.
+
+use super::ledger::Ledger;
+use super::walk::{Meeting, Travel, Vertex, Walker};
+#[cfg(test)]
+use crate::world::Planted;
+use crate::world::fresnel::{reflect, refract};
+use crate::world::mode::{LaneArray, Mode, lanes};
+use crate::world::stokes::{Amount, Parted, Turning};
+use crate::world::surface::{Mirror, Surface};
+use glam::DVec3;
+
+/// One of the ways on from a specular face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Branch {
+    Reflected,
+    Refracted,
+    /// Back, and there is no other way: what does not go there is absorbed.
+    Only,
+}
+
+/// What a face makes of the amounts that a path carries.
+#[derive(Debug, Clone, Copy)]
+pub struct Turn<M: Mode> {
+    reflected: M::Lanes<M::Amount>,
+    transmitted: M::Lanes<M::Amount>,
+    /// Power per lane that stays at the face.
+    absorbed: M::Lanes<f64>,
+    /// Largest |R + T + A − 1| of the lanes.
+    error: f64,
+    /// Reference direction of the amounts: s.
+    axis: <M::Amount as Amount>::Axis,
+    /// Where the first lane's transmitted light goes; none if there is none.
+    refracted: Option<DVec3>,
+    /// The other lanes' light goes elsewhere.
+    disperses: bool,
+}
+
+impl<M: Mode> Turn<M> {
+    /// Whether there is transmitted light to follow.
+    pub fn refracts(&self) -> bool {
+        self.refracted.is_some()
+    }
+
+    /// Power of the two ways on, as what goes on stands for it: the first lane alone where the others part from it.
+    fn powers(&self, walker: &Walker<'_, M>) -> [f64; 2] {
+        let count = walker.beam.count();
+        let mean = |amounts: &M::Lanes<M::Amount>, count: usize| {
+            let sum: f64 = amounts.as_slice()[..count].iter().map(|amount| amount.power()).sum();
+            if count == 1 { sum } else { sum / count as f64 }
+        };
+        [mean(&self.reflected, count), mean(&self.transmitted, if self.disperses { 1 } else { count })]
+    }
+}
+
+impl<'w, M: Mode> Walker<'w, M> {
+    /// What the interface at `vertex` does, in the solids that are around the ray now.
+    pub(super) fn turn(&self, vertex: &Vertex, coating: usize) -> Turn<M> {
+        let (n1, n2) = (self.index_here(), self.index_beyond(vertex));
+        let (dir, normal) = (self.ray.dir, vertex.normal);
+        let cos_i = -dir.dot(normal);
+        let axis = M::Amount::face_axis(self.beam.axis(), dir, normal);
+        let refracted = refract(dir, normal, n1[0] / n2[0]);
+        let used = self.beam.count();
+        let disperses = (1..used).any(|lane| n1[lane] * n2[0] != n1[0] * n2[lane]);
+        let mut error = 0f64;
+        let parted = lanes::<M, Parted<M::Amount>>(|lane| {
+            if lane >= used {
+                return nothing::<M>();
+            }
+            let films = self.optics.films(coating, lane);
+            let turning =
+                films.turning::<M::Amount>(n1[lane], n2[lane], cos_i, vertex.outside, self.optics.nm[lane]);
+            let parted = self.part(vertex, lane, axis, &turning);
+            error = error.max((parted.shares.iter().sum::<f64>() - 1.0).abs());
+            let way = if lane == 0 || !disperses { refracted } else { refract(dir, normal, n1[lane] / n2[lane]) };
+            if way.is_some() && parted.shares[1] > 0.0 {
+                return parted;
+            }
+            // Rounding at the critical angle may leave power to a direction that does not exist.
+            let [r, t, a] = parted.shares;
+            let reflected = if r > 0.0 { parted.reflected.scaled((r + t) / r) } else { parted.reflected };
+            Parted { shares: [r + t, 0.0, a], reflected, transmitted: M::Amount::plain(0.0) }
+        });
+        let crosses = parted[0].shares[1] > 0.0;
+        Turn { refracted: refracted.filter(|_| crosses), disperses, ..self.collect(parted, axis, error) }
+    }
+
+    /// What a mirror at `vertex` does.
+    pub(super) fn turn_at_mirror(&self, vertex: &Vertex, mirror: Mirror) -> Turn<M> {
+        let n1 = self.index_here();
+        let cos_i = -self.ray.dir.dot(vertex.normal);
+        let axis = M::Amount::face_axis(self.beam.axis(), self.ray.dir, vertex.normal);
+        let mut error = 0f64;
+        let parted = lanes::<M, Parted<M::Amount>>(|lane| {
+            let parted = self.part(vertex, lane, axis, &mirror.turning::<M::Amount>(n1[lane], cos_i));
+            error = error.max((parted.shares.iter().sum::<f64>() - 1.0).abs());
+            parted
+        });
+        self.collect(parted, axis, error)
+    }
+
+    fn part(
+        &self,
+        _vertex: &Vertex,
+        lane: usize,
+        axis: <M::Amount as Amount>::Axis,
+        turning: &Turning,
+    ) -> Parted<M::Amount> {
+        let amount = self.beam.amount(lane).turned(self.beam.axis(), axis, self.ray.dir);
+        let parted = amount.part(turning, self.travel == Travel::FromEye);
+        #[cfg(test)]
+        if self.world.planted == (Planted::Leak { part: _vertex.hit.site.part }) {
+            let [r, t, a] = parted.shares;
+            return Parted {
+                shares: [0.99 * r, 0.99 * t, a],
+                reflected: parted.reflected.scaled(0.99),
+                transmitted: parted.transmitted.scaled(0.99),
+            };
+        }
+        parted
+    }
+
+    fn collect(
+        &self,
+        parted: M::Lanes<Parted<M::Amount>>,
+        axis: <M::Amount as Amount>::Axis,
+        error: f64,
+    ) -> Turn<M> {
+        Turn {
+            reflected: lanes::<M, _>(|lane| parted[lane].reflected),
+            transmitted: lanes::<M, _>(|lane| parted[lane].transmitted),
+            absorbed: lanes::<M, _>(|lane| parted[lane].shares[2] * self.beam.amount(lane).power()),
+            error,
+            axis,
+            refracted: None,
+            disperses: false,
+        }
+    }
+
+    /// Goes one way on from a specular face: the `forced` one, or one by chance in proportion to what it carries.
+    pub(super) fn take_branch(
+        &mut self,
+        vertex: &Vertex,
+        turn: &Turn<M>,
+        forced: Option<Branch>,
+        ledger: &mut Ledger,
+    ) -> Meeting<'w> {
+        ledger.check_vertex(turn.error);
+        let [reflected, transmitted] = turn.powers(self);
+        let both = reflected + transmitted;
+        let (branch, factor, share_of_absorbed) = match forced {
+            // The absorbed share is booked by the refracted branch alone.
+            Some(Branch::Reflected) => (Branch::Reflected, 1.0, 0.0),
+            Some(branch @ (Branch::Refracted | Branch::Only)) => (branch, 1.0, 1.0),
+            None if self.rng.uniform() * both >= reflected => (Branch::Refracted, both / transmitted, 1.0),
+            None => (Branch::Reflected, both / reflected, 1.0),
+        };
+        let before = self.beam.carried();
+        let absorbed = share_of_absorbed * self.beam.carried_with(&turn.absorbed);
+        self.absorb(vertex.hit.site.part, absorbed, ledger);
+        let (amounts, dir) = match (branch, turn.refracted) {
+            (Branch::Refracted, Some(dir)) => (&turn.transmitted, Some(dir)),
+            (Branch::Refracted | Branch::Reflected | Branch::Only, _) => (&turn.reflected, None),
+        };
+        self.beam.replace(*amounts, turn.axis);
+        if factor != 1.0 {
+            self.beam.scale(factor);
+        }
+        let expected = if forced.is_none() { before - absorbed } else { self.beam.carried() };
+        if dir.is_some() && turn.disperses {
+            self.beam.part();
+        }
+        if M::LANES > 1 {
+            // The lanes are not alike: what one choice for all of them makes of the sum is chance.
+            ledger.by_chance(self.beam.carried() - expected);
+        }
+        match dir {
+            Some(dir) => self.go(vertex, dir, true, ledger),
+            None => self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger),
+        }
+    }
+
+    /// Splits a path at an interface where both ways carry at least `least` of the power: the returned path has been
+    /// reflected there with its share, this one will be refracted when it [meets](Walker::meet) the vertex. Through a
+    /// combiner the eye sees two worlds, and what is faint in one of them (a lamp's glint) should not wait for a rare
+    /// choice. At most `most` times on one path.
+    pub fn split(&mut self, vertex: &Vertex, least: f64, most: u8, ledger: &mut Ledger) -> Option<Walker<'w, M>> {
+        if self.splits >= most {
+            return None;
+        }
+        let Surface::Interface(coating) = &self.face(vertex).surface else { return None };
+        self.heal(vertex, ledger);
+        if self.index_here().as_slice() == self.index_beyond(vertex).as_slice() {
+            return None;
+        }
+        let turn = self.turn(vertex, *coating);
+        self.ahead = Some(turn);
+        let [reflected, transmitted] = turn.powers(self);
+        if reflected.min(transmitted) < least * self.beam.weight() {
+            return None;
+        }
+        turn.refracted?;
+        self.splits += 1;
+        let mut reflected = self.clone();
+        reflected.rng = self.rng.fork();
+        reflected.forced = Some(Branch::Reflected);
+        self.forced = Some(Branch::Refracted);
+        match reflected.meet(vertex, ledger) {
+            Meeting::Went => Some(reflected),
+            Meeting::Ended | Meeting::Scatter(..) => None,
+        }
+    }
+
+    /// Whether the path has been split before: it is past a combiner's first face.
+    pub fn was_split(&self) -> bool {
+        self.splits > 0
+    }
+}
+
+/// A lane that is not in use.
+fn nothing<M: Mode>() -> Parted<M::Amount> {
+    Parted { shares: [1.0, 0.0, 0.0], reflected: M::Amount::plain(0.0), transmitted: M::Amount::plain(0.0) }
+}

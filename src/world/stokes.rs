@@ -1,0 +1,184 @@
+//! What one lane of a path carries: power alone, or the Stokes vector of its polarisation.
+//!
+//! A Stokes vector belongs to a reference direction `axis` across the ray: with x = axis, y = dir × axis and complex
+//! amplitudes E, it is (|Ex|² + |Ey|², |Ex|² − |Ey|², 2 Re Ex Ey*, 2 Im Ex Ey*). At a face the axis is turned into the s
+//! direction. Reflection and refraction keep s and are diagonal there, amplitudes a_s and a_p, so that the first pair is
+//! mixed by the shares of power and the second is multiplied by a_s a_p* (formula sheet, section 1).
+//!
+//! A path from the eye carries the row vector that the light's Stokes vector is multiplied by. In the frame that belongs
+//! to the direction of the ray, rather than of the light, it transforms by the same rules with a_s a_p* conjugated: the
+//! transposed matrix, with the sign of y turned over twice.
+
+use super::fresnel::PowerSp;
+use crate::base::Complex;
+use glam::DVec3;
+use std::fmt::Debug;
+
+/// What a face does with both polarisations: shares of power, and the phases of r_s r_p* and t_s t_p* as unit numbers
+/// (or 0).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turning {
+    pub power: PowerSp,
+    pub reflected: Complex,
+    pub transmitted: Complex,
+}
+
+impl Turning {
+    /// For amounts without polarisation.
+    pub fn without_phases(power: PowerSp) -> Self {
+        Turning { power, reflected: Complex::ZERO, transmitted: Complex::ZERO }
+    }
+}
+
+/// What becomes of an amount at a face: shares of its power, which add up to 1, and the two amounts that leave.
+#[derive(Debug, Clone, Copy)]
+pub struct Parted<A> {
+    pub shares: [f64; 3],
+    pub reflected: A,
+    pub transmitted: A,
+}
+
+/// One lane's amount of light or importance.
+pub trait Amount: Copy + Debug + Send + Sync + 'static {
+    const POLARISED: bool;
+    /// The reference direction of a path's amounts.
+    type Axis: Copy + Debug + Send + Sync;
+
+    /// Unpolarised.
+    fn plain(power: f64) -> Self;
+    fn power(self) -> f64;
+    #[must_use]
+    fn scaled(self, factor: f64) -> Self;
+    /// Any reference direction of a ray along `dir`.
+    fn any_axis(dir: DVec3) -> Self::Axis;
+    /// The direction s at a face with unit normal `normal`; the old axis where light falls straight on.
+    fn face_axis(old: Self::Axis, dir: DVec3, normal: DVec3) -> Self::Axis;
+    /// The reference direction along `to`, as far as it lies across the ray.
+    fn axis_along(old: Self::Axis, dir: DVec3, to: DVec3) -> Self::Axis;
+    /// The amount with respect to another reference direction.
+    #[must_use]
+    fn turned(self, from: Self::Axis, to: Self::Axis, dir: DVec3) -> Self;
+    /// Parts an amount given with respect to s. `from_eye`: it is importance.
+    fn part(self, turning: &Turning, from_eye: bool) -> Parted<Self>;
+    /// Through a slide that ignores the polarisation of what it gets and gives light polarised along its axis to this
+    /// degree; its transmittance is not in it.
+    #[must_use]
+    fn polarised_by_slide(self, degree: f64, from_eye: bool) -> Self;
+}
+
+impl Amount for f64 {
+    const POLARISED: bool = false;
+    type Axis = ();
+
+    #[inline]
+    fn plain(power: f64) -> Self {
+        power
+    }
+    #[inline]
+    fn power(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn scaled(self, factor: f64) -> Self {
+        self * factor
+    }
+    #[inline]
+    fn any_axis(_: DVec3) {}
+    #[inline]
+    fn face_axis((): (), _: DVec3, _: DVec3) {}
+    #[inline]
+    fn axis_along((): (), _: DVec3, _: DVec3) {}
+    #[inline]
+    fn turned(self, (): (), (): (), _: DVec3) -> Self {
+        self
+    }
+    #[inline]
+    fn part(self, turning: &Turning, _: bool) -> Parted<Self> {
+        let p = &turning.power;
+        let shares = [p.reflectance(), p.transmittance(), p.absorptance()];
+        Parted { shares, reflected: self * shares[0], transmitted: self * shares[1] }
+    }
+    #[inline]
+    fn polarised_by_slide(self, _: f64, _: bool) -> Self {
+        self
+    }
+}
+
+/// Stokes vector; the first entry is the power.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stokes(pub [f64; 4]);
+
+impl Stokes {
+    /// Through a face that keeps its axes: shares of the power in s and p, and the unit number of a_s a_p*.
+    fn through(self, share_s: f64, share_p: f64, phase: Complex, from_eye: bool) -> Self {
+        let [i, q, u, v] = self.0;
+        let (mean, half) = (0.5 * (share_s + share_p), 0.5 * (share_s - share_p));
+        let phase = if from_eye { phase.conj() } else { phase };
+        let z = Complex::new(u, v) * (phase * (share_s * share_p).sqrt());
+        Stokes([mean * i + half * q, half * i + mean * q, z.re, z.im])
+    }
+
+    /// Share of the power that is polarised.
+    pub fn degree(self) -> f64 {
+        let [i, q, u, v] = self.0;
+        (q * q + u * u + v * v).sqrt() / i
+    }
+}
+
+impl Amount for Stokes {
+    const POLARISED: bool = true;
+    type Axis = DVec3;
+
+    fn plain(power: f64) -> Self {
+        Stokes([power, 0.0, 0.0, 0.0])
+    }
+    fn power(self) -> f64 {
+        self.0[0]
+    }
+    fn scaled(self, factor: f64) -> Self {
+        Stokes(self.0.map(|x| x * factor))
+    }
+    fn any_axis(dir: DVec3) -> DVec3 {
+        dir.any_orthonormal_vector()
+    }
+    fn face_axis(old: DVec3, dir: DVec3, normal: DVec3) -> DVec3 {
+        // Both are unit vectors. Below this sine the product is mostly rounding, and any axis will do: r_s = −r_p.
+        const STRAIGHT: f64 = 1e-7;
+        let s = normal.cross(dir);
+        if s.length_squared() > STRAIGHT * STRAIGHT { s.normalize() } else { across(old, dir) }
+    }
+    fn axis_along(old: DVec3, dir: DVec3, to: DVec3) -> DVec3 {
+        (to - dir * to.dot(dir)).try_normalize().unwrap_or(old)
+    }
+    fn turned(self, from: DVec3, to: DVec3, dir: DVec3) -> Self {
+        let (c, s) = (from.dot(to), dir.dot(from.cross(to)));
+        let norm = c * c + s * s;
+        // Of twice the angle.
+        let (c2, s2) = ((c - s) * (c + s) / norm, 2.0 * s * c / norm);
+        let [i, q, u, v] = self.0;
+        Stokes([i, q * c2 + u * s2, u * c2 - q * s2, v])
+    }
+    fn part(self, turning: &Turning, from_eye: bool) -> Parted<Self> {
+        let p = &turning.power;
+        let q = if self.0[0] == 0.0 { 0.0 } else { (self.0[1] / self.0[0]).clamp(-1.0, 1.0) };
+        let share = |s: f64, p: f64| 0.5 * (s + p) + 0.5 * (s - p) * q;
+        Parted {
+            shares: [share(p.r_s, p.r_p), share(p.t_s, p.t_p), share(p.a_s, p.a_p)],
+            reflected: self.through(p.r_s, p.r_p, turning.reflected, from_eye),
+            transmitted: self.through(p.t_s, p.t_p, turning.transmitted, from_eye),
+        }
+    }
+    fn polarised_by_slide(self, degree: f64, from_eye: bool) -> Self {
+        let [i, q, _, _] = self.0;
+        if from_eye { Stokes::plain(i + degree * q) } else { Stokes([i, degree * i, 0.0, 0.0]) }
+    }
+}
+
+/// `axis` made orthogonal to `dir` again, as a unit vector.
+fn across(axis: DVec3, dir: DVec3) -> DVec3 {
+    (axis - dir * axis.dot(dir)).try_normalize().unwrap_or_else(|| dir.any_orthonormal_vector())
+}
+
+#[cfg(test)]
+#[path = "stokes_tests.rs"]
+mod tests;
