@@ -35,12 +35,14 @@ fn diffuser_and_slide() -> Scene {
         width: side,
         height: side,
         pixels: Arc::new((0..side * side).map(|i| ((i * 37 + 11) % 101) as f32 / 100.0).collect()),
+        rgb: None,
         centre: DVec3::ZERO,
         u: DVec3::X,
         v: DVec3::Y,
         size: [0.2, 0.2],
         transmittance: 0.9,
         contrast: 50.0,
+        polarisation: None,
     });
     let mut slide = face(Finish::None);
     slide.slide = Some(SlideId::from_index(0));
@@ -65,7 +67,7 @@ fn the_error_of_a_mixture_is_the_scatter_of_seeds() {
     plan.errors = ErrorDetail::Layers;
     let (seeds, passes) = (400u64, 16);
     let limits = Limits { passes: Some(passes), ..Limits::default() };
-    let group = GroupInfo { name: "panel".to_owned(), contrast: Some(50.0) };
+    let group = GroupInfo { name: "panel".to_owned(), contrast: Some(50.0), tint: [1.0; 3] };
     let contrasts = [1.0, 2.0, 5.0, 300.0, f64::INFINITY];
     let pixels = 16;
     let mut seen = vec![[Moments::default(); 5]; pixels];
@@ -110,7 +112,7 @@ fn nothing_is_kept_that_was_not_asked_for() {
     let films: Vec<&Film> = films.films.iter().map(|(_, film, _)| film).collect();
     let key = PlaneKey { layer: Layer::Caustic, group: GroupId(0) };
     assert!(films[0].mix_error(0, films[0].plane(key).expect("it is filled")).is_none());
-    let group = GroupInfo { name: "panel".to_owned(), contrast: Some(50.0) };
+    let group = GroupInfo { name: "panel".to_owned(), contrast: Some(50.0), tint: [1.0; 3] };
     let frame = finish(s.eye.resolution, &films, &[group], &[]).frame;
     let extra = |name: &str| name.contains("_stderr") || name.contains("covariance");
     assert!(frame.channels.iter().all(|channel| !extra(&channel.name)));

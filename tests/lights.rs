@@ -36,7 +36,7 @@ fn screen(pupil_diameter_m: f64) -> Scene {
 
 fn light(s: &mut Scene, form: BeaconForm) {
     let group = add_group(s, "light");
-    s.lights.push(Beacon { name: "light".to_owned(), group, form });
+    s.lights.push(Beacon { name: "light".to_owned(), group, form, spectrum: None });
 }
 
 fn at(theta_deg: f64) -> DVec3 {
@@ -255,6 +255,7 @@ fn asset(lights: Vec<(&str, LightForm)>) -> Assembly {
         node: 0,
         form,
         color: [1.0; 3],
+        kelvin: None,
         profile: None,
         attributes: None,
         at: Where::Nowhere,

@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use eyebox::film::plan::Estimator;
 use eyebox::plan::Choice;
-use eyebox::scene::{Finish, Shape};
+use eyebox::scene::{Absorption, Finish, Shape};
 use glam::DVec3;
 
 const BACKWARD: Choice = Choice::Only(Estimator::Backward);
@@ -193,7 +193,7 @@ fn photons_agree_with_backward() {
 #[test]
 fn the_ledger_balances() {
     let mut s = ball_and_screen();
-    s.media[0].absorption_per_m = 20.0;
+    s.media[0].absorption = Absorption::Constant(20.0);
     for (choice, estimator) in
         [(FORWARD, Estimator::Forward), (PHOTON, Estimator::Photon), (BACKWARD, Estimator::Backward)]
     {

@@ -100,7 +100,7 @@ fn form() -> impl Strategy<Value = LightForm> {
 
 fn light() -> impl Strategy<Value = LightSource> {
     let tint = [0.05..1.0, 0.05..1.0, 0.05..1.0].prop_map(|[r, g, b]: [f64; 3]| {
-        let own = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        let own = eyebox::base::units::luminance([r, g, b]);
         [r / own, g / own, b / own]
     });
     ("[a-zA-Z /]{0,8}", form(), tint).prop_map(|(name, form, color)| LightSource {
@@ -108,6 +108,7 @@ fn light() -> impl Strategy<Value = LightSource> {
         node: 0,
         form,
         color,
+        kelvin: None,
         profile: None,
         attributes: None,
         at: Where::Nowhere,
@@ -163,5 +164,24 @@ proptest! {
                 prop_assert_eq!(y.node, root);
             }
         }
+    }
+}
+
+/// A colour temperature stays one.
+#[test]
+fn temperatures_survive() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let lights = "#usda 1.0\ndef RectLight \"W\" {\n bool inputs:enableColorTemperature = 1\n \
+                  float inputs:colorTemperature = 3000\n}\ndef RectLight \"T\" {\n \
+                  bool inputs:enableColorTemperature = 1\n float inputs:colorTemperature = 3000\n \
+                  color3f inputs:color = (1, 0.5, 0.5)\n}\n";
+    std::fs::write(path("a.usda"), lights).unwrap();
+    let a = import::usd::read(&path("a.usda"), &Default::default()).unwrap();
+    assert_eq!([a.lights[0].kelvin, a.lights[1].kelvin], [Some(3000.0), None]);
+    author::convert(&a, &path("b.usda")).unwrap();
+    let b = import::usd::read(&path("b.usda"), &Default::default()).unwrap();
+    for (x, y) in a.lights.iter().zip(&b.lights) {
+        assert_eq!((x.kelvin, &x.form, x.color), (y.kelvin, &y.form, y.color));
     }
 }

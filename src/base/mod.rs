@@ -1,7 +1,8 @@
-//! Floor 0: units, typed ids, errors with places, random numbers, warps, statistics, event strings,
+//! Floor 0: units, colour, typed ids, errors with places, random numbers, warps, statistics, event strings,
 //! file names, whole files.
 
 pub mod atomic;
+pub mod colour;
 pub mod complex;
 pub mod fault;
 pub mod ids;

@@ -12,6 +12,7 @@ pub enum Stream {
     Check,
     Vision,
     VisionShift,
+    Wavelengths,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

@@ -51,14 +51,10 @@ fn trimmed(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
-/// Luminance of the primaries of linear Rec.709 at the white point D65 = (0.3127, 0.3290), from its chromaticities
-/// (ITU-R BT.709-6, items 1.3 and 1.4; item 3.2 rounds them to 0.2126, 0.7152, 0.0722).
-pub const LUMINANCE_OF_REC709: [f64; 3] = [0.212_639_005_871_5, 0.715_168_678_767_8, 0.072_192_315_360_7];
-
-/// Luminance of a linear Rec.709 colour.
-pub fn luminance([r, g, b]: [f64; 3]) -> f64 {
-    let [wr, wg, wb] = LUMINANCE_OF_REC709;
-    wr * r + wg * g + wb * b
+/// Luminance of a linear Rec.709 colour, by the exact weights of its primaries, which ITU-R BT.709-6, item 3.2 rounds to
+/// 0.2126, 0.7152 and 0.0722: what a colour loses and what its spectrum gains are then the same.
+pub fn luminance(rgb: [f64; 3]) -> f64 {
+    super::colour::ColourSpace::Rec709.luminance(rgb)
 }
 
 #[cfg(test)]

@@ -74,7 +74,14 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
             .any(|f| f.slide.is_none() && matches!(f.finish, Finish::Lambert { .. } | Finish::Gauss { .. })),
         specular: faces().any(|f| {
             f.slide.is_some()
-                || matches!(f.finish, Finish::Polished | Finish::MirrorMetal { .. } | Finish::MirrorIdeal { .. })
+                || matches!(
+                    f.finish,
+                    Finish::Polished
+                        | Finish::MirrorMetal { .. }
+                        | Finish::MirrorIdeal { .. }
+                        | Finish::Polariser { .. }
+                        | Finish::Retarder { .. }
+                )
         }),
         pinhole: scene.eye.pupil_diameter_m == 0.0,
         no_light: scene.sky.is_none() && faces().all(|f| f.emitter.is_none()) && scene.lights.is_empty(),
@@ -118,6 +125,19 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
             if !(reflectance >= 0.0 && transmittance >= 0.0 && sum <= 1.0 + 1e-12) {
                 let text = format!("reflectance {reflectance} + transmittance {transmittance} gains energy");
                 return Err(Fault::new(at(), text).expected("each 0 to 1, the sum at most 1"));
+            }
+        }
+        Finish::Polariser { axis, transmittance, extinction } => {
+            let shares = [transmittance, extinction].iter().all(|share| (0.0..=1.0).contains(share));
+            if !shares || axis.try_normalize().is_none() {
+                let text = format!("a polariser about {axis} with T {transmittance} and extinction {extinction}");
+                return Err(Fault::new(at(), text).expected("a direction, and shares of 0 to 1"));
+            }
+        }
+        Finish::Retarder { axis, retardance_nm } => {
+            if axis.try_normalize().is_none() || !retardance_nm.is_finite() {
+                let text = format!("a retarder about {axis} of {retardance_nm} nm");
+                return Err(Fault::new(at(), text).expected("a direction, and a finite path"));
             }
         }
         Finish::MirrorIdeal { reflectance } => {

@@ -13,7 +13,7 @@ use crate::film::detail::ErrorDetail;
 use crate::film::plan::{Estimator, Plan};
 use crate::import::{Built, ImportOptions, Set, import};
 use crate::output::exr::write_exr;
-use crate::plan::{Choice, plan_unless};
+use crate::plan::{Asked, Choice, Polarisation, plan_unless};
 use crate::scene::assembly::LayerWish;
 use crate::scene::{Scene, Severity};
 use crate::world::World;
@@ -49,6 +49,10 @@ pub struct RenderArgs {
     /// Which way of tracing light to use.
     #[arg(long, value_enum, default_value_t)]
     estimator: EstimatorArg,
+    /// Trace the polarisation of light: where a pilot finds that it matters, always, or never (the mean of both
+    /// polarisations at each face, which is wrong after the first oblique one).
+    #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
+    polarisation: PolarisationArg,
     /// Seed of the random numbers: the same seed gives the same bits for any number of threads.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -90,6 +94,24 @@ enum EstimatorArg {
     Forward,
     /// Photon map for caustic and secondary.
     Photon,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum PolarisationArg {
+    #[default]
+    Auto,
+    On,
+    Off,
+}
+
+impl PolarisationArg {
+    fn asked(self) -> Polarisation {
+        match self {
+            PolarisationArg::Auto => Polarisation::Auto,
+            PolarisationArg::On => Polarisation::On,
+            PolarisationArg::Off => Polarisation::Off,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -161,7 +183,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     check_layers(&args.layers, &scene.groups)?;
     let world = World::freeze(&scene)?;
     let stop = || signals.caught().is_some();
-    let plan = pool.install(|| plan_unless(&checked, &world, args.estimator.choice(), &stop));
+    let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked() };
+    let plan = pool.install(|| plan_unless(&checked, &world, asked, &stop));
     let Some(mut plan) = plan else { return Ok(stopped_early(args, &signals)) };
     plan.errors = args.errors();
     // What the command line asks for goes before what the asset asks for.
@@ -176,7 +199,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let groups = scene.groups.len();
     let outcome = pool.install(|| trace(&world, &plan, groups, size, args.seed, &limits, &mut progress));
     progress.finish();
-    let finished = picture(&scene, &outcome)?;
+    let finished = picture(&scene, &plan, &outcome)?;
     let mut frame = finished.frame;
     add_data_layers(&mut frame, &pool.install(|| data_layers(&world, size[0], size[1])));
     add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);

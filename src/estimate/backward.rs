@@ -80,15 +80,7 @@ impl<'w, M: Mode> Backward<'w, M> {
                             light.fill(Light::default());
                             self.path((*pass, optics), x, *y, width, &mut light, &mut ledger);
                             if let Some(vision) = &self.vision {
-                                vision.look(
-                                    &self.route,
-                                    (*pass, optics),
-                                    x,
-                                    *y,
-                                    width,
-                                    &mut light,
-                                    &mut ledger,
-                                );
+                                vision.look(&self.route, (*pass, optics), x, *y, width, &mut light, &mut ledger);
                             }
                             row.add_pass(x, &light);
                         }

@@ -109,8 +109,8 @@ impl<M: Mode> Beam<M> {
         }
     }
 
-    /// Crosses a slide along `dir` where its picture has the value `s`. `from_eye`: the path started at the eye.
-    pub fn cross(&mut self, slide: &SlideMap, s: f64, across: Option<DVec3>, dir: DVec3, from_eye: bool) {
+    /// Crosses a slide along `dir` where its picture has the values `s` per lane. `from_eye`: the path started at the eye.
+    pub fn cross(&mut self, slide: &SlideMap, s: &M::Lanes<f64>, across: Option<DVec3>, dir: DVec3, from_eye: bool) {
         if M::Amount::POLARISED {
             let degree = slide.polarisation_degree();
             let axis = across.map_or(self.axis, |to| M::Amount::axis_along(self.axis, dir, to));
@@ -121,9 +121,9 @@ impl<M: Mode> Beam<M> {
             self.axis = axis;
         }
         let dark = 1.0 / slide.contrast();
-        let value = slide.t_white() * (dark + s * (1.0 - dark));
         for lane in 0..M::LANES {
-            self.slides[lane].cross(slide.t_white(), value, s);
+            let value = slide.t_white() * (dark + s[lane] * (1.0 - dark));
+            self.slides[lane].cross(slide.t_white(), value, s[lane]);
         }
     }
 

@@ -106,7 +106,7 @@ fn seen(world: &World, vertex: &Vertex, eye: &EyeLens, from: DVec3) -> Seen {
     let optics = &world.faces[hit.site.part as usize][hit.site.face as usize];
     let albedo = match &optics.surface {
         Surface::Absorber => 0.0,
-        Surface::Absent | Surface::Slide(_) | Surface::Mirror(_) | Surface::Interface(_) => 1.0,
+        Surface::Absent | Surface::Slide(_) | Surface::Sheet(_) | Surface::Mirror(_) | Surface::Interface(_) => 1.0,
         Surface::Scatter(scatter) => scatter_albedo(scatter),
     };
     Seen {

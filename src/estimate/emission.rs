@@ -133,7 +133,12 @@ impl Emission {
                 let dir = lamp.sample_direction(point.normal, drawn.uv);
                 let from = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: point.triangle };
                 let ray = Ray { origin: point.position, dir, from: Some(from) };
-                (ray, world.lamp_interiors[index].clone(), Origin { group: lamp.group, visible: true }, optics.lamp(index))
+                (
+                    ray,
+                    world.lamp_interiors[index].clone(),
+                    Origin { group: lamp.group, visible: true },
+                    optics.lamp(index),
+                )
             }
             Source::Light(index) => {
                 let light = &world.lights.all()[index];
@@ -202,7 +207,7 @@ impl Emission {
         &self,
         mut walker: Walker<'_, M>,
         from: Origin,
-         visitor: &mut V,
+        visitor: &mut V,
         ledger: &mut Ledger,
     ) {
         let reach = &self.reach[from.group.index()];

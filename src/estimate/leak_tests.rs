@@ -6,7 +6,7 @@ use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::film::detail::ErrorDetail;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
-use crate::scene::{Dispersion, Face, Finish, Group, Medium, Scene, Shape, Sky};
+use crate::scene::{Absorption, Dispersion, Face, Finish, Group, Medium, Scene, Shape, Sky};
 use crate::world::geometry::scenes::{self, Builder};
 use crate::world::{Planted, World};
 use glam::{DAffine3, DMat3, DVec3};
@@ -38,7 +38,8 @@ fn ball() -> Scene {
 /// The ball, a screen behind it and a lamp behind the screen's edge; the glass absorbs a little.
 fn lit() -> Scene {
     let mut scene = ball();
-    scene.media[0] = Medium { name: "tint".to_owned(), index: Dispersion::Constant(1.5), absorption_per_m: 5.0 };
+    scene.media[0] =
+        Medium { name: "tint".to_owned(), index: Dispersion::Constant(1.5), absorption: Absorption::Constant(5.0) };
     let mut square = |half: f64, z: f64, finish: Finish| {
         let corner = |x: f64, y: f64| (DVec3::new(x * half, y * half, z), DVec3::NEG_Z);
         let mut builder = Builder::default();
@@ -114,8 +115,15 @@ fn a_leaky_face_or_an_uncounted_fate_turns_the_balance_red() {
 fn a_leaky_face_is_seen_in_a_furnace() {
     let mut scene = ball();
     let luminance = Arc::new(vec![500f32; 64 * 32]);
-    let sky =
-        Sky { group: GroupId(0), width: 64, height: 32, luminance, to_world: DMat3::IDENTITY, file: "furnace".into() };
+    let sky = Sky {
+        group: GroupId(0),
+        width: 64,
+        height: 32,
+        luminance,
+        rgb: None,
+        to_world: DMat3::IDENTITY,
+        file: "furnace".into(),
+    };
     scene.sky = Some(sky);
     let mean_of = |planted| {
         let films = trace(&scene, planted, Estimator::Backward, 256);

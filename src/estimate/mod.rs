@@ -13,8 +13,8 @@ pub mod photon_map;
 pub mod picture;
 pub mod route;
 pub mod run;
-pub mod vision;
 pub mod turn;
+pub mod vision;
 pub mod walk;
 pub mod wish;
 

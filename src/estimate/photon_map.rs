@@ -151,7 +151,9 @@ mod tests {
             .collect();
         let map = PhotonMap::new(photons, 0.1);
         let mut sum = 0.0;
-        map.gather(DVec3::new(0.5, 0.5, 0.0), Site { part: 0, face: 0, triangle: 0 }, |p, k| sum += p.flux[0].value * k);
+        map.gather(DVec3::new(0.5, 0.5, 0.0), Site { part: 0, face: 0, triangle: 0 }, |p, k| {
+            sum += p.flux[0].value * k
+        });
         assert!((sum / (n * n) as f64 - 1.0).abs() < 1e-3, "{sum}");
     }
 }

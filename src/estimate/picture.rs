@@ -7,24 +7,26 @@ use crate::film::accumulate::Film;
 use crate::film::finish::{Finished, GroupInfo, Split, finish};
 use crate::film::frame::{Channel, Frame, Meta};
 use crate::film::layer::Layer;
-use crate::film::plan::{Plan, Verdict};
-use crate::scene::{Group, Scene};
+use crate::film::plan::{Plan, Spectral, Verdict};
+use crate::scene::{Group, Scene, Spectrum, Wavelengths};
 use std::collections::BTreeSet;
 
 /// The picture layers of a run. `direct`, `caustic` and `forward` are always there; `secondary` only if there is any.
 /// Errors: NaN or infinite light, which is never coloured over.
-pub fn picture(scene: &Scene, outcome: &Outcome) -> Result<Finished> {
+pub fn picture(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Result<Finished> {
     let films: Vec<&Film> = outcome.films.films.iter().map(|(_, film, _)| film).collect();
+    let tints = tints(scene, plan);
     let groups: Vec<GroupInfo> = scene
         .groups
         .iter()
-        .map(|group| GroupInfo {
+        .zip(tints)
+        .map(|(group, tint)| GroupInfo {
             name: group.name.clone(),
             contrast: match scene.slides.as_slice() {
                 [slide] => Some(slide.contrast),
                 [] | [_, _, ..] => None,
             },
-            tint: [1.0; 3],
+            tint,
         })
         .collect();
     let finished = finish(scene.eye.resolution, &films, &groups, &[Layer::Direct, Layer::Caustic, Layer::Forward]);
@@ -34,6 +36,23 @@ pub fn picture(scene: &Scene, outcome: &Outcome) -> Result<Finished> {
         }
         None => Ok(finished),
     }
+}
+
+/// Linear Rec.709 of a unit of each group's luminance: grey at one wavelength, and where films hold colours.
+fn tints(scene: &Scene, plan: &Plan) -> Vec<[f64; 3]> {
+    const GREY: [f64; 3] = [1.0; 3];
+    let spectra = match (plan.mode.spectral, scene.wavelengths) {
+        (Spectral::Mono, Wavelengths::Visible) => scene.spectra_of_groups().unwrap_or_default(),
+        (Spectral::Mono | Spectral::Rgb | Spectral::Hero, _) => Vec::new(),
+    };
+    let tint = |spectrum: &Spectrum| spectrum.resolve().map_or(GREY, |power| power.rec709_per_lumen());
+    (0..scene.groups.len())
+        .map(|group| match spectra.get(group) {
+            // White light, and none that says otherwise, is exactly grey.
+            None | Some(None | Some(Spectrum::D65)) => GREY,
+            Some(Some(spectrum)) => tint(spectrum),
+        })
+        .collect()
 }
 
 /// Adds `Z`, `normal`, `albedo`, `position`, `id` at the first hit, the same `_seen` behind specular faces, and
@@ -122,6 +141,10 @@ pub fn plan_lines(scene: &Scene, plan: &Plan) -> Vec<String> {
             }
         })
         .collect();
+    let mode = &plan.mode;
+    lines.push(format!("wavelengths: {} because {}", mode.spectral.name(), mode.spectral_because));
+    let on = if mode.polarised { "traced" } else { "not traced" };
+    lines.push(format!("polarisation: {on} because {}", mode.polarised_because));
     lines.extend(plan.notes.iter().map(|note| format!("note: {note}")));
     lines
 }

@@ -8,7 +8,7 @@ use crate::world::Planted;
 use crate::world::fresnel::{reflect, refract};
 use crate::world::mode::{LaneArray, Mode, lanes};
 use crate::world::stokes::{Amount, Parted, Turning};
-use crate::world::surface::{Mirror, Surface};
+use crate::world::surface::{Mirror, Sheet, Surface};
 use glam::DVec3;
 
 /// One of the ways on from a specular face.
@@ -27,6 +27,8 @@ pub struct Turn<M: Mode> {
     transmitted: M::Lanes<M::Amount>,
     /// Power per lane that stays at the face.
     absorbed: M::Lanes<f64>,
+    /// Power by which what is reflected departs from what it would be without polarisation.
+    departs: M::Lanes<f64>,
     /// Largest |R + T + A − 1| of the lanes.
     error: f64,
     /// Reference direction of the amounts: s.
@@ -70,8 +72,7 @@ impl<'w, M: Mode> Walker<'w, M> {
                 return nothing::<M>();
             }
             let films = self.optics.films(coating, lane);
-            let turning =
-                films.turning::<M::Amount>(n1[lane], n2[lane], cos_i, vertex.outside, self.optics.nm[lane]);
+            let turning = films.turning::<M::Amount>(n1[lane], n2[lane], cos_i, vertex.outside, self.optics.nm(lane));
             let parted = self.part(vertex, lane, axis, &turning);
             error = error.max((parted.shares.iter().sum::<f64>() - 1.0).abs());
             let way = if lane == 0 || !disperses { refracted } else { refract(dir, normal, n1[lane] / n2[lane]) };
@@ -81,7 +82,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             // Rounding at the critical angle may leave power to a direction that does not exist.
             let [r, t, a] = parted.shares;
             let reflected = if r > 0.0 { parted.reflected.scaled((r + t) / r) } else { parted.reflected };
-            Parted { shares: [r + t, 0.0, a], reflected, transmitted: M::Amount::plain(0.0) }
+            Parted { shares: [r + t, 0.0, a], reflected, transmitted: M::Amount::plain(0.0), departs: parted.departs }
         });
         let crosses = parted[0].shares[1] > 0.0;
         Turn { refracted: refracted.filter(|_| crosses), disperses, ..self.collect(parted, axis, error) }
@@ -101,6 +102,18 @@ impl<'w, M: Mode> Walker<'w, M> {
         self.collect(parted, axis, error)
     }
 
+    /// By how much polarisation changes the power that the face at `vertex` reflects.
+    pub fn departure(&self, vertex: &Vertex) -> f64 {
+        let turn = match &self.face(vertex).surface {
+            Surface::Mirror(mirror) => self.turn_at_mirror(vertex, *mirror),
+            Surface::Interface(coating) => self.turn(vertex, *coating),
+            Surface::Absent | Surface::Absorber | Surface::Slide(_) | Surface::Sheet(_) | Surface::Scatter(_) => {
+                return 0.0;
+            }
+        };
+        (0..self.beam.count()).map(|lane| turn.departs[lane]).fold(0.0, f64::max)
+    }
+
     fn part(
         &self,
         _vertex: &Vertex,
@@ -117,21 +130,33 @@ impl<'w, M: Mode> Walker<'w, M> {
                 shares: [0.99 * r, 0.99 * t, a],
                 reflected: parted.reflected.scaled(0.99),
                 transmitted: parted.transmitted.scaled(0.99),
+                departs: parted.departs,
             };
         }
         parted
     }
 
-    fn collect(
-        &self,
-        parted: M::Lanes<Parted<M::Amount>>,
-        axis: <M::Amount as Amount>::Axis,
-        error: f64,
-    ) -> Turn<M> {
+    /// Goes straight through a sheet; what it takes is booked.
+    pub(super) fn go_through(&mut self, vertex: &Vertex, sheet: &Sheet, ledger: &mut Ledger) {
+        let part = vertex.hit.site.part;
+        let dir = self.ray.dir;
+        let to = self.world.geometry.part_to_world(part).transform_vector3(sheet.axis);
+        let axis = M::Amount::axis_along(self.beam.axis(), dir, to);
+        let before = self.beam.carried();
+        let amounts = lanes::<M, _>(|lane| {
+            let turning = sheet.turning(self.optics.nm(lane));
+            self.part(vertex, lane, axis, &turning).transmitted
+        });
+        self.beam.replace(amounts, axis);
+        self.absorb(part, before - self.beam.carried(), ledger);
+    }
+
+    fn collect(&self, parted: M::Lanes<Parted<M::Amount>>, axis: <M::Amount as Amount>::Axis, error: f64) -> Turn<M> {
         Turn {
             reflected: lanes::<M, _>(|lane| parted[lane].reflected),
             transmitted: lanes::<M, _>(|lane| parted[lane].transmitted),
             absorbed: lanes::<M, _>(|lane| parted[lane].shares[2] * self.beam.amount(lane).power()),
+            departs: lanes::<M, _>(|lane| parted[lane].departs),
             error,
             axis,
             refracted: None,
@@ -221,5 +246,6 @@ impl<'w, M: Mode> Walker<'w, M> {
 
 /// A lane that is not in use.
 fn nothing<M: Mode>() -> Parted<M::Amount> {
-    Parted { shares: [1.0, 0.0, 0.0], reflected: M::Amount::plain(0.0), transmitted: M::Amount::plain(0.0) }
+    let nothing = M::Amount::plain(0.0);
+    Parted { shares: [1.0, 0.0, 0.0], reflected: nothing, transmitted: nothing, departs: 0.0 }
 }

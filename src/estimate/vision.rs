@@ -68,7 +68,8 @@ impl<'w> Vision<'w> {
             let (origin, dir) = self.world.eye.ray(x, y, jitter, rng.pair());
             let ray = Ray { origin, dir, from: None };
             let weight = 1.0 / PATHS as f64;
-            let mut walker = Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
+            let mut walker =
+                Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
             let balance = ledger.imbalance();
             ledger.paths += 1;
             ledger.emitted += weight;

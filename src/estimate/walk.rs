@@ -256,12 +256,18 @@ impl<'w, M: Mode> Walker<'w, M> {
             Surface::Slide(index) => {
                 let slide = &world.slides[*index];
                 let before = self.beam.carried();
-                let Some(s) = slide.s(vertex.hit.local) else {
+                let Some(s) = self.optics.slide(slide, vertex.hit.local) else {
                     self.absorb(part, before, ledger);
                     return Meeting::Ended;
                 };
-                self.cross(vertex, slide, s);
+                self.cross(vertex, slide, &s);
                 self.absorb(part, before - self.beam.carried(), ledger);
+                self.trail = self.trail.then(Event::Specular);
+                self.pass_through(vertex);
+                self.roulette(ledger)
+            }
+            Surface::Sheet(sheet) => {
+                self.go_through(vertex, sheet, ledger);
                 self.trail = self.trail.then(Event::Specular);
                 self.pass_through(vertex);
                 self.roulette(ledger)
@@ -323,7 +329,9 @@ impl<'w, M: Mode> Walker<'w, M> {
                 self.pass_through(vertex);
                 true
             }
-            Surface::Slide(_) | Surface::Mirror(_) => matches!(self.meet(vertex, ledger), Meeting::Went),
+            Surface::Slide(_) | Surface::Sheet(_) | Surface::Mirror(_) => {
+                matches!(self.meet(vertex, ledger), Meeting::Went)
+            }
             Surface::Interface(coating) => {
                 self.heal(vertex, ledger);
                 let turn = self.turn(vertex, *coating);
@@ -334,9 +342,10 @@ impl<'w, M: Mode> Walker<'w, M> {
     }
 
     /// Crosses a slide.
-    fn cross(&mut self, vertex: &Vertex, slide: &SlideMap, s: f64) {
+    fn cross(&mut self, vertex: &Vertex, slide: &SlideMap, s: &M::Lanes<f64>) {
         let part = vertex.hit.site.part;
-        let across = slide.polarisation_axis().map(|axis| self.world.geometry.part_to_world(part).transform_vector3(axis));
+        let across =
+            slide.polarisation_axis().map(|axis| self.world.geometry.part_to_world(part).transform_vector3(axis));
         self.beam.cross(slide, s, across, self.ray.dir, self.travel == Travel::FromEye);
     }
 

@@ -2,8 +2,8 @@
 
 use super::detail::{Detail, DetailRow};
 use super::layer::Layer;
+use crate::base::colour::ColourSpace;
 use crate::base::ids::GroupId;
-use crate::base::units::LUMINANCE_OF_REC709;
 
 /// Light of one path or pixel, cd/m² (or lm before it is measured), as it depends on the slide's contrast.
 ///
@@ -100,7 +100,7 @@ impl Components {
     pub fn luminance(self, entries: &[Light]) -> Light {
         match (self, entries) {
             (Components::Rec709, [r, g, b]) => {
-                let [wr, wg, wb] = LUMINANCE_OF_REC709;
+                let [wr, wg, wb] = ColourSpace::Rec709.luminance_weights();
                 let mut sum = r.scaled(wr);
                 sum.add(g.scaled(wg));
                 sum.add(b.scaled(wb));
@@ -148,13 +148,7 @@ pub struct MixError {
 }
 
 impl Film {
-    pub fn new(
-        width: usize,
-        height: usize,
-        planes: Vec<PlaneKey>,
-        components: Components,
-        sampling: Sampling,
-    ) -> Self {
+    pub fn new(width: usize, height: usize, planes: Vec<PlaneKey>, components: Components, sampling: Sampling) -> Self {
         let (pixels, count) = (width * height, planes.len());
         Film {
             width,

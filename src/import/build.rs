@@ -5,18 +5,19 @@ use super::bind::bind;
 use super::explain::Explained;
 use super::files;
 use super::gltf::looks_like_millimetres;
-use super::optics::{self, ShapeSpec};
+use super::optics::{self, ShapeSpec, SpectrumSpec};
 use super::place;
 use super::select::{Candidate, candidates, listed};
 use super::set::Set;
 use super::sheet::Sheet;
 use super::slots::{PartBound, Rank, Slot, Slots};
-use super::value::Value;
+use super::value::{Data, Value};
 use crate::base::fault::Result;
 use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId};
 use crate::base::{Fault, Where};
 use crate::scene::{
-    Coating, Emitter, Face, Finish, Group, Medium, Note, Part, Scene, Severity, Shape, Slide, Wavelengths,
+    Absorption, Coating, Emitter, Face, Finish, Group, Medium, Note, Part, Scene, Severity, Shape, Slide, Spectrum,
+    Wavelengths, glass,
 };
 use glam::DAffine3;
 use std::collections::HashMap;
@@ -171,6 +172,9 @@ fn hash(files: &[PathBuf], sets: &[Set]) -> Result<String> {
     Ok(hasher.finalize().to_hex().to_string())
 }
 
+/// The picture of a slide: width, height, luminance and, if wanted, colour.
+pub(super) type Known = (usize, usize, Arc<Vec<f32>>, Option<Arc<Vec<[f32; 3]>>>);
+
 pub(super) struct Builder<'a> {
     pub(super) assembly: &'a Assembly,
     pub(super) sheet: &'a Sheet,
@@ -181,7 +185,7 @@ pub(super) struct Builder<'a> {
     pub(super) slides: Vec<Slide>,
     pub(super) groups: Vec<Group>,
     /// Pictures of slides by file.
-    pub(super) pictures: HashMap<PathBuf, (usize, usize, Arc<Vec<f32>>)>,
+    pub(super) pictures: HashMap<PathBuf, Known>,
     pub(super) files: Vec<PathBuf>,
     pub(super) notes: Vec<Note>,
 }
@@ -245,12 +249,39 @@ impl Builder<'_> {
         let absorption = slots.get(Slot::Absorption).map(|won| optics::absorption(&won.entry.value, nm)).transpose()?;
         let Some(won) = index else { return Ok(None) };
         let (own, index) = optics::index(&won.entry.key, &won.entry.value, nm)?;
+        if won.entry.key == "glass" {
+            self.extrapolated(&won.entry.value);
+        }
         let name = match (won.entry.key.as_str(), &won.entry.label) {
             ("glass", _) | (_, None) => own,
             (_, Some(label)) => label.clone(),
         };
-        let medium = Medium { name, index, absorption_per_m: absorption.unwrap_or(0.0) };
+        let medium = Medium { name, index, absorption: absorption.unwrap_or(Absorption::NONE) };
         Ok(Some(MediumId::from_index(intern(&mut self.media, medium))))
+    }
+
+    /// Warns of each catalogue name in `value`, a glass or the films of a coating, whose law is used beyond its range. Of
+    /// colour, what is blue, green and red counts: beyond 400 to 700 nm lies less than 0.5 % of daylight's X, Y and Z.
+    fn extrapolated(&mut self, value: &Value) {
+        match &value.data {
+            Data::Text(name) => {
+                let traced = match self.wavelengths {
+                    Wavelengths::Mono { nm } => [nm; 2],
+                    Wavelengths::Visible => [400.0, 700.0],
+                };
+                let Some(text) = glass::find(name).and_then(|glass| glass.beyond(traced)) else { return };
+                let note = Note { severity: Severity::Warning, at: value.at.clone(), text };
+                if !self.notes.contains(&note) {
+                    self.notes.push(note);
+                }
+            }
+            Data::List(items) => items.iter().for_each(|item| self.extrapolated(item)),
+            Data::Table(entries) => {
+                let holders = entries.iter().filter(|(key, _)| matches!(key.as_str(), "stack" | "material"));
+                holders.for_each(|(_, inner)| self.extrapolated(inner));
+            }
+            Data::Bool(_) | Data::Number(_) => {}
+        }
     }
 
     fn face(&mut self, part: &Candidate, number: usize, slots: &Slots, to_world: &DAffine3) -> Result<Face> {
@@ -269,7 +300,12 @@ impl Builder<'_> {
             Some(won) => {
                 let spec = optics::emitter(self.sheet.emitters.follow(&won.entry.value)?, &mut self.notes)?;
                 let group = GroupId::from_index(intern(&mut self.groups, Group { name: spec.group }));
-                Some(Emitter { group, photometry: spec.photometry, angular: spec.angular, spectrum: spec.spectrum })
+                let spectrum = spec.spectrum.map(|spectrum| self.spectrum(spectrum)).transpose()?;
+                if spectrum.is_none() && self.coloured() {
+                    let (at, text) = (won.entry.value.at.clone(), "`spectrum` of emitter is not said: D65".to_owned());
+                    self.notes.push(Note { severity: Severity::Info, at, text });
+                }
+                Some(Emitter { group, photometry: spec.photometry, angular: spec.angular, spectrum })
             }
             None => None,
         };
@@ -278,6 +314,22 @@ impl Builder<'_> {
             None => None,
         };
         Ok(Face { finish, coating: self.coating(part, number, slots, finish)?, shape, emitter, slide })
+    }
+
+    /// The spectrum that is meant; a file is read.
+    pub(super) fn spectrum(&mut self, spec: SpectrumSpec) -> Result<Spectrum> {
+        match spec {
+            SpectrumSpec::Given(spectrum) => Ok(spectrum),
+            SpectrumSpec::Csv { file, at } => {
+                let file = files::resolve(&file, &at);
+                let bytes = files::read(&file, &at, "spectrum")?;
+                let spectrum = optics::spectrum_table(&bytes, &file, &at)?;
+                if !self.files.contains(&file) {
+                    self.files.push(file);
+                }
+                Ok(spectrum)
+            }
+        }
     }
 
     /// The coating of a face, which must be polished if the coating was bound with at least the right of the finish.
@@ -302,6 +354,7 @@ impl Builder<'_> {
             }
             return Ok(None);
         }
+        self.extrapolated(value);
         Ok(Some(CoatingId::from_index(intern(&mut self.coatings, coating))))
     }
 

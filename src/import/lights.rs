@@ -2,7 +2,10 @@
 //! that emit, a dome the sky.
 
 use super::build::{Builder, intern};
-use super::optics::group_name;
+use super::optics::{self, group_name};
+use super::picture::Picture;
+use super::pictures::finite;
+use super::value::Value;
 use super::{files, picture, place};
 use crate::base::fault::Result;
 use crate::base::ids::{GroupId, MeshId};
@@ -10,7 +13,7 @@ use crate::base::{Fault, Where};
 use crate::scene::assembly::{LightForm, LightSource};
 use crate::scene::{
     Angular, Beacon, BeaconForm, Emitter, Face, FaceRange, Finish, Group, Mesh, Note, Part, Photometry, Severity,
-    Shape, Sky, SpotCone,
+    Shape, Sky, Spectrum, SpotCone,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -90,7 +93,8 @@ impl Builder<'_> {
                 }
             };
             let group = self.light_group(light, sky)?;
-            made.lights.push(Beacon { name: light.name.clone(), group, form });
+            let spectrum = self.light_spectrum(light)?;
+            made.lights.push(Beacon { name: light.name.clone(), group, form, spectrum });
         }
         Ok(made)
     }
@@ -124,6 +128,26 @@ impl Builder<'_> {
         Ok(GroupId::from_index(intern(&mut self.groups, Group { name })))
     }
 
+    /// The light's own attributes say its spectrum, or its temperature or colour does; white is none.
+    fn light_spectrum(&mut self, light: &LightSource) -> Result<Option<Spectrum>> {
+        let emitter = |own: &'_ Value| own.get("emitter").and_then(|emitter| emitter.get("spectrum")).cloned();
+        let given = light.attributes.as_ref().and_then(|own| own.get("spectrum").cloned().or_else(|| emitter(own)));
+        let spectrum = match (given, light.kelvin) {
+            (Some(value), _) => {
+                let spec = optics::spectrum(&value)?;
+                return self.spectrum(spec).map(Some);
+            }
+            (None, Some(kelvin)) => Spectrum::Cct(kelvin),
+            (None, None) if light.color[0] == light.color[1] && light.color[1] == light.color[2] => return Ok(None),
+            (None, None) => Spectrum::Rgb(light.color),
+        };
+        if let Some(problem) = spectrum.problem() {
+            self.warn(light, &format!("its colour is not used: {problem}"));
+            return Ok(None);
+        }
+        Ok(Some(spectrum))
+    }
+
     fn shine(
         &mut self,
         light: &LightSource,
@@ -135,7 +159,7 @@ impl Builder<'_> {
     ) -> Result<()> {
         let group = self.light_group(light, sky)?;
         let photometry = Photometry::LuminanceCdM2(luminance);
-        let emitter = Emitter { group, photometry, angular: Angular::Lambert, spectrum: None };
+        let emitter = Emitter { group, photometry, angular: Angular::Lambert, spectrum: self.light_spectrum(light)? };
         let face =
             Face { finish: Finish::Absorber, coating: None, shape: Shape::Mesh, emitter: Some(emitter), slide: None };
         let node = self.assembly.nodes.get(light.node).map_or("", |node| node.path.as_str());
@@ -155,25 +179,26 @@ impl Builder<'_> {
     /// A uniform sky, or a panorama in the axes of the dome's node.
     fn dome(&mut self, light: &LightSource, scale: f64, image: Option<&Path>, to_asset: &DAffine3) -> Result<Sky> {
         let group = self.light_group(light, None)?;
-        let (width, height, mut pixels, file) = match image {
-            None => (1, 1, vec![1.0], "uniform".to_owned()),
+        let (mut read, file) = match image {
+            None => (Picture { width: 1, height: 1, pixels: vec![1.0], rgb: None, clipped: 0 }, "uniform".to_owned()),
             Some(file) => {
                 let bytes = files::read(file, &light.at, "dome image")?;
                 let read = picture::panorama(&bytes, file, &light.at)?;
                 self.files.push(file.to_owned());
-                (read.width, read.height, read.pixels, file.display().to_string())
+                (read, file.display().to_string())
             }
         };
-        for pixel in &mut pixels {
-            *pixel = (f64::from(*pixel) * scale) as f32;
-        }
-        if pixels.iter().any(|pixel| !(*pixel >= 0.0 && pixel.is_finite())) {
+        // The strength has the luminance of the light's colour in it.
+        let [r, g, b] = light.color;
+        let scale = if r == g && g == b { [scale; 3] } else { light.color.map(|lane| scale * lane) };
+        let rgb = self.scaled(&mut read, scale, &light.at);
+        if !finite(&read.pixels, rgb.as_deref()) {
             let what = format!("the luminance of dome {} is negative or overflows", light.name);
             return Err(Fault::new(light.at.clone(), what).expected("0 or more, and finite"));
         }
-        let luminance = Arc::new(pixels);
+        let (luminance, rgb) = (Arc::new(read.pixels), rgb.map(Arc::new));
         let to_world = self.assembly.axes * rotation(&to_asset.matrix3, &light.at)?;
-        Ok(Sky { group, width, height, luminance, to_world, file })
+        Ok(Sky { group, width: read.width, height: read.height, luminance, rgb, to_world, file })
     }
 }
 

@@ -1,23 +1,45 @@
-//! Pictures that a scene is made of: slides (PNG) and panoramas (OpenEXR, Radiance HDR), as plain luminance.
+//! Pictures that a scene is made of: slides (PNG) and panoramas (OpenEXR, Radiance HDR), as luminance and as colour.
 
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use std::io::Cursor;
 use std::path::Path;
 
-/// Luminance of pixels, row-major from the top left.
+/// Pixels, row-major from the top left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     pub width: usize,
     pub height: usize,
+    /// Luminance.
     pub pixels: Vec<f32>,
-    /// Some pixel of the file is not grey: its colour is lost here.
-    pub had_colour: bool,
+    /// Linear Rec.709, each component >= 0, if some pixel is not grey; `pixels` is its luminance.
+    pub rgb: Option<Vec<[f32; 3]>>,
+    /// How many pixels have a component below 0: it became 0 and the others were scaled to keep the luminance.
+    pub clipped: usize,
 }
 
-/// Rec. 709 luminance of linear RGB (ITU-R BT.709-6, item 3.2).
-fn luminance([r, g, b]: [f32; 3]) -> f32 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
+/// Luminance of linear Rec.709.
+fn luminance(rgb: [f32; 3]) -> f32 {
+    crate::base::units::luminance(rgb.map(f64::from)) as f32
+}
+
+impl Picture {
+    fn grey(width: usize, height: usize, pixels: Vec<f32>) -> Self {
+        Picture { width, height, pixels, rgb: None, clipped: 0 }
+    }
+
+    fn coloured(width: usize, height: usize, mut rgb: Vec<[f32; 3]>) -> Self {
+        let pixels: Vec<f32> = rgb.iter().map(|pixel| luminance(*pixel)).collect();
+        let mut clipped = 0;
+        for (pixel, own) in rgb.iter_mut().zip(&pixels).filter(|(pixel, _)| pixel.iter().any(|c| *c < 0.0)) {
+            clipped += 1;
+            let inside = pixel.map(|c| c.max(0.0));
+            let whole = luminance(inside);
+            *pixel = if whole > 0.0 { inside.map(|c| c * (own / whole)) } else { [0.0; 3] };
+        }
+        let colour = rgb.iter().any(|[r, g, b]| r != g || g != b);
+        Picture { width, height, pixels, rgb: colour.then_some(rgb), clipped }
+    }
 }
 
 /// More pixels than this are a broken header, not a picture.
@@ -35,17 +57,18 @@ pub fn slide(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
         return Err(broken(path, at, "it has an alpha channel").expected("a grey PNG of 8 or 16 bits"));
     }
     let (width, height) = (decoded.width() as usize, decoded.height() as usize);
-    let mut had_colour = false;
-    let pixels = match &decoded {
-        image::DynamicImage::ImageLuma8(grey) => grey.iter().map(|value| f32::from(*value) / 255.0).collect(),
-        image::DynamicImage::ImageLuma16(grey) => grey.iter().map(|value| f32::from(*value) / 65535.0).collect(),
+    let grey = |pixels| Picture::grey(width, height, pixels);
+    let picture = match &decoded {
+        image::DynamicImage::ImageLuma8(luma) => grey(luma.iter().map(|value| f32::from(*value) / 255.0).collect()),
+        image::DynamicImage::ImageLuma16(luma) => grey(luma.iter().map(|value| f32::from(*value) / 65535.0).collect()),
         colour => {
-            let colour = colour.to_rgb32f();
-            had_colour = colour.pixels().any(|pixel| pixel.0 != [pixel.0[0]; 3]);
-            colour.pixels().map(|pixel| luminance(pixel.0).clamp(0.0, 1.0)).collect()
+            let shares = colour.to_rgb32f().pixels().map(|pixel| pixel.0.map(|c| c.clamp(0.0, 1.0))).collect();
+            let mut picture = Picture::coloured(width, height, shares);
+            picture.pixels.iter_mut().for_each(|pixel| *pixel = pixel.clamp(0.0, 1.0));
+            picture
         }
     };
-    checked(Picture { width, height, pixels, had_colour }, path, at)
+    checked(picture, path, at)
 }
 
 /// A panorama: OpenEXR with channel Y or R, G, B, or Radiance HDR. Values are linear.
@@ -55,9 +78,8 @@ pub fn panorama(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
     } else if bytes.starts_with(b"#?") {
         let reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Hdr);
         let decoded = reader.decode().map_err(|error| broken(path, at, error))?;
-        let pixels = decoded.to_rgb32f().pixels().map(|pixel| luminance(pixel.0)).collect();
         let (width, height) = (decoded.width() as usize, decoded.height() as usize);
-        Picture { width, height, pixels, had_colour: true }
+        Picture::coloured(width, height, decoded.to_rgb32f().pixels().map(|pixel| pixel.0).collect())
     } else {
         return Err(broken(path, at, "it is neither OpenEXR nor Radiance HDR").expected("a .exr or .hdr file"));
     };
@@ -89,17 +111,17 @@ fn exr_luminance(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
         let values: Vec<f32> = channel.sample_data.values_as_f32().collect();
         (values.len() == width * height).then_some(values)
     };
-    let pixels = match (samples("Y"), samples("R"), samples("G"), samples("B")) {
+    match (samples("Y"), samples("R"), samples("G"), samples("B")) {
         (None, Some(r), Some(g), Some(b)) => {
-            r.iter().zip(&g).zip(&b).map(|((r, g), b)| luminance([*r, *g, *b])).collect()
+            let pixels = r.iter().zip(&g).zip(&b).map(|((r, g), b)| [*r, *g, *b]).collect();
+            Ok(Picture::coloured(width, height, pixels))
         }
-        (Some(y), _, _, _) => y,
+        (Some(y), _, _, _) => Ok(Picture::grey(width, height, y)),
         (None, _, _, _) => {
             let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
-            return Err(broken(path, at, format!("its channels are {}", names.join(", "))).expected("Y, or R, G and B"));
+            Err(broken(path, at, format!("its channels are {}", names.join(", "))).expected("Y, or R, G and B"))
         }
-    };
-    Ok(Picture { width, height, pixels, had_colour: samples("Y").is_none() })
+    }
 }
 
 fn checked(picture: Picture, path: &Path, at: &Where) -> Result<Picture> {
@@ -111,6 +133,12 @@ fn checked(picture: Picture, path: &Path, at: &Where) -> Result<Picture> {
         let (x, y) = (bad % picture.width, bad / picture.width);
         let value = picture.pixels[bad];
         return Err(broken(path, at, format!("pixel ({x}, {y}) is {value}")).expected("finite values >= 0"));
+    }
+    // A luminance may be finite where a component isn't, or where the scaled ones are not.
+    let colours = picture.rgb.iter().flatten();
+    if let Some(bad) = colours.clone().position(|rgb| !rgb.iter().all(|c| *c >= 0.0 && c.is_finite())) {
+        let (x, y) = (bad % picture.width, bad / picture.width);
+        return Err(broken(path, at, format!("pixel ({x}, {y}) has no finite colour")).expected("finite values"));
     }
     Ok(picture)
 }
@@ -140,9 +168,10 @@ mod tests {
         assert_eq!((picture.width, picture.height, picture.pixels), (1, 2, vec![1.0, 0.2]));
         let colour = image::RgbImage::from_raw(1, 1, vec![0, 255, 0]).unwrap();
         let read = slide(&png(colour.into()), &path, &at).unwrap();
-        assert!((read.pixels[0] - 0.7152).abs() < 1e-6 && read.had_colour);
+        assert!((read.pixels[0] - 0.715_168_7).abs() < 1e-6);
+        assert_eq!(read.rgb, Some(vec![[0.0, 1.0, 0.0]]));
         let grey = image::RgbImage::from_raw(1, 1, vec![7, 7, 7]).unwrap();
-        assert!(!slide(&png(grey.into()), &path, &at).unwrap().had_colour);
+        assert_eq!(slide(&png(grey.into()), &path, &at).unwrap().rgb, None);
         let alpha = image::RgbaImage::from_raw(1, 1, vec![0, 255, 0, 7]).unwrap();
         assert_eq!(
             slide(&png(alpha.into()), &path, &at).unwrap_err().to_string(),
@@ -160,7 +189,8 @@ mod tests {
         let bytes = bytes.into_inner();
         let picture = panorama(&bytes, &path, &at).unwrap();
         assert_eq!((picture.width, picture.height), (4, 2));
-        assert!((picture.pixels[7] - (3.0 * 0.2126 + 0.7152 + 0.0722)).abs() < 1e-6);
+        assert!((picture.pixels[7] - (3.0 * 0.212_639 + 0.715_168_7 + 0.072_192_3)).abs() < 1e-6);
+        assert_eq!(picture.rgb.map(|rgb| rgb[7]), Some([3.0, 1.0, 1.0]));
         for length in 0..bytes.len() {
             assert!(panorama(&bytes[..length], &path, &at).is_err(), "cut after {length}");
         }
@@ -175,5 +205,19 @@ mod tests {
             panorama(b"P6", &path, &at).unwrap_err().to_string(),
             "can't read the picture picture: it is neither OpenEXR nor Radiance HDR; expected a .exr or .hdr file"
         );
+    }
+
+    #[test]
+    fn colours_out_of_gamut_keep_their_luminance() {
+        let read = Picture::coloured(3, 1, vec![[-0.5, 1.0, 0.25], [1.0, 1.0, 1.0], [0.5, 0.0, 0.0]]);
+        assert_eq!(read.clipped, 1);
+        let rgb = read.rgb.unwrap();
+        assert!((luminance(rgb[0]) / read.pixels[0] - 1.0).abs() < 1e-6 && rgb[0][0] == 0.0, "{:?}", rgb[0]);
+        assert!((rgb[0][1] / rgb[0][2] - 4.0).abs() < 1e-5);
+        assert_eq!(rgb[2], [0.5, 0.0, 0.0]);
+        // Dark ones don't become coloured, and nothing becomes NaN.
+        let read = Picture::coloured(1, 1, vec![[-1.0, -1.0, -1.0]]);
+        assert!(checked(read, &here().0, &here().1).is_err());
+        assert!(checked(Picture::coloured(1, 1, vec![[f32::NAN, 0.0, 0.0]]), &here().0, &here().1).is_err());
     }
 }

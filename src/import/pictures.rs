@@ -2,13 +2,15 @@
 
 use super::build::{Builder, intern};
 use super::measure::FaceMeasure;
+use super::picture::Picture;
 use super::select::Candidate;
 use super::value::Value;
 use super::{files, optics, picture, place};
-use crate::base::Fault;
 use crate::base::fault::Result;
 use crate::base::ids::{GroupId, SlideId};
-use crate::scene::{Group, Note, Severity, Sky, Slide};
+use crate::base::units::luminance;
+use crate::base::{Fault, Where};
+use crate::scene::{Group, Note, Severity, Sky, Slide, Wavelengths};
 use std::sync::Arc;
 
 impl Builder<'_> {
@@ -20,19 +22,21 @@ impl Builder<'_> {
         let value = self.sheet.slides.follow(value)?;
         let spec = optics::slide(value, &mut self.notes)?;
         let file = files::resolve(&spec.image, &spec.image_at);
-        let (width, height, pixels) = match self.pictures.get(&file) {
+        let (width, height, pixels, rgb) = match self.pictures.get(&file) {
             Some(known) => known.clone(),
             None => {
                 let bytes = files::read(&file, &spec.image_at, "slide image")?;
                 let read = picture::slide(&bytes, &file, &spec.image_at)?;
-                if read.had_colour {
+                if read.rgb.is_some() && !self.coloured() {
                     let text = format!(
-                        "the slide image {} has colours; this version renders luminance: 0.2126 R + 0.7152 G + 0.0722 B",
+                        "the slide image {} has colours; at one wavelength their luminance counts: \
+                         0.2126 R + 0.7152 G + 0.0722 B",
                         spec.image
                     );
                     self.notes.push(Note { severity: Severity::Info, at: spec.image_at.clone(), text });
                 }
-                let known = (read.width, read.height, Arc::new(read.pixels));
+                let rgb = read.rgb.filter(|_| self.coloured()).map(Arc::new);
+                let known = (read.width, read.height, Arc::new(read.pixels), rgb);
                 self.pictures.insert(file.clone(), known.clone());
                 self.files.push(file);
                 known
@@ -77,6 +81,7 @@ impl Builder<'_> {
             width,
             height,
             pixels,
+            rgb,
             centre,
             u,
             v: (v - v.dot(u) * u).normalize(),
@@ -95,10 +100,8 @@ impl Builder<'_> {
         let bytes = files::read(&file, &spec.image_at, "sky image")?;
         let mut read = picture::panorama(&bytes, &file, &spec.image_at)?;
         self.files.push(file);
-        for pixel in &mut read.pixels {
-            *pixel = (f64::from(*pixel) * spec.scale_cd_m2) as f32;
-        }
-        if read.pixels.iter().any(|pixel| !pixel.is_finite()) {
+        let rgb = self.scaled(&mut read, [spec.scale_cd_m2; 3], &spec.image_at);
+        if !finite(&read.pixels, rgb.as_deref()) {
             return Err(Fault::new(value.at.clone(), "the sky's luminance overflows").expected("a smaller scale_cd_m2"));
         }
         if read.width != 2 * read.height {
@@ -113,8 +116,52 @@ impl Builder<'_> {
             width: read.width,
             height: read.height,
             luminance: Arc::new(read.pixels),
+            rgb: rgb.map(Arc::new),
             to_world: frame * glam::DMat3::from_rotation_y(spec.rotation_deg.to_radians()),
             file: spec.image,
         })
     }
+
+    /// Whether colour is traced.
+    pub(super) fn coloured(&self) -> bool {
+        match self.wavelengths {
+            Wavelengths::Mono { .. } => false,
+            Wavelengths::Visible => true,
+        }
+    }
+
+    /// Scales the pixels of a panorama by red, green and blue; returns the colours, if it has any and they are wanted.
+    pub(super) fn scaled(&mut self, read: &mut Picture, scale: [f64; 3], at: &Where) -> Option<Vec<[f32; 3]>> {
+        if read.clipped > 0 && self.coloured() {
+            let text = format!(
+                "{} pixels have colours outside Rec.709: their negative components are taken as 0, with the same luminance",
+                read.clipped
+            );
+            self.notes.push(Note { severity: Severity::Warning, at: at.clone(), text });
+        }
+        let grey = scale[0] == scale[1] && scale[1] == scale[2];
+        let mut rgb = read.rgb.take();
+        if rgb.is_none() && !grey {
+            rgb = Some(read.pixels.iter().map(|pixel| [*pixel; 3]).collect());
+        }
+        if grey {
+            for pixel in &mut read.pixels {
+                *pixel = (f64::from(*pixel) * scale[0]) as f32;
+            }
+        }
+        for (i, colour) in rgb.iter_mut().flatten().enumerate() {
+            let scaled: [f64; 3] = std::array::from_fn(|c| f64::from(colour[c]) * scale[c]);
+            *colour = scaled.map(|c| c as f32);
+            if let (false, Some(pixel)) = (grey, read.pixels.get_mut(i)) {
+                *pixel = luminance(scaled) as f32;
+            }
+        }
+        rgb.filter(|_| self.coloured())
+    }
+}
+
+/// Whether all values are 0 or more and finite.
+pub(super) fn finite(pixels: &[f32], rgb: Option<&[[f32; 3]]>) -> bool {
+    let fine = |value: &f32| *value >= 0.0 && value.is_finite();
+    pixels.iter().all(fine) && rgb.unwrap_or(&[]).iter().flatten().all(fine)
 }

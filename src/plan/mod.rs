@@ -1,5 +1,6 @@
 //! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is.
 
+mod mode;
 mod pilot;
 
 use crate::base::ids::GroupId;
@@ -7,7 +8,7 @@ use crate::base::path::Class;
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::film::detail::ErrorDetail;
-use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
+use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use crate::world::World;
 
 /// Which estimators may be used.
@@ -18,18 +19,42 @@ pub enum Choice {
     Only(Estimator),
 }
 
+/// Whether paths carry their polarisation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+pub enum Polarisation {
+    /// Where a pilot finds that it matters.
+    #[default]
+    Auto,
+    On,
+    Off,
+}
+
+/// What is asked of a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+pub struct Asked {
+    pub choice: Choice,
+    pub polarisation: Polarisation,
+}
+
+impl From<Choice> for Asked {
+    fn from(choice: Choice) -> Self {
+        Asked { choice, polarisation: Polarisation::Auto }
+    }
+}
+
 /// Makes the plan: facts decide who owns what; pilots only set the photons' first radius.
-pub fn plan(checked: &Checked, world: &World, choice: Choice) -> Plan {
-    make(checked, world, choice, &|| false)
+pub fn plan(checked: &Checked, world: &World, asked: impl Into<Asked>) -> Plan {
+    make(checked, world, asked.into(), &|| false)
 }
 
 /// The same; none if `stop` says true (Ctrl-C) before the pilots are through. It is asked before each path of a pilot.
-pub fn plan_unless(checked: &Checked, world: &World, choice: Choice, stop: &ShouldStop<'_>) -> Option<Plan> {
-    let plan = make(checked, world, choice, stop);
+pub fn plan_unless(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -> Option<Plan> {
+    let plan = make(checked, world, asked, stop);
     (!stop()).then_some(plan)
 }
 
-fn make(checked: &Checked, world: &World, choice: Choice, stop: &ShouldStop<'_>) -> Plan {
+fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -> Plan {
+    let choice = asked.choice;
     let scene = checked.scene();
     let facts = checked.facts();
     let pixels = (scene.eye.resolution[0] * scene.eye.resolution[1]) as u64;
@@ -55,12 +80,6 @@ fn make(checked: &Checked, world: &World, choice: Choice, stop: &ShouldStop<'_>)
             scene.group(group).name
         ));
     }
-    if let crate::scene::Wavelengths::Visible = scene.wavelengths {
-        notes.push(format!(
-            "`visible` is traced at {} nm: colour is not rendered by this version, the picture is grey",
-            crate::scene::Wavelengths::VISIBLE_NM
-        ));
-    }
     let mut plan = Plan {
         rows,
         forward_paths: 0,
@@ -68,7 +87,7 @@ fn make(checked: &Checked, world: &World, choice: Choice, stop: &ShouldStop<'_>)
         photon_radius_m: 0.0,
         forward_guide: None,
         photon_guide: None,
-        mode: PathMode::default(),
+        mode: mode::decide(checked, world, asked.polarisation, stop),
         errors: ErrorDetail::default(),
         notes,
     };

@@ -137,6 +137,8 @@ pub struct LightSource {
     pub form: LightForm,
     /// Linear Rec.709 colour with luminance 1.
     pub color: [f64; 3],
+    /// A colour temperature, K, that `color` is the colour of.
+    pub kelvin: Option<f64>,
     /// File of a luminous intensity distribution (.ies), if one shapes it.
     pub profile: Option<PathBuf>,
     pub attributes: Option<Value>,

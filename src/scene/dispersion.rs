@@ -11,6 +11,12 @@ pub enum Dispersion {
     /// n² = 1 + Σ B λ²/(λ² − C): the SCHOTT form, formula 2 of refractiveindex.info, with C in µm² and not squared.
     /// (Formula 1 prints the resonance in µm and squares it.) Unused terms are 0.
     Sellmeier { b: [f64; 3], c_um2: [f64; 3] },
+    /// The same with four terms.
+    Sellmeier4 { b: [f64; 4], c_um2: [f64; 4] },
+    /// n² = constant + Σ a λᵖ over the terms [a, p], λ in µm: formula 3 of refractiveindex.info. Unused terms are 0.
+    Polynomial { constant: f64, terms: [[f64; 2]; 6] },
+    /// n = 1 + Σ a/(b − λ⁻²) over the terms [a, b], λ in µm: formula 6 of refractiveindex.info, for gases.
+    Gas { terms: [[f64; 2]; 2] },
     /// n = A + B/λ² + C/λ⁴ with A, B [µm²], C [µm⁴].
     Cauchy([f64; 3]),
     /// n = max(n_d + (n_d − 1)/V_d · (523655/λ² − 1.5168), 1), λ in nm: the law of KHR_materials_dispersion.
@@ -28,9 +34,16 @@ impl Dispersion {
         let um_sq = (wavelength_nm * 1e-3).powi(2);
         match self {
             Dispersion::Constant(n) => Complex::real(*n),
-            Dispersion::Sellmeier { b, c_um2 } => {
-                let sum: f64 = b.iter().zip(c_um2).map(|(b, c)| b * um_sq / (um_sq - c)).sum();
-                Complex::real(1.0 + sum).sqrt()
+            Dispersion::Sellmeier { b, c_um2 } => sellmeier(b, c_um2, um_sq),
+            Dispersion::Sellmeier4 { b, c_um2 } => sellmeier(b, c_um2, um_sq),
+            Dispersion::Polynomial { constant, terms } => {
+                let um = wavelength_nm * 1e-3;
+                let sum: f64 = terms.iter().map(|[a, p]| a * um.powf(*p)).sum();
+                Complex::real(constant + sum).sqrt()
+            }
+            Dispersion::Gas { terms } => {
+                let sum: f64 = terms.iter().map(|[a, b]| a / (b - 1.0 / um_sq)).sum();
+                Complex::real(1.0 + sum)
             }
             Dispersion::Cauchy([a, b, c]) => Complex::real(a + (b + c / um_sq) / um_sq),
             Dispersion::Abbe { n_d, v_d } => {
@@ -51,6 +64,15 @@ impl Dispersion {
             Dispersion::Sellmeier { b, c_um2 } if !(finite(b) && finite(c_um2)) => {
                 Some("a Sellmeier coefficient is not a finite number".into())
             }
+            Dispersion::Sellmeier4 { b, c_um2 } if !(finite(b) && finite(c_um2)) => {
+                Some("a Sellmeier coefficient is not a finite number".into())
+            }
+            Dispersion::Polynomial { constant, terms } if !(constant.is_finite() && finite(terms.as_flattened())) => {
+                Some("a coefficient of the polynomial is not a finite number".into())
+            }
+            Dispersion::Gas { terms } if !finite(terms.as_flattened()) => {
+                Some("a coefficient of the gas is not a finite number".into())
+            }
             Dispersion::Cauchy(abc) if !finite(abc) => Some("a Cauchy coefficient is not a finite number".into()),
             Dispersion::Abbe { n_d, .. } if !(finite(&[*n_d]) && *n_d >= 1.0) => {
                 Some(format!("n_d = {n_d} is not a number of 1 or more"))
@@ -67,10 +89,18 @@ impl Dispersion {
                 }),
             Dispersion::Constant(_)
             | Dispersion::Sellmeier { .. }
+            | Dispersion::Sellmeier4 { .. }
+            | Dispersion::Polynomial { .. }
+            | Dispersion::Gas { .. }
             | Dispersion::Cauchy(_)
             | Dispersion::Abbe { .. } => None,
         }
     }
+}
+
+fn sellmeier(b: &[f64], c_um2: &[f64], um_sq: f64) -> Complex {
+    let sum: f64 = b.iter().zip(c_um2).map(|(b, c)| b * um_sq / (um_sq - c)).sum();
+    Complex::real(1.0 + sum).sqrt()
 }
 
 /// Linear in λ, clamped to the ends; NaN for an empty table.
@@ -127,6 +157,9 @@ mod tests {
             (Dispersion::Constant(0.0), "positive"),
             (Dispersion::Constant(f64::NAN), "positive"),
             (Dispersion::Sellmeier { b: [1.0, f64::INFINITY, 0.0], c_um2: [0.0; 3] }, "Sellmeier"),
+            (Dispersion::Sellmeier4 { b: [f64::NAN; 4], c_um2: [0.0; 4] }, "Sellmeier"),
+            (Dispersion::Polynomial { constant: 2.0, terms: [[f64::INFINITY; 2]; 6] }, "polynomial"),
+            (Dispersion::Gas { terms: [[f64::NAN; 2]; 2] }, "gas"),
             (Dispersion::Cauchy([f64::NAN; 3]), "Cauchy"),
             (Dispersion::Abbe { n_d: 0.9, v_d: 50.0 }, "n_d"),
             (Dispersion::Abbe { n_d: 1.5, v_d: 0.0 }, "V_d"),
@@ -147,6 +180,9 @@ mod tests {
         for law in [
             Dispersion::Constant(1.5),
             Dispersion::Sellmeier { b: [1.1819, 0.0, 0.0], c_um2: [0.011313, 0.0, 0.0] },
+            Dispersion::Sellmeier4 { b: [0.5, 0.1, 0.0, 0.2], c_um2: [0.01, 0.0, 0.0, 10.0] },
+            Dispersion::Polynomial { constant: 2.0, terms: [[0.1, -2.0]; 6] },
+            Dispersion::Gas { terms: [[0.05, 238.0]; 2] },
             Dispersion::Cauchy([1.5, 0.004, 0.0]),
             Dispersion::Abbe { n_d: 1.5168, v_d: 64.17 },
             Dispersion::Table(vec![(400.0, 1.0, 4.0)]),

@@ -1,5 +1,7 @@
 //! What a face does with light that meets it.
 
+use glam::DVec3;
+
 /// Finish of a face. A coating, if any, acts on `Polished` faces.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case", tag = "kind")]
@@ -16,6 +18,11 @@ pub enum Finish {
     Lambert { reflectance: f64, transmittance: f64 },
     /// Gaussian lobe about the specular directions (`design/formulas.md` section 10), sigma in degrees.
     Gauss { sigma_deg: f64, reflectance: f64, transmittance: f64 },
+    /// A thin sheet that lets linear polarisation along `axis` through with the share `transmittance` (0–1), the other
+    /// with `transmittance · extinction`, and bends nothing. Where paths carry no polarisation: the mean of both.
+    Polariser { axis: DVec3, transmittance: f64, extinction: f64 },
+    /// A thin sheet that delays linear polarisation along `axis` by `retardance_nm` against the other one; loses nothing.
+    Retarder { axis: DVec3, retardance_nm: f64 },
     /// Takes everything.
     Absorber,
 }

@@ -1,14 +1,35 @@
-//! A small catalogue of optical glasses and plastics by name, each row with its source.
+//! A small catalogue of optical glasses, plastics, liquids and film materials by name, each row with its source.
+//!
+//! Two families of coefficients look alike and are not: formula 1 of refractiveindex.info prints resonance wavelengths,
+//! which it squares; formula 2 (SCHOTT's) prints their squares. Formula 3 is a polynomial of n² in powers of λ.
 
 use super::dispersion::Dispersion;
+use std::sync::LazyLock;
 
 /// A catalogue row.
 #[derive(Debug, PartialEq)]
 pub struct Glass {
     pub name: &'static str,
+    /// Other names that find it.
+    pub also: &'static [&'static str],
     pub dispersion: Dispersion,
+    /// The wavelengths that the law was made for, nm.
+    pub valid_nm: [f64; 2],
+    /// What bodies are made of; the others are films and metals.
+    pub solid: bool,
     /// Where the coefficients come from.
     pub source: &'static str,
+}
+
+impl Glass {
+    /// What is beyond the law when light from `first` to `last` nm is traced, in words; none if it holds for all of it.
+    pub fn beyond(&self, [first, last]: [f64; 2]) -> Option<String> {
+        let [low, high] = self.valid_nm;
+        (first < low || last > high).then(|| {
+            let traced = if first == last { format!("{first} nm") } else { format!("{first} to {last} nm") };
+            format!("{}: its index is known from {low} to {high} nm and extrapolated for {traced}", self.name)
+        })
+    }
 }
 
 const fn sellmeier(b: [f64; 3], c_um2: [f64; 3]) -> Dispersion {
@@ -20,63 +41,108 @@ const fn sellmeier_squared(b: [f64; 3], c_um: [f64; 3]) -> Dispersion {
     sellmeier(b, [c_um[0] * c_um[0], c_um[1] * c_um[1], c_um[2] * c_um[2]])
 }
 
-const SCHOTT: &str = "SCHOTT Zemax catalogue 2017-01-20b, relative to air at 20 °C";
-const SULTANOVA: &str =
-    "Sultanova, Kasarova, Nikolov, Acta Phys. Pol. A 116, 585 (2009), 436.8–1052 nm, fit by refractiveindex.info";
+const fn solid(name: &'static str, dispersion: Dispersion, valid_nm: [f64; 2], source: &'static str) -> Glass {
+    Glass { name, also: &[], dispersion, valid_nm, solid: true, source }
+}
 
-static GLASSES: [Glass; 10] = [
-    Glass {
-        name: "N-BK7",
-        dispersion: sellmeier([1.03961212, 0.231792344, 1.01046945], [0.00600069867, 0.0200179144, 103.560653]),
-        source: SCHOTT,
-    },
-    Glass {
-        name: "N-SK16",
-        dispersion: sellmeier([1.34317774, 0.241144399, 0.994317969], [0.00704687339, 0.0229005, 92.7508526]),
-        source: SCHOTT,
-    },
-    Glass {
-        name: "N-SF6",
-        dispersion: sellmeier([1.77931763, 0.338149866, 2.08734474], [0.0133714182, 0.0617533621, 174.01759]),
-        source: SCHOTT,
-    },
-    Glass {
-        name: "N-SF11",
-        dispersion: sellmeier([1.73759695, 0.313747346, 1.89878101], [0.013188707, 0.0623068142, 155.23629]),
-        source: SCHOTT,
-    },
-    Glass {
-        name: "F2",
-        dispersion: sellmeier([1.34533359, 0.209073176, 0.937357162], [0.00997743871, 0.0470450767, 111.886764]),
-        source: SCHOTT,
-    },
-    Glass {
-        name: "SF5",
-        dispersion: sellmeier([1.46141885, 0.247713019, 0.949995832], [0.0111826126, 0.0508594669, 112.041888]),
-        source: "SCHOTT's published coefficients; checked against the indices of oracles/04_lens",
-    },
-    Glass {
-        name: "fused silica",
-        dispersion: sellmeier_squared([0.6961663, 0.4079426, 0.8974794], [0.0684043, 0.1162414, 9.896161]),
-        source: "Malitson, J. Opt. Soc. Am. 55, 1205 (1965), 20 °C",
-    },
-    Glass {
-        name: "CaF2",
-        dispersion: sellmeier_squared([0.5675888, 0.4710914, 3.8484723], [0.050263605, 0.1003909, 34.64904]),
-        source: "Malitson, Appl. Opt. 2, 1103 (1963)",
-    },
-    Glass { name: "PMMA", dispersion: sellmeier([1.1819, 0.0, 0.0], [0.011313, 0.0, 0.0]), source: SULTANOVA },
-    Glass { name: "polycarbonate", dispersion: sellmeier([1.4182, 0.0, 0.0], [0.021304, 0.0, 0.0]), source: SULTANOVA },
-];
+impl Glass {
+    fn or(self, also: &'static [&'static str]) -> Self {
+        Glass { also, ..self }
+    }
+    fn film(self) -> Self {
+        Glass { solid: false, ..self }
+    }
+}
+
+const SCHOTT: &str = "SCHOTT Zemax catalogue 2017-01-20b, relative to air at 20 °C";
+const SULTANOVA: &str = "Sultanova, Kasarova, Nikolov, Acta Phys. Pol. A 116, 585 (2009), fit by refractiveindex.info";
+
+/// The rows of `name` in films.csv.
+fn film(name: &'static str, source: &'static str) -> Glass {
+    let lines = include_str!("glass/films.csv").lines();
+    let rows: Vec<(f64, f64, f64)> = lines
+        .filter_map(|line| line.strip_prefix(name)?.strip_prefix(','))
+        .filter_map(|line| {
+            let mut numbers = line.split(',').filter_map(|field| field.parse::<f64>().ok());
+            Some((numbers.next()?, numbers.next()?, numbers.next()?))
+        })
+        .collect();
+    let valid_nm = [rows.first().map_or(0.0, |row| row.0), rows.last().map_or(0.0, |row| row.0)];
+    solid(name, Dispersion::Table(rows), valid_nm, source).film()
+}
+
+#[rustfmt::skip]
+static GLASSES: LazyLock<Vec<Glass>> = LazyLock::new(|| vec![
+    solid("N-BK7", sellmeier([1.03961212, 0.231792344, 1.01046945], [0.00600069867, 0.0200179144, 103.560653]), [300.0, 2500.0], SCHOTT),
+    solid("N-SK16", sellmeier([1.34317774, 0.241144399, 0.994317969], [0.00704687339, 0.0229005, 92.7508526]), [310.0, 2500.0], SCHOTT),
+    solid("N-SF6", sellmeier([1.77931763, 0.338149866, 2.08734474], [0.0133714182, 0.0617533621, 174.01759]), [370.0, 2500.0], SCHOTT),
+    solid("N-SF11", sellmeier([1.73759695, 0.313747346, 1.89878101], [0.013188707, 0.0623068142, 155.23629]), [370.0, 2500.0], SCHOTT),
+    solid("F2", sellmeier([1.34533359, 0.209073176, 0.937357162], [0.00997743871, 0.0470450767, 111.886764]), [320.0, 2500.0], SCHOTT),
+    solid("SF5", sellmeier([1.46141885, 0.247713019, 0.949995832], [0.0111826126, 0.0508594669, 112.041888]), [350.0, 2500.0], SCHOTT),
+    solid(
+        "fused silica", sellmeier_squared([0.6961663, 0.4079426, 0.8974794], [0.0684043, 0.1162414, 9.896161]), [210.0, 6700.0],
+        "Malitson, J. Opt. Soc. Am. 55, 1205 (1965), 20 °C; range by Tan, J. Non-Cryst. Solids 223, 158 (1998)",
+    ).or(&["SiO2"]),
+    solid(
+        "CaF2", sellmeier_squared([0.5675888, 0.4710914, 3.8484723], [0.050263605, 0.1003909, 34.64904]), [230.0, 9700.0],
+        "Malitson, Appl. Opt. 2, 1103 (1963)",
+    ),
+    solid("PMMA", sellmeier([1.1819, 0.0, 0.0], [0.011313, 0.0, 0.0]), [436.8, 1052.0], SULTANOVA).or(&["PMMA_Sultanova"]),
+    solid(
+        "PMMA_Beadie",
+        Dispersion::Polynomial {
+            constant: 2.1778,
+            terms: [[0.0061209, 2.0], [-0.0015004, 4.0], [0.023678, -2.0], [-0.0042137, -4.0], [0.00073417, -6.0], [-4.5042e-5, -8.0]],
+        },
+        [420.0, 1620.0], "Beadie, Brindza, Flynn, Rosenberg, Shirk, Appl. Opt. 54, F139 (2015), 20.1 °C",
+    ),
+    solid("polycarbonate", sellmeier([1.4182, 0.0, 0.0], [0.021304, 0.0, 0.0]), [436.8, 1052.0], SULTANOVA),
+    solid(
+        "water",
+        Dispersion::Sellmeier4 {
+            b: [0.5684027565, 0.1726177391, 0.02086189578, 0.1130748688],
+            c_um2: [0.005101829712, 0.01821153936, 0.02620722293, 10.69792721],
+        },
+        [182.0, 1129.0], "Daimon, Masumura, Appl. Opt. 46, 3811 (2007), distilled, 20.0 °C",
+    ).or(&["water_20C"]),
+    // The air around everything counts as 1 here, as it does for the catalogues' glasses: for bodies in vacuum only.
+    solid(
+        "air_Ciddor", Dispersion::Gas { terms: [[0.05792105, 238.0185], [0.00167917, 57.362]] }, [230.0, 1690.0],
+        "Ciddor, Appl. Opt. 35, 1566 (1996), relative to vacuum, 15 °C, 101325 Pa, 450 ppm CO2",
+    ).film(),
+    solid(
+        "MgF2", sellmeier_squared([0.48755108, 0.39875031, 2.3120353], [0.04338408, 0.09461442, 23.793604]), [200.0, 7000.0],
+        "Dodge, Appl. Opt. 23, 1980 (1984), ordinary ray of the crystal, 19 °C",
+    ).film(),
+    solid(
+        "Al2O3", sellmeier_squared([1.4313493, 0.65054713, 5.3414021], [0.0726631, 0.1193242, 18.028251]), [200.0, 5000.0],
+        "Malitson, Dodge, J. Opt. Soc. Am. 62, 1405 (1972), ordinary ray of sapphire, 20 °C",
+    ).or(&["sapphire"]).film(),
+    solid(
+        "HfO2", Dispersion::Cauchy([1.875, 6.28e-3, 5.80e-4]), [200.0, 2000.0],
+        "Al-Kuhaili, Opt. Mater. 27, 383 (2004), evaporated films",
+    ).film(),
+    film("TiO2", "Siefke et al., Adv. Opt. Mater. 4, 1780 (2016), films by atomic layer deposition"),
+    film("Ta2O5", "Gao, Lemarchand, Lequime, Opt. Express 20, 15734 (2012), ion-assisted films"),
+    film("Nb2O5", "Lemarchand (2013) by the method of Opt. Express 20, 15734 (2012), sputtered films"),
+    film("Al", "Rakić, Appl. Opt. 34, 4755 (1995), evaporated films"),
+    film("Ag", "Johnson, Christy, Phys. Rev. B 6, 4370 (1972)"),
+    film("Au", "Johnson, Christy, Phys. Rev. B 6, 4370 (1972)"),
+    film("Cr", "Johnson, Christy, Phys. Rev. B 9, 5056 (1974)"),
+]);
 
 /// The row called `name`; upper and lower case, `-`, `_` and spaces make no difference (`nbk7` finds `N-BK7`).
 pub fn find(name: &str) -> Option<&'static Glass> {
-    GLASSES.iter().find(|glass| letters(glass.name).eq(letters(name)))
+    GLASSES.iter().find(|glass| known(glass).any(|own| letters(own).eq(letters(name))))
 }
 
-/// The names as the catalogue writes them.
+fn known(glass: &Glass) -> impl Iterator<Item = &'static str> {
+    std::iter::once(glass.name).chain(glass.also.iter().copied())
+}
+
+/// The names as the catalogue writes them, second names among them.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    GLASSES.iter().map(|glass| glass.name)
+    GLASSES.iter().flat_map(known)
 }
 
 fn letters(name: &str) -> impl Iterator<Item = char> {
@@ -89,12 +155,18 @@ mod tests {
 
     #[test]
     fn names_are_found_however_they_are_written() {
-        for (given, name) in [("NBK7", "N-BK7"), ("n_bk7", "N-BK7"), ("Fused_Silica", "fused silica"), ("caf2", "CaF2")]
-        {
+        for (given, name) in [
+            ("NBK7", "N-BK7"),
+            ("n_bk7", "N-BK7"),
+            ("Fused_Silica", "fused silica"),
+            ("sio2", "fused silica"),
+            ("caf2", "CaF2"),
+            ("Water 20C", "water"),
+        ] {
             assert_eq!(find(given).map(|glass| glass.name), Some(name));
         }
         // Different glasses, not spellings.
-        for missing in ["BK7", "SF6", "N-F2", "", "N-BK77"] {
+        for missing in ["BK7", "SF6", "N-F2", "", "N-BK77", "air"] {
             assert_eq!(find(missing), None, "{missing}");
         }
     }
@@ -103,11 +175,42 @@ mod tests {
     fn every_name_finds_its_own_row() {
         for name in names() {
             let glass = find(name).unwrap();
-            assert_eq!(glass.name, name);
-            assert!(!glass.source.is_empty() && glass.dispersion.problem().is_none());
+            assert!(known(glass).any(|own| own == name));
+            assert!(!glass.source.is_empty() && glass.dispersion.problem().is_none(), "{name}");
+            let [low, high] = glass.valid_nm;
+            assert!(low < 440.0 && high > 830.0, "{name} {low} {high}");
             // A glass of the visible: normal dispersion, no absorption.
             let [blue, red] = [435.8, 656.3].map(|nm| glass.dispersion.index(nm));
-            assert!(blue.re > red.re && red.re > 1.3 && blue.im == 0.0);
+            if glass.solid {
+                assert!(blue.re > red.re && red.re > 1.3 && blue.im == 0.0, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn extrapolation_is_said() {
+        let pmma = find("PMMA").unwrap();
+        assert_eq!(pmma.beyond([550.0; 2]), None);
+        assert_eq!(
+            pmma.beyond([400.0, 700.0]).as_deref(),
+            Some("PMMA: its index is known from 436.8 to 1052 nm and extrapolated for 400 to 700 nm")
+        );
+        assert!(pmma.beyond([400.0; 2]).is_some_and(|text| text.ends_with("for 400 nm")));
+        assert_eq!(find("N-SF6").unwrap().beyond([400.0, 700.0]), None);
+    }
+
+    #[test]
+    fn laws_are_not_confused() {
+        // At the d line, from the sources' own tables: MgF2 and sapphire have squared constants, HfO2 and the films don't.
+        for (name, n, tolerance) in [
+            ("MgF2", 1.3777, 5e-5),
+            ("Al2O3", 1.7682, 5e-5),
+            ("HfO2", 1.8980, 1e-3),
+            ("Ta2O5", 2.10, 0.03),
+            ("TiO2", 2.37, 0.05),
+        ] {
+            let got = find(name).unwrap().dispersion.index(587.5618).re;
+            assert!((got - n).abs() < tolerance, "{name}: {got}");
         }
     }
 }

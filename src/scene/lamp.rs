@@ -1,5 +1,6 @@
 //! Whatever emits: faces, lamps that are no faces, and the sky.
 
+use super::Spectrum;
 use crate::base::ids::GroupId;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -32,8 +33,8 @@ pub struct Emitter {
     pub group: GroupId,
     pub photometry: Photometry,
     pub angular: Angular,
-    /// Name of the spectrum; colour is rendered from a later version on, until then it is kept and reported.
-    pub spectrum: Option<String>,
+    /// None if it isn't said: D65. It resolves ([`Spectrum::problem`] is none).
+    pub spectrum: Option<Spectrum>,
 }
 
 /// A lamp that is no face: a point, a spot or a distant lamp.
@@ -43,6 +44,8 @@ pub struct Beacon {
     pub name: String,
     pub group: GroupId,
     pub form: BeaconForm,
+    /// None if it isn't said: D65. It resolves ([`Spectrum::problem`] is none).
+    pub spectrum: Option<Spectrum>,
 }
 
 /// Where it is and how strong.
@@ -87,6 +90,10 @@ pub struct Sky {
     /// Luminance of each pixel, cd/m², row-major from the top.
     #[serde(skip)]
     pub luminance: Arc<Vec<f32>>,
+    /// Linear Rec.709 of each pixel, each component >= 0, whose luminance is that pixel of `luminance`; none if all are
+    /// grey or one wavelength is traced.
+    #[serde(skip)]
+    pub rgb: Option<Arc<Vec<[f32; 3]>>>,
     /// Panorama axes → world axes: a rotation.
     pub to_world: DMat3,
     pub file: String,

@@ -16,6 +16,7 @@ pub mod note;
 pub mod part;
 pub mod shape;
 pub mod slide;
+pub mod spectrum;
 pub mod value;
 
 pub use coating::{Coating, FilmLayer};
@@ -26,9 +27,10 @@ pub use finish::Finish;
 pub use lamp::{Angular, Beacon, BeaconForm, Emitter, Photometry, Sky, SpotCone};
 pub use mesh::{FaceRange, Mesh};
 pub use note::{Note, Severity};
-pub use part::{Face, Medium, Part};
+pub use part::{Absorption, Face, Medium, Part};
 pub use shape::Shape;
 pub use slide::{Polarisation, Slide};
+pub use spectrum::{Led, PowerDistribution, Spectrum};
 
 use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, SlideId};
 
@@ -84,6 +86,27 @@ pub struct Scene {
     pub notes: Vec<Note>,
     /// Hash of every byte that the scene was made of (asset, sidecar, images, `--set`), hex.
     pub hash: String,
+}
+
+impl Scene {
+    /// The spectrum of each group's light (none for a group without lamps), if all of its lamps have the same; else the
+    /// name of a group where they differ. What says nothing shines like D65.
+    pub fn spectra_of_groups(&self) -> Result<Vec<Option<Spectrum>>, String> {
+        let mut groups: Vec<Option<Spectrum>> = vec![None; self.groups.len()];
+        let faces = self.parts.iter().flat_map(|part| &part.faces).filter_map(|face| face.emitter.as_ref());
+        let lamps = faces.map(|emitter| (emitter.group, emitter.spectrum.as_ref()));
+        let lights = self.lights.iter().map(|light| (light.group, light.spectrum.as_ref()));
+        let sky = self.sky.iter().map(|sky| (sky.group, None));
+        for (group, spectrum) in lamps.chain(lights).chain(sky) {
+            let spectrum = spectrum.unwrap_or(&Spectrum::D65);
+            match &mut groups[group.index()] {
+                Some(known) if known != spectrum => return Err(self.group(group).name.clone()),
+                Some(_) => {}
+                unknown @ None => *unknown = Some(spectrum.clone()),
+            }
+        }
+        Ok(groups)
+    }
 }
 
 macro_rules! table {

@@ -10,14 +10,44 @@ pub struct Medium {
     /// Glass name, or what it was made from.
     pub name: String,
     pub index: Dispersion,
-    /// Napierian absorption coefficient, 1/m (Beer–Lambert: exp(−a·length)).
-    pub absorption_per_m: f64,
+    pub absorption: Absorption,
+}
+
+/// Napierian absorption coefficient, 1/m (Beer–Lambert: exp(−a·length)).
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Absorption {
+    /// The same at every wavelength.
+    Constant(f64),
+    /// Rows (λ nm, 1/m) by rising λ: linear between them, constant beyond them.
+    Table(Vec<[f64; 2]>),
+}
+
+impl Absorption {
+    pub const NONE: Absorption = Absorption::Constant(0.0);
+
+    /// 1/m at a wavelength in vacuum.
+    pub fn per_m(&self, nm: f64) -> f64 {
+        match self {
+            Absorption::Constant(per_m) => *per_m,
+            Absorption::Table(rows) => {
+                let after = rows.partition_point(|row| row[0] < nm);
+                let above = rows.get(after).or(rows.last());
+                let below = after.checked_sub(1).and_then(|i| rows.get(i)).or(above);
+                match (below, above) {
+                    (Some([x0, a0]), Some([x1, a1])) if x0 < x1 => a0 + (a1 - a0) * (nm - x0) / (x1 - x0),
+                    (Some([_, a]), _) => *a,
+                    (None, _) => 0.0,
+                }
+            }
+        }
+    }
 }
 
 impl Medium {
-    /// Absorption at a wavelength in vacuum, 1/m: `absorption_per_m`, and 4πk/λ of an imaginary index.
+    /// Absorption at a wavelength in vacuum, 1/m: its own, and 4πk/λ of an imaginary index.
     pub fn absorption_per_m_at(&self, nm: f64) -> f64 {
-        self.absorption_per_m + 4.0 * std::f64::consts::PI * self.index.index(nm).im / (nm * 1e-9)
+        self.absorption.per_m(nm) + 4.0 * std::f64::consts::PI * self.index.index(nm).im / (nm * 1e-9)
     }
 }
 

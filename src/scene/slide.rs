@@ -13,6 +13,10 @@ pub struct Slide {
     /// s of each pixel, 0–1, row-major from the top left. A pixel is a cell of uniform transmittance.
     #[serde(skip)]
     pub pixels: Arc<Vec<f32>>,
+    /// s of each pixel for red, green and blue (linear Rec.709, 0–1), of which `pixels` is the luminance; none if all
+    /// are grey or one wavelength is traced.
+    #[serde(skip)]
+    pub rgb: Option<Arc<Vec<[f32; 3]>>>,
     /// Centre of the picture, mesh units.
     pub centre: DVec3,
     /// Unit vectors to the right and up as the picture is authored, mesh units.

@@ -50,8 +50,7 @@ pub fn fresnel(n1: f64, n2: Complex, cos_i: f64) -> PowerSp {
 
 impl Turning {
     /// Light along the face: all of it comes back, r_s = r_p = −1 (the limit of Fresnel's equations).
-    pub const GRAZING: Turning =
-        Turning { power: PowerSp::TOTAL, reflected: Complex::ONE, transmitted: Complex::ZERO };
+    pub const GRAZING: Turning = Turning { power: PowerSp::TOTAL, reflected: Complex::ONE, transmitted: Complex::ZERO };
 }
 
 /// [`fresnel`] with the phases between s and p. What crosses into an absorbing medium is not followed; its phase is left

@@ -17,6 +17,7 @@ pub mod slide;
 pub mod stokes;
 pub mod surface;
 pub mod thinfilm;
+pub mod tint;
 
 use crate::base::Result;
 use crate::scene::{BeaconForm, Coating, Medium, Scene};
@@ -28,6 +29,7 @@ use light::Lights;
 use sky::SkyLight;
 use slide::SlideMap;
 use surface::FaceOptics;
+use tint::Tints;
 
 /// Everything that a ray can meet, in a frame whose origin is the middle of the scene (so that an assembly 10 km from
 /// the world's origin renders the same).
@@ -49,6 +51,7 @@ pub struct World {
     pub sky: Option<SkyLight>,
     pub eye: EyeLens,
     pub slides: Vec<SlideMap>,
+    pub tints: Tints,
     /// The wavelength of [`mode::Mono`], nm.
     pub wavelength_nm: f64,
     /// A fault that a test plants in the walk, to see that the balances find it.
@@ -90,6 +93,8 @@ impl World {
                 )
             })
             .collect();
+        let emitters = lamps.all().iter().map(|lamp| scene.parts[lamp.part].faces[lamp.face].emitter.as_ref());
+        let tints = Tints::build(scene, emitters.map(|emitter| emitter.and_then(|e| e.spectrum.as_ref())))?;
         let eye = EyeLens::build(&scene.eye, geometry.origin())?;
         let around_eye = geometry.solids_containing(scene.eye.position - geometry.origin());
         if let Some(part) = around_eye.first() {
@@ -124,6 +129,7 @@ impl World {
             sky: scene.sky.as_ref().map(SkyLight::build).transpose()?,
             eye,
             slides: scene.slides.iter().map(SlideMap::build).collect::<Result<_>>()?,
+            tints,
             geometry,
             wavelength_nm,
             #[cfg(test)]

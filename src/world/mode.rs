@@ -2,10 +2,13 @@
 //! generic over. The smallest mode that is exact for a scene is chosen once, at the top.
 
 use super::World;
-use super::optics::Optics;
+use super::optics::{Lighting, Optics};
 use super::stokes::{Amount, Stokes};
+use crate::base::colour::{self, Lane};
+use crate::base::rng::{Rng, Stream};
 use crate::film::accumulate::{Components, Light};
 pub use crate::film::plan::Spectral;
+use crate::scene::PowerDistribution;
 use std::fmt::Debug;
 use std::marker::PhantomData;
 use std::ops::{Index, IndexMut};
@@ -86,7 +89,18 @@ impl<A: Amount> Mode for Mono<A> {
     const COMPONENTS: usize = 1;
 
     fn optics(world: &World, _: u64, _: u64) -> Optics<Self> {
-        Optics::at(world, [world.wavelength_nm], [[1.0; 3]])
+        let one = |count| vec![[1.0]; count];
+        Optics::new(
+            world,
+            Lighting {
+                nm: [world.wavelength_nm],
+                response: [[1.0; 3]],
+                lamps: one(world.lamps.all().len()),
+                lights: one(world.lights.all().len()),
+                sky: [[1.0]; 3],
+                slide: [[1.0]; 3],
+            },
+        )
     }
 
     #[inline]
@@ -103,7 +117,19 @@ impl<A: Amount> Mode for Rgb<A> {
     const COMPONENTS: usize = 3;
 
     fn optics(world: &World, _: u64, _: u64) -> Optics<Self> {
-        Optics::at(world, [world.wavelength_nm; 3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        const PRIMARIES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let colours = |lamps: &[PowerDistribution]| lamps.iter().map(PowerDistribution::rec709_per_lumen).collect();
+        Optics::new(
+            world,
+            Lighting {
+                nm: [world.wavelength_nm; 3],
+                response: PRIMARIES,
+                lamps: colours(&world.tints.lamps),
+                lights: colours(&world.tints.lights),
+                sky: PRIMARIES,
+                slide: PRIMARIES,
+            },
+        )
     }
 
     #[inline]
@@ -121,12 +147,41 @@ impl<A: Amount> Mode for Hero<A> {
     const COMPONENTS: usize = 3;
 
     fn optics(world: &World, seed: u64, pass: u64) -> Optics<Self> {
-        todo!("{seed} {pass} {}", world.wavelength_nm)
+        // Passes in the order of van der Corput's sequence: the heroes of 2ᵏ passes are spread evenly.
+        let shift = Rng::new(seed, Stream::Wavelengths, 0, 0).uniform();
+        let corput = (pass.reverse_bits() >> 11) as f64 * (1.0 / (1u64 << 53) as f64);
+        let waves = colour::lanes::<4>((shift + corput).fract());
+        // A source's watts per nm and lumen over the density of the wavelength; the eye's lumens per watt for the mean
+        // of the four.
+        let watts = |lamps: &[PowerDistribution]| {
+            lamps.iter().map(|power| waves.map(|Lane { nm, pdf }| power.at(nm) / pdf)).collect()
+        };
+        let primary = |c: usize| {
+            let mut rgb = [0.0; 3];
+            rgb[c] = 1.0;
+            rgb
+        };
+        Optics::new(
+            world,
+            Lighting {
+                nm: waves.map(|lane| lane.nm),
+                response: waves.map(|lane| {
+                    colour::apply(
+                        &colour::XYZ_TO_REC709,
+                        colour::cmf_for_sampling(lane.nm).map(|x| 0.25 * colour::K_M * x),
+                    )
+                }),
+                lamps: watts(&world.tints.lamps),
+                lights: watts(&world.tints.lights),
+                sky: [0, 1, 2].map(|c| waves.map(|Lane { nm, pdf }| colour::uplift_emission(primary(c), nm) / pdf)),
+                slide: [0, 1, 2].map(|c| waves.map(|lane| colour::uplift_reflectance(primary(c), lane.nm))),
+            },
+        )
     }
 
     fn deposit(optics: &Optics<Self>, out: &mut [Light], lanes: [Light; 4], alone: bool) {
         let (count, share) = if alone { (1, 4.0) } else { (4, 1.0) };
-        for (light, response) in lanes.into_iter().zip(optics.response).take(count) {
+        for (light, response) in lanes.into_iter().zip(optics.response()).take(count) {
             for (sum, weight) in out.iter_mut().zip(response) {
                 sum.add(light.scaled(weight * share));
             }

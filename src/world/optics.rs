@@ -5,6 +5,7 @@
 use super::World;
 use super::mode::{LaneArray, Mode, lanes};
 use super::sky::SkyLight;
+use super::slide::SlideMap;
 use super::surface::Films;
 use crate::scene::Medium;
 use glam::DVec3;
@@ -12,24 +13,34 @@ use glam::DVec3;
 /// Optical constants of a world in the lanes of a mode.
 #[derive(Debug, Clone)]
 pub struct Optics<M: Mode> {
-    /// Wavelength in vacuum of each lane, nm.
-    pub nm: M::Lanes<f64>,
+    lighting: Lighting<M>,
     /// Per part: real refractive index inside; 1 for a part that is no solid.
     index: Vec<M::Lanes<f64>>,
     /// Per part: Napierian absorption, 1/m, by `absorption_per_m` and by an imaginary index (4πk/λ).
     absorption_per_m: Vec<M::Lanes<f64>>,
     /// `[coating][lane]`
     films: Vec<Films>,
-    /// Per lamp and per light: what each lane has of a unit of its light.
-    lamps: Vec<M::Lanes<f64>>,
-    lights: Vec<M::Lanes<f64>>,
+}
+
+/// The wavelengths of the lanes and what they make of light.
+#[derive(Debug, Clone)]
+pub struct Lighting<M: Mode> {
+    /// nm.
+    pub nm: M::Lanes<f64>,
     /// Linear Rec.709 per unit of each lane's light.
     pub response: M::Lanes<[f64; 3]>,
+    /// What the lanes have of a unit of the light of the lamps, the lights, and of red, green and blue skies.
+    pub lamps: Vec<M::Lanes<f64>>,
+    pub lights: Vec<M::Lanes<f64>>,
+    pub sky: [M::Lanes<f64>; 3],
+    /// What the lanes have of red, green and blue pixels of a slide.
+    pub slide: [M::Lanes<f64>; 3],
 }
 
 impl<M: Mode> Optics<M> {
-    /// For lanes at the wavelengths `nm`.
-    pub fn at(world: &World, nm: M::Lanes<f64>, response: M::Lanes<[f64; 3]>) -> Self {
+    /// What a world is in the lanes of `lighting`.
+    pub fn new(world: &World, lighting: Lighting<M>) -> Self {
+        let nm = lighting.nm;
         let medium = |part: usize| world.media_of_parts[part].as_ref();
         let parts = 0..world.solids.len();
         let per_part = |value: &dyn Fn(&Medium, f64) -> f64, without: f64| {
@@ -43,13 +54,10 @@ impl<M: Mode> Optics<M> {
             .flat_map(|coating| nm.as_slice().iter().map(move |&nm| Films::at(coating, nm)))
             .collect();
         Optics {
-            nm,
             index: per_part(&|medium, nm| medium.index.index(nm).re, 1.0),
             absorption_per_m: per_part(&Medium::absorption_per_m_at, 0.0),
             films,
-            lamps: vec![lanes::<M, f64>(|_| 1.0); world.lamps.all().len()],
-            lights: vec![lanes::<M, f64>(|_| 1.0); world.lights.all().len()],
-            response,
+            lighting,
         }
     }
 
@@ -72,22 +80,51 @@ impl<M: Mode> Optics<M> {
         &self.films[coating * M::LANES + lane]
     }
 
+    /// Wavelength in vacuum of a lane, nm.
+    #[inline]
+    pub fn nm(&self, lane: usize) -> f64 {
+        self.lighting.nm[lane]
+    }
+
+    /// Linear Rec.709 per unit of each lane's light.
+    #[inline]
+    pub fn response(&self) -> M::Lanes<[f64; 3]> {
+        self.lighting.response
+    }
+
     /// What the lanes have of a unit of a lamp's light.
     #[inline]
     pub fn lamp(&self, index: usize) -> M::Lanes<f64> {
-        self.lamps[index]
+        self.lighting.lamps[index]
     }
 
     /// What the lanes have of a unit of a light's light.
     #[inline]
     pub fn light(&self, index: usize) -> M::Lanes<f64> {
-        self.lights[index]
+        self.lighting.lights[index]
     }
 
     /// Luminance of the sky per lane.
     #[inline]
     pub fn sky(&self, sky: &SkyLight, dir: DVec3) -> M::Lanes<f64> {
-        let luminance = sky.luminance(dir);
-        lanes::<M, f64>(|_| luminance)
+        if M::LANES == 1 {
+            let luminance = sky.luminance(dir);
+            return lanes::<M, f64>(|_| luminance);
+        }
+        mixed::<M>(&self.lighting.sky, sky.rgb(dir))
     }
+
+    /// Value s of a slide's picture per lane; none outside the picture.
+    #[inline]
+    pub fn slide(&self, slide: &SlideMap, local: DVec3) -> Option<M::Lanes<f64>> {
+        if M::LANES == 1 || !slide.is_coloured() {
+            let s = slide.s(local)?;
+            return Some(lanes::<M, f64>(|_| s));
+        }
+        Some(mixed::<M>(&self.lighting.slide, slide.rgb(local)?))
+    }
+}
+
+fn mixed<M: Mode>(primaries: &[M::Lanes<f64>; 3], rgb: [f64; 3]) -> M::Lanes<f64> {
+    lanes::<M, f64>(|lane| primaries.iter().zip(rgb).map(|(primary, share)| primary[lane] * share).sum())
 }

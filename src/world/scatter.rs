@@ -52,6 +52,8 @@ impl Scatter {
             | Finish::Polished
             | Finish::MirrorMetal { .. }
             | Finish::MirrorIdeal { .. }
+            | Finish::Polariser { .. }
+            | Finish::Retarder { .. }
             | Finish::Absorber => None,
         }
     }

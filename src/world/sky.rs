@@ -22,6 +22,7 @@ pub struct SkyLight {
     width: usize,
     height: usize,
     luminance: Arc<Vec<f32>>,
+    rgb: Option<Arc<Vec<[f32; 3]>>>,
     to_world: DMat3,
     /// Rows by luminance × solid angle; none if the sky is black.
     rows: Option<Cdf>,
@@ -48,6 +49,13 @@ impl SkyLight {
         if !orthonormal || sky.to_world.determinant() < 0.0 {
             return Err(Fault::new(at(), "the panorama's orientation is not a rotation").expected("a rotation"));
         }
+        if let Some(rgb) = &sky.rgb {
+            let sound = |rgb: &[f32; 3]| rgb.iter().all(|c| *c >= 0.0 && c.is_finite());
+            if rgb.len() != sky.luminance.len() || !rgb.iter().all(sound) {
+                return Err(Fault::new(at(), "the panorama's colours do not go with its luminance")
+                    .expected("three values of 0 or more per pixel"));
+            }
+        }
         let mut blocks = Vec::new();
         let mut weights = Vec::with_capacity(height);
         for (y, row) in sky.luminance.chunks_exact(width).enumerate() {
@@ -60,7 +68,8 @@ impl SkyLight {
             weights.push(sum * (top - bottom) * TAU / width as f64);
         }
         let (luminance, to_world) = (sky.luminance.clone(), sky.to_world);
-        Ok(SkyLight { group: sky.group, width, height, luminance, to_world, rows: Cdf::new(weights), blocks })
+        let rgb = sky.rgb.clone();
+        Ok(SkyLight { group: sky.group, width, height, luminance, rgb, to_world, rows: Cdf::new(weights), blocks })
     }
 
     /// ∫ L dω over the sphere, cd/m²·sr.
@@ -83,6 +92,20 @@ impl SkyLight {
     /// Luminance seen in a world direction, cd/m².
     pub fn luminance(&self, dir: DVec3) -> f64 {
         self.pixel(dir).and_then(|index| self.luminance.get(index)).map_or(0.0, |l| f64::from(*l))
+    }
+
+    /// Linear Rec.709 seen in a world direction, cd/m².
+    pub fn rgb(&self, dir: DVec3) -> [f64; 3] {
+        match (&self.rgb, self.pixel(dir)) {
+            (Some(rgb), Some(index)) => rgb.get(index).map_or([0.0; 3], |rgb| rgb.map(f64::from)),
+            (None, Some(_)) => [self.luminance(dir); 3],
+            (_, None) => [0.0; 3],
+        }
+    }
+
+    /// Whether any of it is coloured.
+    pub fn is_coloured(&self) -> bool {
+        self.rgb.is_some()
     }
 
     /// Density of [`SkyLight::sample`] in a world direction, 1/sr: luminance over its integral.
@@ -152,7 +175,16 @@ mod tests {
     fn sky(width: usize, height: usize, to_world: DMat3, luminance: impl Fn(usize, usize) -> f32) -> SkyLight {
         let pixels = (0..width * height).map(|i| luminance(i % width, i / width)).collect();
         let luminance = Arc::new(pixels);
-        SkyLight::build(&Sky { group: GroupId(0), width, height, luminance, to_world, file: "sky.exr".into() }).unwrap()
+        SkyLight::build(&Sky {
+            group: GroupId(0),
+            width,
+            height,
+            luminance,
+            rgb: None,
+            to_world,
+            file: "sky.exr".into(),
+        })
+        .unwrap()
     }
 
     #[test]
@@ -254,9 +286,17 @@ mod tests {
         assert_eq!((black.sample([0.5; 2]).1, black.pdf(DVec3::Z), black.integral()), (0.0, 0.0, 0.0));
         let raw = |width, height, pixels: Vec<f32>, to_world| {
             let luminance = Arc::new(pixels);
-            SkyLight::build(&Sky { group: GroupId(0), width, height, luminance, to_world, file: "sky.exr".into() })
-                .unwrap_err()
-                .to_string()
+            SkyLight::build(&Sky {
+                group: GroupId(0),
+                width,
+                height,
+                luminance,
+                rgb: None,
+                to_world,
+                file: "sky.exr".into(),
+            })
+            .unwrap_err()
+            .to_string()
         };
         assert!(raw(2, 1, vec![1.0, -1.0], DMat3::IDENTITY).starts_with("sky.exr: the panorama's luminance is -1 at"));
         assert!(raw(2, 1, vec![f32::INFINITY, 1.0], DMat3::IDENTITY).contains("pixel (0, 0)"));

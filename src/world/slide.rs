@@ -12,6 +12,7 @@ pub struct SlideMap {
     width: usize,
     height: usize,
     pixels: Arc<Vec<f32>>,
+    rgb: Option<Arc<Vec<[f32; 3]>>>,
     centre: DVec3,
     /// Picture axes divided by its size, 1/mesh units: right, and down.
     across: DVec3,
@@ -43,6 +44,12 @@ impl SlideMap {
             );
             return Err(fault(what).expected("0 to 1"));
         }
+        if let Some(rgb) = &slide.rgb
+            && (rgb.len() != slide.pixels.len() || !rgb.iter().flatten().all(|s| (0.0..=1.0).contains(s)))
+        {
+            return Err(fault(format!("slide `{}`: its colours do not go with its pixels", slide.name))
+                .expected("three values of 0 to 1 per pixel"));
+        }
         if !(0.0..=1.0).contains(&slide.transmittance) {
             let what = format!("slide `{}`: the transmittance is {}", slide.name, slide.transmittance);
             return Err(fault(what).expected("0 to 1"));
@@ -67,6 +74,7 @@ impl SlideMap {
             width,
             height,
             pixels: slide.pixels.clone(),
+            rgb: slide.rgb.clone(),
             centre: slide.centre,
             across,
             down,
@@ -103,12 +111,30 @@ impl SlideMap {
 
     /// s of the pixel at a point in mesh units, 0–1; none outside the picture, where the slide is opaque.
     pub fn s(&self, local: DVec3) -> Option<f64> {
+        self.pixels.get(self.pixel(local)?).map(|s| f64::from(*s))
+    }
+
+    /// s for red, green and blue.
+    pub fn rgb(&self, local: DVec3) -> Option<[f64; 3]> {
+        let index = self.pixel(local)?;
+        match &self.rgb {
+            Some(rgb) => rgb.get(index).map(|rgb| rgb.map(f64::from)),
+            None => self.pixels.get(index).map(|s| [f64::from(*s); 3]),
+        }
+    }
+
+    /// Whether any of it is coloured.
+    pub fn is_coloured(&self) -> bool {
+        self.rgb.is_some()
+    }
+
+    fn pixel(&self, local: DVec3) -> Option<usize> {
         let cell = |axis: DVec3, count: usize| {
             let x = axis.dot(local - self.centre) + 0.5;
             (0.0..=1.0).contains(&x).then(|| ((x * count as f64) as usize).min(count - 1))
         };
         let (x, y) = (cell(self.across, self.width)?, cell(self.down, self.height)?);
-        self.pixels.get(y * self.width + x).map(|s| f64::from(*s))
+        Some(y * self.width + x)
     }
 }
 
@@ -124,6 +150,7 @@ mod tests {
             width: 4,
             height: 2,
             pixels: Arc::new((0..8).map(|k| k as f32 / 8.0).collect()),
+            rgb: None,
             centre: DVec3::new(10.0, 20.0, 30.0),
             u: DVec3::Z,
             v: DVec3::NEG_X,

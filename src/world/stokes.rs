@@ -36,6 +36,8 @@ pub struct Parted<A> {
     pub shares: [f64; 3],
     pub reflected: A,
     pub transmitted: A,
+    /// Power by which the reflected amount departs from what it would be without polarisation.
+    pub departs: f64,
 }
 
 /// One lane's amount of light or importance.
@@ -96,7 +98,7 @@ impl Amount for f64 {
     fn part(self, turning: &Turning, _: bool) -> Parted<Self> {
         let p = &turning.power;
         let shares = [p.reflectance(), p.transmittance(), p.absorptance()];
-        Parted { shares, reflected: self * shares[0], transmitted: self * shares[1] }
+        Parted { shares, reflected: self * shares[0], transmitted: self * shares[1], departs: 0.0 }
     }
     #[inline]
     fn polarised_by_slide(self, _: f64, _: bool) -> Self {
@@ -166,6 +168,7 @@ impl Amount for Stokes {
             shares: [share(p.r_s, p.r_p), share(p.t_s, p.t_p), share(p.a_s, p.a_p)],
             reflected: self.through(p.r_s, p.r_p, turning.reflected, from_eye),
             transmitted: self.through(p.t_s, p.t_p, turning.transmitted, from_eye),
+            departs: (0.5 * (p.r_s - p.r_p) * self.0[1]).abs(),
         }
     }
     fn polarised_by_slide(self, degree: f64, from_eye: bool) -> Self {

@@ -8,6 +8,7 @@ use super::thinfilm::{Film, stack, stack_turning};
 use crate::base::complex::Complex;
 use crate::base::{Fault, Result, Where};
 use crate::scene::{Coating, Face, Finish, Part, Scene};
+use glam::DVec3;
 
 /// Most films that a coating may have; more is a fault.
 pub const MAX_FILMS: usize = 64;
@@ -28,9 +29,46 @@ pub enum Surface {
     /// Index into the slides.
     Slide(usize),
     Mirror(Mirror),
+    /// A thin sheet that acts on polarisation and bends nothing.
+    Sheet(Sheet),
     /// A dielectric interface; index into the world's coatings.
     Interface(usize),
     Scatter(Box<Scatter>),
+}
+
+/// A polariser or a wave plate.
+#[derive(Debug, Clone, Copy)]
+pub struct Sheet {
+    /// Unit, mesh units.
+    pub axis: DVec3,
+    kind: SheetKind,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum SheetKind {
+    Polariser {
+        along: f64,
+        across: f64,
+    },
+    /// nm.
+    Retarder {
+        retardance_nm: f64,
+    },
+}
+
+impl Sheet {
+    /// What it does, with s along its axis, at `nm`.
+    pub fn turning(&self, nm: f64) -> Turning {
+        let (t_s, t_p, phase) = match self.kind {
+            SheetKind::Polariser { along, across } => (along, across, Complex::ONE),
+            SheetKind::Retarder { retardance_nm } => {
+                let (sin, cos) = (std::f64::consts::TAU * retardance_nm / nm).sin_cos();
+                (1.0, 1.0, Complex::new(cos, sin))
+            }
+        };
+        let power = PowerSp { r_s: 0.0, r_p: 0.0, t_s, t_p, a_s: 1.0 - t_s, a_p: 1.0 - t_p };
+        Turning { power, reflected: Complex::ZERO, transmitted: phase }
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -118,6 +156,13 @@ fn resolve(scene: &Scene, part: &Part, index: usize) -> Result<FaceOptics> {
         (None, Finish::Absorber) => Surface::Absorber,
         (None, Finish::MirrorIdeal { reflectance }) => Surface::Mirror(Mirror::Ideal(reflectance)),
         (None, Finish::MirrorMetal { n, k }) => Surface::Mirror(Mirror::Metal(Complex { re: n, im: k })),
+        (None, Finish::Polariser { axis, transmittance, extinction }) => {
+            let kind = SheetKind::Polariser { along: transmittance, across: transmittance * extinction };
+            Surface::Sheet(Sheet { axis: axis.normalize_or_zero(), kind })
+        }
+        (None, Finish::Retarder { axis, retardance_nm }) => {
+            Surface::Sheet(Sheet { axis: axis.normalize_or_zero(), kind: SheetKind::Retarder { retardance_nm } })
+        }
         (None, Finish::Polished) => {
             if part.medium.is_none() {
                 return Err(Fault::new(at(), "a polished face needs a medium on its part")

@@ -129,7 +129,7 @@ prop_compose! {
         all.cameras.push(Camera { name: "C".into(), to_world: all.nodes[last].to_world, yfov: Some(yfov), aspect });
         all.lights.push(LightSource {
             name: "L".into(), node: last, form: LightForm::Point { intensity_cd: strength, cone: None },
-            color: [1.0; 3], profile: None, attributes: None, at: Where::Nowhere,
+            color: [1.0; 3], kelvin: None, profile: None, attributes: None, at: Where::Nowhere,
         });
         all
     }

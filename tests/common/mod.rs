@@ -5,7 +5,7 @@ use eyebox::base::ids::{GroupId, MediumId, MeshId};
 use eyebox::check::check;
 use eyebox::estimate::run::{Films, Limits, Observer, Status, run};
 use eyebox::film::plan::Plan;
-use eyebox::plan::{Choice, plan};
+use eyebox::plan::{Asked, plan};
 use eyebox::scene::*;
 use eyebox::world::World;
 use glam::{DAffine3, DMat3, DVec3};
@@ -123,7 +123,11 @@ pub fn add_part(scene: &mut Scene, name: &str, mesh: Mesh, at: DVec3, medium: Op
     let id = MeshId::from_index(scene.meshes.len());
     scene.meshes.push(mesh);
     let medium = medium.map(|n| {
-        scene.media.push(Medium { name: format!("n={n}"), index: Dispersion::Constant(n), absorption_per_m: 0.0 });
+        scene.media.push(Medium {
+            name: format!("n={n}"),
+            index: Dispersion::Constant(n),
+            absorption: Absorption::Constant(0.0),
+        });
         MediumId::from_index(scene.media.len() - 1)
     });
     scene.parts.push(Part {
@@ -148,7 +152,8 @@ pub fn uniform_sky(scene: &mut Scene, luminance: f32) {
     let group = add_group(scene, "sky");
     let (width, height) = (16, 8);
     let luminance = Arc::new(vec![luminance; width * height]);
-    scene.sky = Some(Sky { group, width, height, luminance, to_world: DMat3::IDENTITY, file: "uniform".to_owned() });
+    scene.sky =
+        Some(Sky { group, width, height, luminance, rgb: None, to_world: DMat3::IDENTITY, file: "uniform".to_owned() });
 }
 
 pub fn lamp(group: GroupId, luminance: f64) -> Option<Emitter> {
@@ -157,10 +162,10 @@ pub fn lamp(group: GroupId, luminance: f64) -> Option<Emitter> {
 }
 
 /// Checks, freezes, plans and traces.
-pub fn render(scene: &Scene, choice: Choice, passes: u64, seed: u64) -> (Films, Plan) {
+pub fn render(scene: &Scene, asked: impl Into<Asked>, passes: u64, seed: u64) -> (Films, Plan) {
     let checked = check(scene).expect("the scene is sound");
     let world = World::freeze(scene).expect("the scene can be traced");
-    let plan = plan(&checked, &world, choice);
+    let plan = plan(&checked, &world, asked);
     let limits = Limits { passes: Some(passes), ..Limits::default() };
     let outcome = run(&world, &plan, scene.groups.len(), scene.eye.resolution, seed, &limits, &mut Nobody);
     (outcome.films, plan)

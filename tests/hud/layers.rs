@@ -8,8 +8,8 @@ use eyebox::plan::Choice;
 use eyebox::scene::Scene;
 
 fn frame(scene: &Scene, passes: u64) -> Frame {
-    let outcome = Ready::new(scene, Choice::Auto).run(passes, 7);
-    picture(scene, &outcome).expect("a sound picture").frame
+    let ready = Ready::new(scene, Choice::Auto);
+    picture(scene, &ready.plan, &ready.run(passes, 7)).expect("a sound picture").frame
 }
 
 fn channel<'f>(frame: &'f Frame, layer: &str) -> &'f [f32] {

@@ -248,6 +248,7 @@ fn chain_of_an_idealised_hud() {
                 width: 1,
                 height: 1,
                 pixels: Arc::new(vec![1.0]),
+                rgb: None,
                 centre: DVec3::ZERO,
                 u: DVec3::X,
                 v: DVec3::Z,

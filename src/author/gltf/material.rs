@@ -3,6 +3,7 @@
 use super::document::Document;
 use super::value::{self, OPTICS};
 use crate::base::fault::Result;
+use crate::base::units::luminance;
 use crate::scene::assembly::Material;
 use crate::scene::value::{Data, Value};
 use serde_json::{Map, Value as Json, json};
@@ -32,9 +33,15 @@ pub fn material(document: &mut Document, material: &Material) -> Result<Json> {
                 put(document, "KHR_materials_volume", "attenuationColor", value::json(item)?);
             }
             ("luminance_cd_m2", Some(n)) => {
-                out["emissiveFactor"] = json!([1, 1, 1]);
-                put(document, "KHR_materials_emissive_strength", "emissiveStrength", n);
+                // With the colour that a format's own field gave: lanes from 0 to 1, the luminance in the strength.
+                let glow = glow(material)
+                    .zip(item.number())
+                    .and_then(|((lanes, own), n)| Some((lanes, value::number(n / own)?)));
+                let (lanes, strength) = glow.map_or((json!([1, 1, 1]), n), |(lanes, n)| (json!(lanes), n));
+                out["emissiveFactor"] = lanes;
+                put(document, "KHR_materials_emissive_strength", "emissiveStrength", strength);
             }
+            ("emitter.spectrum", _) if glow(material).is_some() => {}
             ("coating", _) if film(item).is_some() => {
                 if let Some((n, thickness)) = film(item) {
                     let extension = "KHR_materials_iridescence";
@@ -78,6 +85,18 @@ pub fn material(document: &mut Document, material: &Material) -> Result<Json> {
         out["extensions"] = Json::Object(extensions);
     }
     Ok(out)
+}
+
+/// The colour of a material that glows, its largest lane 1, and its luminance; none if it isn't a colour with a luminance.
+fn glow(material: &Material) -> Option<([f64; 3], f64)> {
+    let find = |name: &str| material.mapped.iter().find(|(key, _)| key == name).map(|(_, value)| value);
+    find("luminance_cd_m2")?.number()?;
+    let [r, g, b] = find("emitter.spectrum")?.get("rgb")?.list()? else { return None };
+    let lanes = [r.number()?, g.number()?, b.number()?];
+    let most = lanes.iter().copied().fold(0.0, f64::max);
+    let lanes = lanes.map(|lane| lane / most);
+    let own = luminance(lanes);
+    (lanes.iter().all(|lane| *lane >= 0.0) && own > 0.0 && own.is_finite()).then_some((lanes, own))
 }
 
 /// (index, thickness in nm) of a single film without absorption that `KHR_materials_iridescence` can say.

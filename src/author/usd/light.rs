@@ -82,9 +82,19 @@ pub(super) fn write(
     named(&mut prim, &source.name);
     prim.marks.push(("part", Datum::Bool(true)));
     prim.marks.extend(exact.into_iter().map(|(key, x)| (key, Datum::Double(x))));
-    prim.marks.push(("color", Datum::Double3(source.color)));
     prim.properties = inputs;
-    prim.push(Property::new("inputs:color", Datum::Float3(source.color.map(|lane| lane as f32))).typed("color3f"));
+    match source.kelvin {
+        // The reader makes the colour of it.
+        Some(kelvin) => {
+            prim.push(Property::new("inputs:enableColorTemperature", Datum::Bool(true)));
+            prim.push(Property::new("inputs:colorTemperature", Datum::Float(kelvin as f32)));
+        }
+        None => {
+            prim.marks.push(("color", Datum::Double3(source.color)));
+            let color = Datum::Float3(source.color.map(|lane| lane as f32));
+            prim.push(Property::new("inputs:color", color).typed("color3f"));
+        }
+    }
     match &source.form {
         LightForm::Point { .. } => {
             prim.push(Property::new("inputs:normalize", Datum::Bool(true)));

@@ -64,6 +64,7 @@ fn one_of_everything() -> Assembly {
         node,
         form: LightForm::Point { intensity_cd: 0.1, cone: Some((0.2, 0.5)) },
         color: [1.0; 3],
+        kelvin: None,
         profile: None,
         attributes: None,
         at: Where::Nowhere,

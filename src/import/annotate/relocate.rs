@@ -7,7 +7,7 @@ use crate::scene::value::{Data, Value};
 use std::path::Path;
 
 /// Attributes whose text is a file name (`Form::File` of the table of attributes, but for the sidecar's `asset`).
-const FILES: [&str; 2] = ["image", "file"];
+const FILES: [&str; 3] = ["image", "file", "csv"];
 
 /// Rewrites every file name below `value`, which is relative to the file that the name stands in, for the folder `out`.
 pub fn value(value: &mut Value, out: &Path) {

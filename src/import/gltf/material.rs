@@ -19,6 +19,7 @@ use crate::scene::Severity;
 /// | `thickness` | `KHR_materials_volume.thicknessFactor` | mesh units; > 0 says solid |
 /// | `attenuation_distance`, `attenuation_color` | `KHR_materials_volume` | m; transmittance over that distance |
 /// | `luminance_cd_m2` | `emissiveFactor` × `KHR_materials_emissive_strength`, if not black | cd/m² |
+/// | `emitter.spectrum` | `emissiveFactor`, if not grey | – |
 /// | `coating` | `KHR_materials_iridescence`, see [`surface::iridescence`] | – |
 /// | `finish` | `KHR_materials_diffuse_transmission`, see [`surface::diffuse`] | – |
 ///
@@ -87,6 +88,11 @@ pub(super) fn read(at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<Mat
         }
         if luminance > 0.0 {
             entry("luminance_cd_m2", Data::Number(luminance), &field);
+            if r != g || g != b {
+                let lanes = [r, g, b].map(|lane| Value::new(Data::Number(lane), field.place()));
+                let rgb = ("rgb".to_owned(), Value::new(Data::List(lanes.to_vec()), field.place()));
+                entry("emitter.spectrum", Data::Table(vec![rgb]), &field);
+            }
             if let Some(texture) = at.get("emissiveTexture")? {
                 ledger.notes.warn(&texture, "`emissiveTexture` is ignored: the luminance is that of a white texture");
             }

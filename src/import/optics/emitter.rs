@@ -1,11 +1,12 @@
 //! `emitter`: a face that emits.
 
 use super::fields::{Fields, not_yet, union};
+use super::spectrum::{SpectrumSpec, spectrum};
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
-use crate::scene::{Angular, Note, Photometry, Severity};
+use crate::scene::{Angular, Note, Photometry};
 
 /// An emitter with its group still by name.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,7 +14,7 @@ pub struct EmitterSpec {
     pub group: String,
     pub photometry: Photometry,
     pub angular: Angular,
-    pub spectrum: Option<String>,
+    pub spectrum: Option<SpectrumSpec>,
 }
 
 /// The attributes that say how strong an emitter is; one of them holds.
@@ -52,7 +53,7 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
         }
     };
     let spectrum = match fields.value("spectrum") {
-        Some(value) => Some(spectrum(value, notes)?),
+        Some(value) => Some(spectrum(value)?),
         None => None,
     };
     Ok(EmitterSpec { group, photometry, angular, spectrum })
@@ -65,23 +66,6 @@ fn angular(value: &Value) -> Result<Angular> {
         "cos_n" => Ok(Angular::CosN { n: read.fields.need_number("n")? }),
         name => Err(not_yet(&value.at, &format!("angular `{name}`"))),
     }
-}
-
-/// The name of a spectrum; a note that it is only kept.
-fn spectrum(value: &Value, notes: &mut Vec<Note>) -> Result<String> {
-    let read = union(Noun::Emitter, "spectrum", value)?;
-    match read.kind.name {
-        "cct" => drop(read.fields.need_number("cct")?),
-        "table" => drop(read.fields.need_rows::<2>("table")?),
-        _ => {}
-    }
-    let name = value.text().map_or_else(|| value.to_string(), str::to_owned);
-    notes.push(Note {
-        severity: Severity::Info,
-        at: value.at.clone(),
-        text: format!("spectrum {name} is kept; this version renders luminance, not colour"),
-    });
-    Ok(name)
 }
 
 /// A name that may be part of a layer name: `[A-Za-z][A-Za-z0-9_]*`.

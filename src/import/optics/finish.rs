@@ -40,6 +40,15 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<Finish> {
                     .expected("both `n` and `k`, or `reflectance` alone"));
             }
         },
+        "polariser" => Finish::Polariser {
+            axis: fields.need_direction("axis")?,
+            transmittance: fields.number("transmittance")?.unwrap_or(1.0),
+            extinction: fields.number_or("extinction", 0.0, notes)?,
+        },
+        "retarder" => Finish::Retarder {
+            axis: fields.need_direction("axis")?,
+            retardance_nm: fields.need_number("retardance_nm")?,
+        },
         name => return Err(super::fields::not_yet(&value.at, &format!("finish `{name}`"))),
     })
 }

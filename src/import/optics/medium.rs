@@ -5,7 +5,7 @@ use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::import::value::{Data, Value};
 use crate::scene::attribute::{self, Noun, Range, Row};
-use crate::scene::{Dispersion, glass};
+use crate::scene::{Absorption, Dispersion, glass};
 
 /// A glass of the catalogue: its name there and its law.
 pub(super) fn catalogue(name: &str, at: &Where) -> Result<(String, Dispersion)> {
@@ -74,30 +74,24 @@ pub fn index(key: &str, value: &Value, nm: f64) -> Result<(String, Dispersion)> 
     Ok((name, law))
 }
 
-/// `absorption_per_m` at the traced wavelength, 1/m.
-pub fn absorption(value: &Value, nm: f64) -> Result<f64> {
+/// `absorption_per_m`. A table must have rows on both sides of `nm`, the wavelength that is traced or the middle of those
+/// that are.
+pub fn absorption(value: &Value, nm: f64) -> Result<Absorption> {
     let row = row("absorption_per_m", value)?;
     if let Data::Number(_) = value.data {
-        return number(value, row);
+        return Ok(Absorption::Constant(number(value, row)?));
     }
     let lines = table(value, row, [("λ", Range::Positive, "nm"), ("absorption", Range::AtLeast(0.0), "1/m")])?;
-    let mut below: Option<[f64; 2]> = None;
-    for [at, a] in lines {
-        match below {
-            Some([nm_0, _]) if nm_0 >= at => {
-                return Err(Fault::new(
-                    value.at.clone(),
-                    format!("the wavelengths of `absorption_per_m` do not rise at {at} nm"),
-                )
-                .expected(row.expected()));
-            }
-            Some([nm_0, a_0]) if nm_0 <= nm && nm <= at => return Ok(a_0 + (a - a_0) * (nm - nm_0) / (at - nm_0)),
-            Some(_) | None if at == nm => return Ok(a),
-            Some(_) | None => below = Some([at, a]),
-        }
+    if let Some(pair) = lines.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
+        let what = format!("the wavelengths of `absorption_per_m` do not rise at {} nm", pair[1][0]);
+        return Err(Fault::new(value.at.clone(), what).expected(row.expected()));
     }
-    Err(Fault::new(value.at.clone(), format!("`absorption_per_m` does not cover {nm} nm"))
-        .expected("rows on both sides of it"))
+    let covered = lines.first().is_some_and(|first| first[0] <= nm) && lines.last().is_some_and(|last| nm <= last[0]);
+    if !covered {
+        return Err(Fault::new(value.at.clone(), format!("`absorption_per_m` does not cover {nm} nm"))
+            .expected("rows on both sides of it"));
+    }
+    Ok(Absorption::Table(lines))
 }
 
 /// `priority`.

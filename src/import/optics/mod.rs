@@ -10,6 +10,7 @@ mod medium;
 mod shape;
 mod sky;
 mod slide;
+mod spectrum;
 mod wavelengths;
 
 pub use coating::{coating, unknown as unknown_coating};
@@ -21,4 +22,5 @@ pub use medium::{absorption, entries as medium_entries, index, priority};
 pub use shape::{ShapeSpec, shape};
 pub use sky::{SkySpec, sky};
 pub use slide::{ATTRIBUTES as SLIDE, ORTHOGONAL, SlideSpec, slide};
+pub use spectrum::{SpectrumSpec, spectrum, spectrum_table};
 pub use wavelengths::{unit, version, wavelengths};

@@ -4,8 +4,8 @@ use super::fields::Fields;
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::import::value::Value;
-use crate::scene::{Note, Polarisation};
 use crate::scene::attribute::Noun;
+use crate::scene::{Note, Polarisation};
 use glam::DVec3;
 
 /// A slide before its picture is read and placed. Lengths in mesh units.

@@ -62,7 +62,8 @@ fn glass_in(words: &[&str]) -> Option<&'static str> {
     let pairs = words.windows(2).map(|pair| pair.concat());
     let singles = words.iter().map(|word| (*word).to_owned());
     // Pairs first: `N_F2` is no F2.
-    pairs.chain(singles).find_map(|word| glass::find(&word)).map(|glass| glass.name)
+    let solid = |word: String| glass::find(&word).filter(|glass| glass.solid);
+    pairs.chain(singles).find_map(solid).map(|glass| glass.name)
 }
 
 #[cfg(test)]

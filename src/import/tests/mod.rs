@@ -1,6 +1,7 @@
 //! Binding, building and their faults on assemblies made by hand.
 
 mod binding;
+mod colour;
 mod faults;
 mod hostile;
 mod samples;

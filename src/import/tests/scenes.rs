@@ -19,7 +19,7 @@ fn parts_stand_in_metres_and_equal_media_are_one() {
     assert!(near(scene.parts[2].to_world.transform_point3(DVec3::new(0.0, 0.0, 5.0)), DVec3::new(0.02, 0.005, 0.0)));
     assert_eq!(scene.media.len(), 2);
     let lcd = &scene.parts[3];
-    assert_eq!((scene.medium(lcd.medium.unwrap()).absorption_per_m, lcd.priority), (2.0, -2));
+    assert_eq!((scene.medium(lcd.medium.unwrap()).absorption.per_m(550.0), lcd.priority), (2.0, -2));
     assert!(
         scene
             .notes

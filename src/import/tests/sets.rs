@@ -62,9 +62,9 @@ fn sets_reach_into_a_parts_medium() {
     }
     assert_eq!(medium(&["LENS.medium.ior=1.7"], "LENS").0.index, Dispersion::Constant(1.7));
     assert_eq!(medium(&["LENS.medium.priority=4"], "LENS").1, 4);
-    assert_eq!(medium(&[], "LENS").0.absorption_per_m, 2.0);
-    assert_eq!(medium(&["LENS.absorption_per_m=7"], "LENS").0.absorption_per_m, 7.0);
-    assert_eq!(medium(&["LENS.medium.absorption_per_m[0][1]=2"], "LENS").0.absorption_per_m, 2.5);
+    assert_eq!(medium(&[], "LENS").0.absorption.per_m(550.0), 2.0);
+    assert_eq!(medium(&["LENS.absorption_per_m=7"], "LENS").0.absorption.per_m(550.0), 7.0);
+    assert_eq!(medium(&["LENS.medium.absorption_per_m[0][1]=2"], "LENS").0.absorption.per_m(550.0), 2.5);
     assert_eq!(medium(&["L*.medium.ior=1.6"], "LCD").0.index, Dispersion::Constant(1.6));
 }
 

@@ -20,6 +20,9 @@ fn text(text: &str) -> Value {
 fn list(numbers: &[f64]) -> Value {
     value(Data::List(numbers.iter().map(|x| value(Data::Number(*x))).collect()))
 }
+fn table_rows(rows: &[[f64; 2]]) -> Value {
+    value(Data::List(rows.iter().map(|row| list(row)).collect()))
+}
 fn table(entries: Vec<(String, Value)>) -> Value {
     value(Data::Table(entries))
 }
@@ -95,6 +98,17 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
             put("group", text("led_1"));
             let n = table(vec![("kind".to_owned(), text("cos_n")), ("n".to_owned(), value(Data::Number(turn)))]);
             put("angular", if pick > 2 { n } else { text("lambert") });
+            // Powers and colours that the table allows may all be 0.
+            let hue = |name: &str, numbers: Value| table(vec![(name.to_owned(), numbers)]);
+            let rows = table_rows(&[[400.0, 0.0], [500.0 + turn, 1.0]]);
+            let spectra = [
+                text("led_rgb1"),
+                hue("cct", value(Data::Number(1000.0 + 4000.0 * turn))),
+                hue("rgb", list(&[turn, 0.0, 1.0])),
+                hue("table", rows),
+                hue("csv", text("a/led.csv")),
+            ];
+            put("spectrum", spectra[pick % spectra.len()].clone());
         }
         "sky" => put("group", text("led_1")),
         "slide" => {

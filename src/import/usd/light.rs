@@ -27,10 +27,8 @@ use std::path::{Path, PathBuf};
 /// Values of the wrong type. Lights of kinds that are not known, and values out of range, are notes.
 pub(super) fn read(reader: &mut Reader, view: &PrimView, node: usize, type_name: &str) -> Result<()> {
     let Some(to_world) = reader.assembly.nodes.get(node).map(|node| node.to_world) else { return Ok(()) };
-    let Some((strength, color)) = strength(reader, view, if type_name == "DistantLight" { 50_000.0 } else { 1.0 })?
-    else {
-        return Ok(());
-    };
+    let fallback = if type_name == "DistantLight" { 50_000.0 } else { 1.0 };
+    let Some(Strength { strength, color, kelvin }) = strength(reader, view, fallback)? else { return Ok(()) };
     let marks = Marks::of(view)?;
     let light = Lit { view, marks: &marks, to_world, strength, normal: flag(view, "inputs:normalize")? };
     let mut holder = node;
@@ -67,6 +65,7 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView, node: usize, type_name:
         node: holder,
         form,
         color,
+        kelvin,
         profile,
         attributes,
         at: view.at(),
@@ -87,14 +86,22 @@ pub(super) fn of_mesh(reader: &mut Reader, view: &PrimView, node: usize) -> Resu
     if !schemas.iter().any(|schema| schema.as_str() == "MeshLightAPI") {
         return Ok(());
     }
-    let Some((strength, _)) = strength(reader, view, 1.0)? else { return Ok(()) };
+    let Some(Strength { strength, color, kelvin }) = strength(reader, view, 1.0)? else { return Ok(()) };
     if flag(view, "inputs:normalize")? {
         reader.ledger.warn(view.at(), "a mesh light that is normalised by its area: not used");
         return Ok(());
     }
     let at = view.at_property("inputs:intensity");
     let luminance = ("luminance_cd_m2".to_owned(), Value::new(Data::Number(strength), at.clone()));
-    let row = ("emitter".to_owned(), Value::new(Data::Table(vec![luminance]), at.clone()));
+    let number = |x: f64| Value::new(Data::Number(x), at.clone());
+    let hue = match kelvin {
+        Some(kelvin) => Some(("cct".to_owned(), number(kelvin))),
+        None if color[0] == color[1] && color[1] == color[2] => None,
+        None => Some(("rgb".to_owned(), Value::new(Data::List(color.map(number).to_vec()), at.clone()))),
+    };
+    let spectrum = hue.map(|hue| ("spectrum".to_owned(), Value::new(Data::Table(vec![hue]), at.clone())));
+    let said = [luminance].into_iter().chain(spectrum).collect();
+    let row = ("emitter".to_owned(), Value::new(Data::Table(said), at.clone()));
     let Some(node) = reader.assembly.nodes.get_mut(node) else { return Ok(()) };
     match &mut node.attributes {
         Some(Value { data: Data::Table(rows), .. }) if rows.iter().all(|(key, _)| key != "emitter") => rows.push(row),
@@ -104,17 +111,30 @@ pub(super) fn of_mesh(reader: &mut Reader, view: &PrimView, node: usize) -> Resu
     Ok(())
 }
 
-/// The strength with the colour's luminance in it, and the colour at luminance 1; `None` for a light that cannot be
-/// used.
-fn strength(reader: &mut Reader, view: &PrimView, fallback: f64) -> Result<Option<(f64, [f64; 3])>> {
+/// How strong a light is, and which colour it has.
+struct Strength {
+    /// With the colour's luminance in it.
+    strength: f64,
+    /// At luminance 1.
+    color: [f64; 3],
+    /// The colour temperature, if nothing but it makes the colour.
+    kelvin: Option<f64>,
+}
+
+/// `None` for a light that cannot be used.
+fn strength(reader: &mut Reader, view: &PrimView, fallback: f64) -> Result<Option<Strength>> {
     let intensity = view.number("inputs:intensity")?.unwrap_or(fallback);
     let exposure = view.number("inputs:exposure")?.unwrap_or(0.0);
     let triple = |found: sdf::Value| value::triple(&found);
     let mut color = view.read("inputs:color", "a colour", triple)?.unwrap_or([1.0; 3]);
+    let mut temperature = None;
     if flag(view, "inputs:enableColorTemperature")? {
         let kelvin = view.number("inputs:colorTemperature")?.unwrap_or(6500.0);
         match blackbody(kelvin) {
-            Some(tint) => color.iter_mut().zip(tint).for_each(|(lane, tint)| *lane *= tint),
+            Some(tint) => {
+                temperature = (color[0] == color[1] && color[1] == color[2]).then_some(kelvin);
+                color.iter_mut().zip(tint).for_each(|(lane, tint)| *lane *= tint);
+            }
             None => {
                 let at = view.at_property("inputs:colorTemperature");
                 reader.ledger.warn(at, "a colour temperature outside 1000 to 15000 K: ignored");
@@ -129,10 +149,11 @@ fn strength(reader: &mut Reader, view: &PrimView, fallback: f64) -> Result<Optio
     }
     if own == 0.0 {
         reader.ledger.warn(view.at(), "a black light");
-        return Ok(Some((0.0, [1.0; 3])));
+        return Ok(Some(Strength { strength: 0.0, color: [1.0; 3], kelvin: None }));
     }
     let color = color.map(|lane| lane / own);
-    Ok(Some((strength, if color.iter().all(|lane| lane.is_finite()) { color } else { [1.0; 3] })))
+    let color = if color.iter().all(|lane| lane.is_finite()) { color } else { [1.0; 3] };
+    Ok(Some(Strength { strength, color, kelvin: temperature }))
 }
 
 /// Linear Rec.709 of a black body at luminance 1, from 1000 to 15000 K: the Planckian locus in CIE 1960 (u, v) by

@@ -34,7 +34,7 @@ pub(super) struct Surface {
 /// | `attenuation_…` | – | `transmission_depth`, `transmission_color` | the same |
 /// | `dispersion` (20/V_d) | – | `transmission_dispersion_scale` / `…_abbe_number` | 1 / `transmission_dispersion` |
 /// | `coating` | – | `thin_film_thickness` in µm, `thin_film_ior` | `thin_film_thickness` in nm, `thin_film_IOR` |
-/// | `luminance_cd_m2` | – | `emission_luminance` in nit × `emission_color` | – |
+/// | `luminance_cd_m2`, `emitter.spectrum` | – | `emission_luminance` in nit × `emission_color` | – |
 /// | looks | `diffuseColor`, `opacity`, `metallic`, `roughness` | base and specular | base and specular |
 ///
 /// Sources: the UsdPreviewSurface specification 2.6; OpenPBR Surface 1.1; the Standard Surface paper (Autodesk, 1.0.1).
@@ -215,6 +215,10 @@ fn layered(inputs: &mut Inputs<'_>, model: &Model) -> Result<Surface> {
             let luminance = nit * luminance(color);
             if luminance > 0.0 {
                 out.mapped.push(row("luminance_cd_m2", Data::Number(luminance), &at));
+                if color[0] != color[1] || color[1] != color[2] {
+                    let rgb = color_row("rgb", color, &at);
+                    out.mapped.push(row("emitter.spectrum", Data::Table(vec![rgb]), &at));
+                }
             }
         }
     } else {

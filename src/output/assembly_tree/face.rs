@@ -1,7 +1,7 @@
 //! Faces: what each is optically, with photometry in both directions.
 
 use crate::base::Where;
-use crate::scene::{Angular, Coating, Emitter, Face, Finish, Part, Photometry, Polarisation, Scene, Shape};
+use crate::scene::{Angular, Coating, Emitter, Face, Finish, Part, Photometry, Polarisation, Scene, Shape, Spectrum};
 use glam::DVec3;
 
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -97,7 +97,7 @@ fn emitter(scene: &Scene, emitter: &Emitter, area_m2: f64) -> EmitterReport {
         luminance_cd_m2,
         area_m2,
         angular: emitter.angular,
-        spectrum: emitter.spectrum.clone(),
+        spectrum: emitter.spectrum.as_ref().map(Spectrum::to_string),
     }
 }
 

@@ -101,7 +101,7 @@ pub fn medium(scene: &Scene, part: &Part) -> Option<MediumReport> {
         name: medium.name.clone(),
         n: index.re,
         k: index.im,
-        absorption_per_m: medium.absorption_per_m,
+        absorption_per_m: medium.absorption.per_m(scene.wavelengths.traced_nm()),
     })
 }
 

@@ -4,8 +4,8 @@ use super::*;
 use crate::base::Where;
 use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, SlideId};
 use crate::scene::{
-    Angular, Coating, Dispersion, Emitter, Face, FaceRange, FilmLayer, Finish, Group, Medium, Mesh, Part, Photometry,
-    Shape, Slide,
+    Absorption, Angular, Coating, Dispersion, Emitter, Face, FaceRange, FilmLayer, Finish, Group, Led, Medium, Mesh,
+    Part, Photometry, Shape, Slide, Spectrum,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
@@ -43,7 +43,7 @@ fn scene() -> Scene {
         group: GroupId(0),
         photometry: Photometry::FluxLm(std::f64::consts::PI),
         angular: Angular::Lambert,
-        spectrum: Some("led_b1".into()),
+        spectrum: Some(Spectrum::Led(Led::B1)),
     };
     let led = || [face(Finish::Absorber), Face { emitter: Some(emitter.clone()), ..face(Finish::Absorber) }];
     let shape = Shape::Sphere { vertex: DVec3::ZERO, axis: DVec3::Z, radius: -50.0 };
@@ -66,7 +66,11 @@ fn scene() -> Scene {
             part("HUD/LCD", 0, 0.0, [slide, face(Finish::None)]),
             part("HUD/BOX\u{7}", 0, 0.0, [face(Finish::Absorber), face(Finish::Absorber)]),
         ],
-        media: vec![Medium { name: "glass".into(), index: Dispersion::Constant(1.5), absorption_per_m: 2.0 }],
+        media: vec![Medium {
+            name: "glass".into(),
+            index: Dispersion::Constant(1.5),
+            absorption: Absorption::Constant(2.0),
+        }],
         coatings: vec![Coating {
             name: "ar".into(),
             films: vec![FilmLayer { index: Dispersion::Constant(1.38), thickness_nm: 99.638 }],
@@ -77,6 +81,7 @@ fn scene() -> Scene {
             width: 2,
             height: 1,
             pixels: Arc::new(vec![1.0, 0.0]),
+            rgb: None,
             centre: DVec3::ZERO,
             u: DVec3::X,
             v: DVec3::Y,
@@ -92,6 +97,7 @@ fn scene() -> Scene {
             width: 2,
             height: 2,
             luminance: Arc::new(vec![1.0, 2.0, 3.0, 6.0]),
+            rgb: None,
             to_world: DMat3::IDENTITY,
             file: "sky.exr".into(),
         }),

@@ -72,6 +72,13 @@ fn finish(finish: Finish) -> String {
         Finish::Gauss { sigma_deg, reflectance, transmittance } => {
             format!("gauss, sigma {} deg, {}", number(sigma_deg, 4), shares(reflectance, transmittance))
         }
+        Finish::Polariser { axis, transmittance, extinction } => {
+            let (along, other) = (number(transmittance, 4), number(transmittance * extinction, 3));
+            format!("polariser about {}, T {along} and {other}", direction(axis))
+        }
+        Finish::Retarder { axis, retardance_nm } => {
+            format!("retarder about {}, {} nm", direction(axis), number(retardance_nm, 5))
+        }
         Finish::Absorber => "absorber".to_owned(),
     }
 }
@@ -95,7 +102,12 @@ fn shape(face: &FaceReport) -> Option<String> {
     match face.shape {
         Shape::Mesh => match face.finish {
             Finish::Polished | Finish::MirrorMetal { .. } | Finish::MirrorIdeal { .. } => Some("as meshed".to_owned()),
-            Finish::None | Finish::Lambert { .. } | Finish::Gauss { .. } | Finish::Absorber => None,
+            Finish::None
+            | Finish::Lambert { .. }
+            | Finish::Gauss { .. }
+            | Finish::Polariser { .. }
+            | Finish::Retarder { .. }
+            | Finish::Absorber => None,
         },
         Shape::Plane { .. } => Some("plane".to_owned()),
         Shape::Sphere { radius, axis, .. } => Some(format!("sphere {}", curve(radius, axis))),

@@ -7,7 +7,7 @@ use Form::{
 };
 use Noun::{Asset, Coating, Emitter, Eye, Finish, Medium, Shape, Sky, Slide};
 use Range::{Above, Any, AtLeast, AtLeastOrInfinite, Between, NonZero, Positive, PositiveOrInfinite, Within};
-use Support::{Kept, NotYet, Rendered};
+use Support::{NotYet, Rendered};
 
 #[rustfmt::skip]
 const fn new(noun: Noun, name: &'static str, form: Form, unit: &'static str, range: Range, doc: &'static str) -> Row {
@@ -75,6 +75,9 @@ pub const ROWS: &[Row] = &[
     new(Finish, "file", File, "", Any, "measured scattering").is(NotYet),
     new(Finish, "n", Number, "", Positive, "real part of a metal's index"),
     new(Finish, "k", Number, "", AtLeast(0.0), "imaginary part of a metal's index"),
+    new(Finish, "axis", Numbers(3), "mesh units", Any, "direction of polarisation along the face, not zero"),
+    new(Finish, "extinction", Number, "", Within(0.0, 1.0), "share of the other polarisation that is let through").or("0"),
+    new(Finish, "retardance_nm", Number, "nm", Any, "path by which light polarised along the axis lags behind"),
     // Thin films on a polished face.
     new(Coating, "coating", Form::Kind, "", Any, "thin films on a polished face; also the name of a [coating.NAME]"),
     new(Coating, "name", Text, "", Any, "name of a coating of the asset"),
@@ -118,9 +121,11 @@ pub const ROWS: &[Row] = &[
     new(Emitter, "n", Number, "", Within(0.0, 1e8), "exponent of cosⁿ"),
     new(Emitter, "fwhm_deg", Number, "deg", Between(0.0, 180.0), "full width at half maximum").is(NotYet),
     new(Emitter, "file", File, "", Any, "luminous intensity distribution, .ies or .ldt").is(NotYet),
-    new(Emitter, "spectrum", Form::Kind, "", Any, "colour of the light").is(Kept),
-    new(Emitter, "cct", Number, "K", Within(1000.0, 25_000.0), "correlated colour temperature").is(Kept),
-    new(Emitter, "table", Rows(&["λ in nm", "W"]), "", AtLeast(0.0), "[[λ in nm, relative power], …] with rising λ").is(Kept),
+    new(Emitter, "spectrum", Form::Kind, "", Any, "colour of the light, from 360 to 830 nm").or("D65"),
+    new(Emitter, "cct", Number, "K", Within(1000.0, 25_000.0), "correlated colour temperature: a black body below 4000 K, CIE daylight from there on"),
+    new(Emitter, "rgb", Numbers(3), "", AtLeast(0.0), "linear Rec.709, of which only the hue and saturation count"),
+    new(Emitter, "table", Rows(&["λ in nm", "W"]), "", AtLeast(0.0), "[[λ in nm, relative power], …] with rising λ, linear between the rows and 0 outside"),
+    new(Emitter, "csv", File, "", Any, "text file with lines of λ in nm and relative power"),
     // A thin transmissive picture on a face.
     new(Slide, "slide", Thing(&SLIDE), "", Any, "{ image, size, u, v, centre, transmittance, contrast }"),
     new(Slide, "name", Text, "", Any, "name of a slide of the asset"),
@@ -185,6 +190,8 @@ pub const KINDS: &[Kind] = &[
     kind("finish", "gauss", &["sigma_deg", "reflectance", "transmittance"], "Gaussian lobe about the specular directions"),
     kind("finish", "measured", &["file"], "measured scattering").not_yet(),
     kind("finish", "mirror", &["n", "k", "reflectance"], "a metal n + ik, or a reflectance at every angle"),
+    kind("finish", "polariser", &["axis", "transmittance", "extinction"], "thin linear polariser: transmittance of light along the axis (1 if not said)"),
+    kind("finish", "retarder", &["axis", "retardance_nm"], "thin wave plate"),
     kind("finish", "absorber", &[], "takes everything"),
     kind("coating", "none", &[], "no coating"),
     kind("coating", "stack", &["name", "stack"], "films by the transfer-matrix method"),
@@ -208,6 +215,7 @@ pub const KINDS: &[Kind] = &[
     kind("spectrum", "A", &[], "CIE standard illuminant A"),
     kind("spectrum", "equal", &[], "equal power at every wavelength"),
     kind("spectrum", "cct", &["cct"], "daylight or a black body of this colour temperature"),
+    kind("spectrum", "rgb", &["rgb"], "smooth spectrum of a colour"),
     kind("spectrum", "led_b1", &[], "CIE 015:2018 LED-B1, a phosphor LED of 2733 K"),
     kind("spectrum", "led_b2", &[], "CIE 015:2018 LED-B2, a phosphor LED of 2998 K"),
     kind("spectrum", "led_b3", &[], "CIE 015:2018 LED-B3, a phosphor LED of 4103 K"),
@@ -218,6 +226,7 @@ pub const KINDS: &[Kind] = &[
     kind("spectrum", "led_v1", &[], "CIE 015:2018 LED-V1, violet pump, 2724 K"),
     kind("spectrum", "led_v2", &[], "CIE 015:2018 LED-V2, violet pump, 4070 K"),
     kind("spectrum", "table", &["table"], "measured"),
+    kind("spectrum", "csv", &["csv"], "measured, in a file"),
     kind("wavelengths", "mono_nm", &["mono_nm"], "one wavelength"),
     kind("wavelengths", "visible", &[], "the visible range"),
 ];

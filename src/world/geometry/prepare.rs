@@ -27,6 +27,8 @@ pub fn traced(part: &Part) -> Vec<Traced> {
             | Finish::MirrorIdeal { .. }
             | Finish::Lambert { .. }
             | Finish::Gauss { .. }
+            | Finish::Polariser { .. }
+            | Finish::Retarder { .. }
             | Finish::Absorber,
             None,
             _,

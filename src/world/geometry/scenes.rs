@@ -5,8 +5,8 @@ use crate::base::ids::{GroupId, MediumId, MeshId};
 use crate::base::rng::Rng;
 use crate::base::warp;
 use crate::scene::{
-    Angular, Dispersion, Emitter, Eye, Face, FaceRange, Finish, Medium, Mesh, Part, Photometry, Scene, Shape,
-    Wavelengths,
+    Absorption, Angular, Dispersion, Emitter, Eye, Face, FaceRange, Finish, Medium, Mesh, Part, Photometry, Scene,
+    Shape, Wavelengths,
 };
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
@@ -180,7 +180,11 @@ pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
         wavelengths: Wavelengths::Visible,
         meshes,
         parts,
-        media: vec![Medium { name: "glass".into(), index: Dispersion::Constant(1.5), absorption_per_m: 0.0 }],
+        media: vec![Medium {
+            name: "glass".into(),
+            index: Dispersion::Constant(1.5),
+            absorption: Absorption::Constant(0.0),
+        }],
         coatings: vec![],
         slides: vec![],
         groups: vec![],

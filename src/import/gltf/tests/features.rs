@@ -330,10 +330,12 @@ fn materials_map_to_our_names() {
     assert_eq!(pointer(&finish.at), "/materials/0/extensions/EYEBOX_optics/finish");
 
     let lamp = &assembly.materials[1];
-    assert_eq!((lamp.name.as_str(), lamp.mapped.len()), ("material_1", 1));
+    assert_eq!((lamp.name.as_str(), lamp.mapped.len()), ("material_1", 2));
     let Data::Number(luminance) = lamp.mapped[0].1.data else { panic!("a number") };
     assert_eq!(lamp.mapped[0].0, "luminance_cd_m2");
-    assert!((luminance - (212.6 + 357.6)).abs() < 1e-9, "{luminance}");
+    assert!((luminance - (212.639_005_871_510_36 + 357.584_339_383_877_95)).abs() < 1e-9, "{luminance}");
+    assert_eq!(lamp.mapped[1].0, "emitter.spectrum");
+    assert_eq!(lamp.mapped[1].1.to_string(), "{ rgb = [1, 0.5, 0] }");
     assert_eq!(assembly.materials[2].mapped.len(), 1);
     assert_eq!(assembly.materials[2].mapped[0].1.data, Data::Number(1.5));
 

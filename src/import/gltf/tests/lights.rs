@@ -31,8 +31,8 @@ fn punctual_lights_in_candela_and_lux() {
 
     let red = &lit(json!({ "type": "directional", "intensity": 10, "color": [1, 0, 0] })).unwrap().lights[0];
     let LightForm::Distant { illuminance_lx, angle } = red.form else { panic!("{:?}", red.form) };
-    assert!((illuminance_lx - 2.126).abs() < 1e-12 && angle == 0.0);
-    assert!((red.color[0] - 1.0 / 0.2126).abs() < 1e-12 && red.name == "LAMP");
+    assert!((illuminance_lx - 2.126_390_058_715_103_6).abs() < 1e-12 && angle == 0.0);
+    assert!((red.color[0] - 1.0 / 0.212_639_005_871_510_36).abs() < 1e-12 && red.name == "LAMP");
 
     let default = &lit(json!({ "type": "spot", "spot": {} })).unwrap().lights[0];
     let quarter = std::f64::consts::FRAC_PI_4;
@@ -124,4 +124,19 @@ fn opacity_is_that_of_materials_that_are_not_opaque() {
     };
     assert_eq!(look("OPAQUE"), ["base_color = [1, 0, 0]"]);
     assert_eq!(look("BLEND"), ["base_color = [1, 0, 0]", "opacity = 0.5"]);
+}
+
+/// A glow has its hue; grey ones say nothing of it. Written and read back it is the same.
+#[test]
+fn emissive_materials_have_a_hue() {
+    let glow = |factor: Json| {
+        let mut builder = Builder::square();
+        builder.push("materials", json!({ "name": "GLOW", "emissiveFactor": factor }));
+        builder.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+        let read = builder.read().unwrap();
+        read.materials[0].mapped.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>()
+    };
+    assert_eq!(glow(json!([0.5, 0.5, 0.5])), ["luminance_cd_m2 = 0.5"]);
+    let red = glow(json!([1, 0, 0]));
+    assert_eq!(red[1..], ["emitter.spectrum = { rgb = [1, 0, 0] }"]);
 }

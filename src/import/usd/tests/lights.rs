@@ -29,8 +29,8 @@ fn strengths_are_in_nit() {
     assert_eq!(form("DiskLight", bright), LightForm::Disk { luminance_cd_m2: 48.0, radius: 0.5 });
     let found = light("SphereLight", "color3f inputs:color = (0, 2, 0)\nfloat inputs:radius = 2");
     let LightForm::Sphere { luminance_cd_m2, radius } = found.lights[0].form else { panic!() };
-    close(luminance_cd_m2, 2.0 * 0.7152);
-    close(found.lights[0].color[1], 1.0 / 0.7152);
+    close(luminance_cd_m2, 2.0 * 0.715_168_678_767_755_9);
+    close(found.lights[0].color[1], 1.0 / 0.715_168_678_767_755_9);
     assert_eq!(radius, 2.0);
 }
 

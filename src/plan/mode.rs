@@ -1,0 +1,153 @@
+//! Which spectral mode is the smallest that is exact for a scene, and whether polarisation matters: facts decide where
+//! they can, a pilot where they cannot.
+
+use super::Polarisation;
+use crate::base::rng::{Rng, Stream};
+use crate::check::Checked;
+use crate::estimate::ShouldStop;
+use crate::estimate::ledger::Ledger;
+use crate::estimate::walk::{Meeting, Met, Travel, Walker};
+use crate::film::plan::{PathMode, Spectral};
+use crate::scene::{Finish, Scene, Wavelengths};
+use crate::world::World;
+use crate::world::geometry::Ray;
+use crate::world::interior::Interior;
+use crate::world::mode::{Mode, MonoStokes};
+use rayon::prelude::*;
+
+/// Wavelengths at which media are compared, nm: what is the same at all of them is taken to be achromatic.
+const PROBES_NM: [f64; 5] = [420.0, 480.0, 550.0, 620.0, 690.0];
+
+/// The mode of a scene, with reasons.
+pub fn decide(checked: &Checked, world: &World, asked: Polarisation, stop: &ShouldStop<'_>) -> PathMode {
+    let (spectral, spectral_because) = spectral(checked.scene(), world);
+    let (polarised, polarised_because) = polarised(checked.scene(), world, asked, stop);
+    PathMode { spectral, spectral_because, polarised, polarised_because }
+}
+
+fn spectral(scene: &Scene, world: &World) -> (Spectral, String) {
+    if let Wavelengths::Mono { nm } = scene.wavelengths {
+        return (Spectral::Mono, format!("the scene is defined at {nm} nm"));
+    }
+    if let Some(because) = chromatic(scene, world) {
+        return (Spectral::Hero, because);
+    }
+    let tints = world.tints.lamps.iter().chain(&world.tints.lights);
+    let coloured_sky = world.sky.as_ref().is_some_and(|sky| sky.is_coloured());
+    let mixed = scene.spectra_of_groups().err();
+    match (coloured_sky, mixed) {
+        (false, None) => {
+            (Spectral::Mono, "nothing tells wavelengths apart: each group is its luminance times its colour".to_owned())
+        }
+        (sky, mixed) => {
+            let what = match mixed {
+                Some(group) if !sky => format!("the lamps of group {group} differ in colour"),
+                Some(_) | None => "the sky is coloured".to_owned(),
+            };
+            if tints.clone().all(|power| power.rec709_per_lumen().iter().all(|c| *c >= 0.0)) {
+                (Spectral::Rgb, format!("{what}, and nothing tells wavelengths apart"))
+            } else {
+                (Spectral::Hero, format!("{what}, and a lamp's colour is out of the gamut of Rec.709"))
+            }
+        }
+    }
+}
+
+/// What in the scene treats wavelengths differently, if anything does.
+fn chromatic(scene: &Scene, world: &World) -> Option<String> {
+    if let Some(slide) = world.slides.iter().position(|slide| slide.is_coloured()) {
+        return Some(format!("slide {} is coloured", scene.slides[slide].name));
+    }
+    for part in &scene.parts {
+        let Some(medium) = part.medium.map(|id| scene.medium(id)) else { continue };
+        let differs = |value: &dyn Fn(f64) -> f64| PROBES_NM.iter().any(|nm| value(*nm) != value(PROBES_NM[0]));
+        let seen = |finish: &Finish| !matches!(finish, Finish::Absorber | Finish::None);
+        if !part.faces.iter().any(|face| seen(&face.finish)) {
+            continue;
+        }
+        if differs(&|nm| medium.index.index(nm).re) {
+            return Some(format!("the medium {} of {} disperses", medium.name, part.path));
+        }
+        if differs(&|nm| medium.absorption_per_m_at(nm)) {
+            return Some(format!("the medium {} of {} is coloured", medium.name, part.path));
+        }
+        let coated = part.faces.iter().filter(|face| matches!(face.finish, Finish::Polished)).find_map(|face| {
+            let coating = scene.coating(face.coating?);
+            coating.films.iter().any(|film| film.thickness_nm > 0.0).then_some(coating)
+        });
+        if let Some(coating) = coated {
+            return Some(format!("the coating {} of {} interferes", coating.name, part.path));
+        }
+    }
+    None
+}
+
+/// Share of what left the eye by which the light at some face must differ for Stokes vectors to be worth their cost.
+const MATTERS: f64 = 1e-3;
+
+fn polarised(scene: &Scene, world: &World, asked: Polarisation, stop: &ShouldStop<'_>) -> (bool, String) {
+    match asked {
+        Polarisation::On => return (true, "asked for".to_owned()),
+        Polarisation::Off => return (false, "asked for".to_owned()),
+        Polarisation::Auto => {}
+    }
+    if let Some(slide) = scene.slides.iter().find(|slide| slide.polarisation.is_some_and(|p| p.degree > 0.0)) {
+        return (true, format!("the light that leaves slide {} is polarised", slide.name));
+    }
+    let sheet = |finish: &Finish| matches!(finish, Finish::Polariser { .. } | Finish::Retarder { .. });
+    if let Some(part) = scene.parts.iter().find(|part| part.faces.iter().any(|face| sheet(&face.finish))) {
+        return (true, format!("{} is there to act on it", part.path));
+    }
+    let (most, part) = departure(world, stop);
+    match part {
+        Some(part) if most > MATTERS => {
+            let path = &scene.parts[part as usize].path;
+            (true, format!("in a pilot it changed the light at {path} by up to {:.2} %", 100.0 * most))
+        }
+        Some(_) | None => (false, format!("in a pilot it changed the light at no face by more than {:.0e}", most)),
+    }
+}
+
+/// Largest change that polarisation makes to the share that a face reflects, in units of what left the eye, over paths
+/// from the eye; and the part of that face.
+fn departure(world: &World, stop: &ShouldStop<'_>) -> (f64, Option<u32>) {
+    const PATHS: u64 = 4096;
+    const MOST_EVENTS: u32 = 64;
+    let optics = MonoStokes::optics(world, 0, 0);
+    let [width, height] = world.eye.size();
+    let one = |sample: u64| -> (f64, Option<u32>) {
+        if stop() {
+            return (0.0, None);
+        }
+        let mut rng = Rng::new(0, Stream::Pilot, 1, sample);
+        let [u, v] = rng.pair();
+        let (x, y) = ((u * width as f64) as usize, (v * height as f64) as usize);
+        let (origin, dir) = world.eye.ray(x, y, rng.pair(), rng.pair());
+        let ray = Ray { origin, dir, from: None };
+        let mut ledger = Ledger::new(world.solids.len());
+        let mut walker =
+            Walker::<MonoStokes>::new((world, &optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
+        let mut most = (0.0, None);
+        while walker.events < MOST_EVENTS {
+            let Met::Face(vertex) = walker.advance(&mut ledger) else { break };
+            let departs = walker.departure(&vertex);
+            if departs > most.0 {
+                most = (departs, Some(vertex.hit.site.part));
+            }
+            match walker.meet(&vertex, &mut ledger) {
+                Meeting::Went => {}
+                Meeting::Ended => break,
+                Meeting::Scatter(scatter, frame) => {
+                    if walker.scatter(&vertex, scatter, &frame, &mut ledger).is_none() {
+                        break;
+                    }
+                }
+            }
+        }
+        most
+    };
+    let larger = |a: (f64, Option<u32>), b: (f64, Option<u32>)| if b.0 > a.0 { b } else { a };
+    // In order, so that equals are settled alike for any number of threads.
+    let all: Vec<_> = (0..PATHS).into_par_iter().map(one).collect();
+    all.into_iter().fold((0.0, None), larger)
+}
