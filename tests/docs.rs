@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const NOUNS: [Noun; 9] = [
+const NOUNS: [Noun; 10] = [
     Noun::Asset,
     Noun::Medium,
     Noun::Finish,
@@ -17,6 +17,7 @@ const NOUNS: [Noun; 9] = [
     Noun::Emitter,
     Noun::Slide,
     Noun::Sky,
+    Noun::Sun,
     Noun::Eye,
 ];
 
@@ -45,6 +46,7 @@ fn place(noun: Noun) -> &'static str {
             "A thin transmissive picture on a face. `slide = { image = …, size = …, u = …, v = … }` in a `[[bind]]`."
         }
         Noun::Sky => "Light from everywhere. `[sky]`.",
+        Noun::Sun => "Light from one direction: the sun through the combiner. `[sun]`.",
         Noun::Eye => "Who looks. `[eye]`.",
     }
 }

@@ -4,18 +4,20 @@ mod common;
 
 use common::*;
 use eyebox::base::Where;
+use eyebox::base::ids::ProfileId;
 use eyebox::check::check;
 use eyebox::estimate::picture::picture;
 use eyebox::estimate::run::{Limits, run};
 use eyebox::film::layer::Layer;
 use eyebox::film::plan::{Estimator, Verdict};
-use eyebox::import::{Assembly, build};
+use eyebox::import::{Assembly, build, photometric};
 use eyebox::plan::{Choice, plan};
-use eyebox::scene::assembly::{Camera, LightForm, LightSource, Node};
+use eyebox::scene::assembly::{Camera, LightForm, LightProfile, LightSource, Node, ProfileSource};
 use eyebox::scene::*;
 use eyebox::world::World;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
 
 const BACKWARD: Choice = Choice::Only(Estimator::Backward);
 const FORWARD: Choice = Choice::Only(Estimator::Forward);
@@ -165,7 +167,7 @@ fn without_light_the_picture_is_black() {
         assert!(plan.notes.iter().any(|note| note.contains(said)), "{:?}", plan.notes);
         // No limit is needed where nothing changes.
         let outcome = run(&world, &plan, s.groups.len(), [2, 2], 1, &Limits::default(), &mut Nobody);
-        let frame = picture(s, &outcome).expect("a picture").frame;
+        let frame = picture(s, &plan, &outcome).expect("a picture").frame;
         assert_eq!((frame.width, frame.height), (2, 2));
         assert!(frame.channels.iter().any(|channel| channel.name == "hybrid.R"));
         assert!(frame.channels.iter().all(|channel| channel.data == [0.0; 4]), "{:?}", frame.channels);
@@ -207,18 +209,143 @@ fn photons_come_off_a_mirror() {
     }
 }
 
+fn oracle(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/07_ies/good").join(name)
+}
+
+fn profile(name: &str) -> LuminousProfile {
+    photometric::profile(&oracle(name), &Where::Nowhere, &mut Vec::new()).expect("a good file")
+}
+
+/// E = I(C, γ) cos θ/d² with the probes of the oracle: the lamp is turned so that the screen's middle lies at (C, γ).
+#[test]
+fn measured_points_light_a_screen() {
+    let distance = 0.4;
+    for name in ["full_0_360_irregular.ies", "isym3.ldt", "bilateral_0_180.ies"] {
+        for (c, gamma) in [(0.0f64, 0.0f64), (45.0, 22.5), (200.0, 45.0), (330.0, 60.0), (100.0, 37.0)] {
+            let mut s = screen(0.0);
+            s.profiles.push(profile(name));
+            let ((sin_c, cos_c), (sin, cos)) = (c.to_radians().sin_cos(), gamma.to_radians().sin_cos());
+            // The lamp's direction (C, γ) in its own frame, turned onto −z; then as far as it goes into any axes.
+            let own = DVec3::new(sin * cos_c, sin * sin_c, -cos);
+            let axes = DMat3::from_quat(glam::DQuat::from_rotation_arc(own, -at(30.0)));
+            let form = BeaconForm::Profile { position: at(30.0) * distance, axes, profile: ProfileId(0), factor: 2.5 };
+            light(&mut s, form);
+            let intensity = 2.5 * s.profiles[0].value(c.to_radians(), gamma.to_radians());
+            let want = RHO * intensity * 30f64.to_radians().cos() / (distance * distance) / PI;
+            let (got, _) = luminance(&s, BACKWARD, 4);
+            // The pixel is 1e-5 rad wide, and the intensity not constant over it.
+            assert!((got - want).abs() <= 1e-4 * want, "{name} at ({c}, {gamma}): {got}, want {want}");
+        }
+    }
+}
+
+/// A small square that emits by a profile lights the screen as the profile says, from the lamp's side and, for one that
+/// is the same all round, from the eye's.
+#[test]
+fn measured_faces_light_a_screen() {
+    let (side, height) = (0.004, 0.5);
+    for (name, photometry, choice) in [
+        ("axial_2002.ies", Photometry::AsMeasured, BACKWARD),
+        ("axial_2002.ies", Photometry::FluxLm(10.0), BACKWARD),
+        ("axial_2002.ies", Photometry::AsMeasured, FORWARD),
+        ("full_0_360_irregular.ies", Photometry::AsMeasured, FORWARD),
+    ] {
+        let mut s = screen(if choice == FORWARD { 0.1 } else { 0.0 });
+        s.eye.position = DVec3::Z * 0.5 + DVec3::X * 0.1;
+        s.eye.look = -s.eye.position.normalize();
+        s.eye.up = DVec3::Y;
+        s.eye.focus_distance_m = s.eye.position.length();
+        s.eye.fov_deg = 6.0;
+        s.profiles.push(profile(name));
+        let mut lamp = face(Finish::Absorber);
+        let group = add_group(&mut s, "light");
+        let angular = Angular::Profile { profile: ProfileId(0), c0: DVec3::X };
+        lamp.emitter = Some(Emitter { group, photometry, angular, spectrum: None, polarisation: None });
+        // Faces down: u × v = −z.
+        let down = quad(DVec3::ZERO, DVec3::Y * side / 2.0, DVec3::X * side / 2.0);
+        let place = DVec3::new(-0.15, 0.05, height);
+        add_part(&mut s, "lamp", mesh(&[down]), place, None, vec![lamp]);
+        let whole = s.profiles[0].front().flux_lm();
+        let scale = if let Photometry::FluxLm(flux) = photometry { flux / whole } else { 1.0 };
+        let (got, sigma) = luminance(&s, choice, if choice == FORWARD { 60 } else { 400 });
+        // The mean of E over what is seen: a grid of the view's square, which the eye looks at askew.
+        let half = (s.eye.fov_deg / 2.0).to_radians().tan();
+        let right = s.eye.look.cross(s.eye.up).normalize();
+        let up = right.cross(s.eye.look);
+        let (mut e, n) = (0.0, 40);
+        for k in 0..n * n {
+            let [x, y] = [k % n, k / n].map(|k| (2.0 * (f64::from(k) + 0.5) / f64::from(n) - 1.0) * half);
+            let dir = s.eye.look + right * x + up * y;
+            let point = s.eye.position - dir * (s.eye.position.z / dir.z);
+            let away = point - place;
+            let cos = -away.normalize().z;
+            // C0 along +x of the world, C90 along x × n with n = −z: +y.
+            let intensity = scale * s.profiles[0].along(away.normalize());
+            e += intensity * cos / away.length_squared() / f64::from(n * n);
+        }
+        let want = RHO * e / PI;
+        println!("{name} {photometry:?}: {got} ± {sigma}, want {want}");
+        assert!(
+            sigma < 0.02 * want && (got - want).abs() < 4.0 * sigma + 2e-3 * want,
+            "{name}: {got} ± {sigma}, want {want}"
+        );
+    }
+}
+
+/// A profile on a light of the asset: its candela times the factor; with `normalize` the light keeps its flux.
+#[test]
+fn profiles_of_an_assets_lights() {
+    let own = |file: &str| LightProfile::of(ProfileSource::File(oracle(file)), 3.0);
+    let mut source = asset(vec![
+        ("a", LightForm::Point { intensity_cd: 3.0, cone: None }),
+        ("b", LightForm::Point { intensity_cd: 3.0, cone: None }),
+        ("c", LightForm::Disk { luminance_cd_m2: 3.0, radius: 2.0 }),
+        ("d", LightForm::Rect { luminance_cd_m2: 3.0, width: 4.0, height: 3.0 }),
+        ("e", LightForm::Sphere { luminance_cd_m2: 3.0, radius: 2.0 }),
+    ]);
+    for light in &mut source.lights {
+        light.profile = Some(own("bilateral_0_180.ies"));
+    }
+    for index in [1, 3] {
+        let profile = source.lights[index].profile.as_mut().expect("set above");
+        profile.normalize = true;
+    }
+    let scene = build(source, None, &[]).expect("it is sound").scene;
+    let world = World::freeze(&scene).expect("it can be traced");
+    let measured = profile("bilateral_0_180.ies");
+    let near = |got: f64, want: f64| assert!((got / want - 1.0).abs() < 1e-9, "{got} {want}");
+    let lights: Vec<f64> = world.lights.all().iter().map(|light| light.flux_lm()).collect();
+    let lamps: Vec<f64> = world.lamps.all().iter().map(|lamp| lamp.flux_lm).collect();
+    near(lights[0], 3.0 * measured.flux_lm());
+    near(lights[1], 3.0 * 4.0 * PI);
+    near(lights[2], 3.0 * measured.flux_lm());
+    near(lamps[0], 3.0 * measured.front().flux_lm());
+    near(lamps[1], 3.0 * PI * 12e-4);
+    assert_eq!((lights.len(), lamps.len()), (3, 2));
+    assert!(scene.notes.iter().any(|note| note.text.contains("becomes a point")));
+    assert!(scene.notes.iter().any(|note| note.text.contains("go backwards")));
+    let BeaconForm::Profile { axes, .. } = scene.lights[0].form else { panic!("{:?}", scene.lights[0]) };
+    assert_eq!(axes, DMat3::IDENTITY, "(0, 0) is −z, C0 +x");
+}
+
 /// Every lumen that lamps without faces emit is found again; the flux of each is its closed form.
 #[test]
 fn the_ledger_closes_with_lights() {
     let cone = SpotCone { axis: DVec3::NEG_Z, inner_rad: 0.3, outer_rad: 0.7 };
     let (ci, co) = (0.3f64.cos(), 0.7f64.cos());
     let point = |spot| BeaconForm::Point { position: DVec3::Z * 0.2, intensity_cd: 7.0, spot };
+    let measured =
+        BeaconForm::Profile { position: DVec3::Z * 0.2, axes: DMat3::IDENTITY, profile: ProfileId(0), factor: 1.0 };
     for (form, flux) in [
         (point(None), Some(7.0 * 4.0 * PI)),
         (point(Some(cone)), Some(7.0 * 2.0 * PI * (1.0 - ci + (ci - co) / 3.0))),
         (BeaconForm::Distant { dir: -at(30.0), illuminance_lx: 50.0, angle_rad: 0.1 }, None),
+        // The oracle's flux of the file, to the seven digits that it has.
+        (measured, Some(2527.33543)),
     ] {
         let mut s = screen(0.1);
+        s.profiles.push(profile("full_0_360_irregular.ies"));
         let mut ball = face(Finish::Polished);
         ball.shape = ball_shape(0.05);
         add_part(&mut s, "ball", sphere_mesh(0.05, 24, 48), DVec3::Z * 0.1, Some(1.5), vec![ball]);
@@ -230,7 +357,7 @@ fn the_ledger_closes_with_lights() {
         assert!(ledger.vertex_error <= 1e-12 && ledger.absorbed[0] > 0.0);
         let world = World::freeze(&s).expect("it can be traced");
         if let Some(flux) = flux {
-            assert!((world.lights.all()[0].flux_lm() / flux - 1.0).abs() < 1e-12, "{form:?}");
+            assert!((world.lights.all()[0].flux_lm() / flux - 1.0).abs() < 1e-9, "{form:?}");
         }
         // Guided paths carry that flux in the mean.
         let per_pass = ledger.emitted / 8.0 / world.lights.all()[0].flux_lm();

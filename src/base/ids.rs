@@ -26,3 +26,5 @@ id!(/// A slide: a thin transmissive picture.
     SlideId);
 id!(/// A light group: the unit in which light is stored separately. The sky is a group too.
     GroupId);
+id!(/// A measured intensity distribution.
+    ProfileId);

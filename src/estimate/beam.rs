@@ -109,16 +109,27 @@ impl<M: Mode> Beam<M> {
         }
     }
 
-    /// Crosses a slide along `dir` where its picture has the values `s` per lane. `from_eye`: the path started at the eye.
-    pub fn cross(&mut self, slide: &SlideMap, s: &M::Lanes<f64>, across: Option<DVec3>, dir: DVec3, from_eye: bool) {
+    /// Light along `dir` that a lamp has polarised along `axis` to this degree; `from_eye`: the lamp is what a path from
+    /// the eye ends at.
+    #[must_use]
+    pub fn polarised(mut self, (to, degree): (DVec3, f64), dir: DVec3, from_eye: bool) -> Self {
         if M::Amount::POLARISED {
-            let degree = slide.polarisation_degree();
-            let axis = across.map_or(self.axis, |to| M::Amount::axis_along(self.axis, dir, to));
-            let old = *self;
+            let axis = M::Amount::axis_along(self.axis, dir, to);
+            let old = self;
             self.amounts = lanes::<M, _>(|lane| {
                 old.amounts[lane].turned(old.axis, axis, dir).polarised_by_slide(degree, from_eye)
             });
             self.axis = axis;
+        }
+        self
+    }
+
+    /// Crosses a slide along `dir` where its picture has the values `s` per lane. `from_eye`: the path started at the eye.
+    pub fn cross(&mut self, slide: &SlideMap, s: &M::Lanes<f64>, across: Option<DVec3>, dir: DVec3, from_eye: bool) {
+        if M::Amount::POLARISED {
+            // A slide's polarisers are part of its transmittance: what comes in counts by its power.
+            let to = across.unwrap_or_else(|| dir.any_orthonormal_vector());
+            *self = self.polarised((to, slide.polarisation_degree()), dir, from_eye);
         }
         let dark = 1.0 / slide.contrast();
         for lane in 0..M::LANES {

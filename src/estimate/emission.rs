@@ -148,8 +148,14 @@ impl Emission {
                 (ray, world.light_interiors[index].clone(), from, optics.light(index))
             }
         };
+        let dir = ray.dir;
         let weights = lanes::<M, _>(|lane| flux_lm * tint[lane]);
-        let walker = Walker::with_weights((world, optics), Travel::FromLamp, ray, weights, interior, rng);
+        let mut walker = Walker::with_weights((world, optics), Travel::FromLamp, ray, weights, interior, rng);
+        if let Source::Face(index) = self.sources[drawn.lamp]
+            && let Some(light) = world.lamps.all()[index].polarisation
+        {
+            walker.beam = walker.beam.polarised(light, dir, false);
+        }
         Some(Started { walker, origin, lamp: drawn.lamp, uv: drawn.uv })
     }
 

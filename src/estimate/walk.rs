@@ -199,7 +199,12 @@ impl<'w, M: Mode> Walker<'w, M> {
     /// Adds the light of a lamp that the path has met, `factor` times.
     pub fn see(&self, out: &mut [Light], seen: &Shining<'_>, factor: f64) {
         let tint = self.optics.lamp(seen.index);
-        self.pick_up(out, &lanes::<M, _>(|lane| seen.luminance * factor * tint[lane]));
+        let index = self.index_here();
+        let amounts = lanes::<M, _>(|lane| seen.luminance * factor * tint[lane] / (index[lane] * index[lane]));
+        match seen.lamp.polarisation {
+            None => self.beam.deposit(self.optics, out, &amounts),
+            Some(light) => self.beam.polarised(light, self.ray.dir, true).deposit(self.optics, out, &amounts),
+        }
     }
 
     /// [`Walker::pick_up`] in a medium of this index.

@@ -13,11 +13,11 @@ use super::sheet::Sheet;
 use super::slots::{PartBound, Rank, Slot, Slots};
 use super::value::{Data, Value};
 use crate::base::fault::Result;
-use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId};
+use crate::base::ids::{CoatingId, MediumId, MeshId};
 use crate::base::{Fault, Where};
 use crate::scene::{
-    Absorption, Coating, Emitter, Face, Finish, Group, Medium, Note, Part, Scene, Severity, Shape, Slide, Spectrum,
-    Wavelengths, glass,
+    Absorption, Coating, Face, Finish, Group, LuminousProfile, Medium, Note, Part, Scene, Severity, Shape, Slide,
+    Spectrum, Wavelengths, glass,
 };
 use glam::DAffine3;
 use std::collections::HashMap;
@@ -76,6 +76,8 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         coatings: Vec::new(),
         slides: Vec::new(),
         groups: Vec::new(),
+        profiles: Vec::new(),
+        measured: HashMap::new(),
         pictures: HashMap::new(),
         files: assembly.dependencies.clone(),
         notes,
@@ -86,13 +88,18 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         Some(value) => Some(builder.sky(value)?),
         None => None,
     };
+    let sun = match &sheet.sun {
+        Some(value) => Some(builder.sun(value)?),
+        None => None,
+    };
     let mut made = builder.lights(sky.as_ref().map(|sky| sky.group))?;
+    made.lights.extend(sun);
     let sky = sky.or(made.dome.take());
     let mut scene_parts: Vec<Part> = scene_parts;
     scene_parts.append(&mut made.parts);
     let eye = place::eye(&assembly, sheet.eye.as_ref(), unit_m, &mut builder.notes)?
         .ok_or_else(|| no_eye(sidecar, &assembly.file))?;
-    let Builder { media, coatings, slides, groups, files, mut notes, .. } = builder;
+    let Builder { media, coatings, slides, groups, profiles, files, mut notes, .. } = builder;
     let hash = hash(&files, sets)?;
     let mut all = assembly.notes;
     all.append(&mut notes);
@@ -115,6 +122,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         coatings,
         slides,
         groups,
+        profiles,
         lights: made.lights,
         sky,
         eye,
@@ -184,6 +192,9 @@ pub(super) struct Builder<'a> {
     pub(super) coatings: Vec<Coating>,
     pub(super) slides: Vec<Slide>,
     pub(super) groups: Vec<Group>,
+    pub(super) profiles: Vec<LuminousProfile>,
+    /// Profiles as their files say, by file.
+    pub(super) measured: HashMap<PathBuf, LuminousProfile>,
     /// Pictures of slides by file.
     pub(super) pictures: HashMap<PathBuf, Known>,
     pub(super) files: Vec<PathBuf>,
@@ -299,13 +310,11 @@ impl Builder<'_> {
             Some(won) if won.entry.value.text() == Some("none") => None,
             Some(won) => {
                 let spec = optics::emitter(self.sheet.emitters.follow(&won.entry.value)?, &mut self.notes)?;
-                let group = GroupId::from_index(intern(&mut self.groups, Group { name: spec.group }));
-                let spectrum = spec.spectrum.map(|spectrum| self.spectrum(spectrum)).transpose()?;
-                if spectrum.is_none() && self.coloured() {
+                if spec.spectrum.is_none() && self.coloured() {
                     let (at, text) = (won.entry.value.at.clone(), "`spectrum` of emitter is not said: D65".to_owned());
                     self.notes.push(Note { severity: Severity::Info, at, text });
                 }
-                Some(Emitter { group, photometry: spec.photometry, angular: spec.angular, spectrum })
+                Some(self.emitter(part, number, spec)?)
             }
             None => None,
         };

@@ -1,7 +1,7 @@
 //! Every file that an asset needs, without reading more of it than the names: a missing one is listed, too.
 
 use super::value::{Data, Value};
-use super::{Assembly, extension, files, gltf, toml};
+use super::{Assembly, extension, files, gltf, photometric, toml};
 use crate::base::Where;
 use crate::base::fault::Result;
 use crate::scene::assembly::LightForm;
@@ -97,13 +97,21 @@ fn carried(assembly: &Assembly, all: &mut Vec<Dependency>) {
         named(value, all);
     }
     for light in &assembly.lights {
-        if let Some(profile) = &light.profile {
-            all.push(Dependency::new(profile.clone(), "light profile", light.at.clone()));
+        if let Some(profile) = light.profile.as_ref().and_then(|profile| profile.source.file()) {
+            self::profile(profile.clone(), "light profile", light.at.clone(), all);
         }
         if let LightForm::Dome { image: Some(image), .. } = &light.form {
             all.push(Dependency::new(image.clone(), "image", light.at.clone()));
         }
     }
+}
+
+/// A file, and the TILT file that it names if it is a photometric one.
+pub(super) fn profile(file: PathBuf, role: &str, at: Where, all: &mut Vec<Dependency>) {
+    let tilt = if extension(&file) == "ies" { photometric::tilt_file(&file) } else { None };
+    let named = Where::file(&file);
+    all.push(Dependency::new(file, role, at));
+    all.extend(tilt.map(|tilt| Dependency::new(tilt, "tilt of a light profile", named)));
 }
 
 /// Files that attributes name: the entries whose row in the vocabulary is a file, as a text or as `{ uri = … }`.
@@ -116,7 +124,7 @@ pub(super) fn named(value: &Value, all: &mut Vec<Dependency>) {
                 let is_file = ROWS.iter().any(|row| row.name == key && row.form == Form::File) && key != "asset";
                 let name = inner.text().or_else(|| inner.get("uri").and_then(Value::text));
                 match name.filter(|_| is_file) {
-                    Some(name) => all.push(Dependency::new(files::resolve(name, &inner.at), key, inner.at.clone())),
+                    Some(name) => profile(files::resolve(name, &inner.at), key, inner.at.clone(), all),
                     None => named(inner, all),
                 }
             }

@@ -6,14 +6,14 @@ use super::optics::{self, group_name};
 use super::picture::Picture;
 use super::pictures::finite;
 use super::value::Value;
-use super::{files, picture, place};
+use super::{files, photometric, picture, place};
 use crate::base::fault::Result;
 use crate::base::ids::{GroupId, MeshId};
 use crate::base::{Fault, Where};
-use crate::scene::assembly::{LightForm, LightSource};
+use crate::scene::assembly::{LightForm, LightProfile, LightSource, ProfileSource};
 use crate::scene::{
-    Angular, Beacon, BeaconForm, Emitter, Face, FaceRange, Finish, Group, Mesh, Note, Part, Photometry, Severity,
-    Shape, Sky, Spectrum, SpotCone,
+    Angular, Beacon, BeaconForm, Emitter, Face, FaceRange, Finish, Group, LuminousProfile, Mesh, Note, Part,
+    Photometry, Severity, Shape, Sky, Spectrum, SpotCone,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -45,9 +45,6 @@ impl Builder<'_> {
         let mut made = Made::default();
         let assembly = self.assembly;
         for light in &assembly.lights {
-            if light.profile.is_some() {
-                self.warn(light, "its intensity distribution is not used by this version: it shines evenly");
-            }
             let to_asset = assembly.nodes.get(light.node).map_or(DAffine3::IDENTITY, |node| node.to_world);
             let to_world = place::in_metres(&to_asset, self.unit_m, &assembly.axes);
             let axis = || {
@@ -57,6 +54,12 @@ impl Builder<'_> {
                 })
             };
             let form = match light.form {
+                LightForm::Point { intensity_cd, cone } if light.profile.is_some() => {
+                    if cone.is_some() {
+                        self.warn(light, "its cone is not used beside a measured distribution");
+                    }
+                    self.web(light, 4.0 * PI * intensity_cd, &to_asset)?
+                }
                 LightForm::Point { intensity_cd, cone } => {
                     let spot = match cone {
                         Some((inner_rad, outer_rad)) => Some(SpotCone { axis: axis()?, inner_rad, outer_rad }),
@@ -65,6 +68,9 @@ impl Builder<'_> {
                     BeaconForm::Point { position: to_world.translation, intensity_cd, spot }
                 }
                 LightForm::Distant { illuminance_lx, angle } => {
+                    if light.profile.is_some() {
+                        self.warn(light, "a distant light has no intensity: its measured distribution is not used");
+                    }
                     BeaconForm::Distant { dir: axis()?, illuminance_lx, angle_rad: angle }
                 }
                 LightForm::Dome { scale_cd_m2, ref image } => {
@@ -82,6 +88,14 @@ impl Builder<'_> {
                 LightForm::Disk { luminance_cd_m2, radius } => {
                     self.shine(light, luminance_cd_m2, disk(radius), to_world, sky, &mut made)?;
                     continue;
+                }
+                LightForm::Sphere { luminance_cd_m2, radius } if light.profile.is_some() => {
+                    self.warn(light, "a sphere with a measured distribution becomes a point");
+                    self.web(light, PI * luminance_cd_m2 * area(&sphere(radius), &to_world), &to_asset)?
+                }
+                LightForm::Cylinder { luminance_cd_m2, radius, length } if light.profile.is_some() => {
+                    self.warn(light, "a cylinder with a measured distribution becomes a point");
+                    self.web(light, PI * luminance_cd_m2 * area(&cylinder(radius, length), &to_world), &to_asset)?
                 }
                 LightForm::Sphere { luminance_cd_m2, radius } => {
                     self.shine(light, luminance_cd_m2, sphere(radius), to_world, sky, &mut made)?;
@@ -158,8 +172,17 @@ impl Builder<'_> {
         made: &mut Made,
     ) -> Result<()> {
         let group = self.light_group(light, sky)?;
-        let photometry = Photometry::LuminanceCdM2(luminance);
-        let emitter = Emitter { group, photometry, angular: Angular::Lambert, spectrum: self.light_spectrum(light)? };
+        let (photometry, angular) = match &light.profile {
+            None => (Photometry::LuminanceCdM2(luminance), Angular::Lambert),
+            Some(own) => {
+                let profile = self.light_profile(light, own)?;
+                self.behind(&profile, &light.at)?;
+                let flux = own.normalize.then(|| PI * luminance * area(&mesh, &to_world));
+                let photometry = flux.map_or(Photometry::AsMeasured, Photometry::FluxLm);
+                (photometry, Angular::Profile { profile: self.profile(profile), c0: DVec3::X })
+            }
+        };
+        let emitter = Emitter { group, photometry, angular, spectrum: self.light_spectrum(light)?, polarisation: None };
         let face =
             Face { finish: Finish::Absorber, coating: None, shape: Shape::Mesh, emitter: Some(emitter), slide: None };
         let node = self.assembly.nodes.get(light.node).map_or("", |node| node.path.as_str());
@@ -174,6 +197,52 @@ impl Builder<'_> {
         });
         made.meshes.push(Mesh { name: light.name.clone(), ..mesh });
         Ok(())
+    }
+
+    /// The profile of a light, scaled as the light says.
+    fn light_profile(&mut self, light: &LightSource, own: &LightProfile) -> Result<LuminousProfile> {
+        let measured = match &own.source {
+            ProfileSource::File(file) => self.measured(file, &light.at)?,
+            ProfileSource::Embedded(bytes) => {
+                let name = Path::new("the light profile in the asset");
+                let alone = |_: &Path, at: &Where| Err(Fault::new(at.clone(), "an embedded profile names a file"));
+                photometric::parse(name, bytes, &alone, &mut self.notes)?
+            }
+        };
+        let scaled = measured.angle_scaled(own.angle_scale).ok_or_else(|| {
+            let what = format!(
+                "light {}: nothing of its profile is left at an angle scale of {}",
+                light.name, own.angle_scale
+            );
+            Fault::new(light.at.clone(), what).expected("a scale that keeps some light")
+        })?;
+        if own.normalize {
+            return Ok(scaled);
+        }
+        if own.factor == 0.0 {
+            return Err(Fault::new(light.at.clone(), format!("light {} has a profile and no light", light.name))
+                .expected("an intensity above 0"));
+        }
+        let scaled = scaled.times(own.factor);
+        let flux = scaled.flux_lm();
+        if flux > 0.0 && flux.is_finite() {
+            Ok(scaled)
+        } else {
+            Err(Fault::new(light.at.clone(), format!("light {} with its profile has {flux} lm", light.name))
+                .expected("a finite flux"))
+        }
+    }
+
+    /// A point with a profile; `flux_lm`: of the light without it, which stays where the profile only shapes.
+    fn web(&mut self, light: &LightSource, flux_lm: f64, to_asset: &DAffine3) -> Result<BeaconForm> {
+        let Some(own) = &light.profile else {
+            return Err(Fault::new(light.at.clone(), "a light without a profile"));
+        };
+        let profile = self.light_profile(light, own)?;
+        let factor = if own.normalize { flux_lm / profile.flux_lm() } else { 1.0 };
+        let position = place::in_metres(to_asset, self.unit_m, &self.assembly.axes).translation;
+        let axes = self.assembly.axes * rotation(&to_asset.matrix3, &light.at)?;
+        Ok(BeaconForm::Profile { position, axes, profile: self.profile(profile), factor })
     }
 
     /// A uniform sky, or a panorama in the axes of the dome's node.
@@ -204,11 +273,21 @@ impl Builder<'_> {
 
 /// The rotation in a node's axes; scale is taken off.
 fn rotation(axes: &DMat3, at: &Where) -> Result<DMat3> {
-    let bad = || Fault::new(at.clone(), "the dome's axes are not a rotation").expected("a node that is not mirrored");
+    let bad = || Fault::new(at.clone(), "the light's axes are not a rotation").expected("a node that is not mirrored");
     let x = axes.x_axis.try_normalize().ok_or_else(bad)?;
     let y = (axes.y_axis - x * axes.y_axis.dot(x)).try_normalize().ok_or_else(bad)?;
     let turned = DMat3::from_cols(x, y, x.cross(y));
     if turned.z_axis.dot(axes.z_axis) > 0.0 { Ok(turned) } else { Err(bad()) }
+}
+
+/// World area of a mesh, m².
+fn area(mesh: &Mesh, to_world: &DAffine3) -> f64 {
+    let corner = |index: u32| {
+        let at = mesh.positions.get(index as usize).copied().unwrap_or_default();
+        to_world.transform_point3(DVec3::from_array(at.map(f64::from)))
+    };
+    let one = |[a, b, c]: &[u32; 3]| (corner(*b) - corner(*a)).cross(corner(*c) - corner(*a)).length() / 2.0;
+    mesh.triangles.iter().map(one).sum()
 }
 
 /// A name that layers can carry.

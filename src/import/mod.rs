@@ -11,6 +11,7 @@ mod files;
 pub mod fit; // exact surfaces from the points of a CAD face
 pub mod gltf; // .gltf and .glb
 pub mod json; // attributes that travel inside JSON
+mod lamps; // emitters of faces, the sun
 mod lights; // lights that are no geometry in the format
 mod mapped; // what a format's own material fields mean
 mod measure; // normals and bounds of CAD faces
@@ -18,6 +19,7 @@ pub mod normals; // vertex normals that contradict their triangles
 pub mod optics; // readers of the attribute vocabulary
 mod outline; // the geometry alone
 mod patch; // changing a value in place
+pub mod photometric; // IES LM-63 and EULUMDAT
 mod picture; // PNG, EXR, HDR → luminance
 mod pictures; // slides and the sky
 mod place; // frames, the eye, fitted shapes

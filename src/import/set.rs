@@ -1,4 +1,4 @@
-//! `--set TARGET.attribute=VALUE`: the strongest binding. Targets are `eye`, `sky`, `default`, `unit`, `wavelengths`,
+//! `--set TARGET.attribute=VALUE`: the strongest binding. Targets are `eye`, `sky`, `sun`, `default`, `unit`, `wavelengths`,
 //! `coating.NAME`, `medium.NAME`, a light group, or parts by name, path or pattern (`LENS_01.faces[0].shape.radius=50`).
 
 use super::bind::{BINDABLE, said};
@@ -23,7 +23,7 @@ pub struct Set {
     value: Value,
 }
 
-const TOP: [&str; 7] = ["eye", "sky", "default", "unit", "wavelengths", "coating", "medium"];
+const TOP: [&str; 8] = ["eye", "sky", "sun", "default", "unit", "wavelengths", "coating", "medium"];
 
 impl Set {
     /// Parses `TARGET.attribute=VALUE`; VALUE is a TOML value or a bare text.
@@ -72,6 +72,7 @@ impl Set {
                 let place = match top {
                     "eye" => &mut sheet.eye,
                     "sky" => &mut sheet.sky,
+                    "sun" => &mut sheet.sun,
                     "default" => &mut sheet.default,
                     "unit" => &mut sheet.unit,
                     _ => &mut sheet.wavelengths,
@@ -81,7 +82,7 @@ impl Set {
                 (place.get_or_insert_with(empty), steps)
             }
         };
-        if steps.is_empty() && matches!(top, "eye" | "sky" | "default") {
+        if steps.is_empty() && matches!(top, "eye" | "sky" | "sun" | "default") {
             return Err(Fault::new(self.at().clone(), format!("`{top}` is no attribute"))
                 .expected(format!("{top}.attribute=VALUE")));
         }
@@ -136,7 +137,7 @@ impl Set {
         };
         let what = if self.left.contains('.') { "is neither a part nor a light group" } else { "names no attribute" };
         Err(Fault::new(self.at().clone(), format!("`{target}` {what}"))
-            .expected("TARGET.attribute=VALUE with a part, a light group, eye, sky, default, unit, wavelengths, coating.NAME or medium.NAME")
+            .expected("TARGET.attribute=VALUE with a part, a light group, eye, sky, sun, default, unit, wavelengths, coating.NAME or medium.NAME")
             .nearest(target, names()))
     }
 
@@ -197,7 +198,11 @@ impl Set {
                 .expected("TARGET.attribute=VALUE or TARGET.faces[N].attribute=VALUE"));
         };
         // `LED.flux_lm` is short for `LED.emitter.flux_lm`, `LCD.contrast` for `LCD.slide.contrast`.
-        let short = [(EMITTER, Slot::Emitter), (SLIDE, Slot::Slide)];
+        // What both have is the slide's, as it was before emitters had it.
+        let mut short = [(&EMITTER[..], Slot::Emitter), (&SLIDE[..], Slot::Slide)];
+        if matches!(key.as_str(), "u" | "polarisation") {
+            short.reverse();
+        }
         let short = short.into_iter().find(|(names, _)| names.contains(&key.as_str()));
         let (slot, inner) = match (Slot::of(key), short) {
             (Some(slot), _) => (slot, &steps[1..]),

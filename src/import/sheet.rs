@@ -20,6 +20,7 @@ pub struct Sheet {
     /// `[[bind]]`, in order.
     pub binds: Vec<Value>,
     pub sky: Option<Value>,
+    pub sun: Option<Value>,
     pub eye: Option<Value>,
 }
 
@@ -33,8 +34,10 @@ pub struct Library {
     pub indexed: Vec<Value>,
 }
 
-const SIDECAR: [&str; 9] = ["schema", "asset", "unit", "wavelengths", "default", "coating", "medium", "bind", "sky"];
-const ROOT: [&str; 9] = ["version", "unit", "wavelengths", "default", "media", "coatings", "emitters", "slides", "sky"];
+const SIDECAR: [&str; 10] =
+    ["schema", "asset", "unit", "wavelengths", "default", "coating", "medium", "bind", "sky", "sun"];
+const ROOT: [&str; 10] =
+    ["version", "unit", "wavelengths", "default", "media", "coatings", "emitters", "slides", "sky", "sun"];
 
 impl Sheet {
     /// Faults: unknown keys, wrong versions, tables that are none.
@@ -88,6 +91,7 @@ impl Sheet {
                 None => Vec::new(),
             },
             sky: merged("sky")?,
+            sun: merged("sun")?,
             eye: merged("eye")?,
         })
     }

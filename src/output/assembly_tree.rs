@@ -1,6 +1,7 @@
 //! An assembly as `inspect` reports it: what each part is optically, where it is, what shines, and what was noted.
 
 mod face;
+mod lamp;
 mod parts;
 mod text;
 mod words;
@@ -9,6 +10,7 @@ mod words;
 mod tests;
 
 pub use face::{EmitterReport, FaceReport, SlideReport};
+pub use lamp::LampReport;
 pub use parts::{Bounds, MediumReport, PartReport};
 
 use crate::base::Fault;
@@ -38,18 +40,44 @@ pub struct AssemblyTree {
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct OpticsReport {
     pub groups: Vec<GroupReport>,
+    /// Every lamp: faces in the order of their parts, then lights, then the sky.
+    pub lamps: Vec<LampReport>,
     pub sky: Option<SkyReport>,
     pub eye: Eye,
 }
 
-/// The emitting faces of one light group.
+/// The emitting faces and the lights of one light group.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct GroupReport {
     pub name: String,
     pub faces: usize,
+    /// Lamps that are no faces.
+    pub lights: usize,
+    /// Of the faces and of points; a distant lamp's depends on what it shines on.
     pub flux_lm: f64,
+    /// The greatest intensity of a face or a point.
+    pub peak_cd: Option<f64>,
+    /// Across the light of its distant lamps together.
+    pub illuminance_lx: Option<f64>,
     /// Least and greatest luminance along the normal, cd/m².
     pub luminance_cd_m2: Option<[f64; 2]>,
+    /// Least and greatest half angle at half of the peak.
+    pub half_angle_deg: Option<[f64; 2]>,
+}
+
+impl GroupReport {
+    fn add(&mut self, lamp: &LampReport) {
+        self.flux_lm += lamp.flux_lm.unwrap_or(0.0);
+        self.peak_cd = self.peak_cd.into_iter().chain(lamp.peak_cd).reduce(f64::max);
+        self.illuminance_lx = self.illuminance_lx.into_iter().chain(lamp.illuminance_lx).reduce(|a, b| a + b);
+        for (range, value) in
+            [(&mut self.luminance_cd_m2, lamp.luminance_cd_m2), (&mut self.half_angle_deg, lamp.half_angle_deg)]
+        {
+            let Some(value) = value else { continue };
+            let [least, greatest] = range.unwrap_or([value, value]);
+            *range = Some([least.min(value), greatest.max(value)]);
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -72,25 +100,54 @@ impl AssemblyTree {
             report.faces = face::faces(scene, part);
         }
         let mut groups: Vec<GroupReport> = (scene.groups.iter())
-            .map(|group| GroupReport { name: group.name.clone(), faces: 0, flux_lm: 0.0, luminance_cd_m2: None })
+            .map(|group| GroupReport {
+                name: group.name.clone(),
+                faces: 0,
+                lights: 0,
+                flux_lm: 0.0,
+                peak_cd: None,
+                illuminance_lx: None,
+                luminance_cd_m2: None,
+                half_angle_deg: None,
+            })
             .collect();
+        let mut lamps = Vec::new();
         for (report, part) in tree.parts.iter().zip(&scene.parts) {
             for (found, face) in report.faces.iter().zip(&part.faces) {
                 let (Some(emits), Some(emitter)) = (&found.emitter, &face.emitter) else { continue };
                 let Some(group) = groups.get_mut(emitter.group.index()) else { continue };
+                let lamp = lamp::of_face(&part.path, found.number, emits);
                 group.faces += 1;
-                group.flux_lm += emits.flux_lm;
-                let l = emits.luminance_cd_m2;
-                let [least, greatest] = group.luminance_cd_m2.unwrap_or([l, l]);
-                group.luminance_cd_m2 = Some([least.min(l), greatest.max(l)]);
+                group.add(&lamp);
+                lamps.push(lamp);
             }
+        }
+        for light in &scene.lights {
+            let lamp = lamp::of_light(scene, light);
+            if let Some(group) = groups.get_mut(light.group.index()) {
+                group.lights += 1;
+                group.add(&lamp);
+            }
+            lamps.push(lamp);
         }
         // The sky's group has no faces unless a lamp shares it.
         let sky_group = scene.sky.as_ref().map(|sky| sky.group.index());
         let mut index = 0..;
-        groups.retain(|group| index.next() != sky_group || group.faces > 0);
+        groups.retain(|group| index.next() != sky_group || group.faces + group.lights > 0);
         let sky = scene.sky.as_ref().map(|sky| self::sky(scene, sky));
-        tree.optics = Some(OpticsReport { groups, sky, eye: scene.eye.clone() });
+        if let Some(sky) = &sky {
+            lamps.push(LampReport {
+                group: sky.group.clone(),
+                name: sky.file.clone(),
+                kind: "sky",
+                flux_lm: None,
+                peak_cd: None,
+                luminance_cd_m2: Some(sky.greatest_cd_m2),
+                half_angle_deg: None,
+                illuminance_lx: None,
+            });
+        }
+        tree.optics = Some(OpticsReport { groups, lamps, sky, eye: scene.eye.clone() });
         tree
     }
 

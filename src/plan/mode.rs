@@ -94,6 +94,10 @@ fn polarised(scene: &Scene, world: &World, asked: Polarisation, stop: &ShouldSto
     if let Some(slide) = scene.slides.iter().find(|slide| slide.polarisation.is_some_and(|p| p.degree > 0.0)) {
         return (true, format!("the light that leaves slide {} is polarised", slide.name));
     }
+    if let Some(lamp) = world.lamps.all().iter().find(|lamp| lamp.polarisation.is_some_and(|(_, degree)| degree > 0.0))
+    {
+        return (true, format!("the light of {} is polarised", scene.parts[lamp.part].path));
+    }
     let sheet = |finish: &Finish| matches!(finish, Finish::Polariser { .. } | Finish::Retarder { .. });
     if let Some(part) = scene.parts.iter().find(|part| part.faces.iter().any(|face| sheet(&face.finish))) {
         return (true, format!("{} is there to act on it", part.path));

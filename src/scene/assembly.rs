@@ -6,6 +6,7 @@ use super::{Mesh, Note};
 use crate::base::Where;
 use glam::{DAffine3, DMat3};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// An asset as it was read. Lengths in the asset's own units, transforms in f64.
 #[derive(Debug, Clone)]
@@ -139,10 +140,45 @@ pub struct LightSource {
     pub color: [f64; 3],
     /// A colour temperature, K, that `color` is the colour of.
     pub kelvin: Option<f64>,
-    /// File of a luminous intensity distribution (.ies), if one shapes it.
-    pub profile: Option<PathBuf>,
+    /// The measured intensity distribution that shapes it, if any.
+    pub profile: Option<LightProfile>,
     pub attributes: Option<Value>,
     pub at: Where,
+}
+
+/// A measured distribution of a light: its direction (0, 0) is −z of the light, its plane C0 +x, C90 +y.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LightProfile {
+    pub source: ProfileSource,
+    /// Of the file's candela, unless `normalize`.
+    pub factor: f64,
+    /// The profile only shapes the light, whose flux stays what it is without.
+    pub normalize: bool,
+    /// Of γ: see [`LuminousProfile::angle_scaled`](super::LuminousProfile::angle_scaled); 0 for none.
+    pub angle_scale: f64,
+}
+
+impl LightProfile {
+    pub fn of(source: ProfileSource, factor: f64) -> Self {
+        LightProfile { source, factor, normalize: false, angle_scale: 0.0 }
+    }
+}
+
+/// Where a profile is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ProfileSource {
+    File(PathBuf),
+    /// In the asset.
+    Embedded(Arc<Vec<u8>>),
+}
+
+impl ProfileSource {
+    pub fn file(&self) -> Option<&PathBuf> {
+        match self {
+            ProfileSource::File(file) => Some(file),
+            ProfileSource::Embedded(_) => None,
+        }
+    }
 }
 
 /// The kinds of lights; they shine along −z where they have a direction.

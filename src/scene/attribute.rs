@@ -14,6 +14,7 @@ pub enum Noun {
     Emitter,
     Slide,
     Sky,
+    Sun,
     Eye,
     Asset,
 }
@@ -28,6 +29,7 @@ impl fmt::Display for Noun {
             Noun::Emitter => "emitter",
             Noun::Slide => "slide",
             Noun::Sky => "sky",
+            Noun::Sun => "sun",
             Noun::Eye => "eye",
             Noun::Asset => "asset",
         })

@@ -1,7 +1,7 @@
 //! Whatever emits: faces, lamps that are no faces, and the sky.
 
 use super::Spectrum;
-use crate::base::ids::GroupId;
+use crate::base::ids::{GroupId, ProfileId};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -15,6 +15,8 @@ pub enum Photometry {
     LuminanceCdM2(f64),
     /// Luminous intensity along the normal of the whole face, cd.
     IntensityCd(f64),
+    /// What the measured distribution says: its own candela, for the whole face.
+    AsMeasured,
 }
 
 /// How an emitter's intensity falls with the angle θ to its normal.
@@ -25,6 +27,23 @@ pub enum Angular {
     Lambert,
     /// I ∝ cosⁿ θ.
     CosN { n: f64 },
+    /// I ∝ exp(−4 ln 2 (θ/`fwhm_deg`)²) in front of the face.
+    Gauss { fwhm_deg: f64 },
+    /// Measured. The profile's direction (0, 0) is the normal.
+    Profile {
+        profile: ProfileId,
+        /// Direction of the plane C0 in the part's own axes, projected onto the face: not along its normal.
+        c0: DVec3,
+    },
+}
+
+/// Linear polarisation of the light that leaves.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct PolarisedLight {
+    /// Direction of the electric field in the part's own axes, projected onto the face.
+    pub axis: DVec3,
+    /// 0 unpolarised … 1 fully polarised.
+    pub degree: f64,
 }
 
 /// A face emits, one-sided, along its outward normal.
@@ -35,6 +54,8 @@ pub struct Emitter {
     pub angular: Angular,
     /// None if it isn't said: D65. It resolves ([`Spectrum::problem`] is none).
     pub spectrum: Option<Spectrum>,
+    /// None: unpolarised.
+    pub polarisation: Option<PolarisedLight>,
 }
 
 /// A lamp that is no face: a point, a spot or a distant lamp.
@@ -58,6 +79,16 @@ pub enum BeaconForm {
         /// Along the axis of a spot; the same everywhere without one.
         intensity_cd: f64,
         spot: Option<SpotCone>,
+    },
+    /// A point with a measured distribution.
+    Profile {
+        /// World, m.
+        position: DVec3,
+        /// Photometric frame → world: a rotation.
+        axes: DMat3,
+        profile: ProfileId,
+        /// Of the profile's candela.
+        factor: f64,
     },
     /// From infinity.
     Distant {

@@ -1,6 +1,7 @@
 //! Floor 1: the scene as plain data. Importers fill it through [`SceneBuilder`](crate::import); after that nobody can
 //! tell which format an assembly came from. Lengths of the world are metres; a mesh keeps the units of its file.
 
+pub mod angular; // how a face's light spreads
 pub mod annotation; // a sidecar as rows of the asset itself
 pub mod assembly; // what a format reader delivers
 pub mod attribute;
@@ -14,6 +15,7 @@ pub mod lamp;
 pub mod mesh;
 pub mod note;
 pub mod part;
+pub mod profile; // measured intensity distributions
 pub mod shape;
 pub mod slide;
 pub mod spectrum;
@@ -24,10 +26,11 @@ pub use dispersion::Dispersion;
 
 pub use eye::Eye;
 pub use finish::Finish;
-pub use lamp::{Angular, Beacon, BeaconForm, Emitter, Photometry, Sky, SpotCone};
+pub use lamp::{Angular, Beacon, BeaconForm, Emitter, Photometry, PolarisedLight, Sky, SpotCone};
 pub use mesh::{FaceRange, Mesh};
 pub use note::{Note, Severity};
 pub use part::{Absorption, Face, Medium, Part};
+pub use profile::LuminousProfile;
 pub use shape::Shape;
 pub use slide::{Polarisation, Slide};
 pub use spectrum::{Led, PowerDistribution, Spectrum};
@@ -78,6 +81,8 @@ pub struct Scene {
     pub coatings: Vec<Coating>,
     pub slides: Vec<Slide>,
     pub groups: Vec<Group>,
+    /// Measured intensity distributions that lamps refer to.
+    pub profiles: Vec<LuminousProfile>,
     /// Lamps that are no faces.
     pub lights: Vec<Beacon>,
     pub sky: Option<Sky>,

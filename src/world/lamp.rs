@@ -1,19 +1,20 @@
 //! Emitting faces: how bright they are, and points and directions sampled on them.
 
+use super::beam::Beam;
 use super::cdf::Cdf;
 use crate::base::fault::Result;
 use crate::base::ids::GroupId;
-use crate::base::warp::{self, Frame};
+use crate::base::warp;
 use crate::base::{Fault, Where};
+use crate::scene::angular::GaussBeam;
 use crate::scene::{Angular, Emitter, Part, Photometry, Scene};
 use glam::{DAffine3, DVec3};
-use std::f64::consts::PI;
 
 /// Share of [`Lamps::pick_for_point`]'s choices that go by flux alone, so that no lamp is ever starved.
 const DEFENSIVE: f64 = 0.1;
 
-/// One emitting face. Every element of its area emits dI = (I0/A) cosⁿθ dA about its own normal, so flux is exact on
-/// curved faces too, while I0 is the face's intensity only where it is flat.
+/// One emitting face. Every element of its area emits dI = I(direction) dA/A about its own normal, so flux is exact on
+/// curved faces too, while I is the face's intensity only where it is flat.
 #[derive(Debug, Clone)]
 pub struct Lamp {
     /// Index of the part and of its face.
@@ -26,8 +27,11 @@ pub struct Lamp {
     pub flux_lm: f64,
     /// Intensity along the normal, cd.
     pub intensity_cd: f64,
-    /// n of I ∝ cosⁿ; 1 is Lambert's.
-    pub exponent: f64,
+    beam: Beam,
+    /// What the beam's own unit of intensity is worth, cd.
+    unit_cd: f64,
+    /// Direction of the electric field (world) and polarised share of its light.
+    pub polarisation: Option<(DVec3, f64)>,
     triangles: Vec<Triangle>,
     by_area: Cdf,
     /// Sphere about the face: centre, and radius squared.
@@ -65,30 +69,51 @@ impl Lamp {
             Fault::new(at(), "an emitting face has no area").expected("a face with a positive, finite area")
         })?;
         let area_m2 = by_area.total();
-        let exponent = match emitter.angular {
-            Angular::Lambert => 1.0,
-            Angular::CosN { n } => n,
+        let (what, value) = match emitter.photometry {
+            Photometry::FluxLm(flux) => ("flux in lm", flux),
+            Photometry::LuminanceCdM2(luminance) => ("luminance in cd/m²", luminance),
+            Photometry::IntensityCd(intensity) => ("intensity in cd", intensity),
+            Photometry::AsMeasured => ("factor of its profile", 1.0),
         };
-        if !(exponent >= 0.0 && exponent.is_finite()) {
-            return Err(
-                Fault::new(at(), format!("the emitter's exponent of cosine is {exponent}")).expected("0 or more")
-            );
-        }
-        let (what, value, intensity_cd) = match emitter.photometry {
-            // Formula sheet, section 5: I0 = Φ (n + 1)/(2π).
-            Photometry::FluxLm(flux) => ("flux in lm", flux, flux * (exponent + 1.0) / (2.0 * PI)),
-            Photometry::LuminanceCdM2(luminance) => ("luminance in cd/m²", luminance, luminance * area_m2),
-            Photometry::IntensityCd(intensity) => ("intensity in cd", intensity, intensity),
+        let beam = match emitter.angular {
+            Angular::Lambert => Beam::CosN(1.0),
+            Angular::CosN { n } => {
+                if !(n >= 0.0 && n.is_finite()) {
+                    return Err(
+                        Fault::new(at(), format!("the emitter's exponent of cosine is {n}")).expected("0 or more")
+                    );
+                }
+                Beam::CosN(n)
+            }
+            Angular::Gauss { fwhm_deg } => {
+                if !(fwhm_deg > 0.0 && fwhm_deg.is_finite()) {
+                    return Err(
+                        Fault::new(at(), format!("the emitter's beam is {fwhm_deg} deg wide")).expected("more than 0")
+                    );
+                }
+                Beam::Gauss(Box::new(GaussBeam::new(fwhm_deg)))
+            }
+            Angular::Profile { profile, c0 } => {
+                let profile = scene.profiles.get(profile.index());
+                let c0 = to_world.matrix3 * c0;
+                profile.and_then(|profile| Beam::of_profile(profile, c0)).ok_or_else(|| {
+                    Fault::new(at(), "the emitter's profile has no light in front of the face")
+                        .expected("a profile that shines along its axis")
+                })?
+            }
         };
-        let flux_lm = intensity_cd * 2.0 * PI / (exponent + 1.0);
-        if !(value >= 0.0 && flux_lm.is_finite() && intensity_cd.is_finite() && (intensity_cd / area_m2).is_finite()) {
+        let dark = || Fault::new(at(), "the emitter's angular distribution is unknown");
+        let spread = emitter.angular.spread(&scene.profiles).ok_or_else(dark)?;
+        let unit_cd = emitter.unit_cd(&spread, area_m2);
+        let (flux_lm, intensity_cd) = (unit_cd * beam.whole(), unit_cd * spread.normal);
+        let brightest = unit_cd * spread.peak / area_m2;
+        if !(value >= 0.0 && unit_cd >= 0.0 && flux_lm.is_finite() && brightest.is_finite()) {
             return Err(Fault::new(at(), format!("the emitter's {what} is {value}")).expected("0 or more, and finite"));
         }
         // What is beyond reach of f32 lanes and their squares in f64 would come out as NaN hours later.
         const BRIGHTEST: f64 = 1e30;
-        if intensity_cd / area_m2 > BRIGHTEST {
-            let luminance = intensity_cd / area_m2;
-            let text = format!("the emitter's {what} of {value} makes {luminance:.3e} cd/m² on its {area_m2:.3e} m²");
+        if brightest > BRIGHTEST {
+            let text = format!("the emitter's {what} of {value} makes {brightest:.3e} cd/m² on its {area_m2:.3e} m²");
             return Err(Fault::new(at(), text).expected(format!("at most {BRIGHTEST:e} cd/m²")));
         }
         let corners = || triangles.iter().flat_map(|t| [t.origin, t.origin + t.edges[0], t.origin + t.edges[1]]);
@@ -97,16 +122,46 @@ impl Lamp {
         let centre = 0.5 * (low + high);
         let radius2 = corners().map(|corner| corner.distance_squared(centre)).fold(0.0, f64::max);
         let group = emitter.group;
-        Ok(Lamp { part, face, group, area_m2, flux_lm, intensity_cd, exponent, triangles, by_area, centre, radius2 })
+        Ok(Lamp {
+            part,
+            face,
+            group,
+            area_m2,
+            flux_lm,
+            intensity_cd,
+            beam,
+            unit_cd,
+            polarisation: emitter.polarisation.map(|light| (to_world.transform_vector3(light.axis), light.degree)),
+            triangles,
+            by_area,
+            centre,
+            radius2,
+        })
     }
 
-    /// Luminance towards a direction at `cos_theta` to the normal, cd/m²; 0 behind the face.
-    pub fn luminance(&self, cos_theta: f64) -> f64 {
-        if cos_theta.is_nan() || cos_theta <= 0.0 {
+    /// Luminance along the unit direction `dir` from a point with this unit normal, cd/m²; 0 behind the face.
+    pub fn luminance_along(&self, normal: DVec3, dir: DVec3) -> f64 {
+        let cos = normal.dot(dir);
+        if cos.is_nan() || cos <= 0.0 {
             return 0.0;
         }
-        let along_normal = self.intensity_cd / self.area_m2;
-        if self.exponent == 1.0 { along_normal } else { along_normal * cos_theta.powf(self.exponent - 1.0) }
+        let unit = self.unit_cd / self.area_m2;
+        match &self.beam {
+            Beam::CosN(n) if *n == 1.0 => unit,
+            Beam::CosN(n) => unit * cos.powf(*n - 1.0),
+            Beam::Gauss(_) | Beam::Profile { .. } => unit * self.beam.intensity(normal, dir, cos) / cos,
+        }
+    }
+
+    /// [`Lamp::luminance_along`] a direction at `cos_theta` to the normal; for a profile, the one in its plane C0.
+    pub fn luminance(&self, cos_theta: f64) -> f64 {
+        let sin = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
+        let x = match &self.beam {
+            Beam::CosN(n) if *n == 1.0 => return if cos_theta > 0.0 { self.unit_cd / self.area_m2 } else { 0.0 },
+            Beam::CosN(_) | Beam::Gauss(_) => DVec3::X,
+            Beam::Profile { c0, .. } => super::beam::photometric(DVec3::Z, *c0).x_axis,
+        };
+        self.luminance_along(DVec3::Z, DVec3::Z * cos_theta + x * sin)
     }
 
     /// A point uniform over the area: density 1/`area_m2`.
@@ -120,14 +175,19 @@ impl Lamp {
 
     /// A unit direction with density ∝ intensity: every path that is emitted at a sampled point carries `flux_lm`/N.
     pub fn sample_direction(&self, normal: DVec3, uv: [f64; 2]) -> DVec3 {
-        let local =
-            if self.exponent == 1.0 { warp::cosine_hemisphere(uv) } else { warp::cos_n_hemisphere(uv, self.exponent) };
-        Frame::about(normal).to_world(local)
+        self.beam.sample(normal, uv)
     }
 
     /// Density of [`Lamp::sample_direction`], 1/sr.
+    pub fn density_along(&self, normal: DVec3, dir: DVec3) -> f64 {
+        let cos = normal.dot(dir);
+        if cos > 0.0 { self.beam.intensity(normal, dir, cos) / self.beam.whole() } else { 0.0 }
+    }
+
+    /// [`Lamp::density_along`] a direction at `cos_theta` to the normal, of beams that are the same all round.
     pub fn direction_pdf(&self, cos_theta: f64) -> f64 {
-        if cos_theta > 0.0 { (self.exponent + 1.0) / (2.0 * PI) * cos_theta.powf(self.exponent) } else { 0.0 }
+        let sin = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
+        self.density_along(DVec3::Z, DVec3::new(sin, 0.0, cos_theta))
     }
 
     /// How much a point may expect of this lamp, up to a common factor: flux over distance², which the extent of the

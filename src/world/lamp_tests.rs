@@ -2,8 +2,10 @@ use super::*;
 use crate::base::ids::MeshId;
 use crate::base::rng::{Rng, Stream};
 use crate::base::stats::Moments;
+use crate::base::warp::Frame;
 use crate::scene::{Eye, Face, FaceRange, Finish, Mesh, Shape, Wavelengths};
 use glam::DMat3;
+use std::f64::consts::PI;
 
 /// A scene with one rectangular lamp (2 × 1 mesh units, facing +z) per emitter, each a part of its own.
 fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
@@ -25,7 +27,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
             finish: Finish::Absorber,
             coating: None,
             shape: Shape::Mesh,
-            emitter: Some(Emitter { group: GroupId(0), photometry, angular, spectrum: None }),
+            emitter: Some(Emitter { group: GroupId(0), photometry, angular, spectrum: None, polarisation: None }),
             slide: None,
         }],
     };
@@ -38,6 +40,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
         media: vec![],
         coatings: vec![],
         slides: vec![],
+        profiles: Vec::new(),
         groups: vec![],
         lights: Vec::new(),
         sky: None,
@@ -189,4 +192,81 @@ fn dark_or_no_lamps_give_no_pick() {
         assert_eq!((lamps.pick_by_flux(0.5), lamps.pick_for_point(DVec3::ZERO, 0.5)), (None, None));
         assert_eq!((lamps.pick_pdf(DVec3::ZERO, 0), lamps.total_flux_lm()), (0.0, 0.0));
     }
+}
+
+/// A profile for tests: 3 planes and 4 rings, nothing alike, with light behind too.
+fn web() -> crate::scene::LuminousProfile {
+    crate::scene::LuminousProfile {
+        file: "w.ies".into(),
+        axes: crate::scene::LuminousProfile::TYPE_C,
+        c_rad: vec![0.0, 1.0, 3.5, 2.0 * PI],
+        gamma_rad: vec![0.0, 0.4, 1.3, 2.5],
+        candela: vec![9.0, 7.0, 2.0, 0.5, 9.0, 3.0, 1.0, 0.0, 9.0, 8.0, 5.0, 1.0, 9.0, 7.0, 2.0, 0.5],
+        facts: Default::default(),
+    }
+}
+
+/// Sums over a fine grid of directions: flux, density and luminance agree, and directions turn with u.
+#[test]
+fn beams_of_all_kinds_carry_their_flux() {
+    let profile = crate::base::ids::ProfileId(0);
+    let normal = DVec3::new(2.0, -1.0, 2.0) / 3.0;
+    let front = web().front();
+    for (photometry, angular, flux) in [
+        (Photometry::FluxLm(3.0), Angular::Gauss { fwhm_deg: 20.0 }, Some(3.0)),
+        (Photometry::IntensityCd(5.0), Angular::Gauss { fwhm_deg: 150.0 }, None),
+        (Photometry::AsMeasured, Angular::Profile { profile, c0: DVec3::X }, Some(front.flux_lm())),
+        (Photometry::FluxLm(2.0), Angular::Profile { profile, c0: DVec3::Y }, Some(2.0)),
+        (Photometry::IntensityCd(18.0), Angular::Profile { profile, c0: DVec3::Y }, Some(2.0 * front.flux_lm())),
+    ] {
+        let mut scene = scene(&[(photometry, angular)]);
+        scene.profiles.push(web());
+        let lamps = Lamps::build(&scene, &|_| DAffine3::from_scale(DVec3::splat(1e-3))).unwrap();
+        let lamp = &lamps.all()[0];
+        if let Some(flux) = flux {
+            assert!((lamp.flux_lm / flux - 1.0).abs() < 1e-12, "{photometry:?}: {}", lamp.flux_lm);
+        }
+        let frame = Frame::about(normal);
+        let (rows, columns) = (600, 240);
+        let (mut sum, mut density) = (0.0, 0.0);
+        for row in 0..rows {
+            for column in 0..columns {
+                let (theta, phi) =
+                    ((row as f64 + 0.5) / rows as f64 * PI / 2.0, (column as f64 + 0.5) / columns as f64 * 2.0 * PI);
+                let ((st, ct), (sp, cp)) = (theta.sin_cos(), phi.sin_cos());
+                let dir = frame.to_world(DVec3::new(st * cp, st * sp, ct));
+                let weight = st * PI / 2.0 / rows as f64 * 2.0 * PI / columns as f64;
+                sum += lamp.luminance_along(normal, dir) * ct * lamp.area_m2 * weight;
+                density += lamp.density_along(normal, dir) * weight;
+            }
+        }
+        assert!(
+            (sum / lamp.flux_lm - 1.0).abs() < 2e-4 && (density - 1.0).abs() < 2e-4,
+            "{angular:?}: {sum} {density}"
+        );
+        assert_eq!(lamp.luminance_along(normal, -normal), 0.0);
+        // Every sampled path carries the flux.
+        let mut rng = Rng::new(1, Stream::Check, 0, 0);
+        for _ in 0..1000 {
+            let dir = lamp.sample_direction(normal, rng.pair());
+            let cos = dir.dot(normal);
+            if cos > 1e-6 {
+                let carried = lamp.luminance_along(normal, dir) * cos * lamp.area_m2 / lamp.density_along(normal, dir);
+                assert!((carried / lamp.flux_lm - 1.0).abs() < 1e-9, "{angular:?} at {cos}: {carried}");
+            }
+        }
+    }
+    // The plane C0 is along u: on the face x, light of C = 0, γ = 0.4.
+    let mut scene = scene(&[(Photometry::AsMeasured, Angular::Profile { profile, c0: DVec3::new(1.0, 0.0, 5.0) })]);
+    scene.profiles.push(web());
+    let lamps = Lamps::build(&scene, &|_| DAffine3::from_scale(DVec3::splat(1e-3))).unwrap();
+    let lamp = &lamps.all()[0];
+    let (sin, cos) = 0.4f64.sin_cos();
+    // Seen from the front C turns clockwise: C = 1 rad is at −1 rad.
+    for (turn, want) in [(0.0f64, 7.0), (-1.0, 3.0), (-3.5, 8.0)] {
+        let dir = DVec3::new(sin * turn.cos(), sin * turn.sin(), cos);
+        let intensity = lamp.luminance_along(DVec3::Z, dir) * cos * lamp.area_m2;
+        assert!((intensity / want - 1.0).abs() < 1e-12, "{turn}: {intensity}");
+    }
+    assert!((lamp.luminance(cos) * cos * lamp.area_m2 - 7.0).abs() < 1e-12);
 }

@@ -1,11 +1,12 @@
 //! Lamps that are no faces: points, spots and distant lamps, sampled from both ends.
 
+use super::web::Web;
 use crate::base::fault::Result;
 use crate::base::ids::GroupId;
 use crate::base::warp::{self, Frame};
 use crate::base::{Fault, Where};
-use crate::scene::{Beacon, BeaconForm, Scene};
-use glam::DVec3;
+use crate::scene::{Beacon, BeaconForm, LuminousProfile, Scene};
+use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 
 /// A lamp without a face.
@@ -18,8 +19,25 @@ pub struct Light {
 
 #[derive(Debug, Clone)]
 enum Form {
-    Point { position: DVec3, intensity_cd: f64, spot: Option<Spot> },
-    Distant { dir: DVec3, illuminance_lx: f64, disc: Option<Disc>, centre: DVec3, radius: f64 },
+    Point {
+        position: DVec3,
+        intensity_cd: f64,
+        spot: Option<Spot>,
+    },
+    /// `axes`: photometric frame → world.
+    Profile {
+        position: DVec3,
+        axes: DMat3,
+        web: Box<Web>,
+        factor: f64,
+    },
+    Distant {
+        dir: DVec3,
+        illuminance_lx: f64,
+        disc: Option<Disc>,
+        centre: DVec3,
+        radius: f64,
+    },
 }
 
 /// I(θ) = I₀ x² with x = (cos θ − `edge`)/`width` within 0 … 1 (KHR_lights_punctual, "Inner and Outer Cone Angles").
@@ -102,7 +120,12 @@ fn about(axis: DVec3, versine: f64, turn: f64) -> DVec3 {
 
 impl Light {
     /// `centre` and `radius` of a sphere about all that light can reach, recentred frame whose origin is `origin`, m.
-    fn build(light: &Beacon, origin: DVec3, (centre, radius): (DVec3, f64)) -> Result<Light> {
+    fn build(
+        light: &Beacon,
+        profiles: &[LuminousProfile],
+        origin: DVec3,
+        (centre, radius): (DVec3, f64),
+    ) -> Result<Light> {
         let fault = |what: &str, value: f64, range: &str| {
             Fault::new(Where::part(&light.name), format!("the light's {what} is {value}")).expected(range)
         };
@@ -134,6 +157,23 @@ impl Light {
                 };
                 let solid_angle = spot.map_or(4.0 * PI, |spot| spot.weights().iter().sum());
                 (Form::Point { position: position - origin, intensity_cd, spot }, intensity_cd * solid_angle)
+            }
+            BeaconForm::Profile { position, axes, profile, factor } => {
+                strength("factor of its profile", factor)?;
+                if !position.is_finite() {
+                    return Err(fault("distance from the origin", position.length(), "finite"));
+                }
+                let off = (axes.transpose() * axes - DMat3::IDENTITY)
+                    .to_cols_array()
+                    .into_iter()
+                    .fold(0.0, |most: f64, x| most.max(x.abs()));
+                if off.is_nan() || off > 1e-9 {
+                    return Err(fault("frame is no rotation: it", off, "orthogonal axes"));
+                }
+                let profile = profiles.get(profile.index()).cloned();
+                let web = profile.and_then(Web::new).ok_or_else(|| fault("profile's flux", 0.0, "light"))?;
+                let flux = factor * web.flux_lm();
+                (Form::Profile { position: position - origin, axes, web: Box::new(web), factor }, flux)
             }
             BeaconForm::Distant { dir, illuminance_lx, angle_rad } => {
                 strength("illuminance in lx", illuminance_lx)?;
@@ -169,7 +209,7 @@ impl Light {
     /// Has a luminance, so that a ray may find it.
     pub fn is_visible(&self) -> bool {
         match &self.form {
-            Form::Point { .. } => false,
+            Form::Point { .. } | Form::Profile { .. } => false,
             Form::Distant { disc, .. } => disc.is_some(),
         }
     }
@@ -181,6 +221,7 @@ impl Light {
             Form::Point { position, spot, .. } => {
                 (*position, spot.map_or_else(|| warp::sphere(uv), |spot| spot.sample(uv)))
             }
+            Form::Profile { position, axes, web, .. } => (*position, (*axes * web.sample(uv)).normalize()),
             Form::Distant { dir, disc, centre, radius, .. } => {
                 let dir = disc.map_or(*dir, |disc| about(*dir, other[0] * disc.versine, other[1]));
                 let frame = Frame::about(dir);
@@ -199,6 +240,12 @@ impl Light {
                 let importance = intensity_cd * share / away.length_squared();
                 if importance.is_finite() { importance } else { 0.0 }
             }
+            Form::Profile { position, axes, web, factor } => {
+                let away = at - *position;
+                let intensity = factor * web.intensity(axes.transpose() * away.normalize_or_zero());
+                let importance = intensity / away.length_squared();
+                if importance.is_finite() { importance } else { 0.0 }
+            }
             Form::Distant { illuminance_lx, .. } => *illuminance_lx,
         }
     }
@@ -206,7 +253,7 @@ impl Light {
     /// The lamp as seen from a point.
     fn toward(&self, at: DVec3, uv: [f64; 2]) -> Option<Toward> {
         match &self.form {
-            Form::Point { position, .. } => {
+            Form::Point { position, .. } | Form::Profile { position, .. } => {
                 let distance = at.distance(*position);
                 let dir = ((*position - at) / distance).try_normalize()?;
                 Some(Toward { dir, distance, light: Strength::Delta(self.importance(at)) })
@@ -227,7 +274,7 @@ impl Light {
     /// Luminance of the disc that a ray which leaves the scene along `dir` meets, and its density of sampling.
     fn met(&self, ray: DVec3) -> Option<(f64, f64)> {
         match &self.form {
-            Form::Point { .. } => None,
+            Form::Point { .. } | Form::Profile { .. } => None,
             Form::Distant { dir, disc, .. } => {
                 let disc = (*disc)?;
                 // 1 − cos θ = |a − b|²/2 for unit vectors.
@@ -254,7 +301,13 @@ impl Lights {
     /// `bounds`: sphere about all that light can reach, in the recentred frame.
     /// Errors: strengths, directions or angles outside their ranges, named by the light.
     pub fn build(scene: &Scene, origin: DVec3, bounds: (DVec3, f64)) -> Result<Lights> {
-        Ok(Lights { lights: scene.lights.iter().map(|l| Light::build(l, origin, bounds)).collect::<Result<_>>()? })
+        Ok(Lights {
+            lights: scene
+                .lights
+                .iter()
+                .map(|l| Light::build(l, &scene.profiles, origin, bounds))
+                .collect::<Result<_>>()?,
+        })
     }
 
     pub fn all(&self) -> &[Light] {

@@ -1,6 +1,7 @@
 //! Floor 3: what is traced. [`World::freeze`] turns a checked scene into tables made for rays; parts that a scene does
 //! not need (a sky table, slides) are never built.
 
+pub mod beam;
 pub mod cdf;
 pub mod eye;
 pub mod fresnel;
@@ -18,6 +19,7 @@ pub mod stokes;
 pub mod surface;
 pub mod thinfilm;
 pub mod tint;
+pub mod web;
 
 use crate::base::Result;
 use crate::scene::{BeaconForm, Coating, Medium, Scene};
@@ -111,7 +113,7 @@ impl World {
             .lights
             .iter()
             .map(|light| match light.form {
-                BeaconForm::Point { position, .. } => {
+                BeaconForm::Point { position, .. } | BeaconForm::Profile { position, .. } => {
                     Interior::of(geometry.solids_containing(position - geometry.origin()))
                 }
                 BeaconForm::Distant { .. } => Interior::default(),

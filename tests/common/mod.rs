@@ -29,6 +29,7 @@ pub fn scene() -> Scene {
         media: Vec::new(),
         coatings: Vec::new(),
         slides: Vec::new(),
+        profiles: Vec::new(),
         groups: Vec::new(),
         lights: Vec::new(),
         sky: None,
@@ -158,7 +159,7 @@ pub fn uniform_sky(scene: &mut Scene, luminance: f32) {
 
 pub fn lamp(group: GroupId, luminance: f64) -> Option<Emitter> {
     let photometry = Photometry::LuminanceCdM2(luminance);
-    Some(Emitter { group, photometry, angular: Angular::Lambert, spectrum: None })
+    Some(Emitter { group, photometry, angular: Angular::Lambert, spectrum: None, polarisation: None })
 }
 
 /// Checks, freezes, plans and traces.

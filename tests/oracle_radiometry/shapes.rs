@@ -22,7 +22,7 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         faces: vec![FaceRange { first: 0, count: triangles.len() as u32 }],
         ..Mesh::default()
     };
-    let emitter = Some(Emitter { group: GroupId(0), photometry, angular, spectrum: None });
+    let emitter = Some(Emitter { group: GroupId(0), photometry, angular, spectrum: None, polarisation: None });
     let part = Part {
         name: "lamp".into(),
         path: "lamp".into(),
@@ -41,6 +41,7 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         media: vec![],
         coatings: vec![],
         slides: vec![],
+        profiles: Vec::new(),
         groups: vec![],
         lights: Vec::new(),
         sky: None,

@@ -102,14 +102,15 @@ fn integrating_spheres() {
         let group = add_group(&mut s, "source");
         let mut ball = face(Finish::Lambert { reflectance: 1.0, transmittance: 0.0 });
         let photometry = Photometry::FluxLm(flux);
-        ball.emitter = Some(Emitter { group, photometry, angular: Angular::Lambert, spectrum: None });
+        ball.emitter =
+            Some(Emitter { group, photometry, angular: Angular::Lambert, spectrum: None, polarisation: None });
         add_part(&mut s, "source", sphere_mesh(5e-4, 24, 48), DVec3::ZERO, None, vec![ball]);
         let got = luminance(&s, BACKWARD, 512, 16);
         assert_traced(&format!("{} centre", case["id"]), got, number(&r["L_wall_centre_source"]), 2e-3);
         // A narrow beam on the wall, the wall seen elsewhere: light scattered twice or more, gathered from photons.
         let mut s = integrating_sphere(rho, port);
         let group = add_group(&mut s, "beam");
-        let beam = Emitter { group, photometry, angular: Angular::CosN { n: 1e4 }, spectrum: None };
+        let beam = Emitter { group, photometry, angular: Angular::CosN { n: 1e4 }, spectrum: None, polarisation: None };
         let half = 1e-4;
         panel(&mut s, DVec3::new(-0.05, 0.0, 0.0), [DVec3::Z * half, DVec3::Y * half], beam);
         // Few pixels: the first radius is their distance, and a gathering over half the sphere's radius is still exact.
@@ -255,13 +256,15 @@ fn chain_of_an_idealised_hud() {
                 size: [mm("screen_w_mm") * 1.01, mm("screen_h_mm") * 1.01],
                 transmittance,
                 contrast,
+                polarisation: None,
             });
             let mut slide = face(Finish::None);
             slide.slide = Some(SlideId::from_index(s.slides.len() - 1));
             sheet(&mut s, "slide", DVec3::new(0.0, place, -0.4), half.map(|a| a * 1.01), slide);
         }
         let photometry = Photometry::FluxLm(number(&p["flux_lm"]) * number(&p["eta_coll"]));
-        let parallel = Emitter { group, photometry, angular: Angular::CosN { n: 1e7 }, spectrum: None };
+        let parallel =
+            Emitter { group, photometry, angular: Angular::CosN { n: 1e7 }, spectrum: None, polarisation: None };
         panel(&mut s, DVec3::new(0.0, 0.415, -0.4), half, parallel);
         for (value, key) in [(1.0, "L_virtual"), (0.0, "L_black")] {
             s.slides[1].pixels = Arc::new(vec![value]);

@@ -28,6 +28,6 @@ pub fn list(noun: Noun) -> Option<&'static str> {
         Noun::Coating => Some("coatings"),
         Noun::Emitter => Some("emitters"),
         Noun::Slide => Some("slides"),
-        Noun::Finish | Noun::Shape | Noun::Sky | Noun::Eye | Noun::Asset => None,
+        Noun::Finish | Noun::Shape | Noun::Sky | Noun::Sun | Noun::Eye | Noun::Asset => None,
     }
 }

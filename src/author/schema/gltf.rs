@@ -8,8 +8,17 @@ use serde_json::{Map, Value, json};
 const FOLDER: &str = "schemas/gltf/EYEBOX_optics/schema";
 
 /// The nouns with a schema of their own.
-const SHARED: [Noun; 8] =
-    [Noun::Medium, Noun::Finish, Noun::Coating, Noun::Shape, Noun::Emitter, Noun::Slide, Noun::Sky, Noun::Eye];
+const SHARED: [Noun; 9] = [
+    Noun::Medium,
+    Noun::Finish,
+    Noun::Coating,
+    Noun::Shape,
+    Noun::Emitter,
+    Noun::Slide,
+    Noun::Sky,
+    Noun::Sun,
+    Noun::Eye,
+];
 
 pub fn files() -> Vec<(String, String)> {
     let mut all = vec![
@@ -106,7 +115,7 @@ fn root() -> Value {
             json!({ "type": "array", "items": { "$ref": shared(noun) }, "minItems": 1, "description": description }),
         );
     }
-    for noun in [Noun::Sky, Noun::Eye] {
+    for noun in [Noun::Sky, Noun::Sun, Noun::Eye] {
         all.insert(noun.to_string(), json!({ "$ref": shared(noun) }));
     }
     property(all, &["version"])

@@ -119,7 +119,7 @@ pub fn text() -> String {
             out += &format!("| `{list}` | array of {noun} |  | what `{noun}` refers to |\n");
         }
     }
-    out += "| `sky` | sky |  | light from everywhere |\n| `eye` | eye |  | who looks |\n";
+    out += "| `sky` | sky |  | light from everywhere |\n| `sun` | sun |  | light from one direction |\n| `eye` | eye |  | who looks |\n";
     out += "\n## Extending nodes\n\nWhat a node says holds for itself and for all parts below it.\n\n";
     out += HEADER;
     medium().chain(faces()).for_each(|row| out += &line(row));
@@ -143,6 +143,7 @@ pub fn text() -> String {
         Noun::Emitter,
         Noun::Slide,
         Noun::Sky,
+        Noun::Sun,
         Noun::Eye,
         Noun::Asset,
     ] {

@@ -41,7 +41,7 @@ pub fn text() -> String {
     });
     all.insert("medium".to_owned(), named(object(medium.collect(), &[], Carrier::Sidecar)));
     all.insert("bind".to_owned(), json!({ "type": "array", "items": bind }));
-    for noun in [Noun::Sky, Noun::Eye] {
+    for noun in [Noun::Sky, Noun::Sun, Noun::Eye] {
         all.insert(noun.to_string(), object(properties(noun, &names(noun), Carrier::Sidecar), &[], Carrier::Sidecar));
     }
     let mut schema = Map::from_iter([

@@ -6,7 +6,7 @@ use super::name::Siblings;
 use super::optics;
 use super::stage::{Writing, matrix, named};
 use crate::base::fault::Result;
-use crate::scene::assembly::{LightForm, LightSource};
+use crate::scene::assembly::{LightForm, LightSource, ProfileSource};
 
 /// Appends a light below the node that holds it.
 ///
@@ -28,7 +28,9 @@ pub(super) fn write(
     let mut spot = false;
     let type_name = match &source.form {
         LightForm::Point { intensity_cd, cone } => {
-            number("intensity", 4.0 * intensity_cd / (unit * unit));
+            // With a profile that says how strong it is, a factor of its candela.
+            let measured = source.profile.as_ref().is_some_and(|profile| !profile.normalize);
+            number("intensity", if measured { *intensity_cd } else { 4.0 * intensity_cd / (unit * unit) });
             number("radius", 0.0);
             exact.push(("intensity_cd", *intensity_cd));
             if let Some((inner, outer)) = cone {
@@ -111,7 +113,23 @@ pub(super) fn write(
         prim.push(Property::new("inputs:texture:file", Datum::Asset(optics::asset_path(writing.folder, &image)?)));
     }
     if let Some(profile) = &source.profile {
-        prim.push(Property::new("inputs:shaping:ies:file", Datum::Asset(optics::asset_path(writing.folder, profile)?)));
+        match &profile.source {
+            ProfileSource::File(file) => prim.push(Property::new(
+                "inputs:shaping:ies:file",
+                Datum::Asset(optics::asset_path(writing.folder, file)?),
+            )),
+            ProfileSource::Embedded(_) => {
+                let what = format!("light `{}` has its profile inside the asset, which USD cannot hold", source.name);
+                return Err(writing.fault(&source.at, what));
+            }
+        }
+        prim.marks.push(("profile_factor", Datum::Double(profile.factor)));
+        if profile.angle_scale != 0.0 {
+            prim.push(Property::new("inputs:shaping:ies:angleScale", Datum::Float(profile.angle_scale as f32)));
+        }
+        if profile.normalize {
+            prim.push(Property::new("inputs:shaping:ies:normalize", Datum::Bool(true)));
+        }
     }
     if spot || source.profile.is_some() {
         prim.apply("ShapingAPI");

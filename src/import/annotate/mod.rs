@@ -162,6 +162,9 @@ fn checked(sheet: &Sheet, bound: &[PartBound]) -> Result<()> {
     if let Some(sky) = &sheet.sky {
         optics::sky(sky, &mut notes)?;
     }
+    if let Some(sun) = &sheet.sun {
+        optics::sun(sun, &mut notes)?;
+    }
     if let Some(eye) = &sheet.eye {
         optics::eye(eye, &mut notes)?;
     }

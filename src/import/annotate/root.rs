@@ -144,6 +144,7 @@ impl<'a> Root<'a> {
             ("emitters", array(self.emitters)),
             ("slides", array(self.slides)),
             ("sky", self.sheet.sky.clone()),
+            ("sun", self.sheet.sun.clone()),
             ("eye", self.sheet.eye.clone()),
         ];
         for (key, value) in wanted {

@@ -14,8 +14,8 @@ pub(super) struct Document<'a> {
 }
 
 /// The bytes of a buffer view.
-struct View<'d> {
-    bytes: &'d [u8],
+pub(super) struct View<'d> {
+    pub bytes: &'d [u8],
     stride: Option<usize>,
 }
 
@@ -34,7 +34,7 @@ impl<'a> Document<'a> {
         Ok(At { file: self.root.file, json, pointer: format!("/{list}/{index}") })
     }
 
-    fn view(&self, reference: &At<'_>) -> Result<View<'_>> {
+    pub fn view(&self, reference: &At<'_>) -> Result<View<'_>> {
         let at = self.find("bufferViews", "buffer view", reference)?;
         let buffer = at.want("buffer")?;
         let index = buffer.index(self.buffers.data.len(), "buffer")?;

@@ -141,7 +141,7 @@ fn read(uri: &At<'_>, path: &std::path::Path, most: usize) -> Result<Vec<u8>> {
 }
 
 /// The bytes of a `data:` URI (RFC 2397): base64, or percent-encoded.
-fn data_uri(uri: &At<'_>, rest: &str) -> Result<Vec<u8>> {
+pub(super) fn data_uri(uri: &At<'_>, rest: &str) -> Result<Vec<u8>> {
     let form = || uri.fault("this data: URI cannot be read").expected("data:application/octet-stream;base64,…");
     let (head, body) = rest.split_once(',').ok_or_else(form)?;
     if head.ends_with(";base64") {

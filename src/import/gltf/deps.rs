@@ -6,7 +6,7 @@ use super::container;
 use super::notes::{Budget, Notes};
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
-use crate::import::deps::{Dependency, named};
+use crate::import::deps::{Dependency, named, profile};
 use serde_json::Value as Json;
 use std::path::Path;
 
@@ -38,7 +38,7 @@ fn file(at: &At<'_>, role: &str, all: &mut Vec<Dependency>) -> Result<()> {
     if let Some(uri) = at.get("uri")?
         && !uri.text()?.starts_with("data:")
     {
-        all.push(Dependency::new(resolve(&uri, uri.text()?)?, role, uri.place()));
+        profile(resolve(&uri, uri.text()?)?, role, uri.place(), all);
     }
     Ok(())
 }

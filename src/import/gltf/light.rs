@@ -5,8 +5,9 @@ use super::at::At;
 use super::buffers;
 use super::notes::Ledger;
 use crate::base::fault::Result;
-use crate::import::assembly::{LightForm, LightSource};
+use crate::import::assembly::{LightForm, LightProfile, LightSource, ProfileSource};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::sync::Arc;
 
 const PUNCTUAL: &str = "KHR_lights_punctual";
 const IES: &str = "EXT_lights_ies";
@@ -50,14 +51,18 @@ pub(super) fn read(
     {
         let light = find(document, IES, &reference)?;
         let (strength, color) = colour(&use_at, "multiplier", ledger)?;
-        let profile = match light.get("uri")? {
-            Some(uri) if uri.text()?.starts_with("data:") => None,
-            Some(uri) => Some(buffers::resolve(&uri, uri.text()?)?),
-            None => None,
+        let source = match (light.get("uri")?, light.get("bufferView")?) {
+            (Some(uri), _) => match uri.text()?.strip_prefix("data:") {
+                Some(rest) => ProfileSource::Embedded(Arc::new(buffers::data_uri(&uri, rest)?)),
+                None => ProfileSource::File(buffers::resolve(&uri, uri.text()?)?),
+            },
+            (None, Some(view)) => ProfileSource::Embedded(Arc::new(document.view(&view)?.bytes.to_vec())),
+            (None, None) => return Err(light.fault("a light profile without data").expected("`uri` or `bufferView`")),
         };
-        if profile.is_none() {
-            ledger.notes.warn(&light, "an .ies profile inside the asset is not read: the light shines evenly");
+        if let ProfileSource::Embedded(bytes) = &source {
+            ledger.budget.charge(&light, 1, bytes.len())?;
         }
+        let profile = Some(LightProfile::of(source, strength));
         lights.push(LightSource {
             name: named(&light, name, ledger)?,
             node: index,

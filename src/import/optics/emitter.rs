@@ -1,20 +1,49 @@
 //! `emitter`: a face that emits.
 
-use super::fields::{Fields, not_yet, union};
+use super::fields::{Fields, union};
 use super::spectrum::{SpectrumSpec, spectrum};
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
-use crate::scene::{Angular, Note, Photometry};
+use crate::scene::{Note, Photometry, Severity};
+use glam::DVec3;
 
 /// An emitter with its group still by name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EmitterSpec {
     pub group: String,
-    pub photometry: Photometry,
-    pub angular: Angular,
+    pub strength: Strength,
+    pub angular: Spreading,
     pub spectrum: Option<SpectrumSpec>,
+    /// Unit, in the part's axes.
+    pub u: Option<DVec3>,
+    /// Angle from `u` in rad, and degree.
+    pub polarisation: Option<(f64, f64)>,
+}
+
+/// How strong it is; a radiant flux still without its spectrum.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Strength {
+    Said(Photometry),
+    RadiantFluxW { watts: f64, at: Where },
+}
+
+/// The angular distribution, its file still to be read.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Spreading {
+    Lambert,
+    CosN {
+        n: f64,
+    },
+    Gauss {
+        fwhm_deg: f64,
+    },
+    /// The file as it is written, and where.
+    Profile {
+        file: String,
+        at: Where,
+    },
 }
 
 /// The attributes that say how strong an emitter is; one of them holds.
@@ -31,40 +60,67 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
             "lamp".to_owned()
         }
     };
+    let angular = match fields.value("angular") {
+        Some(value) => angular(value)?,
+        None => {
+            notes.push(fields.defaulted("angular"));
+            Spreading::Lambert
+        }
+    };
     let given: Vec<&str> = STRENGTHS.into_iter().filter(|name| fields.has(name)).collect();
-    let photometry = match given.as_slice() {
-        ["flux_lm"] => Photometry::FluxLm(fields.need_number("flux_lm")?),
-        ["luminance_cd_m2"] => Photometry::LuminanceCdM2(fields.need_number("luminance_cd_m2")?),
-        ["intensity_cd"] => Photometry::IntensityCd(fields.need_number("intensity_cd")?),
+    let strength = match given.as_slice() {
+        ["flux_lm"] => Strength::Said(Photometry::FluxLm(fields.need_number("flux_lm")?)),
+        ["luminance_cd_m2"] => Strength::Said(Photometry::LuminanceCdM2(fields.need_number("luminance_cd_m2")?)),
+        ["intensity_cd"] => Strength::Said(Photometry::IntensityCd(fields.need_number("intensity_cd")?)),
+        ["radiant_flux_w"] => Strength::RadiantFluxW {
+            watts: fields.need_number("radiant_flux_w")?,
+            at: fields.value("radiant_flux_w").map_or_else(|| value.at.clone(), |value| value.at.clone()),
+        },
+        [] if matches!(angular, Spreading::Profile { .. }) => Strength::Said(Photometry::AsMeasured),
+        ["illuminance_lx"] => {
+            let at = fields.value("illuminance_lx").map_or(&value.at, |value| &value.at);
+            return Err(Fault::new(at.clone(), "`illuminance_lx` is of a distant source, and a face is none")
+                .expected("flux_lm, luminance_cd_m2 or intensity_cd here, or a [sun] with illuminance_lx"));
+        }
         several => {
             let what = if several.is_empty() {
                 "the emitter has no strength".into()
             } else {
                 format!("the emitter has {}", several.join(" and "))
             };
-            return Err(Fault::new(value.at.clone(), what).expected("one of flux_lm, luminance_cd_m2, intensity_cd"));
-        }
-    };
-    let angular = match fields.value("angular") {
-        Some(value) => angular(value)?,
-        None => {
-            notes.push(fields.defaulted("angular"));
-            Angular::Lambert
+            return Err(Fault::new(value.at.clone(), what)
+                .expected("one of flux_lm, luminance_cd_m2, intensity_cd, radiant_flux_w"));
         }
     };
     let spectrum = match fields.value("spectrum") {
         Some(value) => Some(spectrum(value)?),
         None => None,
     };
-    Ok(EmitterSpec { group, photometry, angular, spectrum })
+    let polarisation = match fields.value("polarisation") {
+        Some(value) => {
+            let own = Fields::of(Noun::Emitter, "polarisation", value, &["angle_deg", "degree"])?;
+            notes.push(Note {
+                severity: Severity::Info,
+                at: value.at.clone(),
+                text: "the emitter's polarisation is kept; this version traces unpolarised light".to_owned(),
+            });
+            Some((own.need_number("angle_deg")?.to_radians(), own.need_number("degree")?))
+        }
+        None => None,
+    };
+    Ok(EmitterSpec { group, strength, angular, spectrum, u: fields.direction("u")?, polarisation })
 }
 
-fn angular(value: &Value) -> Result<Angular> {
+fn angular(value: &Value) -> Result<Spreading> {
     let read = union(Noun::Emitter, "angular", value)?;
     match read.kind.name {
-        "lambert" => Ok(Angular::Lambert),
-        "cos_n" => Ok(Angular::CosN { n: read.fields.need_number("n")? }),
-        name => Err(not_yet(&value.at, &format!("angular `{name}`"))),
+        "lambert" => Ok(Spreading::Lambert),
+        "cos_n" => Ok(Spreading::CosN { n: read.fields.need_number("n")? }),
+        "gauss" => Ok(Spreading::Gauss { fwhm_deg: read.fields.need_number("fwhm_deg")? }),
+        _ => Ok(Spreading::Profile {
+            file: read.fields.need_text("file")?.to_owned(),
+            at: read.fields.value("file").map_or_else(|| value.at.clone(), |value| value.at.clone()),
+        }),
     }
 }
 

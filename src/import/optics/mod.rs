@@ -11,10 +11,11 @@ mod shape;
 mod sky;
 mod slide;
 mod spectrum;
+mod sun;
 mod wavelengths;
 
 pub use coating::{coating, unknown as unknown_coating};
-pub use emitter::{ATTRIBUTES as EMITTER, EmitterSpec, STRENGTHS, emitter, group_name};
+pub use emitter::{ATTRIBUTES as EMITTER, EmitterSpec, STRENGTHS, Spreading, Strength, emitter, group_name};
 pub use eye::{EyeSpec, Pose, eye};
 pub use fields::{Fields, Union, not_yet, number, stray, union};
 pub use finish::finish;
@@ -23,4 +24,5 @@ pub use shape::{ShapeSpec, shape};
 pub use sky::{SkySpec, sky};
 pub use slide::{ATTRIBUTES as SLIDE, ORTHOGONAL, SlideSpec, slide};
 pub use spectrum::{SpectrumSpec, spectrum, spectrum_table};
+pub use sun::{SunSpec, sun};
 pub use wavelengths::{unit, version, wavelengths};

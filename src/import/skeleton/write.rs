@@ -293,6 +293,10 @@ fn around(assembly: &Assembly, out: &mut Written) {
     );
     out.line("# image = \"PANORAMA.exr\"");
     out.line("# scale_cd_m2 = 1                       # luminance of a pixel of value 1");
+    out.line(
+        "\n# [sun]                                 # TODO sun load: its image in the glass is a display's worst day",
+    );
+    out.line("# direction = [0, 1, 0]                 # towards the sun");
     out.line("\n# Eye ----------------------------------------------------------------------------------------------");
     let mut roots = assembly.nodes.iter().filter(|node| node.parent.is_none());
     let root = match (roots.next(), roots.next()) {

@@ -90,7 +90,7 @@ fn unknown_keys_and_names() {
         (
             "[binds]\nx = 1\n",
             &[],
-            "hud.optics.toml:10: unknown key `binds` of a sidecar; expected one of schema, asset, unit, wavelengths, default, coating, medium, bind, sky, eye; did you mean `bind`?",
+            "hud.optics.toml:10: unknown key `binds` of a sidecar; expected one of schema, asset, unit, wavelengths, default, coating, medium, bind, sky, sun, eye; did you mean `bind`?",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nfinsh = \"polished\"\n",
@@ -145,7 +145,7 @@ fn unknown_keys_and_names() {
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", flux_lum = 0.45 }\n",
             &[],
-            "hud.optics.toml:12: unknown attribute `flux_lum` of emitter; expected one of name, group, flux_lm, luminance_cd_m2, intensity_cd, illuminance_lx, radiant_flux_w, angular, spectrum; did you mean `flux_lm`?",
+            "hud.optics.toml:12: unknown attribute `flux_lum` of emitter; expected one of name, group, flux_lm, luminance_cd_m2, intensity_cd, illuminance_lx, radiant_flux_w, angular, spectrum, u, polarisation; did you mean `flux_lm`?",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nshape = { kind = \"sfere\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 5 }\n",
@@ -233,7 +233,7 @@ fn numbers_out_of_range_and_wrong_forms() {
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\" }\n",
             &[],
-            "hud.optics.toml:12: the emitter has no strength; expected one of flux_lm, luminance_cd_m2, intensity_cd",
+            "hud.optics.toml:12: the emitter has no strength; expected one of flux_lm, luminance_cd_m2, intensity_cd, radiant_flux_w",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", flux_lm = -1 }\n",
@@ -243,7 +243,7 @@ fn numbers_out_of_range_and_wrong_forms() {
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", flux_lm = 1, intensity_cd = 1 }\n",
             &[],
-            "hud.optics.toml:12: the emitter has flux_lm and intensity_cd; expected one of flux_lm, luminance_cd_m2, intensity_cd",
+            "hud.optics.toml:12: the emitter has flux_lm and intensity_cd; expected one of flux_lm, luminance_cd_m2, intensity_cd, radiant_flux_w",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"1-led\", flux_lm = 1 }\n",
@@ -305,21 +305,6 @@ fn what_is_not_rendered_yet_is_said() {
             "[[bind]]\npath = \"LENS\"\nshape = { cylinder = { radius = 5 } }\n",
             &[],
             "hud.optics.toml:12: shape `cylinder` is not rendered by this version yet",
-        ),
-        (
-            "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", flux_lm = 1, angular = { gauss = { fwhm_deg = 10 } } }\n",
-            &[],
-            "hud.optics.toml:12: angular `gauss` is not rendered by this version yet",
-        ),
-        (
-            "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", flux_lm = 1, angular = { profile = { file = \"x.ies\" } } }\n",
-            &[],
-            "hud.optics.toml:12: angular `profile` is not rendered by this version yet",
-        ),
-        (
-            "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", radiant_flux_w = 1 }\n",
-            &[],
-            "hud.optics.toml:12: `radiant_flux_w` of emitter is not rendered by this version yet",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nslide = { image = \"x.png\", polarisation = { angle_deg = 0, degree = 1 } }\n",
@@ -480,7 +465,7 @@ fn sidecars_as_a_whole() {
         ),
         (
             ("[eye]", "[oculus]"),
-            "hud.optics.toml:3: unknown key `oculus` of a sidecar; expected one of schema, asset, unit, wavelengths, default, coating, medium, bind, sky, eye",
+            "hud.optics.toml:3: unknown key `oculus` of a sidecar; expected one of schema, asset, unit, wavelengths, default, coating, medium, bind, sky, sun, eye",
         ),
         (("schema = 1", "schema = 1\nbind = 3"), "hud.optics.toml:2: `bind` is a number; expected a list of tables"),
     ];
@@ -502,7 +487,11 @@ fn parameters_beside_their_attribute_are_told_where_they_belong() {
     let lamp = |rest: &str| format!("[[bind]]\npath = \"LED_1\"\nemitter = {{ flux_lm = 1, {rest} }}\n");
     let (gauss, cos_n) = (lamp("angular = \"gauss\", fwhm_deg = 20"), lamp("angular = \"cos_n\", n = 4"));
     check(&[
-        (&gauss, &[], "hud.optics.toml:12: `fwhm_deg` of emitter: angular `gauss` is not rendered by this version yet"),
+        (
+            &gauss,
+            &[],
+            "hud.optics.toml:12: `fwhm_deg` stands in emitter: it is a parameter of angular; expected angular = { kind = \"gauss\", fwhm_deg = … }",
+        ),
         (
             &cos_n,
             &[],

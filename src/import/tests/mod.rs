@@ -4,6 +4,7 @@ mod binding;
 mod colour;
 mod faults;
 mod hostile;
+mod lamps;
 mod samples;
 mod scenes;
 mod sets;

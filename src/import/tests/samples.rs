@@ -220,7 +220,7 @@ fn the_sets_of_the_samples_comments_work() {
         .flat_map(|part| &part.faces)
         .filter_map(|face| match face.emitter.as_ref()?.photometry {
             Photometry::FluxLm(flux) => Some(flux),
-            Photometry::LuminanceCdM2(_) | Photometry::IntensityCd(_) => None,
+            Photometry::LuminanceCdM2(_) | Photometry::IntensityCd(_) | Photometry::AsMeasured => None,
         })
         .collect();
     assert_eq!(flux, [0.0, 0.0, 0.0, 0.0, 0.45, 0.0, 0.0, 0.0, 0.0]);

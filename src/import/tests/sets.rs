@@ -96,7 +96,7 @@ const ROWS: &[(&str, &[&str], &str)] = &[
     (
         LIT,
         &["flux=3"],
-        "--set flux=3: `flux` names no attribute; expected TARGET.attribute=VALUE with a part, a light group, eye, sky, default, unit, wavelengths, coating.NAME or medium.NAME",
+        "--set flux=3: `flux` names no attribute; expected TARGET.attribute=VALUE with a part, a light group, eye, sky, sun, default, unit, wavelengths, coating.NAME or medium.NAME",
     ),
     (LIT, &["led.flux_lm=-1"], "--set led.flux_lm=-1: `flux_lm` is -1; expected a number from 0 to 1e12 in lm"),
     (
@@ -112,12 +112,12 @@ const ROWS: &[(&str, &[&str], &str)] = &[
     (
         LIT,
         &["leds.flux_lm=1"],
-        "--set leds.flux_lm=1: `leds` is neither a part nor a light group; expected TARGET.attribute=VALUE with a part, a light group, eye, sky, default, unit, wavelengths, coating.NAME or medium.NAME; did you mean `led`?",
+        "--set leds.flux_lm=1: `leds` is neither a part nor a light group; expected TARGET.attribute=VALUE with a part, a light group, eye, sky, sun, default, unit, wavelengths, coating.NAME or medium.NAME; did you mean `led`?",
     ),
     (
         LIT,
         &["LENZ.glass=PMMA"],
-        "--set LENZ.glass=PMMA: `LENZ` is neither a part nor a light group; expected TARGET.attribute=VALUE with a part, a light group, eye, sky, default, unit, wavelengths, coating.NAME or medium.NAME; did you mean `LENS`?",
+        "--set LENZ.glass=PMMA: `LENZ` is neither a part nor a light group; expected TARGET.attribute=VALUE with a part, a light group, eye, sky, sun, default, unit, wavelengths, coating.NAME or medium.NAME; did you mean `LENS`?",
     ),
     (
         LIT,

@@ -48,6 +48,7 @@ fn read(key: &str, value: &Value) -> Result<String> {
         "emitter" => format!("{:?}", optics::emitter(value, notes)?),
         "slide" => format!("{:?}", optics::slide(value, notes)?),
         "sky" => format!("{:?}", optics::sky(value, notes)?),
+        "sun" => format!("{:?}", optics::sun(value, notes)?),
         "eye" => format!("{:?}", optics::eye(value, notes)?),
         "wavelengths" => format!("{:?}", optics::wavelengths(Some(value), notes)?),
         "unit" => format!("{:?}", optics::unit(value)?),
@@ -96,8 +97,14 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
     match key {
         "emitter" => {
             put("group", text("led_1"));
+            put("u", across.0);
             let n = table(vec![("kind".to_owned(), text("cos_n")), ("n".to_owned(), value(Data::Number(turn)))]);
-            put("angular", if pick > 2 { n } else { text("lambert") });
+            let gauss = table(vec![(
+                "gauss".to_owned(),
+                table(vec![("fwhm_deg".to_owned(), value(Data::Number(1.0 + turn)))]),
+            )]);
+            let web = table(vec![("kind".to_owned(), text("profile")), ("file".to_owned(), text("a.ies"))]);
+            put("angular", [text("lambert"), n.clone(), gauss, web, n, text("lambert")][pick % 6].clone());
             // Powers and colours that the table allows may all be 0.
             let hue = |name: &str, numbers: Value| table(vec![(name.to_owned(), numbers)]);
             let rows = table_rows(&[[400.0, 0.0], [500.0 + turn, 1.0]]);
@@ -111,6 +118,10 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
             put("spectrum", spectra[pick % spectra.len()].clone());
         }
         "sky" => put("group", text("led_1")),
+        "sun" => {
+            put("group", text("led_1"));
+            put("direction", across.0);
+        }
         "slide" => {
             put("u", across.0);
             put("v", across.1);
@@ -129,7 +140,7 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
         }
         ("finish", _) => all.retain(|(key, _)| key != "transmittance"),
         ("emitter", _) => {
-            let strength = ["flux_lm", "luminance_cd_m2", "intensity_cd"][pick % 3];
+            let strength = ["flux_lm", "luminance_cd_m2", "intensity_cd", "radiant_flux_w"][pick % 4];
             all.retain(|(key, _)| !optics::STRENGTHS.contains(&key.as_str()) || key == strength);
         }
         ("coating", Some("stack")) => {
@@ -166,6 +177,7 @@ fn good(key: &'static str) -> BoxedStrategy<Value> {
         "emitter" => whole(Noun::Emitter, &EMITTER),
         "slide" => whole(Noun::Slide, &SLIDE),
         "sky" => every(rows(Noun::Sky).collect()),
+        "sun" => every(rows(Noun::Sun).collect()),
         _ => every(rows(Noun::Eye).collect()),
     };
     (all, 0.0..6.0, 0..6usize).prop_map(move |(v, turn, pick)| mended(key, v, turn, pick)).boxed()
@@ -177,6 +189,7 @@ fn raw(key: &'static str) -> BoxedStrategy<Value> {
         "emitter" => some(named_rows(Noun::Emitter, &EMITTER)),
         "slide" => some(named_rows(Noun::Slide, &SLIDE)),
         "sky" => some(rows(Noun::Sky).collect()),
+        "sun" => some(rows(Noun::Sun).collect()),
         "eye" => some(rows(Noun::Eye).collect()),
         key => {
             let nouns = [Noun::Medium, Noun::Finish, Noun::Coating, Noun::Shape, Noun::Asset];
@@ -185,7 +198,7 @@ fn raw(key: &'static str) -> BoxedStrategy<Value> {
     }
 }
 
-const WHOLE: [&str; 8] = ["finish", "coating", "shape", "wavelengths", "emitter", "slide", "sky", "eye"];
+const WHOLE: [&str; 9] = ["finish", "coating", "shape", "wavelengths", "emitter", "slide", "sky", "sun", "eye"];
 const SINGLE: [&str; 9] =
     ["ior", "glass", "sellmeier", "cauchy", "abbe", "index_table", "absorption_per_m", "priority", "unit"];
 

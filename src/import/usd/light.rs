@@ -51,7 +51,11 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView, node: usize, type_name:
         }
     };
     let Some(form) = form else { return Ok(()) };
-    let profile = shape::profile(reader, view)?;
+    let profile = shape::profile(reader, view, strength, &marks)?;
+    let form = match &profile {
+        Some(profile) if !profile.normalize => as_measured(form, profile.factor),
+        Some(_) | None => form,
+    };
     shape::unused(reader, view, matches!(form, LightForm::Point { .. }))?;
     reader.charge(view.path(), 1, size_of::<LightSource>() + 2 * view.path().as_str().len())?;
     let color = marks.triple("color").map_or(color, |exact| {
@@ -71,6 +75,19 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView, node: usize, type_name:
         at: view.at(),
     });
     Ok(())
+}
+
+/// The form of a light whose profile says how strong it is: its own strength is the profile's factor.
+fn as_measured(mut form: LightForm, factor: f64) -> LightForm {
+    match &mut form {
+        LightForm::Point { intensity_cd: strength, .. }
+        | LightForm::Rect { luminance_cd_m2: strength, .. }
+        | LightForm::Disk { luminance_cd_m2: strength, .. }
+        | LightForm::Sphere { luminance_cd_m2: strength, .. }
+        | LightForm::Cylinder { luminance_cd_m2: strength, .. } => *strength = factor,
+        LightForm::Distant { .. } | LightForm::Dome { .. } => {}
+    }
+    form
 }
 
 /// A mesh that is a light (MeshLightAPI): a lamp of ours, unless its attributes say what it emits.

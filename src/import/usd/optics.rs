@@ -10,7 +10,7 @@ use openusd::sdf;
 use std::path::Path;
 
 /// What the default prim says of the whole asset.
-const ROOT: [&str; 6] = ["version", "unit", "wavelengths", "sky", "eye", "default"];
+const ROOT: [&str; 7] = ["version", "unit", "wavelengths", "sky", "sun", "eye", "default"];
 
 /// Of the whole asset.
 pub(super) fn root(reader: &mut Reader) -> Result<Option<Value>> {

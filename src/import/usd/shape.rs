@@ -5,7 +5,7 @@ use super::light::{WIDEST, file, flag};
 use super::marks::{Marks, refined};
 use super::reader::Reader;
 use crate::base::fault::Result;
-use std::path::PathBuf;
+use crate::import::assembly::{LightProfile, ProfileSource};
 
 /// (inner, outer) half angle of a cone, if one is said: full inside angle · (1 − softness), nothing outside of angle
 /// (UsdLuxShapingAPI).
@@ -25,21 +25,29 @@ pub(super) fn cone(view: &PrimView, marks: &Marks) -> Result<Option<(f64, f64)>>
     Ok(Some((exact.unwrap_or(rounded), outer)))
 }
 
-/// The file of an intensity distribution.
+/// The measured intensity distribution. UsdLux multiplies the light's luminance by the file's candela, which is neither;
+/// here intensity · 2^exposure · colour, 1 for a lamp as it was measured, is a factor of the candela, whatever the size of
+/// the light.
 ///
 /// # Errors
 /// A value of another type.
-pub(super) fn profile(reader: &mut Reader, view: &PrimView) -> Result<Option<PathBuf>> {
-    let found = file(view, "inputs:shaping:ies:file")?;
-    if found.is_some() {
-        if view.number("inputs:shaping:ies:angleScale")?.is_some_and(|scale| scale != 0.0) {
-            reader.ledger.warn(view.at_property("inputs:shaping:ies:angleScale"), "`ies:angleScale` is not used");
-        }
-        if flag(view, "inputs:shaping:ies:normalize")? {
-            reader.ledger.warn(view.at_property("inputs:shaping:ies:normalize"), "`ies:normalize` is not used");
-        }
+pub(super) fn profile(
+    reader: &mut Reader,
+    view: &PrimView,
+    strength: f64,
+    marks: &Marks,
+) -> Result<Option<LightProfile>> {
+    let Some(found) = file(view, "inputs:shaping:ies:file")? else { return Ok(None) };
+    let angle_scale = view.number("inputs:shaping:ies:angleScale")?.unwrap_or(0.0);
+    if !angle_scale.is_finite() {
+        reader.ledger.warn(view.at_property("inputs:shaping:ies:angleScale"), "not a finite number: ignored");
     }
-    Ok(found)
+    Ok(Some(LightProfile {
+        source: ProfileSource::File(found),
+        factor: refined(marks.number("profile_factor"), strength),
+        normalize: flag(view, "inputs:shaping:ies:normalize")?,
+        angle_scale: if angle_scale.is_finite() { angle_scale } else { 0.0 },
+    }))
 }
 
 /// Notes on what is said and not used; `point`: a light that can have a cone.

@@ -1,7 +1,10 @@
 //! Faces: what each is optically, with photometry in both directions.
 
 use crate::base::Where;
-use crate::scene::{Angular, Coating, Emitter, Face, Finish, Part, Photometry, Polarisation, Scene, Shape, Spectrum};
+use crate::scene::angular::Spread;
+use crate::scene::{
+    Angular, Coating, Emitter, Face, Finish, Part, Polarisation, PolarisedLight, Scene, Shape, Spectrum,
+};
 use glam::DVec3;
 
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -25,10 +28,17 @@ pub struct EmitterReport {
     pub flux_lm: f64,
     /// Along the normal.
     pub luminance_cd_m2: f64,
+    /// The greatest intensity of all its light, were it flat.
+    pub peak_cd: f64,
+    /// From the normal up to where the intensity is half of the peak; none for a profile of type A or B.
+    pub half_angle_deg: Option<f64>,
     /// Of the face's triangles.
     pub area_m2: f64,
     pub angular: Angular,
+    /// File of a measured distribution.
+    pub profile: Option<String>,
     pub spectrum: Option<String>,
+    pub polarisation: Option<PolarisedLight>,
 }
 
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -79,25 +89,25 @@ pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
     part.faces.iter().zip(notes).enumerate().map(report).collect()
 }
 
-/// With I(θ) = I₀·cosⁿθ over a half space the flux is 2π·I₀/(n + 1), and the luminance along the normal is I₀/A.
 fn emitter(scene: &Scene, emitter: &Emitter, area_m2: f64) -> EmitterReport {
-    let n = match emitter.angular {
-        Angular::Lambert => 1.0,
-        Angular::CosN { n } => n,
-    };
-    let flux_per_intensity = std::f64::consts::TAU / (n + 1.0);
-    let (flux_lm, luminance_cd_m2) = match emitter.photometry {
-        Photometry::FluxLm(flux) => (flux, flux / flux_per_intensity / area_m2),
-        Photometry::LuminanceCdM2(luminance) => (luminance * area_m2 * flux_per_intensity, luminance),
-        Photometry::IntensityCd(intensity) => (intensity * flux_per_intensity, intensity / area_m2),
+    let spread = emitter.angular.spread(&scene.profiles);
+    let unit = spread.map_or(f64::NAN, |spread| emitter.unit_cd(&spread, area_m2));
+    let of = |value: fn(&Spread) -> f64| spread.as_ref().map_or(f64::NAN, |spread| unit * value(spread));
+    let profile = match emitter.angular {
+        Angular::Profile { profile, .. } => scene.profiles.get(profile.index()).map(|profile| profile.file.clone()),
+        Angular::Lambert | Angular::CosN { .. } | Angular::Gauss { .. } => None,
     };
     EmitterReport {
         group: scene.groups.get(emitter.group.index()).map_or_else(String::new, |group| group.name.clone()),
-        flux_lm,
-        luminance_cd_m2,
+        flux_lm: of(|spread| spread.whole),
+        luminance_cd_m2: of(|spread| spread.normal) / area_m2,
+        peak_cd: of(|spread| spread.peak),
+        half_angle_deg: spread.and_then(|spread| spread.half_angle_rad).map(f64::to_degrees),
         area_m2,
         angular: emitter.angular,
+        profile,
         spectrum: emitter.spectrum.as_ref().map(Spectrum::to_string),
+        polarisation: emitter.polarisation,
     }
 }
 

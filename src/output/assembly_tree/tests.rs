@@ -44,6 +44,7 @@ fn scene() -> Scene {
         photometry: Photometry::FluxLm(std::f64::consts::PI),
         angular: Angular::Lambert,
         spectrum: Some(Spectrum::Led(Led::B1)),
+        polarisation: None,
     };
     let led = || [face(Finish::Absorber), Face { emitter: Some(emitter.clone()), ..face(Finish::Absorber) }];
     let shape = Shape::Sphere { vertex: DVec3::ZERO, axis: DVec3::Z, radius: -50.0 };
@@ -90,6 +91,7 @@ fn scene() -> Scene {
             contrast: 100.0,
             polarisation: None,
         }],
+        profiles: Vec::new(),
         groups: vec![Group { name: "led".into() }, Group { name: "sky".into() }],
         lights: Vec::new(),
         sky: Some(Sky {
@@ -133,14 +135,14 @@ HUD
 │          face 1: polished, as meshed
 ├─ LED_1 … LED_3 (3 alike): 2 x 1 x 0 mm, one of 3 instances of mesh die
 │       face 0: absorber
-│       face 1: absorber, emits 3.142 lm, 1000000 cd/m² into group led, lambert, spectrum led_b1
+│       face 1: absorber, emits 3.142 lm, 1 cd, 1000000 cd/m² into group led, lambert, half angle 60 deg, spectrum led_b1
 ├─ LCD: 2 x 1 x 0 mm, one of 3 instances of mesh plate, at (1, 0.5, 0)
 │       face 0: slide s.png 2 x 1 pixels, 2 x 1 mm, T 0.8, contrast 100, mean T 0.404
 │       face 1: not there for light
 └─ BOX\u{fffd}: 2 x 1 x 0 mm, one of 3 instances of mesh plate, absorber, at (1, 0.5, 0)
 
 lamps
-  led: 3 faces, 9.425 lm, 1000000 cd/m²
+  led: 3 faces, 9.425 lm, peak 1 cd, 1000000 cd/m², half angle 60 deg
   sky: sky sky.exr, 2 x 2 pixels, 1 to 6 cd/m², mean 3 cd/m²
 
 eye
@@ -183,8 +185,13 @@ fn cosine_powers_and_the_three_photometries_agree() {
     for photometry in
         [Photometry::IntensityCd(2.0), Photometry::LuminanceCdM2(2e6), Photometry::FluxLm(std::f64::consts::PI)]
     {
-        scene.parts[1].faces[1].emitter =
-            Some(Emitter { group: GroupId(0), photometry, angular: Angular::CosN { n: 3.0 }, spectrum: None });
+        scene.parts[1].faces[1].emitter = Some(Emitter {
+            group: GroupId(0),
+            photometry,
+            angular: Angular::CosN { n: 3.0 },
+            spectrum: None,
+            polarisation: None,
+        });
         let (flux, along) = luminance(&scene);
         assert!((flux / std::f64::consts::PI - 1.0).abs() < 1e-9 && (along / 2e6 - 1.0).abs() < 1e-9, "{flux} {along}");
     }

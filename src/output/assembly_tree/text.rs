@@ -230,20 +230,26 @@ fn lamps_and_eye(tree: &AssemblyTree, out: &mut String) {
         let _ = writeln!(out, "  none");
     }
     for group in &optics.groups {
-        let faces = if group.faces == 1 { "face" } else { "faces" };
-        let _ = write!(
-            out,
-            "  {}: {} {faces}, {} lm",
-            words::name(&group.name),
-            group.faces,
-            words::number(group.flux_lm, 4)
-        );
-        if let Some([least, greatest]) = group.luminance_cd_m2 {
-            let (low, high) = (words::number(least, 4), words::number(greatest, 4));
-            let luminance = if low == high { low } else { format!("{low} to {high}") };
-            let _ = write!(out, ", {luminance} cd/m²");
-        }
-        out.push('\n');
+        let count = |number: usize, what: &str| match number {
+            0 => None,
+            1 => Some(format!("1 {what}")),
+            _ => Some(format!("{number} {what}s")),
+        };
+        let number = |x: f64| words::number(x, 4);
+        let range = |[low, high]: [f64; 2], unit: &str| {
+            let (low, high) = (number(low), number(high));
+            if low == high { format!("{low} {unit}") } else { format!("{low} to {high} {unit}") }
+        };
+        let all: Vec<String> = [count(group.faces, "face"), count(group.lights, "light")]
+            .into_iter()
+            .flatten()
+            .chain(group.peak_cd.map(|_| format!("{} lm", number(group.flux_lm))))
+            .chain(group.peak_cd.map(|peak| format!("peak {} cd", number(peak))))
+            .chain(group.illuminance_lx.map(|lux| format!("{} lx", number(lux))))
+            .chain(group.luminance_cd_m2.map(|luminance| range(luminance, "cd/m²")))
+            .chain(group.half_angle_deg.map(|half| format!("half angle {}", range(half, "deg"))))
+            .collect();
+        let _ = writeln!(out, "  {}: {}", words::name(&group.name), all.join(", "));
     }
     if let Some(sky) = &optics.sky {
         let [least, mean, greatest] =

@@ -119,15 +119,24 @@ fn shape(face: &FaceReport) -> Option<String> {
 
 pub fn emitter(emitter: &EmitterReport) -> String {
     let mut text = format!(
-        "emits {} lm, {} cd/m² into group {}, {}",
+        "emits {} lm, {} cd, {} cd/m² into group {}, {}",
         number(emitter.flux_lm, 4),
+        number(emitter.peak_cd, 4),
         number(emitter.luminance_cd_m2, 4),
         name(&emitter.group),
         match emitter.angular {
             Angular::Lambert => "lambert".to_owned(),
             Angular::CosN { n } => format!("cos^{}", number(n, 4)),
+            Angular::Gauss { fwhm_deg } => format!("gauss, full width {} deg", number(fwhm_deg, 4)),
+            Angular::Profile { .. } => format!("profile {}", name(emitter.profile.as_deref().unwrap_or(""))),
         }
     );
+    if let Some(half) = emitter.half_angle_deg {
+        text += &format!(", half angle {} deg", number(half, 4));
+    }
+    if let Some(polarisation) = &emitter.polarisation {
+        text += &format!(", {} polarised along {}", number(polarisation.degree, 4), direction(polarisation.axis));
+    }
     if let Some(spectrum) = &emitter.spectrum {
         text += &format!(", spectrum {}", name(spectrum));
     }

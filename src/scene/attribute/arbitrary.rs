@@ -210,10 +210,11 @@ pub fn prim() -> Values {
         entry(Noun::Asset, "unit").prop_map(|v| ("unit".to_owned(), v)).boxed(),
         entry(Noun::Asset, "wavelengths").prop_map(|v| ("wavelengths".to_owned(), v)).boxed(),
         some(rows(Noun::Sky).collect()).prop_map(|v| ("sky".to_owned(), v)).boxed(),
+        some(rows(Noun::Sun).collect()).prop_map(|v| ("sun".to_owned(), v)).boxed(),
         some(rows(Noun::Eye).collect()).prop_map(|v| ("eye".to_owned(), v)).boxed(),
         bindable().prop_map(move |rows| ("default".to_owned(), table(rows))).boxed(),
     ];
-    let root = proptest::sample::subsequence(root, 0..=5).prop_flat_map(|chosen| chosen);
+    let root = proptest::sample::subsequence(root, 0..=6).prop_flat_map(|chosen| chosen);
     (root, bindable(), proptest::collection::vec(face, 0..12))
         .prop_map(move |(mut all, own, faces)| {
             all.extend(own);

@@ -5,9 +5,9 @@ use Form::{
     Coefficients, File, Integer, Integers, Length, Number, NumberOrRows, Numbers, Place, Record, Records, Rows, Text,
     Thing, Word,
 };
-use Noun::{Asset, Coating, Emitter, Eye, Finish, Medium, Shape, Sky, Slide};
+use Noun::{Asset, Coating, Emitter, Eye, Finish, Medium, Shape, Sky, Slide, Sun};
 use Range::{Above, Any, AtLeast, AtLeastOrInfinite, Between, NonZero, Positive, PositiveOrInfinite, Within};
-use Support::{NotYet, Rendered};
+use Support::{Kept, NotYet, Rendered};
 
 #[rustfmt::skip]
 const fn new(noun: Noun, name: &'static str, form: Form, unit: &'static str, range: Range, doc: &'static str) -> Row {
@@ -32,7 +32,7 @@ const MOST_LUMINANCE: Range = Within(0.0, 1e15);
 pub const MEDIUM: [&str; 9] =
     ["name", "ior", "glass", "sellmeier", "cauchy", "abbe", "index_table", "absorption_per_m", "priority"];
 /// The attributes of an emitter's table.
-pub const EMITTER: [&str; 9] = [
+pub const EMITTER: [&str; 11] = [
     "name",
     "group",
     "flux_lm",
@@ -42,6 +42,8 @@ pub const EMITTER: [&str; 9] = [
     "radiant_flux_w",
     "angular",
     "spectrum",
+    "u",
+    "polarisation",
 ];
 /// The attributes of a slide's table.
 pub const SLIDE: [&str; 9] = ["name", "image", "size", "u", "v", "centre", "transmittance", "contrast", "polarisation"];
@@ -108,24 +110,28 @@ pub const ROWS: &[Row] = &[
     new(Shape, "surface", Word(&["plane", "sphere", "conic"]), "", Any, "which surface to fit: plane, sphere or conic").or("the simplest that fits"),
     new(Shape, "tolerance_um", Number, "µm", Positive, "greatest distance of a point of the face from the fitted surface"),
     // A face that emits.
-    new(Emitter, "emitter", Thing(&EMITTER), "", Any, "{ group, flux_lm or luminance_cd_m2 or intensity_cd, angular, spectrum }"),
+    new(Emitter, "emitter", Thing(&EMITTER), "", Any, "{ group, flux_lm or luminance_cd_m2 or intensity_cd, angular, spectrum }; with a measured distribution (angular profile) and no strength the file's own candela hold"),
     new(Emitter, "name", Text, "", Any, "name of an emitter of the asset"),
     new(Emitter, "group", Text, "", Any, "light group, part of layer names: letters, digits and _, a letter first").or("lamp"),
-    new(Emitter, "flux_lm", Number, "lm", MOST_LIGHT, "luminous flux of each face it is bound to"),
-    new(Emitter, "luminance_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "luminance (along the normal)"),
-    new(Emitter, "intensity_cd", Number, "cd", MOST_LIGHT, "luminous intensity along the normal of each face it is bound to"),
-    new(Emitter, "illuminance_lx", Number, "lx", AtLeast(0.0), "of a distant source").is(NotYet),
-    new(Emitter, "radiant_flux_w", Number, "W", AtLeast(0.0), "radiant flux, needs a spectrum").is(NotYet),
+    new(Emitter, "flux_lm", Number, "lm", MOST_LIGHT, "luminous flux of each face it is bound to; scales a measured distribution to it"),
+    new(Emitter, "luminance_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "luminance (along the normal); scales a measured distribution to it"),
+    new(Emitter, "intensity_cd", Number, "cd", MOST_LIGHT, "luminous intensity along the normal of each face it is bound to; scales a measured distribution to it"),
+    new(Emitter, "illuminance_lx", Number, "lx", AtLeast(0.0), "of a distant source, which is no face: say it in sun"),
+    new(Emitter, "radiant_flux_w", Number, "W", MOST_LIGHT, "radiant flux from 360 to 830 nm of each face it is bound to; the spectrum, which must be said, or the scene's one wavelength turns it into lumens"),
     new(Emitter, "angular", Form::Kind, "", Any, "how the intensity falls with the angle to the normal").or("lambert"),
     // Exponents are bounded where cosⁿ is a beam of 0.1 mrad: a typing error, not a lamp.
     new(Emitter, "n", Number, "", Within(0.0, 1e8), "exponent of cosⁿ"),
-    new(Emitter, "fwhm_deg", Number, "deg", Between(0.0, 180.0), "full width at half maximum").is(NotYet),
-    new(Emitter, "file", File, "", Any, "luminous intensity distribution, .ies or .ldt").is(NotYet),
+    new(Emitter, "fwhm_deg", Number, "deg", Between(0.0, 180.0), "full width at half maximum of the intensity"),
+    new(Emitter, "file", File, "", Any, "luminous intensity distribution, IES LM-63 (.ies) or EULUMDAT (.ldt); its direction (0, 0) is the face's normal, its plane C0 lies along u, and C turns counter-clockwise as seen from behind the face; what it has behind the face is left out"),
     new(Emitter, "spectrum", Form::Kind, "", Any, "colour of the light, from 360 to 830 nm").or("D65"),
     new(Emitter, "cct", Number, "K", Within(1000.0, 25_000.0), "correlated colour temperature: a black body below 4000 K, CIE daylight from there on"),
     new(Emitter, "rgb", Numbers(3), "", AtLeast(0.0), "linear Rec.709, of which only the hue and saturation count"),
     new(Emitter, "table", Rows(&["λ in nm", "W"]), "", AtLeast(0.0), "[[λ in nm, relative power], …] with rising λ, linear between the rows and 0 outside"),
     new(Emitter, "csv", File, "", Any, "text file with lines of λ in nm and relative power"),
+    new(Emitter, "u", Numbers(3), "", Any, "direction along the face, in the part's axes: the plane C0 of a measured distribution, 0 degrees of polarisation").or("+x, or +y where the face's normal is within 45 degrees of x"),
+    new(Emitter, "polarisation", Record(&["angle_deg", "degree"]), "", Any, "{ angle_deg, degree } of the light that leaves; without it, unpolarised").is(Kept),
+    new(Emitter, "angle_deg", Number, "deg", Any, "direction of polarisation, from u, counter-clockwise as seen from the front").is(Kept),
+    new(Emitter, "degree", Number, "", Within(0.0, 1.0), "degree of polarisation").is(Kept),
     // A thin transmissive picture on a face.
     new(Slide, "slide", Thing(&SLIDE), "", Any, "{ image, size, u, v, centre, transmittance, contrast }"),
     new(Slide, "name", Text, "", Any, "name of a slide of the asset"),
@@ -145,6 +151,12 @@ pub const ROWS: &[Row] = &[
     new(Sky, "rotation_deg", Number, "deg", Any, "about the frame's +y").or("0"),
     new(Sky, "group", Text, "", Any, "light group").or("sky"),
     new(Sky, "frame", Text, "", Any, "\"asset\", or the node whose axes the panorama follows").or("asset"),
+    // The worst day of a head-up display.
+    new(Sun, "direction", Numbers(3), "", Any, "towards the sun, not zero"),
+    new(Sun, "illuminance_lx", Number, "lx", MOST_LIGHT, "on a plane across its light").or("100000"),
+    new(Sun, "angle_deg", Number, "deg", Within(0.0, 179.0), "full angle of its disc, uniformly bright; 0 is parallel light that nobody sees").or("0.533"),
+    new(Sun, "group", Text, "", Any, "light group").or("sun"),
+    new(Sun, "frame", Text, "", Any, "\"asset\", or the node in whose axes direction is given").or("asset"),
     // The eye.
     new(Eye, "position", Place, "", Any, "centre of the pupil"),
     new(Eye, "look", Numbers(3), "", Any, "viewing direction, not zero"),
@@ -209,8 +221,8 @@ pub const KINDS: &[Kind] = &[
     kind("shape", "fit", &["surface", "tolerance_um", "radius", "conic"], "recovered from the face's points; radius and conic replace what was found"),
     kind("angular", "lambert", &[], "I ∝ cos θ"),
     kind("angular", "cos_n", &["n"], "I ∝ cosⁿ θ"),
-    kind("angular", "gauss", &["fwhm_deg"], "Gaussian beam").not_yet(),
-    kind("angular", "profile", &["file"], "measured").not_yet(),
+    kind("angular", "gauss", &["fwhm_deg"], "I ∝ exp(−4 ln 2 (θ/fwhm)²)"),
+    kind("angular", "profile", &["file"], "measured: bilinear between the file's angles"),
     kind("spectrum", "D65", &[], "CIE standard illuminant D65"),
     kind("spectrum", "A", &[], "CIE standard illuminant A"),
     kind("spectrum", "equal", &[], "equal power at every wavelength"),

@@ -135,7 +135,7 @@ enum Entry {
 fn keys(level: Level) -> Vec<&'static str> {
     let mut keys = Vec::new();
     match level {
-        Level::Prim => keys.extend(["version", "unit", "wavelengths", "sky", "eye", "default"]),
+        Level::Prim => keys.extend(["version", "unit", "wavelengths", "sky", "sun", "eye", "default"]),
         Level::Default => {}
         Level::Faces => keys.extend(["faces", "normal"]),
     }
@@ -156,6 +156,7 @@ fn entry(level: Level, key: &str) -> Option<Entry> {
             row(Noun::Asset, key).map(|row| Entry::Row(format!("asset:{key}"), row))
         }
         ("sky", Level::Prim) => Some(Entry::Noun(Noun::Sky)),
+        ("sun", Level::Prim) => Some(Entry::Noun(Noun::Sun)),
         ("eye", Level::Prim) => Some(Entry::Noun(Noun::Eye)),
         ("default", Level::Prim) => Some(Entry::Default),
         ("faces", Level::Prim) => Some(Entry::Faces),

@@ -155,7 +155,13 @@ pub fn cuboid(lo: DVec3, hi: DVec3) -> Mesh {
 }
 
 pub fn emitter() -> Emitter {
-    Emitter { group: GroupId(0), photometry: Photometry::FluxLm(1.0), angular: Angular::Lambert, spectrum: None }
+    Emitter {
+        group: GroupId(0),
+        photometry: Photometry::FluxLm(1.0),
+        angular: Angular::Lambert,
+        spectrum: None,
+        polarisation: None,
+    }
 }
 
 /// A solid with a medium.
@@ -187,6 +193,7 @@ pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
         }],
         coatings: vec![],
         slides: vec![],
+        profiles: Vec::new(),
         groups: vec![],
         lights: Vec::new(),
         sky: None,

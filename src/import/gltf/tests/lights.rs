@@ -3,6 +3,7 @@
 use crate::base::fault::Result;
 use crate::import::Assembly;
 use crate::import::assembly::LightForm;
+use crate::import::assembly::{LightProfile, ProfileSource};
 use crate::import::gltf::testing::Builder;
 use crate::import::value::Value;
 use crate::scene::Severity;
@@ -58,10 +59,30 @@ fn ies_lights_name_their_file() {
     builder.json["nodes"][0]["extensions"] = json!({ "EXT_lights_ies": { "light": 0, "multiplier": 2 } });
     let assembly = builder.read().unwrap();
     let light = &assembly.lights[0];
-    assert_eq!(light.profile.as_deref(), Some(std::path::Path::new("lamp 1.ies")));
+    assert_eq!(light.profile, Some(LightProfile::of(ProfileSource::File("lamp 1.ies".into()), 2.0)));
     assert_eq!(light.form, LightForm::Point { intensity_cd: 2.0, cone: None });
     builder.json["nodes"][0]["extensions"]["EXT_lights_ies"]["light"] = json!(1);
     assert!(builder.read().unwrap_err().what.contains("light 1 does not exist"));
+}
+
+/// In a data: URI and in a buffer view: the profile shines, (0, 0) along −z of its node.
+#[test]
+fn ies_lights_may_be_inside_the_asset() {
+    let text = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 5\n0 90\n0\n8 2\n";
+    let uri = format!("data:application/x-ies-lm-63,{}", text.replace('\n', "%0A").replace(' ', "%20"));
+    let mut builder = Builder::square();
+    builder.json["extensions"] = json!({ "EXT_lights_ies": { "lights": [{ "uri": uri }] } });
+    builder.json["nodes"][0]["extensions"] = json!({ "EXT_lights_ies": { "light": 0, "multiplier": 2 } });
+    let assembly = builder.read().unwrap();
+    let profile = assembly.lights[0].profile.as_ref().unwrap();
+    assert_eq!(profile.source, ProfileSource::Embedded(std::sync::Arc::new(text.as_bytes().to_vec())));
+    assert_eq!(profile.factor, 2.0);
+    builder.json["extensions"] =
+        json!({ "EXT_lights_ies": { "lights": [{ "bufferView": 0, "mimeType": "application/x-ies-lm-63" }] } });
+    let assembly = builder.read().unwrap();
+    assert!(matches!(assembly.lights[0].profile.as_ref().unwrap().source, ProfileSource::Embedded(_)));
+    builder.json["extensions"] = json!({ "EXT_lights_ies": { "lights": [{ "name": "x" }] } });
+    assert!(builder.read().unwrap_err().what.contains("without data"));
 }
 
 fn mapped(material: Json) -> (Vec<String>, Vec<String>, Vec<String>) {

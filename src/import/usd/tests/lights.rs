@@ -115,6 +115,29 @@ fn temperatures_are_colours() {
     }
 }
 
+/// Intensity, exposure and colour are a factor of the file's candela, whatever the size of the light.
+#[test]
+fn profiles_take_the_lights_strength_as_a_factor() {
+    let ies = "asset inputs:shaping:ies:file = @./a.ies@\nfloat inputs:intensity = 3\nfloat inputs:exposure = 1\n";
+    for (kind, more) in
+        [("DiskLight", "float inputs:radius = 4"), ("SphereLight", "bool treatAsPoint = 1\nbool inputs:normalize = 1")]
+    {
+        let found = light(kind, &format!("{ies}{more}"));
+        let profile = found.lights[0].profile.as_ref().unwrap();
+        assert_eq!((profile.factor, profile.normalize, profile.angle_scale), (6.0, false, 0.0));
+        match found.lights[0].form {
+            LightForm::Disk { luminance_cd_m2: own, .. } | LightForm::Point { intensity_cd: own, .. } => {
+                close(own, 6.0)
+            }
+            ref other => panic!("{other:?}"),
+        }
+    }
+    let more = "bool inputs:shaping:ies:normalize = 1\nfloat inputs:shaping:ies:angleScale = 0.5";
+    let found = light("DiskLight", &format!("{ies}{more}"));
+    let profile = found.lights[0].profile.as_ref().unwrap();
+    assert!(profile.normalize && profile.angle_scale == 0.5 && !notes(&found).contains("is not used"));
+}
+
 #[test]
 fn what_is_not_used_is_said() {
     let found = light(
@@ -125,7 +148,7 @@ fn what_is_not_used_is_said() {
     for what in ["picture of a rectangular", "the cone of a light", "focus", "filters", "lightLink"] {
         assert!(said.contains(what), "{what}\n{said}");
     }
-    assert!(found.lights[0].profile.as_ref().unwrap().ends_with("a.ies"));
+    assert!(found.lights[0].profile.as_ref().unwrap().source.file().unwrap().ends_with("a.ies"));
     let odd = light("PortalLight", "");
     assert!(odd.lights.is_empty() && notes(&odd).contains("PortalLight"));
     let negative = light("RectLight", "float inputs:intensity = -1");

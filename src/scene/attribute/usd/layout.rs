@@ -24,7 +24,9 @@ pub fn properties(noun: Noun) -> Vec<Property> {
                 add(holder, holder.name, &mut out);
             }
         }
-        Noun::Sky | Noun::Eye => rows(noun).for_each(|row| add(row, &format!("{noun}:{}", row.name), &mut out)),
+        Noun::Sky | Noun::Sun | Noun::Eye => {
+            rows(noun).for_each(|row| add(row, &format!("{noun}:{}", row.name), &mut out))
+        }
         Noun::Asset => {
             for row in ["version", "unit", "wavelengths"].iter().filter_map(|name| row(noun, name)) {
                 add(row, &format!("asset:{}", row.name), &mut out);
@@ -113,7 +115,7 @@ fn add(row: &'static Row, name: &str, out: &mut Vec<Property>) {
 
 /// Every name that a property can have, without namespace and without the prefix of faces and of `default`.
 pub(super) fn known() -> Vec<String> {
-    const NOUNS: [Noun; 9] = [
+    const NOUNS: [Noun; 10] = [
         Noun::Medium,
         Noun::Finish,
         Noun::Coating,
@@ -121,6 +123,7 @@ pub(super) fn known() -> Vec<String> {
         Noun::Emitter,
         Noun::Slide,
         Noun::Sky,
+        Noun::Sun,
         Noun::Eye,
         Noun::Asset,
     ];

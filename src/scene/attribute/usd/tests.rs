@@ -58,7 +58,7 @@ proptest! {
     }
 }
 
-const NOUNS: [Noun; 9] = [
+const NOUNS: [Noun; 10] = [
     Noun::Medium,
     Noun::Finish,
     Noun::Coating,
@@ -66,6 +66,7 @@ const NOUNS: [Noun; 9] = [
     Noun::Emitter,
     Noun::Slide,
     Noun::Sky,
+    Noun::Sun,
     Noun::Eye,
     Noun::Asset,
 ];
