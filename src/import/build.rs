@@ -368,7 +368,7 @@ impl Builder<'_> {
     }
 
     fn shape(&mut self, part: &Candidate, number: usize, value: &Value, to_world: &DAffine3) -> Result<Shape> {
-        let spec = optics::shape(value)?;
+        let spec = optics::shape(value, &mut self.notes)?;
         if spec == ShapeSpec::Exact(Shape::Mesh) {
             return Ok(Shape::Mesh);
         }
@@ -381,10 +381,10 @@ impl Builder<'_> {
         })?;
         match spec {
             ShapeSpec::Exact(shape) => Ok(shape),
-            ShapeSpec::Fit { surface, tolerance_um, radius, conic } => {
+            ShapeSpec::Fit { surface, tolerance_um, radius, conic, tube_radius } => {
                 let Some(source) = self.assembly.meshes.get(part.mesh) else { return Ok(Shape::Mesh) };
                 let place = place::FacePlace { part: &part.path, number, at: &value.at };
-                let order = place::FitOrder { surface, tolerance_um, radius, conic };
+                let order = place::FitOrder { surface, tolerance_um, radius, conic, tube_radius };
                 place::fitted(&source.mesh, place, order, self.unit_m * scale, &mut self.notes)
             }
         }

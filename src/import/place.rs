@@ -137,9 +137,10 @@ pub struct FitOrder {
     pub surface: Option<fit::Kind>,
     /// Largest distance of a point, µm.
     pub tolerance_um: f64,
-    /// Replace what was found; the radius in mesh units.
+    /// Replace what was found; the radii in mesh units.
     pub radius: Option<f64>,
     pub conic: Option<f64>,
+    pub tube_radius: Option<f64>,
 }
 
 /// Fits the surface of a face; `metres` is the length of a mesh unit. The fit and its residual are noted.
@@ -159,30 +160,69 @@ pub fn fitted(mesh: &Mesh, place: FacePlace<'_>, order: FitOrder, metres: f64, n
         fault.what = format!("part {} face {}: {}", place.part, place.number, fault.what);
         fault
     })?;
-    let (shape, text) = match (found.surface, order.radius, order.conic) {
-        (Fitted::Plane { vertex, axis }, None, None) => (Shape::Plane { vertex, axis }, "plane".to_owned()),
-        (Fitted::Sphere { vertex, axis, radius }, given, None) => {
-            // Which side the centre lies on is the mesh's business: the magnitude counts.
-            let radius = given.map_or(radius, |given| radius.signum() * given.abs());
-            (Shape::Sphere { vertex, axis, radius }, format!("sphere of radius {radius}"))
+    // Which side the centre lies on is the mesh's business: the magnitude counts.
+    let signed = |found: f64, given: Option<f64>| given.map_or(found, |given| found.signum() * given.abs());
+    let stray = |what: &str| {
+        let kind = found.surface.kind();
+        Fault::new(
+            place.at.clone(),
+            format!("part {} face {} is a {kind}; it has no {what} to replace", place.part, place.number),
+        )
+    };
+    let (shape, text) = match found.surface {
+        Fitted::Plane { vertex, axis } => {
+            if order.radius.is_some() || order.conic.is_some() {
+                return Err(stray("radius or conic"));
+            }
+            (Shape::Plane { vertex, axis }, "plane".to_owned())
         }
-        (Fitted::Sphere { vertex, axis, radius }, given, Some(conic)) => {
-            let radius = given.map_or(radius, |given| radius.signum() * given.abs());
+        Fitted::Sphere { vertex, axis, radius } => {
+            let radius = signed(radius, order.radius);
+            match order.conic {
+                None => (Shape::Sphere { vertex, axis, radius }, format!("sphere of radius {radius}")),
+                Some(conic) => (
+                    Shape::Conic { vertex, axis, radius, conic },
+                    format!("conic of radius {radius}, conic constant {conic}"),
+                ),
+            }
+        }
+        Fitted::Conic { vertex, axis, radius, conic } => {
+            let (radius, conic) = (signed(radius, order.radius), order.conic.unwrap_or(conic));
             (Shape::Conic { vertex, axis, radius, conic }, format!("conic of radius {radius}, conic constant {conic}"))
         }
-        (Fitted::Conic { vertex, axis, radius, conic }, given, other) => {
-            let radius = given.map_or(radius, |given| radius.signum() * given.abs());
-            let conic = other.unwrap_or(conic);
-            (Shape::Conic { vertex, axis, radius, conic }, format!("conic of radius {radius}, conic constant {conic}"))
+        Fitted::Cylinder { vertex, axis, x, radius } => {
+            let radius = signed(radius, order.radius);
+            (Shape::Cylinder { vertex, axis, x, radius }, format!("cylinder of radius {radius}"))
         }
-        (Fitted::Plane { .. }, _, _) => {
-            let what =
-                format!("part {} face {} is a plane; it has no radius or conic to replace", place.part, place.number);
-            return Err(Fault::new(place.at.clone(), what));
+        Fitted::Toroid { vertex, axis, x, radius, tube_radius } => {
+            let (radius, tube_radius) = (signed(radius, order.radius), signed(tube_radius, order.tube_radius));
+            let text = format!("toroid of radius {radius}, tube radius {tube_radius}");
+            (Shape::Toroid { vertex, axis, x, radius, tube_radius }, text)
         }
     };
+    match shape {
+        Shape::Toroid { .. } if order.conic.is_some() => return Err(stray("conic")),
+        Shape::Cylinder { .. } if order.conic.is_some() => return Err(stray("conic")),
+        Shape::Toroid { .. } => {}
+        Shape::Mesh
+        | Shape::Plane { .. }
+        | Shape::Sphere { .. }
+        | Shape::Conic { .. }
+        | Shape::Asphere { .. }
+        | Shape::Cylinder { .. }
+        | Shape::XyPoly { .. }
+        | Shape::Zernike { .. } => {
+            if order.tube_radius.is_some() {
+                return Err(stray("tube_radius"));
+            }
+        }
+    }
     let um = metres * 1e6;
-    let replaced = if order.radius.is_some() || order.conic.is_some() { " (partly replaced)" } else { "" };
+    let replaced = if order.radius.is_some() || order.conic.is_some() || order.tube_radius.is_some() {
+        " (partly replaced)"
+    } else {
+        ""
+    };
     notes.push(Note {
         severity: Severity::Info,
         at: Where::Part { path: place.part.to_owned(), face: Some(place.number) },

@@ -63,6 +63,11 @@ fn scaled(mut scene: Scene, s: f64) -> Scene {
                     *vertex *= s;
                     *radius *= s;
                 }
+                Shape::Asphere { .. }
+                | Shape::Cylinder { .. }
+                | Shape::Toroid { .. }
+                | Shape::XyPoly { .. }
+                | Shape::Zernike { .. } => panic!("the samples have none"),
             }
         }
     }

@@ -179,7 +179,7 @@ fn checked(sheet: &Sheet, bound: &[PartBound]) -> Result<()> {
                 Slot::Priority => drop(optics::priority(value)?),
                 Slot::Finish => drop(optics::finish(value, &mut notes)?),
                 Slot::Shape => {
-                    optics::shape(value)?;
+                    optics::shape(value, &mut Vec::new())?;
                 }
                 Slot::Coating => match value.text().filter(|_| !none) {
                     Some(name) => return Err(optics::unknown_coating(name, value, sheet.coatings.names())),

@@ -69,7 +69,9 @@ fn every_cap_gives_back_its_prescription() {
                 assert!((vertex.z - z).abs() < 1e-4, "{part} {face}: {vertex}");
                 assert!(vertex.x.hypot(vertex.y) < 1e-4 && axis.z.abs() > 1.0 - 1e-9, "{vertex} {axis}");
             }
-            Fitted::Plane { .. } => panic!("{part} {face} is curved"),
+            Fitted::Plane { .. } | Fitted::Cylinder { .. } | Fitted::Toroid { .. } => {
+                panic!("{part} {face} is a {}", simplest.surface.kind())
+            }
         }
     }
     println!("worst dR/R {worst_r:.1e}, dk {worst_k:.1e}, residual {worst_residual:.1e} mm");

@@ -21,11 +21,7 @@ pub enum FitError {
 
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Kind::Plane => "plane",
-            Kind::Sphere => "sphere",
-            Kind::Conic => "conic",
-        })
+        f.write_str(self.name())
     }
 }
 

@@ -1,5 +1,5 @@
-//! Recovers the exact surface of a CAD face from the points of its mesh: plane, sphere or conic of revolution, by
-//! orthogonal least squares in f64. Positions are good to f32; normals are not used.
+//! Recovers the exact surface of a CAD face from the points of its mesh: plane, sphere, cylinder, conic of revolution or
+//! torus, by orthogonal least squares in f64. Positions are good to f32; the file's normals are not used.
 
 mod conic;
 mod fault;
@@ -7,12 +7,15 @@ mod linalg;
 mod plane;
 mod pole;
 mod refine;
+mod round; // cylinders and tori
 mod start;
 
 #[cfg(test)]
 pub(crate) mod cad;
 #[cfg(test)]
 mod cad_tests;
+#[cfg(test)]
+mod round_tests;
 #[cfg(test)]
 mod tests;
 
@@ -23,7 +26,7 @@ use conic::{CURVE, Conic};
 use glam::DVec3;
 use plane::plane;
 use pole::Face;
-use refine::{CONIC, Minimum, SPHERE, STILL, refine};
+use refine::{CONIC, Minimum, Model, SPHERE, STILL, refine};
 use start::{Monomials, Norm};
 
 /// What to fit.
@@ -32,7 +35,28 @@ use start::{Monomials, Norm};
 pub enum Kind {
     Plane,
     Sphere,
+    Cylinder,
     Conic,
+    Toroid,
+}
+
+impl Kind {
+    /// From the simplest on.
+    pub const ALL: [Kind; 5] = [Kind::Plane, Kind::Sphere, Kind::Cylinder, Kind::Conic, Kind::Toroid];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Plane => "plane",
+            Kind::Sphere => "sphere",
+            Kind::Cylinder => "cylinder",
+            Kind::Conic => "conic",
+            Kind::Toroid => "toroid",
+        }
+    }
+
+    pub fn named(name: &str) -> Option<Kind> {
+        Kind::ALL.into_iter().find(|kind| kind.name() == name)
+    }
 }
 
 /// An exact surface in mesh units. `axis` is a unit vector and `radius` > 0: the centre of curvature is vertex +
@@ -47,6 +71,10 @@ pub enum Fitted {
     /// ρ² = 2·radius·z − (1 + conic)·z² about `axis`; a hyperboloid's sheet is the one through `vertex`, an ellipsoid's
     /// vertex is the pole nearer to the face.
     Conic { vertex: DVec3, axis: DVec3, radius: f64, conic: f64 },
+    /// As [`Shape::Cylinder`](crate::scene::Shape): `vertex` is amid the face.
+    Cylinder { vertex: DVec3, axis: DVec3, x: DVec3, radius: f64 },
+    /// As [`Shape::Toroid`](crate::scene::Shape), `tube_radius` of either sign: `vertex` is on the equator amid the face.
+    Toroid { vertex: DVec3, axis: DVec3, x: DVec3, radius: f64, tube_radius: f64 },
 }
 
 impl Fitted {
@@ -55,6 +83,8 @@ impl Fitted {
             Fitted::Plane { .. } => Kind::Plane,
             Fitted::Sphere { .. } => Kind::Sphere,
             Fitted::Conic { .. } => Kind::Conic,
+            Fitted::Cylinder { .. } => Kind::Cylinder,
+            Fitted::Toroid { .. } => Kind::Toroid,
         }
     }
 }
@@ -74,7 +104,7 @@ pub struct Fit {
 ///
 /// `points`: mesh positions; `triangles`: the face's triangles (counter-clockwise from outside). Only vertices that
 /// triangles use count, coincident ones once; with no triangles at all, every vertex counts. `kind`: what to fit, or
-/// None for the simplest of plane, sphere, conic that meets `tolerance`. `tolerance`: largest orthogonal distance
+/// None for the first of plane, sphere, cylinder, conic, toroid that meets `tolerance`. `tolerance`: largest orthogonal distance
 /// allowed, mesh units; what rounding to f32 can do to the coordinates is always allowed.
 ///
 /// A conic's axis and vertex are found with it (7 unknowns). What the points do not determine stays at the simplest
@@ -100,6 +130,8 @@ pub fn fit(points: &[[f32; 3]], triangles: &[[u32; 3]], kind: Option<Kind>, tole
     match kind {
         Some(Kind::Plane) => judged(task.plane()?),
         Some(Kind::Sphere) => judged(task.sphere()?.1),
+        Some(Kind::Cylinder) => judged(task.round(Kind::Cylinder)?),
+        Some(Kind::Toroid) => judged(task.round(Kind::Toroid)?),
         Some(Kind::Conic) => judged(task.conic(task.sphere().ok().map(|(start, _)| start))?),
         None => task.simplest(judged),
     }
@@ -176,10 +208,10 @@ impl Task {
         let best = (starts.into_iter().flatten())
             .filter_map(|start| refine(&few, start, &SPHERE, 100))
             .min_by(|x, y| x.cost.total_cmp(&y.cost))
-            .and_then(|best| refine(&self.face.points, best.conic, &SPHERE, 100))
+            .and_then(|best| refine(&self.face.points, best.surface, &SPHERE, 100))
             .ok_or(FitError::Undetermined { kind: Kind::Sphere, why: "no sphere passes near the points" })?;
         self.curved(Kind::Sphere, &best)?;
-        let seated = self.face.seat(best.conic, self.allowed);
+        let seated = self.face.seat(best.surface, self.allowed);
         let (vertex, axis, radius) = self.unscaled(&seated);
         Ok((seated, self.measured(Fitted::Sphere { vertex, axis, radius }, |p| seated.distance(p))))
     }
@@ -199,7 +231,7 @@ impl Task {
             // fitting noise with another axis wins (a χ² of 2 directions, generously 20).
             let margin = 1.0 - 20.0 / (few.len() as f64 + 20.0);
             if best.as_ref().is_none_or(|(best, _)| found.cost < best.cost * margin) {
-                let rounded = few.iter().all(|&p| found.conic.distance(p).abs() <= self.noise);
+                let rounded = few.iter().all(|&p| found.surface.distance(p).abs() <= self.noise);
                 best = Some((found, free));
                 if rounded {
                     break; // nothing but rounding is left to explain
@@ -207,10 +239,10 @@ impl Task {
             }
         }
         let best = best
-            .and_then(|(best, free)| refine(points, best.conic, free, 100))
+            .and_then(|(best, free)| refine(points, best.surface, free, 100))
             .ok_or(FitError::Undetermined { kind: Kind::Conic, why: "no conic passes near the points" })?;
         self.curved(Kind::Conic, &best)?;
-        let mut conic = best.conic.towards_centre();
+        let mut conic = best.surface.towards_centre();
         if let Some(other) = conic.other_pole() {
             let middle = self.face.middle();
             if other.vertex.distance(middle) < conic.vertex.distance(middle) {
@@ -220,6 +252,43 @@ impl Task {
         let (vertex, axis, radius) = self.unscaled(&conic);
         let surface = Fitted::Conic { vertex, axis, radius, conic: conic.k };
         Ok(self.measured(surface, |p| conic.distance(p)))
+    }
+
+    /// A cylinder or a torus: the best of all starts.
+    fn round(&self, kind: Kind) -> Result<Fit, FitError> {
+        let toroid = kind == Kind::Toroid;
+        self.need(kind, if toroid { 7 } else { 5 })?;
+        let few = &*self.few();
+        let free = if toroid { &round::TOROID } else { &round::CYLINDER };
+        let found = round::starts(&self.face, few, toroid)
+            .into_iter()
+            .filter_map(|start| refine(few, start, free, 100))
+            .min_by(|x, y| x.cost.total_cmp(&y.cost))
+            .and_then(|best| refine(&self.face.points, best.surface, free, 100))
+            .ok_or(FitError::Undetermined { kind, why: "none passes near the points" })?;
+        // As for conics: see `curved`. The other freedoms may follow.
+        let count = self.face.points.len() as f64;
+        let noise = (found.cost / count).sqrt().max(0.3 * self.noise);
+        let said = |freedom: usize, curvature: f64| {
+            let held = std::array::from_fn(|j| free[j] && (j == freedom || j < round::CURVE));
+            noise * found.triangle.errors(&held)[freedom] <= 0.1 * curvature.abs()
+        };
+        if !said(round::CURVE, found.surface.c) {
+            return Err(FitError::Undetermined { kind, why: "the points do not say how strongly it is curved" });
+        }
+        if toroid && !said(round::TUBE, found.surface.tube) {
+            let why = "the points do not say how strongly its tube is curved; try a cylinder";
+            return Err(FitError::Undetermined { kind, why });
+        }
+        let seated = found.surface.seated(self.face.middle(), &self.face.points);
+        let Scale { mean, size } = self.scale;
+        let (vertex, axis, x) = (mean + size * seated.vertex, seated.axis, seated.x);
+        let radius = size / seated.c;
+        let surface = match toroid {
+            true => Fitted::Toroid { vertex, axis, x, radius, tube_radius: size / seated.tube },
+            false => Fitted::Cylinder { vertex, axis, x, radius },
+        };
+        Ok(self.measured(surface, |p| seated.distance(p)))
     }
 
     /// The simplest surface that meets the tolerance, else the error of the best one. A curved surface is not offered
@@ -238,8 +307,13 @@ impl Task {
         }
         let sphere = if count >= 8 { self.sphere().ok() } else { None };
         let start = sphere.map(|(start, _)| start);
-        let conic = || if count >= 14 { self.conic(start).ok() } else { None };
-        for fit in [sphere.map(|(_, fit)| fit)].into_iter().chain(std::iter::once_with(conic)).flatten() {
+        let later: [&dyn Fn() -> Option<Fit>; 3] = [
+            &|| if count >= 10 { self.round(Kind::Cylinder).ok() } else { None },
+            &|| if count >= 14 { self.conic(start).ok() } else { None },
+            &|| if count >= 14 { self.round(Kind::Toroid).ok() } else { None },
+        ];
+        let later = later.into_iter().filter_map(|fit| fit());
+        for fit in sphere.map(|(_, fit)| fit).into_iter().chain(later) {
             match judged(fit) {
                 Ok(fit) => return Ok(fit),
                 Err(error) if fit.rms < best.0 => best = (fit.rms, error),
@@ -270,7 +344,7 @@ impl Task {
         let count = self.face.points.len() as f64;
         let noise = (found.cost / count).sqrt().max(0.3 * self.noise);
         let error = noise * found.triangle.errors(&SPHERE)[CURVE];
-        if error <= 0.1 * found.conic.c.abs() {
+        if error <= 0.1 * found.surface.c.abs() {
             Ok(())
         } else {
             Err(FitError::Undetermined { kind, why: "the points do not say how strongly it is curved; try a plane" })

@@ -1,4 +1,4 @@
-//! Orthogonal least squares: Levenberg–Marquardt over the freedoms of a conic (Nocedal & Wright, Numerical
+//! Orthogonal least squares: Levenberg–Marquardt over the freedoms of a surface (Nocedal & Wright, Numerical
 //! Optimization, §10.3).
 
 use super::conic::{CURVE, Conic, RISE, SHAPE, SLIDE_U, TURN_U};
@@ -21,21 +21,48 @@ const fn free(columns: &[usize]) -> [bool; 8] {
     out
 }
 
+/// A surface with seven freedoms at most.
+pub(super) trait Model: Copy {
+    /// Signed orthogonal distance.
+    fn distance(&self, p: DVec3) -> f64;
+    /// Derivatives of the distance by the freedoms, then the distance.
+    fn row(&self, p: DVec3) -> [f64; 8];
+    /// The surface after a step in the freedoms.
+    fn moved(&self, step: &[f64; 8]) -> Self;
+    /// The whole plausible range of a freedom, for points scaled to size one.
+    fn range(freedom: usize) -> f64;
+}
+
+impl Model for Conic {
+    fn distance(&self, p: DVec3) -> f64 {
+        Conic::distance(self, p)
+    }
+    fn row(&self, p: DVec3) -> [f64; 8] {
+        Conic::row(self, p)
+    }
+    fn moved(&self, step: &[f64; 8]) -> Conic {
+        Conic::moved(self, step)
+    }
+    fn range(freedom: usize) -> f64 {
+        if freedom == SHAPE { 10.0 } else { 1.0 }
+    }
+}
+
 /// A minimum: the surface, the sum of squared orthogonal distances, and the triangle of its Jacobian.
-pub(super) struct Minimum {
-    pub conic: Conic,
+pub(super) struct Minimum<M = Conic> {
+    pub surface: M,
     pub cost: f64,
     pub triangle: Triangle<8>,
 }
 
-fn cost(points: &[DVec3], conic: &Conic) -> f64 {
-    points.iter().map(|&p| conic.distance(p).powi(2)).sum()
+fn cost(points: &[DVec3], surface: &impl Model) -> f64 {
+    points.iter().map(|&p| surface.distance(p).powi(2)).sum()
 }
 
-fn triangle(points: &[DVec3], conic: &Conic) -> Triangle<8> {
+fn triangle(points: &[DVec3], surface: &impl Model) -> Triangle<8> {
     let mut triangle = Triangle::new();
     for &p in points {
-        let mut row = conic.row(p);
+        let mut row = surface.row(p);
         row[7] = -row[7]; // the step that cancels the residual
         triangle.add(row);
     }
@@ -43,26 +70,23 @@ fn triangle(points: &[DVec3], conic: &Conic) -> Triangle<8> {
 }
 
 /// Walks from `start` to the nearest minimum of Σ distance². Points are expected centred and scaled to size one. A
-/// parameter whose whole plausible range (1 in these units, 10 for the conic constant) changes the points by less than
+/// parameter whose whole plausible range changes the points by less than
 /// what the present residual hides is held still, so that nothing wanders where the points say nothing. None if the
 /// start has no cost.
-pub(super) fn refine(points: &[DVec3], start: Conic, movable: &[bool; 8], most: usize) -> Option<Minimum> {
-    let (mut conic, mut least) = (start, cost(points, &start));
+pub(super) fn refine<M: Model>(points: &[DVec3], start: M, movable: &[bool; 8], most: usize) -> Option<Minimum<M>> {
+    let (mut surface, mut least) = (start, cost(points, &start));
     if !least.is_finite() {
         return None;
     }
     let mut damping = 1e-4;
-    let mut now = triangle(points, &conic);
+    let mut now = triangle(points, &surface);
     let mut calm = 0;
     for _ in 0..most {
         let rms = (least / points.len() as f64).sqrt();
-        let free = std::array::from_fn(|j| {
-            let range = if j == SHAPE { 10.0 } else { 1.0 };
-            j < 7 && movable[j] && now.norm(j) * range > rms
-        });
+        let free = std::array::from_fn(|j| j < 7 && movable[j] && now.norm(j) * M::range(j) > rms);
         let mut better = None;
         while better.is_none() && damping < 1e8 {
-            let trial = conic.moved(&now.solve(damping, &free));
+            let trial = surface.moved(&now.solve(damping, &free));
             let trial_cost = cost(points, &trial);
             if trial_cost < least {
                 better = Some((trial, trial_cost));
@@ -73,11 +97,11 @@ pub(super) fn refine(points: &[DVec3], start: Conic, movable: &[bool; 8], most: 
         }
         let Some((trial, trial_cost)) = better else { break };
         calm = if least - trial_cost < 1e-9 * least { calm + 1 } else { 0 };
-        (conic, least) = (trial, trial_cost);
-        now = triangle(points, &conic);
+        (surface, least) = (trial, trial_cost);
+        now = triangle(points, &surface);
         if calm >= 2 {
             break;
         }
     }
-    Some(Minimum { conic, cost: least, triangle: now })
+    Some(Minimum { surface, cost: least, triangle: now })
 }

@@ -76,14 +76,18 @@ impl Cap {
 fn conic_of(fit: &Fit) -> (DVec3, DVec3, f64, f64) {
     match fit.surface {
         Fitted::Conic { vertex, axis, radius, conic } => (vertex, axis, radius, conic),
-        Fitted::Plane { .. } | Fitted::Sphere { .. } => panic!("not a conic: {fit:?}"),
+        Fitted::Plane { .. } | Fitted::Sphere { .. } | Fitted::Cylinder { .. } | Fitted::Toroid { .. } => {
+            panic!("not a conic: {fit:?}")
+        }
     }
 }
 
 fn sphere_of(fit: &Fit) -> (DVec3, DVec3, f64) {
     match fit.surface {
         Fitted::Sphere { vertex, axis, radius } => (vertex, axis, radius),
-        Fitted::Plane { .. } | Fitted::Conic { .. } => panic!("not a sphere: {fit:?}"),
+        Fitted::Plane { .. } | Fitted::Conic { .. } | Fitted::Cylinder { .. } | Fitted::Toroid { .. } => {
+            panic!("not a sphere: {fit:?}")
+        }
     }
 }
 
@@ -216,7 +220,7 @@ fn noise_of_a_millionth() {
                 assert!((conic - k).abs() < 2e-3);
                 radius
             }
-            Fitted::Plane { .. } => panic!("{found:?}"),
+            Fitted::Plane { .. } | Fitted::Cylinder { .. } | Fitted::Toroid { .. } => panic!("{found:?}"),
         };
         assert_eq!(found.surface.kind(), if k == 0.0 { Kind::Sphere } else { Kind::Conic });
         println!("noisy: R {r} dR/R {:+.1e} rms {:.2e} of {noise:.1e}", radius / r.abs() - 1.0, found.rms);
@@ -237,7 +241,7 @@ fn a_bumped_cap_is_refused_with_its_residual() {
     let error = fit(&points, &triangles, None, 5e-5).expect_err("10 µm of bump");
     println!("{}", error.fault(crate::base::Where::part("LENS"), 1e-3));
     let FitError::Misses { kind, rms, max, tolerance, asked } = error else { panic!("{error}") };
-    assert!(kind == Kind::Conic && !asked && tolerance == 5e-5);
+    assert!(matches!(kind, Kind::Conic | Kind::Toroid) && !asked && tolerance == 5e-5);
     // The best conic is at least as good as the one that was bumped, and cannot follow most of a bump this narrow.
     let bumps: f64 = points
         .iter()
@@ -333,7 +337,10 @@ proptest! {
             (-2..3i32).prop_map(|i| i as f32), any::<f32>(), -1.0..1.0f32,
         ]), 0..40),
         triangles in proptest::collection::vec(proptest::array::uniform3(0..40u32), 0..60),
-        kind in prop_oneof![Just(None), Just(Some(Kind::Plane)), Just(Some(Kind::Sphere)), Just(Some(Kind::Conic))],
+        kind in prop_oneof![
+            Just(None), Just(Some(Kind::Plane)), Just(Some(Kind::Sphere)), Just(Some(Kind::Conic)),
+            Just(Some(Kind::Cylinder)), Just(Some(Kind::Toroid)),
+        ],
         tolerance in any::<f64>(),
     ) {
         if let Ok(found) = fit(&points, &triangles, kind, tolerance) {

@@ -6,7 +6,7 @@ use crate::base::units::parse_length_m;
 use crate::base::{Fault, Where};
 use crate::import::value::{Data, Value};
 use crate::scene::attribute::union::split;
-use crate::scene::attribute::{self, Kind, Noun, Row, Support};
+use crate::scene::attribute::{self, Form, Kind, Noun, Row, Support};
 use crate::scene::{Note, Severity};
 use glam::DVec3;
 
@@ -124,6 +124,10 @@ impl<'a> Fields<'a> {
     pub fn need_rows<const N: usize>(&self, name: &str) -> Result<Vec<[f64; N]>> {
         self.get(name, rows)?.ok_or_else(|| self.missing(name))
     }
+    /// As many numbers as the row allows.
+    pub fn need_coefficients(&self, name: &str) -> Result<Vec<f64>> {
+        self.get(name, coefficients)?.ok_or_else(|| self.missing(name))
+    }
     /// A unit vector.
     pub fn direction(&self, name: &str) -> Result<Option<DVec3>> {
         let Some([x, y, z]) = self.numbers::<3>(name)? else { return Ok(None) };
@@ -187,6 +191,18 @@ fn numbers<const N: usize>(value: &Value, row: &Row) -> Result<[f64; N]> {
         *out = number(item, row)?;
     }
     Ok(out)
+}
+
+/// A list of numbers, as long as the row allows.
+fn coefficients(value: &Value, row: &Row) -> Result<Vec<f64>> {
+    let list = value.list().ok_or_else(|| wrong(value, row))?;
+    if let Form::Coefficients { least, most } = row.form
+        && !(least..=most).contains(&list.len())
+    {
+        return Err(Fault::new(value.at.clone(), format!("`{}` has {} numbers", row.name, list.len()))
+            .expected(format!("{least} to {most} numbers")));
+    }
+    list.iter().map(|item| number(item, row)).collect()
 }
 
 /// Rows of N numbers, at least one.

@@ -39,10 +39,16 @@ fn check(scene: &Scene, caps: &[Cap]) {
         assert_eq!(part.medium.map(|id| scene.medium(id).name.as_str()), Some(*glass), "{name}");
         let found = &part.faces[*face];
         assert_eq!(found.finish, Finish::Polished, "{name} {face}");
-        let (radius, conic) = match found.shape {
+        let (radius, conic) = match &found.shape {
             Shape::Sphere { axis, radius, .. } => (axis.z.signum() * radius, 0.0),
-            Shape::Conic { axis, radius, conic, .. } => (axis.z.signum() * radius, conic),
-            Shape::Mesh | Shape::Plane { .. } => panic!("{name} {face} is {:?}", found.shape),
+            Shape::Conic { axis, radius, conic, .. } => (axis.z.signum() * radius, *conic),
+            Shape::Mesh
+            | Shape::Plane { .. }
+            | Shape::Asphere { .. }
+            | Shape::Cylinder { .. }
+            | Shape::Toroid { .. }
+            | Shape::XyPoly { .. }
+            | Shape::Zernike { .. } => panic!("{name} {face} is {:?}", found.shape),
         };
         // What fitting the f32 points gives (`fit/cad_tests.rs`).
         assert!((radius / r - 1.0).abs() < 3e-6 && (conic - k).abs() < 2e-3, "{name} {face}: {radius} {conic}");

@@ -120,7 +120,7 @@ fn facts(face: &FaceFacts, metres: f64) -> String {
         measure.normal().map_or_else(|| "no prevailing side".to_owned(), |n| format!("towards {}", direction(n)));
     let surface = match &face.fit {
         None => "no exact shape: scaled differently along its axes".to_owned(),
-        Some(Err(_)) => format!("not a plane, sphere or conic to {TOLERANCE_UM} um"),
+        Some(Err(_)) => format!("not a plane, sphere, cylinder, conic or toroid to {TOLERANCE_UM} um"),
         Some(Ok(fit)) => {
             let off = format!("{} um at most off", significant(fit.max_residual * metres * 1e6, 2));
             match fit.surface {
@@ -132,6 +132,15 @@ fn facts(face: &FaceFacts, metres: f64) -> String {
                         direction(axis * radius.signum())
                     )
                 }
+                Fitted::Cylinder { radius, x, .. } => {
+                    format!("cylinder R {} mm along {}, {off}", significant(radius * mm, 6), direction(x))
+                }
+                Fitted::Toroid { radius, tube_radius, x, .. } => format!(
+                    "toroid R {} mm about {}, tube R {} mm, {off}",
+                    significant(radius * mm, 6),
+                    direction(x),
+                    significant(tube_radius * mm, 6)
+                ),
                 Fitted::Conic { radius, conic, axis, .. } => format!(
                     "conic R {} mm k {}, centre towards {}, {off}",
                     significant(radius * mm, 6),

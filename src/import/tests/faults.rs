@@ -150,7 +150,7 @@ fn unknown_keys_and_names() {
         (
             "[[bind]]\npath = \"LENS\"\nshape = { kind = \"sfere\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 5 }\n",
             &[],
-            "hud.optics.toml:12: unknown shape `sfere`; expected one of mesh, plane, sphere, conic, fit; did you mean `sphere`?",
+            "hud.optics.toml:12: unknown shape `sfere`; expected one of mesh, plane, sphere, conic, asphere, cylinder, toroid, xy_poly, zernike, fit; did you mean `sphere`?",
         ),
         (
             "[sky]\nimage = \"x.exr\"\nscale = 3\n",
@@ -274,6 +274,57 @@ fn numbers_out_of_range_and_wrong_forms() {
 }
 
 #[test]
+fn shapes_out_of_range() {
+    check(&[
+        (
+            "[[bind]]\npath = \"LENS\"\nshape = { kind = \"asphere\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 5, conic = 0 }\n",
+            &[],
+            "hud.optics.toml:12: shape `asphere` has no `even`; expected heights of r², r⁴, r⁶, … that are added to the conic's",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nshape = { kind = \"asphere\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 5, conic = 0, even = [] }\n",
+            &[],
+            "hud.optics.toml:12: `even` has 0 numbers; expected 1 to 32 numbers",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nshape = { kind = \"asphere\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 5, conic = 0, even = [nan] }\n",
+            &[],
+            "hud.optics.toml:12: `even` is NaN; expected a finite number in mesh units",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nshape = { kind = \"cylinder\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 0 }\n",
+            &[],
+            "hud.optics.toml:12: `radius` is 0; expected a finite number other than 0 in mesh units",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nshape = { kind = \"cylinder\", vertex = [0, 0, 0], axis = [0, 0, 1], x = [0, 0, -3], radius = 5 }\n",
+            &[],
+            "hud.optics.toml:12: `x` of shape is along its axis; expected a direction across the axis",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nshape = { kind = \"toroid\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 5, tube_radius = 0 }\n",
+            &[],
+            "hud.optics.toml:12: `tube_radius` is 0; expected a finite number other than 0 in mesh units",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nshape = { kind = \"xy_poly\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 5, conic = 0, even = [1] }\n",
+            &[],
+            "hud.optics.toml:12: unknown attribute `even` of shape `xy_poly`; expected one of vertex, axis, x, radius, conic, coeffs",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nshape = { kind = \"zernike\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 5, conic = 0, norm_radius = 0, coeffs = [1] }\n",
+            &[],
+            "hud.optics.toml:12: `norm_radius` is 0; expected a number > 0 in mesh units",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nshape = { kind = \"fit\", surface = \"cylindre\", tolerance_um = 1 }\n",
+            &[],
+            "hud.optics.toml:12: can't fit the surface `cylindre`; expected one of plane, sphere, cylinder, conic, toroid; did you mean `cylinder`?",
+        ),
+    ]);
+}
+
+#[test]
 fn what_is_not_rendered_yet_is_said() {
     check(&[
         (
@@ -295,21 +346,6 @@ fn what_is_not_rendered_yet_is_said() {
             "[[bind]]\npath = \"LENS\"\nfinish = \"polished\"\ncoating = { ideal = { R = 0.5, T = 0.5 } }\n",
             &[],
             "hud.optics.toml:13: coating `ideal` is not rendered by this version yet",
-        ),
-        (
-            "[[bind]]\npath = \"LENS\"\nshape = { kind = \"asphere\", radius = 5 }\n",
-            &[],
-            "hud.optics.toml:12: shape `asphere` is not rendered by this version yet",
-        ),
-        (
-            "[[bind]]\npath = \"LENS\"\nshape = { cylinder = { radius = 5 } }\n",
-            &[],
-            "hud.optics.toml:12: shape `cylinder` is not rendered by this version yet",
-        ),
-        (
-            "[[bind]]\npath = \"LENS\"\nslide = { image = \"x.png\", polarisation = { angle_deg = 0, degree = 1 } }\n",
-            &[],
-            "hud.optics.toml:12: `polarisation` of slide is not rendered by this version yet",
         ),
         (
             "",

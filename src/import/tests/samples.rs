@@ -32,7 +32,12 @@ fn surface(part: &Part, face: usize) -> (f64, f64, f64) {
         Shape::Plane { vertex, axis } => (vertex, axis, f64::INFINITY, 0.0),
         Shape::Sphere { vertex, axis, radius } => (vertex, axis, radius, 0.0),
         Shape::Conic { vertex, axis, radius, conic } => (vertex, axis, radius, conic),
-        Shape::Mesh => panic!("{} face {face} is a mesh", part.name),
+        Shape::Mesh
+        | Shape::Asphere { .. }
+        | Shape::Cylinder { .. }
+        | Shape::Toroid { .. }
+        | Shape::XyPoly { .. }
+        | Shape::Zernike { .. } => panic!("{} face {face} is {:?}", part.name, part.faces[face].shape),
     };
     let axis = cad_direction(part, axis);
     assert!(axis.y.abs() > 1.0 - 1e-9, "{} face {face}: axis {axis}", part.name);

@@ -44,7 +44,7 @@ fn read(key: &str, value: &Value) -> Result<String> {
     Ok(match key {
         "finish" => format!("{:?}", optics::finish(value, notes)?),
         "coating" => format!("{:?}", optics::coating(value, "x")?),
-        "shape" => format!("{:?}", optics::shape(value)?),
+        "shape" => format!("{:?}", optics::shape(value, notes)?),
         "emitter" => format!("{:?}", optics::emitter(value, notes)?),
         "slide" => format!("{:?}", optics::slide(value, notes)?),
         "sky" => format!("{:?}", optics::sky(value, notes)?),
@@ -130,7 +130,10 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
             put("look", across.0);
             put("up", across.1);
         }
-        "shape" => put("axis", across.0),
+        "shape" => {
+            put("axis", across.0);
+            put("x", list(&[1.0, turn, 5.0]));
+        }
         _ => {}
     }
     match (key, kind.as_deref()) {

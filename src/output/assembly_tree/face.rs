@@ -68,7 +68,7 @@ pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
         number,
         finish: face.finish,
         coating: face.coating.and_then(|id| scene.coatings.get(id.index())).cloned(),
-        shape: face.shape,
+        shape: face.shape.clone(),
         unit_m,
         notes,
         emitter: face.emitter.as_ref().map(|emitter| self::emitter(scene, emitter, area(scene, part, number))),

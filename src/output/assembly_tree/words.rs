@@ -99,7 +99,7 @@ fn coating(coating: &Coating, traced_nm: f64) -> String {
 /// The exact surface with its axis in the part's own frame (radius > 0: the centre lies that way); the mesh is worth a word only where its facets bend light.
 fn shape(face: &FaceReport) -> Option<String> {
     let curve = |radius: f64, axis| format!("R {} mm about {}", mm(radius * face.unit_m), direction(axis));
-    match face.shape {
+    match &face.shape {
         Shape::Mesh => match face.finish {
             Finish::Polished | Finish::MirrorMetal { .. } | Finish::MirrorIdeal { .. } => Some("as meshed".to_owned()),
             Finish::None
@@ -110,10 +110,32 @@ fn shape(face: &FaceReport) -> Option<String> {
             | Finish::Absorber => None,
         },
         Shape::Plane { .. } => Some("plane".to_owned()),
-        Shape::Sphere { radius, axis, .. } => Some(format!("sphere {}", curve(radius, axis))),
+        Shape::Sphere { radius, axis, .. } => Some(format!("sphere {}", curve(*radius, *axis))),
         Shape::Conic { radius, axis, conic, .. } => {
-            Some(format!("conic k {} {}", number(conic, 6), curve(radius, axis)))
+            Some(format!("conic k {} {}", number(*conic, 6), curve(*radius, *axis)))
         }
+        Shape::Asphere { radius, axis, conic, even, .. } => {
+            Some(format!("asphere k {} {} with {} even terms", number(*conic, 6), curve(*radius, *axis), even.len()))
+        }
+        Shape::Cylinder { radius, axis, x, .. } => {
+            Some(format!("cylinder {} along {}", curve(*radius, *axis), direction(*x)))
+        }
+        Shape::Toroid { radius, tube_radius, axis, x, .. } => Some(format!(
+            "toroid {}, tube R {} mm along {}",
+            curve(*radius, *axis),
+            mm(tube_radius * face.unit_m),
+            direction(*x)
+        )),
+        Shape::XyPoly { radius, axis, conic, coeffs, .. } => {
+            Some(format!("xy_poly k {} {} with {} terms", number(*conic, 6), curve(*radius, *axis), coeffs.len()))
+        }
+        Shape::Zernike { radius, axis, conic, norm_radius, coeffs, .. } => Some(format!(
+            "zernike k {} {} with {} terms over {} mm",
+            number(*conic, 6),
+            curve(*radius, *axis),
+            coeffs.len(),
+            mm(norm_radius * face.unit_m)
+        )),
     }
 }
 

@@ -6,7 +6,7 @@ use crate::base::rng::{Rng, Stream};
 use crate::base::warp;
 use glam::{DAffine3, DVec3};
 
-fn check(geometry: &Geometry, ray: &Ray, t_max: f64) -> Option<super::Hit> {
+pub(super) fn check(geometry: &Geometry, ray: &Ray, t_max: f64) -> Option<super::Hit> {
     let (fast, all) = (geometry.intersect(ray, t_max), geometry.intersect_all(ray, t_max));
     assert_eq!(fast.is_some(), all.is_some(), "{ray:?}");
     if let (Some(fast), Some(all)) = (&fast, &all) {

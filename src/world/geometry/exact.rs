@@ -1,6 +1,6 @@
 //! Planes, spheres and conics as one kind of surface, and their exact intersection with a ray.
 //!
-//! With w = p − vertex and z = w·axis, every [`Shape`] but `Mesh` is a part of c (w·w + k z²) − 2 z = 0 (c = 1/radius):
+//! With w = p − vertex and z = w·axis, each of these [`Shape`]s is a part of c (w·w + k z²) − 2 z = 0 (c = 1/radius):
 //! the sag formula of `design/formulas.md` section 4 solved for the square root. A plane is c = 0, a sphere k = 0.
 
 use crate::scene::Shape;
@@ -18,11 +18,16 @@ pub struct Quadric {
 }
 
 impl Quadric {
-    /// The surface of a shape; none for `Shape::Mesh` and for parameters that describe no surface (a zero axis or
+    /// The surface of a shape; none for other shapes and for parameters that describe no surface (a zero axis or
     /// radius, a value that is not finite). An infinite radius is a plane.
     pub fn from_shape(shape: &Shape) -> Option<Quadric> {
         let (vertex, axis, curvature, conic) = match *shape {
-            Shape::Mesh => return None,
+            Shape::Mesh
+            | Shape::Asphere { .. }
+            | Shape::Cylinder { .. }
+            | Shape::Toroid { .. }
+            | Shape::XyPoly { .. }
+            | Shape::Zernike { .. } => return None,
             Shape::Plane { vertex, axis } => (vertex, axis, 0.0, 0.0),
             Shape::Sphere { vertex, axis, radius } => (vertex, axis, 1.0 / radius, 0.0),
             Shape::Conic { vertex, axis, radius, conic } => (vertex, axis, 1.0 / radius, conic),

@@ -27,7 +27,7 @@ fn faults_say_what_and_where() {
     assert!(refused(ball(), &[Shape::Mesh], DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))).contains("flattens"));
     assert!(refused(ball(), &[sphere_shape(8.0, DVec3::ZERO)], one).contains("misses its mesh"));
     assert!(refused(ball(), &[sphere_shape(0.0, DVec3::ZERO)], one).contains("no surface"));
-    assert!(refused(ball(), &[Shape::Mesh; 2], one).contains("2 faces"));
+    assert!(refused(ball(), &[Shape::Mesh, Shape::Mesh], one).contains("2 faces"));
     assert!(refused(Mesh::default(), &[], one).contains("nothing"));
     let mut mesh = ball();
     mesh.positions[5][1] = f32::NAN;

@@ -43,7 +43,16 @@ pub fn check(part: &Part, faces: &[Traced]) -> Result<()> {
     }
     let is_exact = |face: &Traced| match face {
         None | Some(Shape::Mesh) => false,
-        Some(Shape::Plane { .. } | Shape::Sphere { .. } | Shape::Conic { .. }) => true,
+        Some(
+            Shape::Plane { .. }
+            | Shape::Sphere { .. }
+            | Shape::Conic { .. }
+            | Shape::Asphere { .. }
+            | Shape::Cylinder { .. }
+            | Shape::Toroid { .. }
+            | Shape::XyPoly { .. }
+            | Shape::Zernike { .. },
+        ) => true,
     };
     let Some(face) = faces.iter().position(is_exact) else { return Ok(()) };
     let [x, y, z] = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis];

@@ -56,7 +56,7 @@ fn a_seam_between_two_faces_of_one_sphere_is_not_there() {
     let half = mesh.faces[0].count / 2;
     mesh.faces =
         vec![crate::scene::FaceRange { first: 0, count: half }, crate::scene::FaceRange { first: half, count: half }];
-    let geometry = alone(mesh.clone(), &[sphere_shape(3.0, centre); 2]);
+    let geometry = alone(mesh.clone(), &[sphere_shape(3.0, centre), sphere_shape(3.0, centre)]);
     let mut rng = Rng::new(32, Stream::Check, 0, 0);
     let (mut faces, mut seam) = ([0; 2], 0);
     for round in 0..200 {

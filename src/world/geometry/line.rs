@@ -30,7 +30,12 @@ pub struct Probe {
     pub shear: Shear,
     /// Of the exact face that was tried last.
     pub roots: Roots,
+    /// All places of the line on the curved face that was tried last, which may be many, ascending.
+    many: Option<Box<Many>>,
 }
+
+/// The face, and t and the point of each place.
+type Many = (u32, Vec<(f64, DVec3)>);
 
 /// A point where a line meets a solid.
 #[derive(Debug, Clone, Copy)]
@@ -77,7 +82,15 @@ impl Line {
 impl Probe {
     pub fn new(line: &Line, start: f64) -> Probe {
         let through = line.origin + start * line.dir;
-        Probe { start, through, shear: Shear::along(line.dir), roots: Roots::none() }
+        Probe { start, through, shear: Shear::along(line.dir), roots: Roots::none(), many: None }
+    }
+
+    /// The places on a curved face, found once while its triangles are tried.
+    pub fn many_of(&mut self, face: u32, find: impl FnOnce() -> Vec<(f64, DVec3)>) -> &[(f64, DVec3)] {
+        if self.many.as_ref().is_none_or(|many| many.0 != face) {
+            self.many = Some(Box::new((face, find())));
+        }
+        self.many.as_ref().map_or(&[], |many| &many.1)
     }
 }
 

@@ -7,6 +7,7 @@
 //! known root out, and only on a faceted one rounding decides how near is too near.
 
 mod bound;
+pub mod curved;
 pub mod exact;
 mod grid;
 mod instance;

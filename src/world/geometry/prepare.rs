@@ -1,6 +1,7 @@
 //! From a mesh and the shapes of its faces to a [`Solid`].
 
 use super::bound::{Bounds, patch_box, triangle_box};
+use super::curved::Curved;
 use super::exact::Quadric;
 use super::grid::Grid;
 use super::patch::{Projection, vertex};
@@ -32,7 +33,7 @@ pub fn traced(part: &Part) -> Vec<Traced> {
             | Finish::Absorber,
             None,
             _,
-        ) => Some(face.shape),
+        ) => Some(face.shape.clone()),
     };
     part.faces.iter().map(shape).collect()
 }
@@ -41,17 +42,30 @@ pub fn traced(part: &Part) -> Vec<Traced> {
 pub fn key(mesh: usize, faces: &[Traced]) -> Vec<u64> {
     let mut key = vec![mesh as u64];
     for face in faces {
-        let (tag, vertex, axis, rest) = match *face {
-            None => (0, DVec3::ZERO, DVec3::ZERO, [0.0; 2]),
-            Some(Shape::Mesh) => (1, DVec3::ZERO, DVec3::ZERO, [0.0; 2]),
-            Some(Shape::Plane { vertex, axis }) => (2, vertex, axis, [0.0; 2]),
-            Some(Shape::Sphere { vertex, axis, radius }) => (3, vertex, axis, [radius, 0.0]),
-            Some(Shape::Conic { vertex, axis, radius, conic }) => (4, vertex, axis, [radius, conic]),
+        let (tag, places, numbers): (u64, &[&DVec3], &[&[f64]]) = match face {
+            None => (0, &[], &[]),
+            Some(Shape::Mesh) => (1, &[], &[]),
+            Some(Shape::Plane { vertex, axis }) => (2, &[vertex, axis], &[]),
+            Some(Shape::Sphere { vertex, axis, radius }) => (3, &[vertex, axis], &[&[*radius]]),
+            Some(Shape::Conic { vertex, axis, radius, conic }) => (4, &[vertex, axis], &[&[*radius, *conic]]),
+            Some(Shape::Asphere { vertex, axis, radius, conic, even }) => {
+                (5, &[vertex, axis], &[&[*radius, *conic], even])
+            }
+            Some(Shape::Cylinder { vertex, axis, x, radius }) => (6, &[vertex, axis, x], &[&[*radius]]),
+            Some(Shape::Toroid { vertex, axis, x, radius, tube_radius }) => {
+                (7, &[vertex, axis, x], &[&[*radius, *tube_radius]])
+            }
+            Some(Shape::XyPoly { vertex, axis, x, radius, conic, coeffs }) => {
+                (8, &[vertex, axis, x], &[&[*radius, *conic], coeffs])
+            }
+            Some(Shape::Zernike { vertex, axis, x, radius, conic, norm_radius, coeffs }) => {
+                (9, &[vertex, axis, x], &[&[*radius, *conic, *norm_radius], coeffs])
+            }
         };
-        key.push(tag);
-        if tag > 1 {
-            key.extend(vertex.to_array().into_iter().chain(axis.to_array()).chain(rest).map(f64::to_bits));
-        }
+        let count = numbers.iter().map(|list| list.len() as u64).sum::<u64>();
+        key.extend([tag, count]);
+        key.extend(places.iter().flat_map(|p| p.to_array()).map(f64::to_bits));
+        key.extend(numbers.iter().copied().flatten().map(|x| x.to_bits()));
     }
     key
 }
@@ -74,17 +88,29 @@ pub fn solid(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Solid>
         let own = &triangles[first..];
         let surface = match shape {
             Shape::Mesh => triangles_alone(own),
-            Shape::Plane { .. } | Shape::Sphere { .. } | Shape::Conic { .. } => exact(shape, own).map_err(|what| {
+            Shape::Plane { .. }
+            | Shape::Sphere { .. }
+            | Shape::Conic { .. }
+            | Shape::Asphere { .. }
+            | Shape::Cylinder { .. }
+            | Shape::Toroid { .. }
+            | Shape::XyPoly { .. }
+            | Shape::Zernike { .. } => exact(shape, own).map_err(|what| {
                 Fault::new(at(), what).expected("the shape of this face in mesh units, or shape mesh")
             })?,
         };
         boxes.extend(own.iter().map(|t| match &surface {
             Surface::Absent | Surface::Flat | Surface::Faceted => triangle_box(&t.corners),
             Surface::Exact { quadric, projection, .. } => patch_box(&t.corners, quadric, projection),
+            Surface::Curved { curved, .. } => curved.patch_box(t.corners.map(vertex)),
         }));
         let same = |other: &&Sheet| match (&other.surface, &surface) {
             (Surface::Exact { quadric: a, .. }, Surface::Exact { quadric: b, .. }) => a == b,
-            (Surface::Exact { .. } | Surface::Absent | Surface::Flat | Surface::Faceted, _) => false,
+            (Surface::Curved { curved: a, .. }, Surface::Curved { curved: b, .. }) => a.same(b),
+            (
+                Surface::Exact { .. } | Surface::Curved { .. } | Surface::Absent | Surface::Flat | Surface::Faceted,
+                _,
+            ) => false,
         };
         let identity = sheets.iter().find(same).map_or(face, |sheet| sheet.identity);
         sheets.push(Sheet { identity, surface });
@@ -120,15 +146,15 @@ fn arrange(triangles: &[Triangle], boxes: &[Bounds], sheets: &[Sheet]) -> Option
         *range = if range.start == range.end { i..i + 1 } else { range.start..i + 1 };
     }
     let corners = |range: &Range<usize>| triangles[range.clone()].iter().map(|t| t.corners).collect::<Vec<_>>();
-    let grid = |face: usize| match &sheets[face].surface {
-        Surface::Exact { projection: Projection::Axial(shear), .. } if !own[face].is_empty() => {
+    let grid = |face: usize| match sheets[face].surface.shear() {
+        Some(shear) if !own[face].is_empty() => {
             let base = boxes[own[face].start].centre();
             Grid::build(&corners(&own[face]), shear, base)
         }
-        Surface::Exact { .. } | Surface::Absent | Surface::Flat | Surface::Faceted => None,
+        Some(_) | None => None,
     };
     // Many exact faces on one part would be tried one after the other.
-    let is_exact = |sheet: &&Sheet| matches!(sheet.surface, Surface::Exact { .. });
+    let is_exact = |sheet: &&Sheet| matches!(sheet.surface, Surface::Exact { .. } | Surface::Curved { .. });
     let few = sheets.iter().filter(is_exact).count() <= MOST_GRIDS;
     let found: Vec<Option<Grid>> = (0..sheets.len()).map(|face| if few { grid(face) } else { None }).collect();
     let has_no_grid = |i: &u32| found[triangles[*i as usize].face as usize].is_none();
@@ -202,24 +228,32 @@ fn triangles_alone(own: &[Triangle]) -> Surface {
 const MISS: f64 = 0.01;
 
 fn exact(shape: &Shape, own: &[Triangle]) -> Result<Surface, String> {
-    let quadric = Quadric::from_shape(shape).ok_or_else(|| format!("{shape:?} is no surface"))?;
+    let corners = || own.iter().flat_map(|t| t.corners).map(vertex);
+    let diagonal = 2.0 * Bounds::of(corners()).half().length();
+    let far = |distance: &dyn Fn(DVec3) -> f64| {
+        corners()
+            .find(|p| !(distance(*p) <= MISS * diagonal))
+            .map_or(Ok(()), |p| Err(format!("the shape misses its mesh: vertex {p} is {:.3e} from it", distance(p))))
+    };
+    // The side that the triangles face: +1 along the surface's own normal.
+    let outward = |normal: &dyn Fn(DVec3) -> DVec3| {
+        let along = |t: &Triangle| {
+            let [a, b, c] = t.corners.map(vertex);
+            winding(&t.corners).dot(normal((a + b + c) / 3.0))
+        };
+        if own.iter().map(along).sum::<f64>() < 0.0 { -1.0 } else { 1.0 }
+    };
     if own.is_empty() {
         return Ok(Surface::Absent);
     }
-    let corners = || own.iter().flat_map(|t| t.corners).map(vertex);
-    let diagonal = 2.0 * Bounds::of(corners()).half().length();
-    let met = |p: &DVec3| quadric.distance(*p) <= MISS * diagonal;
-    if let Some(p) = corners().find(|p| !met(p)) {
-        return Err(format!("the shape misses its mesh: vertex {p} is {:.3e} from it", quadric.distance(p)));
+    if let Some(curved) = Curved::new(shape, corners())? {
+        far(&|p| curved.distance(p))?;
+        let outward = outward(&|p| curved.normal(p));
+        return Ok(Surface::Curved { curved: Box::new(curved), outward });
     }
+    let quadric = Quadric::from_shape(shape).ok_or_else(|| format!("{shape:?} is no surface"))?;
+    far(&|p| quadric.distance(p))?;
     let projection = Projection::choose(&quadric, corners())
         .ok_or_else(|| "the shape misses its mesh, which is on the other sheet of the hyperboloid".to_owned())?;
-    let along: f64 = own
-        .iter()
-        .map(|t| {
-            let [a, b, c] = t.corners.map(vertex);
-            winding(&t.corners).dot(quadric.normal((a + b + c) / 3.0))
-        })
-        .sum();
-    Ok(Surface::Exact { quadric, projection, outward: if along < 0.0 { -1.0 } else { 1.0 } })
+    Ok(Surface::Exact { quadric, projection, outward: outward(&|p| quadric.normal(p)) })
 }

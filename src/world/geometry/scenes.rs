@@ -105,7 +105,7 @@ pub fn lens(
     let rim = [[edge[0], edge[1], 1.0, 0.0], [other[0], other[1], 1.0, 0.0]];
     let mut builder = Builder::default();
     builder.revolve(&front, around, DVec3::ZERO).revolve(&rim, around, DVec3::ZERO).revolve(&back, around, DVec3::ZERO);
-    (builder.mesh, vec![shapes[0], Shape::Mesh, shapes[1]])
+    (builder.mesh, vec![shapes[0].clone(), Shape::Mesh, shapes[1].clone()])
 }
 
 /// Nine coarse caps of conics with leaning axes: more exact faces than are looked up in grids.
@@ -166,8 +166,13 @@ pub fn emitter() -> Emitter {
 
 /// A solid with a medium.
 pub fn part(mesh: u32, shapes: &[Shape], to_world: DAffine3) -> Part {
-    let face =
-        |shape: &Shape| Face { finish: Finish::Polished, coating: None, shape: *shape, emitter: None, slide: None };
+    let face = |shape: &Shape| Face {
+        finish: Finish::Polished,
+        coating: None,
+        shape: shape.clone(),
+        emitter: None,
+        slide: None,
+    };
     Part {
         name: format!("P{mesh}"),
         path: format!("TEST/P{mesh}"),
@@ -242,7 +247,7 @@ pub fn assembly(place: DAffine3) -> Scene {
         part(2, &[Shape::Mesh], place * at(0.0, -0.03, 0.06) * turn(0.3) * stretch * mm),
         part(3, &plate_shapes, place * at(0.0, 0.0, 0.1) * turn(-0.5) * mm),
         part(4, &lenslet_shapes, place * at(-0.03, 0.03, 0.05) * turn(1.5) * mm),
-        part(3, &[Shape::Mesh; 6], place * at(0.0, 0.0, 0.03) * turn(0.2) * mm * stretch),
+        part(3, &vec![Shape::Mesh; 6], place * at(0.0, 0.0, 0.03) * turn(0.2) * mm * stretch),
     ];
     let mut scene = scene(vec![biconvex, meniscus, ball, plate, lenslets], parts);
     scene.eye.position = place.transform_point3(DVec3::ZERO);

@@ -1,10 +1,11 @@
 //! One mesh with its exact surfaces, traced in its own coordinates and shared by the parts that instance it.
 
 use super::bound::Bounds;
+use super::curved::Curved;
 use super::exact::Quadric;
 use super::grid::Grid;
 use super::line::{Line, Probe, Roots, Touch};
-use super::patch::{Projection, point_on};
+use super::patch::{Projection, Shear, point_on};
 use super::tree::Tree;
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -35,14 +36,14 @@ pub struct Triangle {
 }
 
 /// The surface of a face.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Sheet {
     /// The first face with the same exact surface (a ball may come as two faces), else the face itself.
     pub identity: u32,
     pub surface: Surface,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Surface {
     /// Not traced.
     Absent,
@@ -52,14 +53,28 @@ pub enum Surface {
     Faceted,
     /// `outward` is the sign that turns the quadric's normal out of the solid.
     Exact { quadric: Quadric, projection: Projection, outward: f64 },
+    /// The same beyond quadrics.
+    Curved { curved: Box<Curved>, outward: f64 },
 }
 
 impl Surface {
     fn is_plane(&self) -> bool {
         match self {
-            Surface::Absent | Surface::Faceted => false,
+            Surface::Absent | Surface::Faceted | Surface::Curved { .. } => false,
             Surface::Flat => true,
             Surface::Exact { quadric, .. } => quadric.curvature == 0.0,
+        }
+    }
+
+    /// The direction along which an exact height field is shared out among its triangles.
+    pub fn shear(&self) -> Option<&Shear> {
+        match self {
+            Surface::Exact { projection: Projection::Axial(shear), .. } => Some(shear),
+            Surface::Curved { curved, .. } => curved.shear.as_ref(),
+            Surface::Exact { projection: Projection::Central(_), .. }
+            | Surface::Absent
+            | Surface::Flat
+            | Surface::Faceted => None,
         }
     }
 }
@@ -108,7 +123,11 @@ impl Solid {
     #[inline]
     fn look_up(&self, face: u32, grid: &Grid, line: &Line, reach: f64) -> Option<Touch> {
         let sheet = self.faces.get(face as usize)?;
-        let Surface::Exact { quadric, projection: Projection::Axial(shear), .. } = &sheet.surface else { return None };
+        let (quadric, shear) = match &sheet.surface {
+            Surface::Exact { quadric, projection: Projection::Axial(shear), .. } => (quadric, shear),
+            Surface::Curved { curved, .. } => return self.look_up_curved(face, curved, grid, line, reach),
+            Surface::Exact { .. } | Surface::Absent | Surface::Flat | Surface::Faceted => return None,
+        };
         let starts_here = sheet.identity == line.from;
         if face == line.skip || (starts_here && sheet.surface.is_plane()) {
             return None;
@@ -127,6 +146,53 @@ impl Solid {
             }
         }
         None
+    }
+
+    /// The same for surfaces beyond quadrics, kept apart so that those stay small.
+    #[inline(never)]
+    fn look_up_curved(&self, face: u32, curved: &Curved, grid: &Grid, line: &Line, reach: f64) -> Option<Touch> {
+        let shear = curved.shear.as_ref()?;
+        let starts_here = self.faces.get(face as usize).is_some_and(|sheet| sheet.identity == line.from);
+        if face == line.skip {
+            return None;
+        }
+        let mut touch = None;
+        // A touch at the reach itself counts.
+        let _ = curved.along(line.origin, line.dir, starts_here, reach.next_up(), &mut |t, at| {
+            for slot in grid.around(shear, at) {
+                if self.triangles.get(*slot as usize).is_some_and(|t| shear.cross(&t.corners, at).is_some()) {
+                    touch = Some(Touch { t, slot: *slot, at, weights: [0.0; 3] });
+                    return ControlFlow::Break(());
+                }
+            }
+            ControlFlow::Continue(())
+        });
+        touch
+    }
+
+    /// Where the line meets the patch of a curved surface that a slot's triangle stands for.
+    #[inline(never)]
+    fn touch_curved(
+        &self,
+        slot: u32,
+        triangle: &Triangle,
+        curved: &Curved,
+        line: &Line,
+        starts_here: bool,
+        reach: f64,
+        probe: &mut Probe,
+    ) -> Option<Touch> {
+        let all = probe.many_of(triangle.face, || {
+            let mut all = Vec::new();
+            let _ = curved.along(line.origin, line.dir, starts_here, f64::INFINITY, &mut |t, at| {
+                all.push((t, at));
+                ControlFlow::Continue(())
+            });
+            all
+        });
+        let mut near = all.iter().take_while(|(t, _)| *t <= reach);
+        let found = near.find(|(_, at)| curved.belongs(*at, &triangle.corners));
+        found.map(|(t, at)| Touch { t: *t, slot, at: *at, weights: [0.0; 3] })
     }
 
     /// [`Solid::nearest`] without the tree: every triangle is tried.
@@ -205,6 +271,9 @@ impl Solid {
                 }
                 None
             }
+            Surface::Curved { curved, .. } => {
+                self.touch_curved(slot, triangle, curved, line, starts_here, reach, probe)
+            }
         }
     }
 
@@ -215,6 +284,10 @@ impl Solid {
             Surface::Absent => None,
             Surface::Exact { quadric, outward, .. } => {
                 let normal = *outward * quadric.normal(touch.at);
+                Some((normal, normal))
+            }
+            Surface::Curved { curved, outward } => {
+                let normal = *outward * curved.normal(touch.at);
                 Some((normal, normal))
             }
             Surface::Flat | Surface::Faceted => {
@@ -230,6 +303,7 @@ impl Solid {
         let face = self.triangles.get(touch.slot as usize).and_then(|t| self.faces.get(t.face as usize));
         match face.map(|sheet| &sheet.surface) {
             Some(Surface::Exact { quadric, .. }) => quadric.settle(touch.at),
+            Some(Surface::Curved { curved, .. }) => curved.settle(touch.at),
             Some(Surface::Absent | Surface::Flat | Surface::Faceted) | None => touch.at,
         }
     }
