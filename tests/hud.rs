@@ -2,6 +2,8 @@
 
 #[path = "hud/agreement.rs"]
 mod agreement; // estimator against estimator, frames of reference
+#[path = "hud/colour.rs"]
+mod colour; // lateral colour
 mod common;
 #[path = "hud/invariance.rs"]
 mod invariance; // what must not matter

@@ -3,6 +3,7 @@
 mod common;
 
 use common::*;
+use eyebox::base::colour::ColourSpace;
 use eyebox::base::ids::{GroupId, SlideId};
 use eyebox::base::stats::Moments;
 use eyebox::check::check;
@@ -75,7 +76,7 @@ fn the_error_of_a_mixture_is_the_scatter_of_seeds() {
     for seed in 0..seeds {
         let outcome = run(&world, &plan, 1, s.eye.resolution, seed, &limits, &mut Nobody);
         let films: Vec<&Film> = outcome.films.films.iter().map(|(_, film, _)| film).collect();
-        let frame = finish(s.eye.resolution, &films, std::slice::from_ref(&group), &[]).frame;
+        let frame = finish(s.eye.resolution, &films, std::slice::from_ref(&group), &[], ColourSpace::Rec709).frame;
         let of = |suffix: &str| channel(&frame, &format!("caustic_panel_{suffix}"));
         let (open, content) = (of("open"), of("content"));
         let (open_error, content_error, covariance) = (of("open_stderr"), of("content_stderr"), of("covariance"));
@@ -113,7 +114,7 @@ fn nothing_is_kept_that_was_not_asked_for() {
     let key = PlaneKey { layer: Layer::Caustic, group: GroupId(0) };
     assert!(films[0].mix_error(0, films[0].plane(key).expect("it is filled")).is_none());
     let group = GroupInfo { name: "panel".to_owned(), contrast: Some(50.0), tint: [1.0; 3] };
-    let frame = finish(s.eye.resolution, &films, &[group], &[]).frame;
+    let frame = finish(s.eye.resolution, &films, &[group], &[], ColourSpace::Rec709).frame;
     let extra = |name: &str| name.contains("_stderr") || name.contains("covariance");
     assert!(frame.channels.iter().all(|channel| !extra(&channel.name)));
 }

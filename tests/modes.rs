@@ -32,7 +32,9 @@ fn colour_of(scene: &Scene, asked: impl Into<Asked>, force: &Force, passes: u64)
     let mut seeds = [Moments::default(); 3];
     for seed in 0..SEEDS {
         let outcome = run(&world, &plan, scene.groups.len(), scene.eye.resolution, seed, &limits, &mut Nobody);
-        let frame = eyebox::estimate::picture::picture(scene, &plan, &outcome).expect("a sound picture").frame;
+        let frame = eyebox::estimate::picture::picture(scene, &plan, &outcome, Default::default())
+            .expect("a sound picture")
+            .frame;
         for (moments, name) in seeds.iter_mut().zip(["R", "G", "B"]) {
             let data = &frame.component("hybrid", name).expect("the channel").data;
             moments.add(data.iter().map(|v| f64::from(*v)).sum::<f64>() / data.len() as f64);

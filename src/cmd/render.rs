@@ -3,6 +3,7 @@
 use super::progress::{Progress, Signals};
 use super::{Format, print};
 use crate::base::atomic::check_writable;
+use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
 use crate::check::check;
 use crate::estimate::data::data_layers;
@@ -10,9 +11,10 @@ use crate::estimate::picture::{add_data_layers, add_meta, check_layers, keep_lay
 use crate::estimate::run::{Limits, Outcome, Stop, run as trace};
 use crate::estimate::wish;
 use crate::film::detail::ErrorDetail;
+use crate::film::frame::Meta;
 use crate::film::plan::{Estimator, Plan};
 use crate::import::{Built, ImportOptions, Set, import};
-use crate::output::exr::write_exr;
+use crate::output::exr::{COLOR_INTEROP_ID, write_exr};
 use crate::plan::{Asked, Choice, Polarisation, plan_unless};
 use crate::scene::assembly::LayerWish;
 use crate::scene::{Scene, Severity};
@@ -53,6 +55,9 @@ pub struct RenderArgs {
     /// polarisations at each face, which is wrong after the first oblique one).
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
     polarisation: PolarisationArg,
+    /// Linear colour space of the picture: Rec.709 with D65, ACEScg (AP1), or CIE XYZ with D65.
+    #[arg(long, value_enum, value_name = "SPACE", default_value_t)]
+    color: ColorArg,
     /// Seed of the random numbers: the same seed gives the same bits for any number of threads.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -110,6 +115,24 @@ impl PolarisationArg {
             PolarisationArg::Auto => Polarisation::Auto,
             PolarisationArg::On => Polarisation::On,
             PolarisationArg::Off => Polarisation::Off,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum ColorArg {
+    #[default]
+    Rec709,
+    Acescg,
+    Xyz,
+}
+
+impl ColorArg {
+    fn space(self) -> ColourSpace {
+        match self {
+            ColorArg::Rec709 => ColourSpace::Rec709,
+            ColorArg::Acescg => ColourSpace::AcesCg,
+            ColorArg::Xyz => ColourSpace::Xyz,
         }
     }
 }
@@ -199,9 +222,10 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let groups = scene.groups.len();
     let outcome = pool.install(|| trace(&world, &plan, groups, size, args.seed, &limits, &mut progress));
     progress.finish();
-    let finished = picture(&scene, &plan, &outcome)?;
+    let finished = picture(&scene, &plan, &outcome, args.color.space())?;
     let mut frame = finished.frame;
     add_data_layers(&mut frame, &pool.install(|| data_layers(&world, size[0], size[1])));
+    frame.meta.insert(COLOR_INTEROP_ID.to_owned(), Meta::Text(args.color.space().interop_id().to_owned()));
     add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);
     keep_layers(&mut frame, &args.layers);
     wish::rename(&mut frame, &named);

@@ -2,6 +2,7 @@
 
 use super::data::PixelData;
 use super::run::Outcome;
+use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
 use crate::film::accumulate::Film;
 use crate::film::finish::{Finished, GroupInfo, Split, finish};
@@ -13,7 +14,7 @@ use std::collections::BTreeSet;
 
 /// The picture layers of a run. `direct`, `caustic` and `forward` are always there; `secondary` only if there is any.
 /// Errors: NaN or infinite light, which is never coloured over.
-pub fn picture(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Result<Finished> {
+pub fn picture(scene: &Scene, plan: &Plan, outcome: &Outcome, space: ColourSpace) -> Result<Finished> {
     let films: Vec<&Film> = outcome.films.films.iter().map(|(_, film, _)| film).collect();
     let tints = tints(scene, plan);
     let groups: Vec<GroupInfo> = scene
@@ -29,7 +30,8 @@ pub fn picture(scene: &Scene, plan: &Plan, outcome: &Outcome) -> Result<Finished
             tint,
         })
         .collect();
-    let finished = finish(scene.eye.resolution, &films, &groups, &[Layer::Direct, Layer::Caustic, Layer::Forward]);
+    let finished =
+        finish(scene.eye.resolution, &films, &groups, &[Layer::Direct, Layer::Caustic, Layer::Forward], space);
     match finished.invalid.first() {
         Some(channel) => {
             Err(Fault::new(Where::Nowhere, format!("NaN or infinite light in channel {channel}; nothing is written")))

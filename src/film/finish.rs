@@ -3,6 +3,7 @@
 use super::accumulate::{Components, Film, Light, MixError, PlaneKey};
 use super::frame::{Channel, Frame};
 use super::layer::Layer;
+use crate::base::colour::ColourSpace;
 use crate::base::ids::GroupId;
 use std::collections::BTreeMap;
 
@@ -41,7 +42,13 @@ const SPLIT_TOLERANCE: f64 = 1e-7;
 
 /// Makes the picture layers of films of `size` pixels; without a film they are black. `always`: layers that are written
 /// even if no estimator filled them.
-pub fn finish([width, height]: [usize; 2], films: &[&Film], groups: &[GroupInfo], always: &[Layer]) -> Finished {
+pub fn finish(
+    [width, height]: [usize; 2],
+    films: &[&Film],
+    groups: &[GroupInfo],
+    always: &[Layer],
+    space: ColourSpace,
+) -> Finished {
     let pixels = width * height;
     let mut planes: BTreeMap<PlaneKey, Vec<Coloured>> = BTreeMap::new();
     for film in films {
@@ -49,7 +56,7 @@ pub fn finish([width, height]: [usize; 2], films: &[&Film], groups: &[GroupInfo]
             let plane = planes.entry(*key).or_insert_with(|| vec![Coloured::default(); pixels]);
             let tint = groups[key.group.index()].tint;
             for (pixel, sums) in plane.iter_mut().enumerate() {
-                let light = coloured(film, pixel, index, tint);
+                let light = in_space(space, coloured(film, pixel, index, tint));
                 sums.iter_mut().zip(light).for_each(|(sum, light)| sum.add(light));
             }
         }
@@ -94,6 +101,17 @@ fn coloured(film: &Film, pixel: usize, plane: usize, tint: [f64; 3]) -> Coloured
             std::array::from_fn(|_| entries.next().unwrap_or_default())
         }
     }
+}
+
+/// Linear Rec.709 in another linear space.
+fn in_space(space: ColourSpace, rgb: Coloured) -> Coloured {
+    if space == ColourSpace::Rec709 {
+        return rgb;
+    }
+    let value = space.from_rec709(rgb.map(|light| light.value));
+    let powers: [[f64; 3]; Light::DEGREE + 1] =
+        std::array::from_fn(|k| space.from_rec709(rgb.map(|light| light.powers[k])));
+    std::array::from_fn(|c| Light { value: value[c], powers: powers.map(|power| power[c]) })
 }
 
 /// Three channels as they are stored.

@@ -7,10 +7,11 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
 use crate::base::atomic::write_atomic;
+use crate::base::colour::ColourSpace;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::{Channel, Frame};
 use crate::output::exr::COLOR_INTEROP_ID;
-use crate::output::tone::{ColorSpace, adaptation, code, srgb_code, ward_scale};
+use crate::output::tone::{adaptation, code, srgb_code, ward_scale};
 
 /// The pixel where a value is not a number or infinite: a colour that no luminance gets by accident.
 const NOT_FINITE: [u8; 3] = [255, 0, 255];
@@ -100,19 +101,20 @@ pub fn render_view(frame: &Frame, options: &ViewOptions) -> Result<(Vec<u8>, Vie
     };
     let pixel: Box<dyn Fn(DVec3) -> [u8; 3]> = match shown {
         Shown::Picture => {
-            let space = ColorSpace::from_interop_id(frame.text(COLOR_INTEROP_ID));
-            let weights = space.luminance_weights();
+            let space = ColourSpace::from_interop_id(frame.text(COLOR_INTEROP_ID));
             let adapted = frame.rgb("").unwrap_or(channels);
-            let mean = adaptation(triples(adapted).map(|color| weights.dot(color)));
+            let mean = adaptation(triples(adapted).map(|color| space.luminance(color.to_array())));
             let stops = options
                 .exposure
                 .unwrap_or_else(|| (ward_scale(mean, options.ldmax_cd_m2) * options.ldmax_cd_m2).log2());
-            let matrix = space.to_rec709() * (stops.exp2() / options.ldmax_cd_m2);
             // One channel shown three times is a luminance: no colour space applies to it.
             let grey = std::ptr::eq(channels[0], channels[1]);
             let scale = stops.exp2() / options.ldmax_cd_m2;
             (info.adaptation_cd_m2, info.exposure_stops) = (Some(mean), Some(stops));
-            Box::new(move |color| (if grey { color * scale } else { matrix * color }).to_array().map(srgb_code))
+            Box::new(move |color| {
+                let color = (color * scale).to_array();
+                (if grey { color } else { space.to_rec709(color) }).map(srgb_code)
+            })
         }
         Shown::Fraction => {
             let stops = options.exposure.unwrap_or(0.0);

@@ -9,7 +9,7 @@ use eyebox::scene::Scene;
 
 fn frame(scene: &Scene, passes: u64) -> Frame {
     let ready = Ready::new(scene, Choice::Auto);
-    picture(scene, &ready.plan, &ready.run(passes, 7)).expect("a sound picture").frame
+    picture(scene, &ready.plan, &ready.run(passes, 7), Default::default()).expect("a sound picture").frame
 }
 
 fn channel<'f>(frame: &'f Frame, layer: &str) -> &'f [f32] {

@@ -58,7 +58,7 @@ fn shifts(expected: &[f64], got: &[f64], starts: impl Iterator<Item = usize>, st
 /// The picture's share of open: `content` over `open`.
 fn render(scene: &Scene, passes: u64) -> Vec<f64> {
     let ready = Ready::new(scene, Choice::Auto);
-    let frame = picture(scene, &ready.plan, &ready.run(passes, 3)).expect("a sound picture").frame;
+    let frame = picture(scene, &ready.plan, &ready.run(passes, 3), Default::default()).expect("a sound picture").frame;
     let data = |layer: &str| &frame.component(layer, "R").expect("the split is stored").data;
     let (open, content) = (data("forward_led_open"), data("forward_led_content"));
     content.iter().zip(open).map(|(c, o)| if *o > 0.0 { f64::from(*c) / f64::from(*o) } else { f64::NAN }).collect()

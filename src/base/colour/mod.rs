@@ -60,6 +60,10 @@ impl ColourSpace {
             ColourSpace::Xyz => "lin_ciexyzd65_scene",
         }
     }
+    /// The space of a file's `colorInteropID`; everything unnamed or unknown is Rec.709.
+    pub fn from_interop_id(id: Option<&str>) -> Self {
+        Self::ALL.into_iter().find(|space| id == Some(space.interop_id())).unwrap_or_default()
+    }
     pub fn from_xyz(self, xyz: Xyz) -> [f64; 3] {
         match self {
             ColourSpace::Rec709 => apply(&XYZ_TO_REC709, xyz),
@@ -79,6 +83,13 @@ impl ColourSpace {
             ColourSpace::Rec709 => rgb,
             ColourSpace::AcesCg => apply(&REC709_TO_ACESCG, rgb),
             ColourSpace::Xyz => apply(&REC709_TO_XYZ, rgb),
+        }
+    }
+    pub fn to_rec709(self, colour: [f64; 3]) -> Rgb {
+        match self {
+            ColourSpace::Rec709 => colour,
+            ColourSpace::AcesCg => apply(&ACESCG_TO_REC709, colour),
+            ColourSpace::Xyz => apply(&XYZ_TO_REC709, colour),
         }
     }
     /// Weights whose dot product with a colour is the luminance Y of [`ColourSpace::to_xyz`], in cd/m² for a picture.
