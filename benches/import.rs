@@ -18,6 +18,19 @@ unsafe impl GlobalAlloc for Counting {
         PEAK.fetch_max(held, Ordering::Relaxed);
         unsafe { System.alloc(layout) }
     }
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        let held = HELD.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
+        PEAK.fetch_max(held, Ordering::Relaxed);
+        unsafe { System.alloc_zeroed(layout) }
+    }
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // While it is moved, both are held.
+        let held = HELD.fetch_add(size, Ordering::Relaxed) + size;
+        PEAK.fetch_max(held, Ordering::Relaxed);
+        let moved = unsafe { System.realloc(pointer, layout, size) };
+        HELD.fetch_sub(layout.size(), Ordering::Relaxed);
+        moved
+    }
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
         HELD.fetch_sub(layout.size(), Ordering::Relaxed);
         unsafe { System.dealloc(pointer, layout) }
@@ -97,33 +110,89 @@ fn raw(path: &std::path::Path) -> usize {
     count
 }
 
-/// Best of five, ms, and the greatest memory beyond what was held before, bytes.
-fn measured(mut work: impl FnMut() -> usize) -> (f64, usize) {
-    let (mut best, mut most) = (f64::INFINITY, 0);
-    for _ in 0..5 {
+/// The four arrays of each mesh as the `openusd` crate gives them, one at a time.
+fn library(path: &std::path::Path) -> usize {
+    let stage = openusd::usd::Stage::builder().open(path.to_str().expect("a name")).expect("a stage");
+    let root = openusd::sdf::Path::abs_root();
+    let roots = stage.root_prims().expect("prims");
+    let roots = roots.iter().map(|name| stage.prim(root.append_path(name.as_str()).expect("a path")).expect("a prim"));
+    let (mut count, mut rest) = (0, roots.collect::<Vec<_>>());
+    while let Some(prim) = rest.pop() {
+        if prim.type_name().expect("a type").is_some_and(|name| name.as_str() == "Mesh") {
+            for name in ["points", "faceVertexCounts", "faceVertexIndices", "normals"] {
+                let value = prim.attribute(name).get_at::<openusd::sdf::Value>(None).expect("a value");
+                count += usize::from(std::hint::black_box(&value).is_some());
+            }
+        }
+        rest.extend(prim.children().expect("children"));
+    }
+    count
+}
+
+/// Processor time of all threads so far, ms; in steps of 10 (Linux: proc(5), fields 14 and 15 of `stat`).
+fn processor_ms() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
+    let ticks = |at: usize| fields.get(at - 3)?.parse::<f64>().ok();
+    Some(10.0 * (ticks(14)? + ticks(15)?))
+}
+
+/// What some work cost.
+#[derive(Debug, Clone, Copy)]
+struct Cost {
+    /// Best of ten, ms.
+    ms: f64,
+    /// Processor time of all threads, mean of ten, ms; NaN where it is not known.
+    processor_ms: f64,
+    /// The greatest memory beyond what was held before, bytes.
+    peak: f64,
+}
+
+fn measured(mut work: impl FnMut() -> usize) -> Cost {
+    const TIMES: u8 = 10;
+    let first = processor_ms();
+    let (mut ms, mut peak) = (f64::INFINITY, 0);
+    for _ in 0..TIMES {
         let before = HELD.load(Ordering::Relaxed);
         PEAK.store(before, Ordering::Relaxed);
         let start = Instant::now();
         std::hint::black_box(work());
-        best = best.min(start.elapsed().as_secs_f64() * 1e3);
-        most = most.max(PEAK.load(Ordering::Relaxed).saturating_sub(before));
+        ms = ms.min(start.elapsed().as_secs_f64() * 1e3);
+        peak = peak.max(PEAK.load(Ordering::Relaxed).saturating_sub(before));
     }
-    (best, most)
+    let spent = first.zip(processor_ms()).map_or(f64::NAN, |(from, to)| to - from);
+    Cost { ms, processor_ms: spent / f64::from(TIMES), peak: peak as f64 }
+}
+
+/// One line for each; `raw` is what the times are compared with.
+fn say(rows: &[(&str, Cost)], raw: Cost, size: f64) {
+    for (what, Cost { ms, processor_ms, peak }) in rows {
+        let (times, processor_times, mb, share) =
+            (ms / raw.ms, processor_ms / raw.processor_ms, peak / 1e6, peak / size);
+        println!(
+            "  {what:13} {ms:7.1} ms = {times:.2} x, processor {processor_ms:6.1} ms = {processor_times:.2} x, {mb:.1} MB = {share:.2} x the file"
+        );
+    }
 }
 
 fn main() {
     let files: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let scene = |path: &std::path::Path| {
+        eyebox::import::outline(path, &eyebox::import::ReadOptions::default()).expect("it imports").meshes.len()
+    };
     for file in &files {
         let path = std::path::Path::new(file);
         let size = std::fs::metadata(path).expect("the file").len() as f64;
-        let (read_ms, read_peak) = measured(|| eyebox::import::asset(path).expect("it reads").meshes.len());
-        let (scene_ms, scene_peak) = measured(|| {
-            eyebox::import::outline(path, &eyebox::import::ReadOptions::default()).expect("it imports").meshes.len()
-        });
+        let is_usd = path.extension().is_some_and(|extension| extension.to_string_lossy().starts_with("usd"));
+        let library = is_usd.then(|| measured(|| library(path)));
+        let assembly = measured(|| eyebox::import::asset(path).expect("it reads").meshes.len());
+        let rows = [
+            library.map(|cost| ("openusd crate", cost)),
+            Some(("assembly", assembly)),
+            Some(("scene", measured(|| scene(path)))),
+        ];
         println!("{file}: {:.1} MB", size / 1e6);
-        for (what, ms, peak) in [("assembly", read_ms, read_peak as f64), ("scene", scene_ms, scene_peak as f64)] {
-            println!("  {what:10} {ms:7.1} ms, {:.1} MB = {:.2} x the file", peak / 1e6, peak / size);
-        }
+        say(&rows.into_iter().flatten().collect::<Vec<_>>(), library.unwrap_or(assembly), size);
     }
     if !files.is_empty() {
         return;
@@ -134,21 +203,8 @@ fn main() {
     let size = bytes.len() as f64;
     std::fs::write(&path, &bytes).expect("the file");
     drop(bytes);
-    let (raw_ms, raw_peak) = measured(|| raw(&path));
-    let (read_ms, read_peak) = measured(|| eyebox::import::gltf::read(&path).expect("it reads").meshes.len());
-    let (scene_ms, scene_peak) = measured(|| {
-        eyebox::import::outline(&path, &eyebox::import::ReadOptions::default()).expect("it imports").meshes.len()
-    });
+    let raw = measured(|| raw(&path));
+    let assembly = measured(|| eyebox::import::gltf::read(&path).expect("it reads").meshes.len());
     println!("2 000 000 triangles, {:.1} MB", size / 1e6);
-    for (what, ms, peak) in
-        [("gltf crate", raw_ms, raw_peak), ("assembly", read_ms, read_peak), ("scene", scene_ms, scene_peak)]
-    {
-        let peak = peak as f64;
-        println!(
-            "  {what:10} {ms:7.1} ms = {:.2} x, {:.1} MB = {:.2} x the file",
-            ms / raw_ms,
-            peak / 1e6,
-            peak / size
-        );
-    }
+    say(&[("gltf crate", raw), ("assembly", assembly), ("scene", measured(|| scene(&path)))], raw, size);
 }

@@ -167,15 +167,12 @@ fn covered(parts: &[Candidate], bound: &[PartBound], assembly: &Assembly) -> Res
 /// blake3 of all input bytes, each file preceded by its length, then the sets.
 fn hash(files: &[PathBuf], sets: &[Set]) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
-    let mut add = |bytes: &[u8]| {
-        hasher.update(&(bytes.len() as u64).to_le_bytes());
-        hasher.update(bytes);
-    };
     for file in files {
-        add(&files::read(file, &Where::Nowhere, "input file")?);
+        files::hash(&mut hasher, file, &Where::Nowhere, "input file")?;
     }
     for set in sets {
-        add(set.text.as_bytes());
+        hasher.update(&(set.text.len() as u64).to_le_bytes());
+        hasher.update(set.text.as_bytes());
     }
     Ok(hasher.finalize().to_hex().to_string())
 }

@@ -2,18 +2,58 @@
 
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 /// The bytes of `path`, which is a `kind` (`slide image`, …) that is named at `at`.
 pub fn read(path: &Path, at: &Where, kind: &str) -> Result<Vec<u8>> {
-    std::fs::read(path).map_err(|error| {
-        let why = match error.kind() {
-            std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
-            std::io::ErrorKind::PermissionDenied => "it must not be read (permission denied)".to_owned(),
-            _ => error.to_string(),
+    std::fs::read(path).map_err(|error| unreadable(&error, path, at, kind))
+}
+
+fn unreadable(error: &Error, path: &Path, at: &Where, kind: &str) -> Box<Fault> {
+    let why = match error.kind() {
+        ErrorKind::NotFound => "there is no such file".to_owned(),
+        ErrorKind::PermissionDenied => "it must not be read (permission denied)".to_owned(),
+        _ => error.to_string(),
+    };
+    Fault::new(at.clone(), format!("can't read the {kind} {}: {why}", path.display()))
+}
+
+/// Adds the length of a file, as eight bytes, and its bytes. Faults: it can't be read.
+pub fn hash(hasher: &mut blake3::Hasher, path: &Path, at: &Where, kind: &str) -> Result<()> {
+    hashed(hasher, path).map_err(|error| unreadable(&error, path, at, kind))
+}
+
+/// Piece by piece: an asset may be large.
+fn hashed(hasher: &mut blake3::Hasher, path: &Path) -> std::io::Result<()> {
+    const PIECE: usize = 1 << 17;
+    let mut file = File::open(path)?;
+    let metadata = file.metadata()?;
+    if !metadata.is_file() {
+        // What is no regular file has no length until it was read.
+        let mut all = Vec::new();
+        file.read_to_end(&mut all)?;
+        hasher.update(&(all.len() as u64).to_le_bytes()).update(&all);
+        return Ok(());
+    }
+    let length = metadata.len();
+    hasher.update(&length.to_le_bytes());
+    let mut piece = vec![0; PIECE];
+    let mut left = length;
+    loop {
+        let count = match file.read(&mut piece) {
+            Ok(0) if left == 0 => return Ok(()),
+            Ok(count) => count,
+            Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+            Err(error) => return Err(error),
         };
-        Fault::new(at.clone(), format!("can't read the {kind} {}: {why}", path.display()))
-    })
+        left = match left.checked_sub(count as u64) {
+            Some(left) if count > 0 => left,
+            _ => return Err(Error::other("its length changed while it was read")),
+        };
+        hasher.update(piece.get(..count).unwrap_or_default());
+    }
 }
 
 /// Where `name` leads, written at `at`: relative names are relative to the file that names them, on the command line to

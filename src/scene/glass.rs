@@ -201,15 +201,16 @@ mod tests {
 
     #[test]
     fn laws_are_not_confused() {
-        // At the d line, from the sources' own tables: MgF2 and sapphire have squared constants, HfO2 and the films don't.
-        for (name, n, tolerance) in [
-            ("MgF2", 1.3777, 5e-5),
-            ("Al2O3", 1.7682, 5e-5),
-            ("HfO2", 1.8980, 1e-3),
-            ("Ta2O5", 2.10, 0.03),
-            ("TiO2", 2.37, 0.05),
+        // MgF2 and sapphire have squared constants, HfO2 has not; films as in the rows of their sources.
+        for (name, nm, n, tolerance) in [
+            ("MgF2", 587.6, 1.3777, 5e-5),
+            ("Al2O3", 587.6, 1.7682, 5e-5),
+            ("HfO2", 587.6, 1.8980, 1e-3),
+            ("TiO2", 555.0, 2.43224, 1e-3),
+            ("Ta2O5", 555.0, 2.155645, 1e-3),
+            ("Nb2O5", 555.0, 2.357355, 1e-3),
         ] {
-            let got = find(name).unwrap().dispersion.index(587.5618).re;
+            let got = find(name).unwrap().dispersion.index(nm).re;
             assert!((got - n).abs() < tolerance, "{name}: {got}");
         }
     }

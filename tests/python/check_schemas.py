@@ -43,7 +43,7 @@ assert n > 0
 print(n, 'sidecars and the example of the extension fit their schemas')
 
 reg=Usd.SchemaRegistry()
-names=[f"Eyebox{n}API_1" for n in "Asset Medium Finish Coating Shape Emitter Slide Sky Eye".split()]
+names=[f"Eyebox{n}API_1" for n in "Asset Medium Finish Coating Shape Emitter Slide Sky Sun Eye".split()]
 st=Usd.Stage.CreateInMemory()
 p=UsdGeom.Mesh.Define(st,'/M').GetPrim()
 n=0

@@ -50,6 +50,9 @@ pub(super) fn flat(face: FaceMesh, at: &At<'_>, notes: &mut Notes) -> FaceMesh {
 /// The face with vertices of its own for each triangle and flat normals, and how many triangles have no area.
 pub(in crate::import) fn flat_shaded(face: &FaceMesh) -> (FaceMesh, usize) {
     let (mut out, mut without_area) = (FaceMesh::default(), 0);
+    out.triangles.reserve_exact(face.triangles.len());
+    out.positions.reserve_exact(3 * face.triangles.len());
+    out.normals.reserve_exact(3 * face.triangles.len());
     for &triangle in &face.triangles {
         let normal = unit(area_normal(&face.positions, triangle)).unwrap_or_else(|| {
             without_area += 1;

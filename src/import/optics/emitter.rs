@@ -6,7 +6,7 @@ use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
-use crate::scene::{Note, Photometry, Severity};
+use crate::scene::{Note, Photometry};
 use glam::DVec3;
 
 /// An emitter with its group still by name.
@@ -99,11 +99,6 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
     let polarisation = match fields.value("polarisation") {
         Some(value) => {
             let own = Fields::of(Noun::Emitter, "polarisation", value, &["angle_deg", "degree"])?;
-            notes.push(Note {
-                severity: Severity::Info,
-                at: value.at.clone(),
-                text: "the emitter's polarisation is kept; this version traces unpolarised light".to_owned(),
-            });
             Some((own.need_number("angle_deg")?.to_radians(), own.need_number("degree")?))
         }
         None => None,

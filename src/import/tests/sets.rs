@@ -107,7 +107,7 @@ const ROWS: &[(&str, &[&str], &str)] = &[
     (
         LIT,
         &["led.flux_lum=1"],
-        "--set led.flux_lum=1: unknown attribute `flux_lum` of light group `led`; expected one of name, group, flux_lm, luminance_cd_m2, intensity_cd, illuminance_lx, radiant_flux_w, angular, spectrum; did you mean `flux_lm`?",
+        "--set led.flux_lum=1: unknown attribute `flux_lum` of light group `led`; expected one of name, group, flux_lm, luminance_cd_m2, intensity_cd, illuminance_lx, radiant_flux_w, angular, spectrum, u, polarisation; did you mean `flux_lm`?",
     ),
     (
         LIT,
@@ -226,6 +226,6 @@ const ROWS: &[(&str, &[&str], &str)] = &[
     (
         LIT,
         &["default.finish=polisht"],
-        "--set default.finish=polisht: unknown finish `polisht`; expected one of none, polished, lambert, gauss, mirror, absorber; did you mean `polished`?",
+        "--set default.finish=polisht: unknown finish `polisht`; expected one of none, polished, lambert, gauss, mirror, polariser, retarder, absorber; did you mean `polished`?",
     ),
 ];

@@ -99,21 +99,23 @@ impl PrimView {
         }
         let attribute = self.prim.attribute(name);
         let failed = |error| Fault::new(self.at_property(name), one_line(&format!("cannot be read: {error}")));
-        let time = self.moment.frame.map(TimeCode::new);
-        let source = attribute.resolve_info_at(time).map_err(failed)?.source();
-        let time = match (source, time) {
-            (ResolveInfoSource::None | ResolveInfoSource::Fallback, None) => {
-                match attribute.resolve_info_at(Some(TimeCode::EARLIEST)).map_err(failed)?.source() {
-                    ResolveInfoSource::None | ResolveInfoSource::Fallback => return Ok(None),
-                    ResolveInfoSource::Default | ResolveInfoSource::TimeSamples | ResolveInfoSource::ValueClips => {
-                        Some(TimeCode::EARLIEST)
-                    }
+        let authored = |time: Option<TimeCode>| {
+            let found = attribute.get_at::<Value>(time).map_err(failed)?;
+            // The library decodes a value once more to say where it comes from. It is asked only where the schema may
+            // have said the same.
+            if found.is_none() || found != attribute.fallback_value().map_err(failed)? {
+                return Ok(found);
+            }
+            match attribute.resolve_info_at(time).map_err(failed)?.source() {
+                ResolveInfoSource::None | ResolveInfoSource::Fallback => Ok(None),
+                ResolveInfoSource::Default | ResolveInfoSource::TimeSamples | ResolveInfoSource::ValueClips => {
+                    Ok(found)
                 }
             }
-            (ResolveInfoSource::None | ResolveInfoSource::Fallback, Some(_)) => return Ok(None),
-            (ResolveInfoSource::Default | ResolveInfoSource::TimeSamples | ResolveInfoSource::ValueClips, time) => time,
         };
-        attribute.get_at::<Value>(time).map_err(failed)
+        let time = self.moment.frame.map(TimeCode::new);
+        let found = authored(time)?;
+        if found.is_some() || time.is_some() { Ok(found) } else { authored(Some(TimeCode::EARLIEST)) }
     }
 
     /// As [`get`](Self::get), read by `convert`; a value of another type is a fault that names what is `expected`.

@@ -35,7 +35,7 @@ impl Interpolation {
             _ => return None,
         })
     }
-    fn count(self, sizes: Sizes) -> usize {
+    pub fn count(self, sizes: Sizes) -> usize {
         match self {
             Interpolation::Constant => 1,
             Interpolation::Uniform => sizes.polygons,
@@ -50,6 +50,13 @@ pub(super) struct Primvar<T> {
     values: Vec<T>,
     indices: Option<Vec<i32>>,
     interpolation: Interpolation,
+}
+
+#[cfg(test)]
+impl<T> Primvar<T> {
+    pub fn new(values: Vec<T>, indices: Option<Vec<i32>>, interpolation: Interpolation) -> Self {
+        Primvar { values, indices, interpolation }
+    }
 }
 
 impl<T: Copy> Primvar<T> {
@@ -69,6 +76,16 @@ impl<T: Copy> Primvar<T> {
             None => place,
         };
         self.values.get(place).copied()
+    }
+    /// The values of `count` points, moved if they are just that in the file. For those that follow points.
+    pub fn into_points(self, count: usize) -> Vec<T>
+    where
+        T: Default,
+    {
+        if self.interpolation == Interpolation::Vertex && self.indices.is_none() && self.values.len() == count {
+            return self.values;
+        }
+        (0..count).map(|point| self.at(0, 0, point).unwrap_or_default()).collect()
     }
 }
 

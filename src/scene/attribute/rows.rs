@@ -7,7 +7,7 @@ use Form::{
 };
 use Noun::{Asset, Coating, Emitter, Eye, Finish, Medium, Shape, Sky, Slide, Sun};
 use Range::{Above, Any, AtLeast, AtLeastOrInfinite, Between, NonZero, Positive, PositiveOrInfinite, Within};
-use Support::{Kept, NotYet, Rendered};
+use Support::{NotYet, Rendered};
 
 #[rustfmt::skip]
 const fn new(noun: Noun, name: &'static str, form: Form, unit: &'static str, range: Range, doc: &'static str) -> Row {
@@ -130,9 +130,9 @@ pub const ROWS: &[Row] = &[
     new(Emitter, "table", Rows(&["λ in nm", "W"]), "", AtLeast(0.0), "[[λ in nm, relative power], …] with rising λ, linear between the rows and 0 outside"),
     new(Emitter, "csv", File, "", Any, "text file with lines of λ in nm and relative power"),
     new(Emitter, "u", Numbers(3), "", Any, "direction along the face, in the part's axes: the plane C0 of a measured distribution, 0 degrees of polarisation").or("+x, or +y where the face's normal is within 45 degrees of x"),
-    new(Emitter, "polarisation", Record(&["angle_deg", "degree"]), "", Any, "{ angle_deg, degree } of the light that leaves; without it, unpolarised").is(Kept),
-    new(Emitter, "angle_deg", Number, "deg", Any, "direction of polarisation, from u, counter-clockwise as seen from the front").is(Kept),
-    new(Emitter, "degree", Number, "", Within(0.0, 1.0), "degree of polarisation").is(Kept),
+    new(Emitter, "polarisation", Record(&["angle_deg", "degree"]), "", Any, "{ angle_deg, degree } of the light that leaves; without it, unpolarised"),
+    new(Emitter, "angle_deg", Number, "deg", Any, "direction of polarisation, from u, counter-clockwise as seen from the front"),
+    new(Emitter, "degree", Number, "", Within(0.0, 1.0), "degree of polarisation"),
     // A thin transmissive picture on a face.
     new(Slide, "slide", Thing(&SLIDE), "", Any, "{ image, size, u, v, centre, transmittance, contrast }"),
     new(Slide, "name", Text, "", Any, "name of a slide of the asset"),

@@ -231,8 +231,10 @@ fn exact(shape: &Shape, own: &[Triangle]) -> Result<Surface, String> {
     let corners = || own.iter().flat_map(|t| t.corners).map(vertex);
     let diagonal = 2.0 * Bounds::of(corners()).half().length();
     let far = |distance: &dyn Fn(DVec3) -> f64| {
+        // A distance that is not a number misses, too.
+        let met = |p: &DVec3| distance(*p) <= MISS * diagonal;
         corners()
-            .find(|p| !(distance(*p) <= MISS * diagonal))
+            .find(|p| !met(p))
             .map_or(Ok(()), |p| Err(format!("the shape misses its mesh: vertex {p} is {:.3e} from it", distance(p))))
     };
     // The side that the triangles face: +1 along the surface's own normal.

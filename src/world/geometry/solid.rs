@@ -178,10 +178,10 @@ impl Solid {
         triangle: &Triangle,
         curved: &Curved,
         line: &Line,
-        starts_here: bool,
         reach: f64,
         probe: &mut Probe,
     ) -> Option<Touch> {
+        let starts_here = self.faces.get(triangle.face as usize).is_some_and(|sheet| sheet.identity == line.from);
         let all = probe.many_of(triangle.face, || {
             let mut all = Vec::new();
             let _ = curved.along(line.origin, line.dir, starts_here, f64::INFINITY, &mut |t, at| {
@@ -271,9 +271,7 @@ impl Solid {
                 }
                 None
             }
-            Surface::Curved { curved, .. } => {
-                self.touch_curved(slot, triangle, curved, line, starts_here, reach, probe)
-            }
+            Surface::Curved { curved, .. } => self.touch_curved(slot, triangle, curved, line, reach, probe),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Small stages written on the spot, each with one thing that the reader must get right.
 
 mod compose;
-mod kit;
+pub(super) mod kit;
 mod lights;
 mod materials;
 mod meshes;

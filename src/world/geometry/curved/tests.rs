@@ -667,3 +667,52 @@ fn a_line_in_the_surface_ends() {
         println!("{y}: {:.1} µs", started.elapsed().as_secs_f64() * 1e4 / 2.0);
     }
 }
+
+/// Through interior vertices and edges of the mesh nothing slips, and at the rim a line meets the face or passes it, by
+/// which side it is on.
+#[test]
+fn edges_and_rims() {
+    for (name, shape, half) in shapes() {
+        let mesh = face(&shape, half, 8).mesh;
+        let one = scene(vec![mesh.clone()], vec![part(0, std::slice::from_ref(&shape), DAffine3::IDENTITY)]);
+        let geometry = Geometry::build(&one).expect("valid");
+        let curved = curved(&shape, half);
+        let to = |p: DVec3| p - geometry.origin();
+        let mut rng = Rng::new(69, Stream::Check, 0, 0);
+        let (vertex, u, v, axis) = frame(&shape);
+        let vertices: Vec<DVec2> = (mesh.positions.iter())
+            .map(|p| crate::world::geometry::patch::vertex(*p) - vertex)
+            .map(|q| DVec2::new(q.dot(u), q.dot(v)))
+            .collect();
+        let mut aim = |at: DVec2, inside: bool| {
+            let p = curved.settle(vertex + at.x * u + at.y * v + textbook(&shape, at.x, at.y) * axis);
+            for _ in 0..20 {
+                let dir = warp::sphere(rng.pair());
+                if curved.normal(p).dot(dir).abs() < 0.05 {
+                    continue;
+                }
+                let ray = Ray { origin: to(p) - 1e-3 * dir, dir, from: None };
+                let met = geometry.intersect(&ray, 2e-3);
+                assert_eq!(met.is_some(), inside, "{name} at {at} along {dir}");
+                if let Some(hit) = met {
+                    assert!((hit.t - 1e-3).abs() < 1e-14 && (hit.point - to(p)).length() < 1e-14, "{name} {at}");
+                    assert!((hit.normal.dot(curved.normal(p)).abs() - 1.0).abs() < 1e-14);
+                }
+            }
+        };
+        for t in &mesh.triangles {
+            let [a, b] = [0, 1].map(|k| vertices[t[k] as usize]);
+            for share in [0.0, 0.25, 0.5] {
+                let at = a.lerp(b, share);
+                let from_rim = 1.0 - (at.abs() / half).max_element();
+                if from_rim > 1e-3 {
+                    aim(at, true);
+                } else {
+                    // Vertices of the rim are rounded to f32.
+                    aim(at * (1.0 - 1e-6), true);
+                    aim(at * (1.0 + 1e-6), false);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Which meshes are one and the same: references share nothing in USD, but they do here.
+
+use super::super::attribute::PrimView;
+use super::super::binding;
+use super::super::hierarchy::{self, Above};
+use super::super::reader::Reader;
+use crate::base::fault::Result;
+use crate::import::assembly::MeshSource;
+use crate::import::value::Value;
+use crate::scene::Mesh;
+use std::collections::HashMap;
+
+/// Meshes by where they come from and by what they are.
+#[derive(Debug, Default)]
+pub(in crate::import::usd) struct Known {
+    by_source: HashMap<(String, binding::Inherited), Option<usize>>,
+    /// By numbers of vertices and triangles.
+    by_size: HashMap<(usize, usize), Alike>,
+}
+
+/// Meshes of one size. The first is hashed when there is a second: most large meshes are the only one of their size.
+#[derive(Debug, Default)]
+struct Alike {
+    unhashed: Option<usize>,
+    by_content: HashMap<blake3::Hash, Vec<usize>>,
+}
+
+/// The mesh of a prim, an index of `Assembly::meshes`; built if its source was not met before.
+pub(in crate::import::usd) fn shared(
+    reader: &mut Reader,
+    view: &PrimView,
+    below: &Above,
+    build: impl FnOnce(&mut Reader, &PrimView, &Above) -> Result<Option<MeshSource>>,
+) -> Result<Option<usize>> {
+    let key = (hierarchy::shared_path(view, below), below.handed.material.clone());
+    if let Some(&known) = reader.meshes.by_source.get(&key) {
+        return Ok(known);
+    }
+    let index = build(reader, view, below)?.map(|source| keep(reader, source));
+    reader.meshes.by_source.insert(key, index);
+    Ok(index)
+}
+
+/// Adds a mesh, or finds one that is the same to the last bit.
+fn keep(reader: &mut Reader, source: MeshSource) -> usize {
+    let meshes = &mut reader.assembly.meshes;
+    let index = meshes.len();
+    let size = (source.mesh.positions.len(), source.mesh.triangles.len());
+    let alike =
+        reader.meshes.by_size.entry(size).or_insert_with(|| Alike { unhashed: Some(index), ..Alike::default() });
+    if alike.unhashed == Some(index) {
+        meshes.push(source);
+        return index;
+    }
+    if let Some(first) = alike.unhashed.take()
+        && let Some(other) = meshes.get(first)
+    {
+        alike.by_content.insert(content(&other.mesh), vec![first]);
+    }
+    let found = alike.by_content.entry(content(&source.mesh)).or_default();
+    // Looking at a few is enough: many with the same points that differ otherwise are no sharing case.
+    let same = |&&known: &&usize| meshes.get(known).is_some_and(|other| is_same(&source, other));
+    if let Some(&known) = found.iter().take(16).find(same) {
+        return known;
+    }
+    found.push(index);
+    meshes.push(source);
+    index
+}
+
+/// blake3 of positions and normals.
+fn content(mesh: &Mesh) -> blake3::Hash {
+    let mut hasher = blake3::Hasher::new();
+    let mut block = Vec::with_capacity(1 << 16);
+    for values in [&mesh.positions, &mesh.normals] {
+        for part in values.as_flattened().chunks(1 << 14) {
+            block.clear();
+            block.extend(part.iter().flat_map(|value| value.to_bits().to_le_bytes()));
+            hasher.update(&block);
+        }
+    }
+    hasher.finalize()
+}
+
+fn is_same(one: &MeshSource, other: &MeshSource) -> bool {
+    let bits = |a: &[f32], b: &[f32]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits());
+    let attributes = |a: &Option<Value>, b: &Option<Value>| match (a, b) {
+        (Some(a), Some(b)) => a.same(b),
+        (None, None) => true,
+        (Some(_), None) | (None, Some(_)) => false,
+    };
+    let (a, b) = (&one.mesh, &other.mesh);
+    a.name == b.name
+        && a.triangles == b.triangles
+        && a.faces == b.faces
+        && bits(a.positions.as_flattened(), b.positions.as_flattened())
+        && bits(a.normals.as_flattened(), b.normals.as_flattened())
+        && bits(a.uvs.as_flattened(), b.uvs.as_flattened())
+        && one.materials == other.materials
+        && one.attributes.len() == other.attributes.len()
+        && one.attributes.iter().zip(&other.attributes).all(|(a, b)| attributes(a, b))
+}

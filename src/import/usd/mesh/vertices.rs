@@ -1,0 +1,223 @@
+//! The vertices of a face: points where all values follow points, else each different combination of values.
+
+use super::super::primvar::Primvar;
+use super::cut::{self, Own};
+use super::polygons::{Corners, Polygons};
+use crate::import::gltf::primitive::FaceMesh;
+
+/// A mesh as it is in the file.
+#[derive(Debug, Clone)]
+pub(super) struct Data {
+    pub polygons: Polygons,
+    pub normals: Option<Primvar<[f32; 3]>>,
+    pub uvs: Option<Primvar<[f32; 2]>>,
+}
+
+/// Tables over all points, kept from face to face.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    /// Per point: the number of the face that last used it, and its first vertex there.
+    used: Vec<(u32, u32)>,
+    /// Per vertex: the next vertex of the same point.
+    next: Vec<u32>,
+}
+
+/// The face number `number` of the mesh, made of the polygons `own`, and how many of them cross themselves. If the face
+/// is `alone`, the arrays of the file become its own where they can, and `data` is left without them.
+pub(super) fn face(
+    data: &mut Data,
+    own: &Own,
+    alone: bool,
+    number: usize,
+    triangles: usize,
+    scratch: &mut Scratch,
+) -> (FaceMesh, usize) {
+    let follows = data.normals.as_ref().is_none_or(Primvar::follows_points)
+        && data.uvs.as_ref().is_none_or(Primvar::follows_points);
+    let plain = alone && *own == Own::All && cut::is_plain(&data.polygons);
+    let taken = match &mut data.polygons.corners {
+        Corners::Triangles(triangles) if plain => Some(std::mem::take(triangles)),
+        Corners::Triangles(_) | Corners::Mixed { .. } => None,
+    };
+    match (follows, taken) {
+        (true, Some(mut all)) => {
+            if data.polygons.left_handed {
+                all.iter_mut().for_each(|three| three.swap(1, 2));
+            }
+            (by_points(data, all, alone), 0)
+        }
+        (true, None) => {
+            let points = data.polygons.corners.points();
+            let point = |corner: usize| points.get(corner).copied().unwrap_or(0);
+            let mut all = Vec::with_capacity(triangles);
+            let ragged = cut::triangles(&data.polygons, own, |_, three| all.push(three.map(point)));
+            (by_points(data, all, alone), ragged)
+        }
+        (false, Some(mut all)) => {
+            let mut welder = Welder::new(data, number as u32, triangles, scratch);
+            for (polygon, three) in all.iter_mut().enumerate() {
+                let mut corners = [0, 1, 2];
+                if data.polygons.left_handed {
+                    corners.swap(1, 2);
+                }
+                let points = *three;
+                *three = corners.map(|i| welder.vertex(polygon, 3 * polygon + i, points[i] as usize));
+            }
+            (FaceMesh { triangles: all, ..welder.out }, 0)
+        }
+        (false, None) => {
+            let points = data.polygons.corners.points();
+            let point = |corner: usize| points.get(corner).map_or(0, |&point| point as usize);
+            let mut welder = Welder::new(data, number as u32, triangles, scratch);
+            let mut all = Vec::with_capacity(triangles);
+            let ragged = cut::triangles(&data.polygons, own, |polygon, three| {
+                all.push(three.map(|corner| welder.vertex(polygon, corner, point(corner))));
+            });
+            (FaceMesh { triangles: all, ..welder.out }, ragged)
+        }
+    }
+}
+
+/// Vertices are points, in the order of the points; those that no triangle uses are left out. `triangles` are of
+/// points.
+fn by_points(data: &mut Data, mut triangles: Vec<[u32; 3]>, alone: bool) -> FaceMesh {
+    let all = data.polygons.points.len();
+    // A table of all points is quicker; a small face of a large mesh is better sorted.
+    let used: Vec<u32> = if all / 4 <= 3 * triangles.len() {
+        let mut is_used = vec![false; all];
+        for &point in triangles.as_flattened() {
+            if let Some(is_used) = is_used.get_mut(point as usize) {
+                *is_used = true;
+            }
+        }
+        if alone && is_used.iter().all(|&used| used) {
+            return whole(data, triangles);
+        }
+        let used: Vec<u32> = (0..all as u32).filter(|&point| is_used.get(point as usize) == Some(&true)).collect();
+        drop(is_used);
+        let mut table = vec![0u32; all];
+        for (new, &point) in used.iter().enumerate() {
+            if let Some(slot) = table.get_mut(point as usize) {
+                *slot = new as u32;
+            }
+        }
+        for point in triangles.as_flattened_mut() {
+            *point = table.get(*point as usize).copied().unwrap_or(0);
+        }
+        used
+    } else {
+        let mut used = triangles.as_flattened().to_vec();
+        used.sort_unstable();
+        used.dedup();
+        for point in triangles.as_flattened_mut() {
+            *point = used.partition_point(|other| other < point) as u32;
+        }
+        used
+    };
+    let points = || used.iter().map(|&point| point as usize);
+    // Values that follow points need neither polygon nor corner.
+    FaceMesh {
+        positions: points().map(|point| data.polygons.position(point)).collect(),
+        normals: data.normals.as_ref().map_or_else(Vec::new, |normals| {
+            points().map(|point| normals.at(0, 0, point).unwrap_or_default()).collect()
+        }),
+        uvs: data
+            .uvs
+            .as_ref()
+            .map_or_else(Vec::new, |uvs| points().map(|point| uvs.at(0, 0, point).unwrap_or_default()).collect()),
+        triangles,
+    }
+}
+
+/// All points are vertices: nothing is copied that need not be.
+fn whole(data: &mut Data, triangles: Vec<[u32; 3]>) -> FaceMesh {
+    let positions = std::mem::take(&mut data.polygons.points);
+    let count = positions.len();
+    FaceMesh {
+        positions,
+        normals: data.normals.take().map_or_else(Vec::new, |normals| normals.into_points(count)),
+        uvs: data.uvs.take().map_or_else(Vec::new, |uvs| uvs.into_points(count)),
+        triangles,
+    }
+}
+
+const NONE: u32 = u32::MAX;
+
+/// Makes a vertex for each different (point, normal, texture coordinate), in the order of first use.
+struct Welder<'a> {
+    data: &'a Data,
+    number: u32,
+    scratch: &'a mut Scratch,
+    /// No more vertices than this.
+    most: usize,
+    out: FaceMesh,
+}
+
+impl<'a> Welder<'a> {
+    /// More different values at one point are not searched through: a hostile file could ask for all pairs.
+    const MOST: usize = 64;
+
+    fn new(data: &'a Data, number: u32, triangles: usize, scratch: &'a mut Scratch) -> Self {
+        let points = data.polygons.points.len();
+        scratch.next.clear();
+        scratch.used.resize(points, (NONE, 0));
+        let mut out = FaceMesh::default();
+        // As many as points is what a smooth mesh has.
+        let likely = points.min(3 * triangles);
+        out.positions.reserve_exact(likely);
+        out.normals.reserve_exact(if data.normals.is_some() { likely } else { 0 });
+        out.uvs.reserve_exact(if data.uvs.is_some() { likely } else { 0 });
+        scratch.next.reserve(likely);
+        Welder { data, number, scratch, most: 3 * triangles, out }
+    }
+
+    #[inline]
+    fn vertex(&mut self, polygon: usize, corner: usize, point: usize) -> u32 {
+        let normal = self.data.normals.as_ref().map(|all| all.at(polygon, corner, point).unwrap_or_default());
+        let uv = self.data.uvs.as_ref().map(|all| all.at(polygon, corner, point).unwrap_or_default());
+        let (face, mut known) = self.scratch.used.get(point).copied().unwrap_or((NONE, 0));
+        if face != self.number {
+            known = NONE;
+        }
+        let first = known;
+        let mut last = NONE;
+        let out = &mut self.out;
+        for _ in 0..Self::MOST {
+            if known == NONE {
+                break;
+            }
+            let at = known as usize;
+            let same_normal =
+                normal.is_none_or(|n| out.normals.get(at).map(|m| m.map(f32::to_bits)) == Some(n.map(f32::to_bits)));
+            let same_uv =
+                uv.is_none_or(|uv| out.uvs.get(at).map(|m| m.map(f32::to_bits)) == Some(uv.map(f32::to_bits)));
+            if same_normal && same_uv {
+                return known;
+            }
+            last = known;
+            known = self.scratch.next.get(at).copied().unwrap_or(NONE);
+        }
+        let new = out.positions.len() as u32;
+        if out.positions.len() == out.positions.capacity() {
+            // Twice as much each time, but never more than there can be.
+            let more = out.positions.len().max(64).min(self.most.saturating_sub(out.positions.len()));
+            out.positions.reserve_exact(more);
+            out.normals.reserve_exact(if normal.is_some() { more } else { 0 });
+            out.uvs.reserve_exact(if uv.is_some() { more } else { 0 });
+        }
+        out.positions.push(self.data.polygons.position(point));
+        out.normals.extend(normal);
+        out.uvs.extend(uv);
+        self.scratch.next.push(NONE);
+        if first == NONE {
+            if let Some(used) = self.scratch.used.get_mut(point) {
+                *used = (self.number, new);
+            }
+        } else if known == NONE
+            && let Some(next) = self.scratch.next.get_mut(last as usize)
+        {
+            *next = new;
+        }
+        new
+    }
+}
