@@ -1,10 +1,12 @@
 //! What an asset holds before any optics: parts with their sizes, materials, lights, cameras, and totals to compare with
 //! what other programs count.
 
-use crate::scene::assembly::{Assembly, LightForm, MeshSource};
+use crate::base::Where;
+use crate::scene::assembly::{Assembly, LightForm, LightSource, MeshSource};
 use crate::scene::{Note, Severity};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Corners of an axis-parallel box in metres, in the scene's world (+y up).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -18,6 +20,8 @@ pub struct Bounds {
 pub struct PartFacts {
     /// Root-relative path of names.
     pub path: String,
+    /// Where the file has it: a prim path, a JSON pointer.
+    pub at: String,
     /// Name of the mesh and its place in the asset.
     pub mesh: String,
     pub mesh_index: usize,
@@ -28,6 +32,17 @@ pub struct PartFacts {
     pub bounds_m: Option<Bounds>,
     /// Names of the materials of its faces, each once.
     pub materials: Vec<String>,
+    /// How much of it each material has, those without one last.
+    pub bound: Vec<BoundFacts>,
+}
+
+/// What a material covers of a part.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BoundFacts {
+    /// Where the file has the material; none for what has none.
+    pub at: Option<String>,
+    pub faces: usize,
+    pub triangles: usize,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -35,7 +50,15 @@ pub struct LightFacts {
     pub name: String,
     /// Path of the node that holds it.
     pub node: String,
+    /// Where the file has it: a prim path, a JSON pointer.
+    pub at: String,
     pub kind: &'static str,
+    /// Its strength, and its sizes in asset units in its own axes.
+    pub form: LightForm,
+    /// Linear Rec.709 with luminance 1.
+    pub color: [f64; 3],
+    /// Columns: its axes and its origin in the scene's world (+y up), in metres per asset unit and metres.
+    pub to_world_m: [[f64; 3]; 4],
 }
 
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -85,6 +108,7 @@ impl GeometryFacts {
             used.dedup();
             parts.push(PartFacts {
                 path: node.path.clone(),
+                at: address(&node.at),
                 mesh: source.mesh.name.clone(),
                 mesh_index: index,
                 faces: source.mesh.faces.len(),
@@ -92,6 +116,7 @@ impl GeometryFacts {
                 vertices: source.mesh.positions.len(),
                 bounds_m: bounds,
                 materials: used.into_iter().filter_map(name).collect(),
+                bound: bound(assembly, source),
             });
         }
         let totals = Totals {
@@ -108,10 +133,14 @@ impl GeometryFacts {
             bounds_m: whole,
         };
         let node = |index: usize| assembly.nodes.get(index).map(|node| node.path.clone()).unwrap_or_default();
-        let light = |light: &crate::scene::assembly::LightSource| LightFacts {
+        let light = |light: &LightSource| LightFacts {
             name: light.name.clone(),
             node: node(light.node),
+            at: address(&light.at),
             kind: kind(&light.form),
+            form: light.form.clone(),
+            color: light.color,
+            to_world_m: frame(assembly, light.node),
         };
         GeometryFacts {
             file: assembly.file.display().to_string(),
@@ -162,6 +191,33 @@ impl GeometryFacts {
     }
 }
 
+/// A place without the file.
+fn address(at: &Where) -> String {
+    match at {
+        Where::Prim { prim, .. } => prim.clone(),
+        Where::Pointer { pointer, .. } => pointer.clone(),
+        Where::Nowhere | Where::File(_) | Where::Line { .. } | Where::Part { .. } | Where::Option(_) => at.to_string(),
+    }
+}
+
+/// Faces and triangles by material, in the order of the materials.
+fn bound(assembly: &Assembly, source: &MeshSource) -> Vec<BoundFacts> {
+    let mut counts: BTreeMap<usize, (usize, usize)> = BTreeMap::new();
+    for (face, material) in source.mesh.faces.iter().zip(&source.materials) {
+        let (faces, triangles) = counts.entry(material.unwrap_or(usize::MAX)).or_default();
+        (*faces, *triangles) = (*faces + 1, *triangles + face.count as usize);
+    }
+    let place = |index: usize| assembly.materials.get(index).map(|material| address(&material.at));
+    counts.into_iter().map(|(index, (faces, triangles))| BoundFacts { at: place(index), faces, triangles }).collect()
+}
+
+/// A node's axes and origin in the scene's world.
+fn frame(assembly: &Assembly, node: usize) -> [[f64; 3]; 4] {
+    let to_asset = assembly.nodes.get(node).map_or(DAffine3::IDENTITY, |node| node.to_world);
+    let DMat3 { x_axis, y_axis, z_axis } = to_asset.matrix3;
+    [x_axis, y_axis, z_axis, to_asset.translation].map(|v| (assembly.axes * v * assembly.unit_m).to_array())
+}
+
 /// Extent in mm.
 fn size(bounds: Option<Bounds>) -> String {
     let Some(Bounds { low, high }) = bounds else { return "no extent".to_owned() };
@@ -202,10 +258,9 @@ fn kind(form: &LightForm) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::Where;
     use crate::scene::Mesh;
     use crate::scene::assembly::Node;
-    use glam::{DMat3, DQuat};
+    use glam::DQuat;
 
     /// A tetrahedron's corner points, turned by 45° about z, in cm, z up: the box is around the points, not around the
     /// turned box.

@@ -182,7 +182,8 @@ impl ProfileSource {
 }
 
 /// The kinds of lights; they shine along −z where they have a direction.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum LightForm {
     /// A point; `cone` is (inner, outer) half angle in radians of a spot.
     Point {

@@ -96,7 +96,7 @@ pub enum BeaconForm {
         dir: DVec3,
         /// On a plane across `dir`, lx.
         illuminance_lx: f64,
-        /// Full angle of its disc, 0 for parallel light, below π.
+        /// Full angle of its disc, 0 for parallel light, at most π: half of all directions.
         angle_rad: f64,
     },
 }

@@ -177,8 +177,8 @@ impl Light {
             }
             BeaconForm::Distant { dir, illuminance_lx, angle_rad } => {
                 strength("illuminance in lx", illuminance_lx)?;
-                if !(0.0..PI).contains(&angle_rad) {
-                    return Err(fault("full angle", angle_rad, "0 to less than π"));
+                if !(0.0..=PI).contains(&angle_rad) {
+                    return Err(fault("full angle", angle_rad, "0 to π"));
                 }
                 let half = angle_rad / 2.0;
                 // E = ∫ L cos θ dω = π L sin² of the half angle.

@@ -130,6 +130,10 @@ pub(super) fn write(
         if profile.normalize {
             prim.push(Property::new("inputs:shaping:ies:normalize", Datum::Bool(true)));
         }
+        if !spot {
+            // The schema's own is 90, which would cut half of the profile off.
+            prim.push(Property::new("inputs:shaping:cone:angle", Datum::Float(180.0)));
+        }
     }
     if spot || source.profile.is_some() {
         prim.apply("ShapingAPI");

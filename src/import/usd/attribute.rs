@@ -115,7 +115,18 @@ impl PrimView {
         };
         let time = self.moment.frame.map(TimeCode::new);
         let found = authored(time)?;
-        if found.is_some() || time.is_some() { Ok(found) } else { authored(Some(TimeCode::EARLIEST)) }
+        match (found, self.moment.frame) {
+            (Some(found), _) => Ok(Some(found)),
+            (None, None) => authored(Some(TimeCode::EARLIEST)),
+            // Before a blocked sample USD holds the one before it; the library has none to interpolate with.
+            (None, Some(frame)) => {
+                let around = attribute.bracketing_time_samples(TimeCode::new(frame)).map_err(failed)?;
+                match around.filter(|(lower, upper)| *lower < frame && frame < *upper) {
+                    Some((lower, _)) => attribute.get_at::<Value>(Some(TimeCode::new(lower))).map_err(failed),
+                    None => Ok(None),
+                }
+            }
+        }
     }
 
     /// As [`get`](Self::get), read by `convert`; a value of another type is a fault that names what is `expected`.

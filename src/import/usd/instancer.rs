@@ -1,7 +1,8 @@
 //! PointInstancer: many copies of a few prototypes.
 
 use super::attribute::PrimView;
-use super::hierarchy::{self, Above, Template};
+use super::binding::Inherited;
+use super::hierarchy::{self, Above, Handed, Template};
 use super::reader::Reader;
 use super::value;
 use super::xform::{self, Local};
@@ -86,14 +87,30 @@ fn walk(reader: &mut Reader, view: &PrimView, path: &sdf::Path, node: usize, bel
     }
     // What stands inside the instance that holds the instancer is shared as the instancer is.
     let inside = below.instance.clone().filter(|(from, _)| path.has_prefix(from));
-    let above = Above {
-        node: Some(node),
-        instance: inside,
-        depth: below.depth + 1,
-        may_be_over: true,
-        handed: below.handed.clone(),
-    };
+    let handed = Handed { shown: below.handed.shown, material: inherited(reader, path)? };
+    let above = Above { node: Some(node), instance: inside, depth: below.depth + 1, may_be_over: true, handed };
     hierarchy::prim(reader, prim, &above)
+}
+
+/// What the prims above a prototype bind: materials go by where it stands on the stage, not by who repeats it.
+fn inherited(reader: &mut Reader, path: &sdf::Path) -> Result<Inherited> {
+    let mut above: Vec<sdf::Path> = path.strict_ancestors_below_root().take(hierarchy::MOST_DEEP).collect();
+    above.reverse();
+    let mut out = Inherited::default();
+    for path in above {
+        let prim = reader.stage.prim(path.clone()).map_err(|error| reader.moment.failed(&path, error))?;
+        let failed = |error| reader.moment.failed(&path, error);
+        if !prim.is_valid().map_err(failed)? {
+            continue;
+        }
+        let is_instance = prim.is_instance().map_err(failed)?;
+        let view = PrimView::new(prim, &reader.moment)?;
+        out = out.below(reader, &view)?;
+        if is_instance {
+            out.inside(&view);
+        }
+    }
+    Ok(out)
 }
 
 /// The instances that are not there: `invisibleIds` and the metadata `inactiveIds`, by `ids` (or by position).

@@ -11,7 +11,7 @@ use crate::import::assembly::{LightForm, LightSource, Node};
 use crate::import::value::{Data, Value};
 use glam::{DAffine3, DMat3};
 use openusd::sdf;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 /// Appends the light of a prim whose type is one, for `node` of the assembly.
@@ -56,7 +56,7 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView, node: usize, type_name:
         Some(profile) if !profile.normalize => as_measured(form, profile.factor),
         Some(_) | None => form,
     };
-    shape::unused(reader, view, matches!(form, LightForm::Point { .. }))?;
+    shape::unused(reader, view, &form)?;
     reader.charge(view.path(), 1, size_of::<LightSource>() + 2 * view.path().as_str().len())?;
     let color = marks.triple("color").map_or(color, |exact| {
         let mut lanes = color;
@@ -147,16 +147,14 @@ fn strength(reader: &mut Reader, view: &PrimView, fallback: f64) -> Result<Optio
     let mut temperature = None;
     if flag(view, "inputs:enableColorTemperature")? {
         let kelvin = view.number("inputs:colorTemperature")?.unwrap_or(6500.0);
-        match blackbody(kelvin) {
-            Some(tint) => {
-                temperature = (color[0] == color[1] && color[1] == color[2]).then_some(kelvin);
-                color.iter_mut().zip(tint).for_each(|(lane, tint)| *lane *= tint);
-            }
-            None => {
-                let at = view.at_property("inputs:colorTemperature");
-                reader.ledger.warn(at, "a colour temperature outside 1000 to 15000 K: ignored");
-            }
+        if !(COLDEST..=HOTTEST).contains(&kelvin) {
+            let text = format!("a colour temperature outside {COLDEST} to {HOTTEST} K: the nearer end is taken");
+            reader.ledger.warn(view.at_property("inputs:colorTemperature"), text);
         }
+        let kelvin = kelvin.clamp(COLDEST, HOTTEST);
+        let tint = blackbody(kelvin);
+        temperature = (color[0] == color[1] && color[1] == color[2]).then_some(kelvin);
+        color.iter_mut().zip(tint).for_each(|(lane, tint)| *lane *= tint);
     }
     let own = luminance(color);
     let strength = intensity * exposure.exp2() * own;
@@ -173,12 +171,13 @@ fn strength(reader: &mut Reader, view: &PrimView, fallback: f64) -> Result<Optio
     Ok(Some(Strength { strength, color, kelvin: temperature }))
 }
 
-/// Linear Rec.709 of a black body at luminance 1, from 1000 to 15000 K: the Planckian locus in CIE 1960 (u, v) by
+/// Where the fit of [`blackbody`] holds, K.
+const COLDEST: f64 = 1000.0;
+const HOTTEST: f64 = 15000.0;
+
+/// Linear Rec.709 of a black body at luminance 1, from [`COLDEST`] to [`HOTTEST`]: the Planckian locus in CIE 1960 (u, v) by
 /// Krystek, Color Res. Appl. 10 (1985) 38, within 8e-5.
-fn blackbody(kelvin: f64) -> Option<[f64; 3]> {
-    if !(1000.0..=15000.0).contains(&kelvin) {
-        return None;
-    }
+fn blackbody(kelvin: f64) -> [f64; 3] {
     let t = kelvin;
     let u =
         (0.860117757 + 1.54118254e-4 * t + 1.28641212e-7 * t * t) / (1.0 + 8.42420235e-4 * t + 7.08145163e-7 * t * t);
@@ -195,7 +194,7 @@ fn blackbody(kelvin: f64) -> Option<[f64; 3]> {
     ];
     let lanes = lanes.map(|lane: f64| lane.max(0.0));
     let own = luminance(lanes);
-    Some(lanes.map(|lane| lane / own))
+    lanes.map(|lane| lane / own)
 }
 
 pub(super) fn flag(view: &PrimView, name: &str) -> Result<bool> {
@@ -252,7 +251,7 @@ impl Lit<'_> {
         let radius = self.size("radius", 0.5)?;
         let semi = self.axes().map(|scale| radius * scale);
         if !flag(self.view, "treatAsPoint")? && radius > 0.0 {
-            let area = ellipsoid(semi);
+            let area = radius * radius * stretched_sphere(&self.to_world.matrix3);
             return Ok(self
                 .luminance(reader, area)
                 .map(|luminance_cd_m2| LightForm::Sphere { luminance_cd_m2, radius }));
@@ -275,22 +274,22 @@ impl Lit<'_> {
         if flag(self.view, "treatAsLine")? {
             reader.ledger.info(self.view.at_property("treatAsLine"), "a cylinder keeps its radius here");
         }
-        let [x, y, z] = self.axes();
-        let area = ellipse(radius * y, radius * z) * length * x;
+        let area = radius * length * stretched_tube(&self.to_world.matrix3);
         Ok(self.luminance(reader, area).map(|luminance_cd_m2| LightForm::Cylinder { luminance_cd_m2, radius, length }))
     }
     fn distant(&self, reader: &mut Reader) -> Result<Option<LightForm>> {
-        let mut angle = self.view.length("inputs:angle")?.unwrap_or(0.53).to_radians();
-        if angle > PI {
+        let said = self.view.length("inputs:angle")?.unwrap_or(0.53).to_radians();
+        let mut angle = said.min(PI);
+        if said > PI {
             reader
                 .ledger
                 .warn(self.view.at_property("inputs:angle"), "wider than half of all directions: taken as 180°");
-            angle = PI;
         }
-        let angle = refined(self.marks.number("angle"), angle);
-        // The schema counts a disc without extent as 1.
+        angle = refined(self.marks.number("angle"), angle);
+        // The schema counts a disc without extent as 1, and beyond half of all directions the light from behind, too.
         let disc = if angle > 0.0 { PI * (0.5 * angle).sin().powi(2) } else { 1.0 };
-        let illuminance = if self.normal { self.strength } else { self.strength * disc };
+        let all = if said > PI { PI * (2.0 - (0.5 * said.min(2.0 * PI)).sin().powi(2)) } else { disc };
+        let illuminance = self.strength * if self.normal { disc / all } else { disc };
         let illuminance_lx = refined(self.marks.number("illuminance_lx"), illuminance);
         Ok(Some(LightForm::Distant { illuminance_lx, angle }))
     }
@@ -363,20 +362,47 @@ fn turned(reader: &mut Reader, view: &PrimView, node: usize) -> Result<usize> {
     Ok(reader.assembly.nodes.len() - 1)
 }
 
-/// Surface of an ellipsoid by Thomsen's formula (p = 1.6075), within 1.1 %; exact for a sphere.
-fn ellipsoid([a, b, c]: [f64; 3]) -> f64 {
-    const P: f64 = 1.6075;
-    if a == b && b == c {
-        return 4.0 * PI * a * a;
-    }
-    let mean = ((a * b).powf(P) + (a * c).powf(P) + (b * c).powf(P)) / 3.0;
-    4.0 * PI * mean.powf(1.0 / P)
+/// Steps in longitude: the midpoint rule converges faster than any power on a circle.
+const AROUND: usize = 256;
+
+fn circle() -> impl Iterator<Item = (f64, f64)> {
+    (0..AROUND).map(|k| (2.0 * PI * (k as f64 + 0.5) / AROUND as f64).sin_cos())
 }
 
-/// Circumference of an ellipse (Ramanujan 1914), exact for a circle.
-fn ellipse(a: f64, b: f64) -> f64 {
-    PI * (3.0 * (a + b) - ((3.0 * a + b) * (a + 3.0 * b)).sqrt())
+/// Surface of what `m` makes of the unit sphere: ∫ |cof(m) n| dω, since cofactors turn and stretch elements of surface.
+/// Exact for a similarity, to
+/// 1e-4 for axes of 1 : 100.
+fn stretched_sphere(m: &DMat3) -> f64 {
+    let [x, y, z] = [m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis)];
+    let ring = |(cos, weight): (f64, f64)| {
+        let sin = (1.0 - cos * cos).sqrt();
+        let mean: f64 = circle().map(|(s, c)| (sin * (c * x + s * y) + cos * z).length()).sum();
+        weight * mean / AROUND as f64
+    };
+    2.0 * PI * gauss_legendre().map(ring).sum::<f64>()
 }
 
-/// The widest cone of a spot: half of all directions.
-pub(super) const WIDEST: f64 = FRAC_PI_2;
+/// Surface of what `m` makes of a tube of radius and length 1 about x.
+fn stretched_tube(m: &DMat3) -> f64 {
+    let mean: f64 = circle().map(|(s, c)| m.x_axis.cross(c * m.z_axis - s * m.y_axis).length()).sum();
+    2.0 * PI * mean / AROUND as f64
+}
+
+/// Nodes and weights on −1 … 1, by Newton's method from the asymptotic roots (Abramowitz and Stegun 22.16.6, 25.4.29).
+fn gauss_legendre() -> impl Iterator<Item = (f64, f64)> {
+    const NODES: usize = 96;
+    (1..=NODES).map(|k| {
+        let mut x = (PI * (k as f64 - 0.25) / (NODES as f64 + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..8 {
+            let (mut before, mut p) = (1.0, x);
+            for n in 2..=NODES {
+                let n = n as f64;
+                (before, p) = (p, ((2.0 * n - 1.0) * x * p - (n - 1.0) * before) / n);
+            }
+            slope = NODES as f64 * (before - x * p) / (1.0 - x * x);
+            x -= p / slope;
+        }
+        (x, 2.0 / ((1.0 - x * x) * slope * slope))
+    })
+}

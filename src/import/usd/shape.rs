@@ -1,11 +1,11 @@
 //! What shapes a light: cones, profiles; and what of UsdLux means nothing here.
 
 use super::attribute::PrimView;
-use super::light::{WIDEST, file, flag};
+use super::light::{file, flag};
 use super::marks::{Marks, refined};
 use super::reader::Reader;
 use crate::base::fault::Result;
-use crate::import::assembly::{LightProfile, ProfileSource};
+use crate::import::assembly::{LightForm, LightProfile, ProfileSource};
 
 /// (inner, outer) half angle of a cone, if one is said: full inside angle · (1 − softness), nothing outside of angle
 /// (UsdLuxShapingAPI).
@@ -13,16 +13,29 @@ use crate::import::assembly::{LightProfile, ProfileSource};
 /// # Errors
 /// Values that are negative or not finite.
 pub(super) fn cone(view: &PrimView, marks: &Marks) -> Result<Option<(f64, f64)>> {
-    let Some(angle) = view.length("inputs:shaping:cone:angle")? else { return Ok(None) };
+    let Some(angle) = angle(view)? else { return Ok(None) };
     let softness = view.length("inputs:shaping:cone:softness")?.unwrap_or(0.0).min(1.0);
     let outer = refined(marks.number("cone_outer"), angle.to_radians());
-    if outer > 2.0 * WIDEST {
+    if angle >= 180.0 {
         return Ok(None);
     }
     let rounded = outer * (1.0 - softness);
     // The softness is a difference: its rounding counts against the whole cone.
     let exact = marks.number("cone_inner").filter(|inner| (inner - rounded).abs() <= 1e-6 * outer);
     Ok(Some((exact.unwrap_or(rounded), outer)))
+}
+
+/// The half angle of the cone in degrees: 90 where the schema is applied and says nothing else. Beside a profile only what
+/// is said counts: the schema's own would cut half of it off.
+fn angle(view: &PrimView) -> Result<Option<f64>> {
+    if let Some(angle) = view.length("inputs:shaping:cone:angle")? {
+        return Ok(Some(angle));
+    }
+    if view.has("inputs:shaping:ies:file") {
+        return Ok(None);
+    }
+    let schemas = view.prim.api_schemas().map_err(|error| view.moment.failed(view.path(), error))?;
+    Ok(schemas.iter().any(|schema| schema.as_str() == "ShapingAPI").then_some(90.0))
 }
 
 /// The measured intensity distribution. UsdLux multiplies the light's luminance by the file's candela, which is neither;
@@ -50,13 +63,18 @@ pub(super) fn profile(
     }))
 }
 
-/// Notes on what is said and not used; `point`: a light that can have a cone.
+/// Notes on what is said and not used.
 ///
 /// # Errors
 /// Values of the wrong type.
-pub(super) fn unused(reader: &mut Reader, view: &PrimView, point: bool) -> Result<()> {
-    let angle = view.number("inputs:shaping:cone:angle")?;
-    if !point && angle.is_some_and(|angle| angle < 90.0) {
+pub(super) fn unused(reader: &mut Reader, view: &PrimView, form: &LightForm) -> Result<()> {
+    // From where on the cone holds all that the light sends, in degrees. What is far away has no cone in USD, either.
+    let all = match form {
+        LightForm::Point { .. } | LightForm::Distant { .. } | LightForm::Dome { .. } => 0.0,
+        LightForm::Rect { .. } | LightForm::Disk { .. } => 90.0,
+        LightForm::Sphere { .. } | LightForm::Cylinder { .. } => 180.0,
+    };
+    if angle(view)?.is_some_and(|angle| angle < all) {
         let text = "the cone of a light with a surface is not used: it shines to all of its front";
         reader.ledger.warn(view.at_property("inputs:shaping:cone:angle"), text);
     }

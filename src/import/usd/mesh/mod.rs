@@ -80,7 +80,7 @@ fn subdivision(reader: &mut Reader, view: &PrimView, has_normals: bool) -> Resul
             let by = if said.is_some() { "" } else { " (USD's fallback, nothing is said)" };
             let with = if has_normals { ", with the normals that are given" } else { ", flat" };
             let text = format!(
-                "a {scheme} subdivision surface{by}: its polygons are taken as they are{with}; say `subdivisionScheme = \"none\"` if that is meant"
+                "a {scheme} subdivision surface{by}: its polygons are taken as they are{with}; say `subdivisionScheme = \"none\"` if that is meant, else subdivide it before export"
             );
             reader.ledger.warn(view.at(), text);
         }

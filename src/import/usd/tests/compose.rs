@@ -124,3 +124,34 @@ fn instancers() {
     let place = found.nodes[6].to_world.translation;
     assert!((place - DVec3::new(104.0, -3.0, 0.0)).length() < 1e-12, "{place}");
 }
+
+/// Where a prototype stands says its material, not the instancer (as UsdShadeMaterialBindingAPI computes it).
+#[test]
+fn prototypes_have_the_materials_of_their_place() {
+    let found = assembly(&format!(
+        r#"def Material "Out" {{ }}
+def Material "In" {{ }}
+def Xform "Away" {{
+    rel material:binding = </Out>
+    def Mesh "Far" {{ {SQUARE} }}
+}}
+def PointInstancer "Pts" {{
+    rel material:binding = </In>
+    rel prototypes = [</Pts/Protos/Near>, </Away/Far>, </Plain>]
+    int[] protoIndices = [0, 1, 2]
+    point3f[] positions = [(0, 0, 0), (1, 0, 0), (2, 0, 0)]
+    def "Protos" {{
+        rel material:binding = </Out>
+        def Mesh "Near" {{ {SQUARE} }}
+    }}
+}}
+def Mesh "Plain" {{ {SQUARE} }}"#
+    ));
+    let material = |path: &str| {
+        let node = found.nodes.iter().find(|node| node.path == path).unwrap();
+        found.meshes[node.mesh.unwrap()].materials[0].map(|index| found.materials[index].name.as_str())
+    };
+    assert_eq!(material("Pts[0]/Near"), Some("Out"));
+    assert_eq!(material("Pts[1]/Far"), Some("Out"));
+    assert_eq!(material("Pts[2]/Plain"), None);
+}

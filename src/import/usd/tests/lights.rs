@@ -81,6 +81,60 @@ fn distant_lights_are_in_lux() {
     close(illuminance_lx, 1e6 * PI * (0.265_f64.to_radians()).sin().powi(2));
 }
 
+/// Beyond half of all directions the schema's size is π (2 − sin²), and only the front half meets a surface.
+#[test]
+fn distant_lights_wider_than_half_of_all() {
+    let half = form("DistantLight", "float inputs:angle = 180\nfloat inputs:intensity = 2");
+    assert_eq!(half, LightForm::Distant { illuminance_lx: 2.0 * PI, angle: PI });
+    let wide = form("DistantLight", "float inputs:angle = 240\nfloat inputs:intensity = 5\nbool inputs:normalize = 1");
+    let LightForm::Distant { illuminance_lx, angle } = wide else { panic!() };
+    close(illuminance_lx, 5.0 / (2.0 - 0.75));
+    assert_eq!(angle, PI);
+}
+
+/// A prolate spheroid's surface is 2πa² + 2πac asin(e)/e with e² = 1 − a²/c², an oblate one's with atanh; a tube's the
+/// circumference of an ellipse, 9.688448220547675 for semi-axes 1 and 2.
+#[test]
+fn stretched_lights_are_divided_by_their_surface() {
+    let scaled = |x: f64, y: f64, z: f64| {
+        format!(
+            "uniform token[] xformOpOrder = [\"xformOp:scale\"]\ndouble3 xformOp:scale = ({x}, {y}, {z})\nbool inputs:normalize = 1\nfloat inputs:intensity = 60\nfloat inputs:radius = 1\n"
+        )
+    };
+    for (a, c) in [(1.0_f64, 3.0_f64), (3.0, 1.0), (1.0, 100.0), (100.0, 1.0)] {
+        let area = if c > a {
+            let e = (1.0 - a * a / (c * c)).sqrt();
+            2.0 * PI * (a * a + a * c * e.asin() / e)
+        } else {
+            let e = (1.0 - c * c / (a * a)).sqrt();
+            2.0 * PI * (a * a + c * c * e.atanh() / e)
+        };
+        let LightForm::Sphere { luminance_cd_m2, .. } = form("SphereLight", &scaled(a, a, c)) else { panic!() };
+        let limit = if a.max(c) > 10.0 { 1e-4 } else { 1e-7 };
+        assert!((luminance_cd_m2 * area / 60.0 - 1.0).abs() < limit, "{a} {c}: {}", luminance_cd_m2 * area / 60.0);
+    }
+    let LightForm::Cylinder { luminance_cd_m2, .. } = form("CylinderLight", &scaled(5.0, 1.0, 2.0)) else { panic!() };
+    close(luminance_cd_m2, 60.0 / (5.0 * 9.688_448_220_547_675));
+}
+
+/// ShapingAPI's own cone is half of all directions; 180° is none.
+#[test]
+fn cones_have_the_schemas_default() {
+    let light = |inputs: &str| {
+        assembly(&format!(
+            "{MM}def SphereLight \"L\" (prepend apiSchemas = [\"ShapingAPI\"]) {{ {inputs}\n float inputs:radius = 1 }}"
+        ))
+    };
+    let cone = |inputs: &str| match light(&format!("bool treatAsPoint = 1\n{inputs}")).lights[0].form {
+        LightForm::Point { cone, .. } => cone,
+        ref other => panic!("{other:?}"),
+    };
+    assert_eq!(cone(""), Some((PI / 2.0, PI / 2.0)));
+    assert_eq!(cone("float inputs:shaping:cone:angle = 180"), None);
+    assert!(notes(&light("")).contains("the cone of a light"));
+    assert!(!notes(&light("float inputs:shaping:cone:angle = 180")).contains("the cone of a light"));
+}
+
 #[test]
 fn domes_stand_on_their_pole() {
     let found = light("DomeLight", "asset inputs:texture:file = @./sky.exr@\nfloat inputs:intensity = 2");

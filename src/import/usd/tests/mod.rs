@@ -1,6 +1,7 @@
 //! Small stages written on the spot, each with one thing that the reader must get right.
 
 mod compose;
+mod frames;
 pub(super) mod kit;
 mod lights;
 mod materials;
