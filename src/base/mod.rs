@@ -6,6 +6,7 @@ pub mod colour;
 pub mod complex;
 pub mod fault;
 pub mod ids;
+pub mod package;
 pub mod path;
 pub mod relative;
 pub mod rng;

@@ -43,7 +43,7 @@ pub struct InspectArgs {
     #[arg(long, conflicts_with_all = ["explain", "sets"])]
     geometry: bool,
     /// List every file that the asset needs; exit 1 if one is missing.
-    #[arg(long, conflicts_with_all = ["explain", "sets", "geometry", "frame"])]
+    #[arg(long, conflicts_with_all = ["explain", "sets", "geometry"])]
     deps: bool,
     /// How the result is printed.
     #[arg(long, value_enum, default_value_t)]
@@ -53,7 +53,7 @@ pub struct InspectArgs {
 /// Runs the command.
 pub fn run(args: &InspectArgs) -> Result<ExitCode> {
     if args.deps {
-        let all = dependencies(&args.asset)?;
+        let all = dependencies(&args.asset, &args.reading())?;
         print(args.format, || deps_text(&all), || serde_json::json!(all))?;
         let missing = all.iter().any(|dependency| dependency.used && !dependency.there);
         return Ok(ExitCode::from(u8::from(missing)));

@@ -211,7 +211,7 @@ impl<'w, M: Mode> Backward<'w, M> {
         let distance = offset.length();
         let dir = offset / distance;
         let cos = -dir.dot(target.normal);
-        let luminance = lamp.luminance(cos);
+        let luminance = lamp.luminance_along(target.normal, -dir);
         if luminance <= 0.0 || !dir.is_finite() {
             return;
         }

@@ -223,7 +223,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         let index = world.lamps.of_face(site.part as usize, site.face as usize)?;
         let lamp = &world.lamps.all()[index];
         let cos = -self.ray.dir.dot(vertex.hit.normal);
-        let luminance = lamp.luminance(cos);
+        let luminance = lamp.luminance_along(vertex.hit.normal, -self.ray.dir);
         (luminance > 0.0).then_some(Shining { lamp, index, cos, luminance })
     }
 

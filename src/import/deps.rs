@@ -1,9 +1,9 @@
 //! Every file that an asset needs, without reading more of it than the names: a missing one is listed, too.
 
 use super::value::{Data, Value};
-use super::{Assembly, extension, files, gltf, photometric, toml};
-use crate::base::Where;
+use super::{Assembly, ReadOptions, extension, files, gltf, photometric, toml};
 use crate::base::fault::Result;
+use crate::base::{Where, package};
 use crate::scene::assembly::LightForm;
 use crate::scene::attribute::{Form, ROWS};
 use serde::Serialize;
@@ -25,24 +25,24 @@ pub struct Dependency {
 
 impl Dependency {
     pub(super) fn new(file: PathBuf, role: &str, at: Where) -> Self {
-        let there = file.is_file();
+        let there = package::is_file(&file);
         Dependency { file, role: role.to_owned(), at, there, used: role != "texture" }
     }
 }
 
-/// What `path`, a sidecar or an asset, needs: itself first, each file once in the order of its first mention.
+/// What `path`, a sidecar or an asset read with `options`, needs: itself first, each file once in the order of its first mention.
 ///
 /// # Errors
 /// `path` itself or an asset that it names is there but cannot be understood.
-pub fn dependencies(path: &Path) -> Result<Vec<Dependency>> {
+pub fn dependencies(path: &Path, options: &ReadOptions) -> Result<Vec<Dependency>> {
     let mut all = Vec::new();
     if extension(path) == "toml" {
-        sidecar(path, Where::Nowhere, &mut all)?;
+        sidecar(path, Where::Nowhere, options, &mut all)?;
     } else {
-        asset(path, Where::Nowhere, &mut all)?;
-        let read = || super::read_asset(path, &Where::Nowhere, &super::ReadOptions::default());
+        asset(path, Where::Nowhere, options, &mut all)?;
+        let read = || super::read_asset(path, &Where::Nowhere, options);
         if let Some((beside, _)) = super::beside(path, || read().is_ok_and(|assembly| assembly.carries_optics()))? {
-            sidecar(&beside, Where::file(path), &mut all)?;
+            sidecar(&beside, Where::file(path), options, &mut all)?;
         }
     }
     let mut once: Vec<Dependency> = Vec::new();
@@ -55,7 +55,7 @@ pub fn dependencies(path: &Path) -> Result<Vec<Dependency>> {
     Ok(once)
 }
 
-fn sidecar(path: &Path, at: Where, all: &mut Vec<Dependency>) -> Result<()> {
+fn sidecar(path: &Path, at: Where, options: &ReadOptions, all: &mut Vec<Dependency>) -> Result<()> {
     all.push(Dependency::new(path.to_owned(), "sidecar", at));
     let sheet = toml::read(path)?;
     if let Some(value) = sheet.get("asset")
@@ -64,14 +64,14 @@ fn sidecar(path: &Path, at: Where, all: &mut Vec<Dependency>) -> Result<()> {
         let file = files::resolve(name, &value.at);
         // Found already where the sidecar was found beside its asset.
         if !all.iter().any(|other| other.file == file) {
-            asset(&file, value.at.clone(), all)?;
+            asset(&file, value.at.clone(), options, all)?;
         }
     }
     named(&sheet, all);
     Ok(())
 }
 
-fn asset(path: &Path, at: Where, all: &mut Vec<Dependency>) -> Result<()> {
+fn asset(path: &Path, at: Where, options: &ReadOptions, all: &mut Vec<Dependency>) -> Result<()> {
     let itself = Dependency::new(path.to_owned(), "asset", at.clone());
     let there = itself.there;
     all.push(itself);
@@ -81,7 +81,7 @@ fn asset(path: &Path, at: Where, all: &mut Vec<Dependency>) -> Result<()> {
     if matches!(extension(path).as_str(), "gltf" | "glb") {
         return gltf::dependencies(path, all);
     }
-    let assembly = super::read_asset(path, &at, &super::ReadOptions::default())?;
+    let assembly = super::read_asset(path, &at, options)?;
     let layers = assembly.dependencies.iter().filter(|file| file.as_path() != path);
     all.extend(layers.map(|file| Dependency::new(file.clone(), "layer", Where::file(path))));
     carried(&assembly, all);
@@ -96,6 +96,8 @@ fn carried(assembly: &Assembly, all: &mut Vec<Dependency>) {
     for value in assembly.optics.iter().chain(materials).chain(faces).chain(nodes) {
         named(value, all);
     }
+    let textures = assembly.textures.iter();
+    all.extend(textures.map(|(file, at)| Dependency::new(file.clone(), "texture", at.clone())));
     for light in &assembly.lights {
         if let Some(profile) = light.profile.as_ref().and_then(|profile| profile.source.file()) {
             self::profile(profile.clone(), "light profile", light.at.clone(), all);

@@ -1,14 +1,14 @@
 //! Reading the files that a scene is made of, with faults that name who asked for them.
 
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Fault, Where, package};
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-/// The bytes of `path`, which is a `kind` (`slide image`, …) that is named at `at`.
+/// The bytes of `path`, which may lie in a package and is a `kind` (`slide image`, …) that is named at `at`.
 pub fn read(path: &Path, at: &Where, kind: &str) -> Result<Vec<u8>> {
-    std::fs::read(path).map_err(|error| unreadable(&error, path, at, kind))
+    package::read(path).map_err(|error| unreadable(&error, path, at, kind))
 }
 
 fn unreadable(error: &Error, path: &Path, at: &Where, kind: &str) -> Box<Fault> {
@@ -28,6 +28,11 @@ pub fn hash(hasher: &mut blake3::Hasher, path: &Path, at: &Where, kind: &str) ->
 /// Piece by piece: an asset may be large.
 fn hashed(hasher: &mut blake3::Hasher, path: &Path) -> std::io::Result<()> {
     const PIECE: usize = 1 << 17;
+    if !path.is_file() && package::is_file(path) {
+        let all = package::read(path)?;
+        hasher.update(&(all.len() as u64).to_le_bytes()).update(&all);
+        return Ok(());
+    }
     let mut file = File::open(path)?;
     let metadata = file.metadata()?;
     if !metadata.is_file() {

@@ -27,6 +27,9 @@ pub struct Assembly {
     pub cameras: Vec<Camera>,
     /// Lights that are no geometry in the format.
     pub lights: Vec<LightSource>,
+    /// Pictures of materials, and where they are named. They are not used, but belong to the asset. (Of USD; glTF's stand in
+    /// its own lists.)
+    pub textures: Vec<(PathBuf, Where)>,
     /// The layers that the asset asks for, and their names; empty if it leaves that to us.
     pub layers: Vec<LayerWish>,
     /// Root attributes of the asset (glTF: root extension `EYEBOX_optics`), in the sidecar's vocabulary.
@@ -59,6 +62,7 @@ impl Default for Assembly {
             materials: Vec::new(),
             cameras: Vec::new(),
             lights: Vec::new(),
+            textures: Vec::new(),
             layers: Vec::new(),
             optics: None,
             notes: Vec::new(),

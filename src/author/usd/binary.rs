@@ -22,15 +22,19 @@ pub fn crate_bytes(layer: &Layer, file: &Path) -> Result<Vec<u8>> {
     Ok(out.into_inner())
 }
 
-/// The bytes of a package that holds `layer` as a crate file `NAME.usdc`.
+/// The bytes of a package that holds `layer` as a crate file `NAME.usdc`, and after it the files `beside` it, by their
+/// names. Nothing is compressed, and the bytes of each start at a multiple of 64.
 ///
 /// # Errors
 /// As [`crate_bytes`].
-pub fn package_bytes(layer: &Layer, file: &Path, name: &str) -> Result<Vec<u8>> {
+pub fn package_bytes(layer: &Layer, beside: &[(String, Vec<u8>)], file: &Path, name: &str) -> Result<Vec<u8>> {
     let failed = |error: &dyn std::fmt::Display| Fault::new(Where::file(file), format!("cannot be written: {error}"));
     let inner = crate_bytes(layer, file)?;
     let mut archive = openusd::usdz::ArchiveWriter::new(Cursor::new(Vec::new()));
     archive.add_layer(&format!("{name}.usdc"), &inner).map_err(|error| failed(&error))?;
+    for (name, bytes) in beside {
+        archive.add_layer(name, bytes).map_err(|error| failed(&error))?;
+    }
     Ok(archive.finish().map_err(|error| failed(&error))?.into_inner())
 }
 
@@ -128,6 +132,9 @@ fn property_spec(property: &Property) -> std::result::Result<SpecData, Invalid> 
             let mut spec = SpecData::new(SpecType::Attribute);
             spec.add(FieldKey::TypeName, Value::Token((*type_name).into()));
             spec.add(FieldKey::Variability, variability(*uniform));
+            if property.custom {
+                spec.add(FieldKey::Custom, Value::Bool(true));
+            }
             if let Some(value) = value {
                 spec.add(FieldKey::Default, datum(value));
             }

@@ -68,6 +68,8 @@ impl Datum {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Property {
     pub name: String,
+    /// No schema declares it.
+    pub custom: bool,
     pub body: Body,
 }
 
@@ -95,6 +97,7 @@ impl Property {
         let type_name = value.type_name();
         Property {
             name: name.into(),
+            custom: false,
             body: Body::Attribute { type_name, uniform: false, value: Some(value), interpolation: None },
         }
     }
@@ -102,14 +105,15 @@ impl Property {
     pub fn declared(name: impl Into<String>, type_name: &'static str) -> Self {
         Property {
             name: name.into(),
+            custom: false,
             body: Body::Attribute { type_name, uniform: false, value: None, interpolation: None },
         }
     }
     pub fn connected(name: impl Into<String>, type_name: &'static str, source: String) -> Self {
-        Property { name: name.into(), body: Body::Connected { type_name, source } }
+        Property { name: name.into(), custom: false, body: Body::Connected { type_name, source } }
     }
     pub fn relationship(name: impl Into<String>, targets: Vec<String>) -> Self {
-        Property { name: name.into(), body: Body::Relationship { targets } }
+        Property { name: name.into(), custom: false, body: Body::Relationship { targets } }
     }
     /// One value for all times.
     pub fn uniform(mut self) -> Self {
@@ -186,15 +190,4 @@ pub struct Layer {
     /// Asset paths of the layers below this one, strongest first.
     pub sublayers: Vec<String>,
     pub prims: Vec<Prim>,
-}
-
-impl Layer {
-    /// A file that the layer names, if it names one.
-    pub fn first_asset(&self) -> Option<&str> {
-        self.prims.iter().flat_map(|prim| &prim.properties).find_map(|property| match &property.body {
-            Body::Attribute { value: Some(Datum::Asset(path)), .. } => Some(path.as_str()),
-            Body::Attribute { value: Some(Datum::Assets(paths)), .. } => paths.first().map(String::as_str),
-            Body::Attribute { .. } | Body::Connected { .. } | Body::Relationship { .. } => None,
-        })
-    }
 }

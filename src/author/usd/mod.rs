@@ -15,6 +15,7 @@ mod light; // lights and cameras
 mod material; // materials and their bindings
 mod mesh; // geometry and faces
 mod optics; // attributes as properties
+mod pack; // the files that a package holds
 mod stage; // the hierarchy
 #[cfg(test)]
 mod tests;
@@ -42,12 +43,12 @@ pub fn write(assembly: &Assembly, out: &Path) -> Result<Written> {
 ///
 /// # Errors
 /// An assembly that contradicts itself (indices that lead nowhere, numbers that are not finite), attributes that the
-/// vocabulary lacks, hierarchies deeper than USD readers take, pictures in a `.usdz`, another file name extension.
+/// vocabulary lacks, hierarchies deeper than USD readers take, files for a `.usdz` that cannot be read, another file name extension.
 pub fn encode(assembly: &Assembly, path: &Path) -> Result<Vec<u8>> {
     let kind = Kind::of(path)?;
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let layer = stage::layer(assembly, &name::identifier(&stem, "Asset"), &folder_of(path))?;
-    bytes(&layer, kind, path)
+    bytes(layer, kind, path)
 }
 
 /// The kinds of USD files.
@@ -72,17 +73,14 @@ impl Kind {
     }
 }
 
-fn bytes(layer: &layer::Layer, kind: Kind, path: &Path) -> Result<Vec<u8>> {
+fn bytes(mut layer: layer::Layer, kind: Kind, path: &Path) -> Result<Vec<u8>> {
     match kind {
-        Kind::Text => Ok(text::text(layer).into_bytes()),
-        Kind::Crate => binary::crate_bytes(layer, path),
+        Kind::Text => Ok(text::text(&layer).into_bytes()),
+        Kind::Crate => binary::crate_bytes(&layer, path),
         Kind::Package => {
-            if let Some(asset) = layer.first_asset() {
-                return Err(Fault::new(Where::file(path), format!("a package would have to hold the file `{asset}`"))
-                    .expected("a .usda or .usdc file, which names it"));
-            }
+            let beside = pack::take(&mut layer, path)?;
             let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-            binary::package_bytes(layer, path, &name::identifier(&stem, "asset"))
+            binary::package_bytes(&layer, &beside, path, &name::identifier(&stem, "asset"))
         }
     }
 }

@@ -43,7 +43,10 @@ pub(super) fn of(attributes: &Value, root: Option<&Value>) -> Result<Vec<UsdProp
 pub(super) fn say(properties: &[UsdProperty], prim: &mut Prim) -> Result<()> {
     for property in properties {
         prim.apply(&schema(&property.name));
-        prim.push(Property::new(property.name.clone(), datum(&property.value, &property.at)?));
+        let mut own = Property::new(property.name.clone(), datum(&property.value, &property.at)?);
+        // The asset's schema declares its own properties, not what may stand behind `default`.
+        own.custom = property.name.starts_with("eyebox:default:");
+        prim.push(own);
     }
     Ok(())
 }

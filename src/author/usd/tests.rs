@@ -207,6 +207,19 @@ fn references_to_the_root_lists_are_written_out() {
     ] {
         assert!(text.contains(line), "{line}\n{text}");
     }
+    // What holds where nothing else says anything is declared by no schema.
+    a.optics = Some(table(vec![(
+        "default",
+        table(vec![("finish", Value::new(Data::Text("absorber".into()), Where::Nowhere))]),
+    )]));
+    a.nodes[node].attributes = None;
+    let parsed = openusd::usda::parse(std::str::from_utf8(&encode(&a, Path::new("x.usda")).unwrap()).unwrap()).unwrap();
+    let binary = openusd::usdc::CrateData::open(encode(&a, Path::new("x.usdc")).unwrap(), true).unwrap();
+    for data in [&parsed as &dyn openusd::sdf::AbstractData, &binary] {
+        let path = openusd::sdf::Path::new("/x.eyebox:default:finish").unwrap();
+        let custom = data.try_field(&path, "custom").unwrap().map(|found| found.into_owned());
+        assert_eq!(custom, Some(openusd::sdf::Value::Bool(true)));
+    }
     // An index that leads nowhere is no silent nothing.
     a.nodes[node].attributes = Some(table(vec![("medium", number(3.0))]));
     assert!(encode(&a, Path::new("x.usda")).is_err());

@@ -116,7 +116,8 @@ impl Text {
         match &property.body {
             Body::Attribute { type_name, uniform, value, interpolation } => {
                 let uniform = if *uniform { "uniform " } else { "" };
-                let head = format!("{uniform}{type_name} {name}");
+                let custom = if property.custom { "custom " } else { "" };
+                let head = format!("{custom}{uniform}{type_name} {name}");
                 match (value, interpolation) {
                     (None, _) => self.line(head),
                     (Some(value), None) => self.line(format_args!("{head} = {}", Shown(value))),

@@ -216,12 +216,12 @@ fn collection(reader: &mut Reader, view: &PrimView, name: &str) -> Result<Option
 }
 
 /// What a collection includes; `None` if there is no such collection.
-fn query(reader: &Reader, view: &PrimView, name: &str, path: &sdf::Path) -> Result<Option<MembershipQuery>> {
+fn query(reader: &mut Reader, view: &PrimView, name: &str, path: &sdf::Path) -> Result<Option<MembershipQuery>> {
     let failed = |error: openusd::Error| view.fault_in(name, one_line(&format!("cannot be read: {error}")));
-    let find = |path: &sdf::Path| -> Result<Option<CollectionAPI>> {
+    let mut find = |path: &sdf::Path| -> Result<Option<CollectionAPI>> {
         let Some((prim, property)) = path.split_property() else { return Ok(None) };
         let Some(own) = property.strip_prefix("collection:") else { return Ok(None) };
-        let prim = reader.stage.prim(prim).map_err(|error| view.moment.failed(view.path(), error))?;
+        let prim = reader.prim(&prim)?;
         let schemas = prim.api_schemas().map_err(failed)?;
         let applied = schemas.iter().any(|schema| schema.strip_prefix("CollectionAPI:") == Some(own));
         Ok(applied.then(|| CollectionAPI::from_prim_unchecked(prim, own)))

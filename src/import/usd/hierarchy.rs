@@ -66,7 +66,7 @@ pub(super) fn read(reader: &mut Reader) -> Result<()> {
     let names = reader.stage.root_prims().map_err(|error| reader.moment.failed(&root, error))?;
     for name in names {
         let Ok(path) = root.append_path(name.as_str()) else { continue };
-        let child = reader.stage.prim(path).map_err(|error| reader.moment.failed(&root, error))?;
+        let child = reader.prim(&path)?;
         prim(reader, child, &above)?;
     }
     Ok(())
@@ -104,8 +104,9 @@ const UNUSED: [&str; 10] = [
 
 /// Walks one prim and what is below it.
 pub(super) fn prim(reader: &mut Reader, prim: Prim, above: &Above) -> Result<()> {
-    let Reader { ledger, moment, opened, .. } = &mut *reader;
+    let Reader { ledger, moment, opened, bound, .. } = &mut *reader;
     ledger.prim(|| moment.at(prim.path()), opened.bytes())?;
+    bound.check(moment, prim.path())?;
     if above.depth > MOST_DEEP {
         return Err(moment.fault(prim.path(), "prims nested too deep").expected(format!("at most {MOST_DEEP} levels")));
     }

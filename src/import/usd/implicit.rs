@@ -3,6 +3,7 @@
 
 use super::attribute::PrimView;
 use super::hierarchy::Above;
+use super::mesh::Made;
 use super::reader::Reader;
 use super::{binding, mesh, tessellate};
 use crate::base::Where;
@@ -65,6 +66,10 @@ impl Axis {
 /// The mesh of an implicit shape, an index of `Assembly::meshes`.
 pub(super) fn of(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above) -> Result<Option<usize>> {
     mesh::shared(reader, view, below, |reader, view, below| {
+        let look = look(reader, view, kind, below)?;
+        if let Some(known) = look.as_ref().and_then(|look| reader.meshes.shapes.get(look)) {
+            return Ok(Made::Known(*known));
+        }
         let (mesh, shapes) = shape(reader, view, kind)?;
         reader.charge(view.path(), mesh.triangles.len() + 2 * mesh.positions.len(), 12)?;
         let material = binding::bound(reader, view, &below.handed.material);
@@ -75,8 +80,25 @@ pub(super) fn of(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above
                 *slot = Some(shape);
             }
         }
-        Ok(Some(MeshSource { mesh, materials, attributes, at: view.at() }))
+        let index = mesh::keep(reader, MeshSource { mesh, materials, attributes, at: view.at() });
+        reader.meshes.shapes.extend(look.map(|look| (look, index)));
+        Ok(Made::Known(index))
     })
+}
+
+/// All that the mesh of a shape depends on; `None` if more than this.
+fn look(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above) -> Result<Option<String>> {
+    match kind {
+        Kind::Sphere | Kind::Cube | Kind::Plane => {}
+        Kind::Cylinder | Kind::Cylinder1 | Kind::Cone | Kind::Capsule | Kind::Capsule1 => return Ok(None),
+    }
+    let mut out = format!("{kind:?} {} {:?}", view.name(), view.token("axis")?);
+    for name in ["radius", "size", "width", "length"] {
+        let bits = view.number(name)?.map(f64::to_bits);
+        out += &format!(" {bits:?}");
+    }
+    let material = binding::bound(reader, view, &below.handed.material);
+    Ok(Some(format!("{out} {material:?}")))
 }
 
 /// The mesh, and the exact surfaces of some faces.

@@ -79,7 +79,7 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView, below: &Above) -> Resul
 
 /// Walks a prototype for the first time.
 fn walk(reader: &mut Reader, view: &PrimView, path: &sdf::Path, node: usize, below: &Above) -> Result<()> {
-    let prim = reader.stage.prim(path.clone()).map_err(|error| view.moment.failed(view.path(), error))?;
+    let prim = reader.prim(path)?;
     if !prim.is_valid().map_err(|error| view.moment.failed(view.path(), error))? {
         let text = format!("the prototype <{}> does not exist: its instances are empty", path.as_str());
         reader.ledger.warn(view.at_property("prototypes"), text);

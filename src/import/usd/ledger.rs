@@ -11,6 +11,7 @@ use crate::scene::Severity;
 pub(super) struct Ledger {
     pub notes: Notes,
     memory: usize,
+    again: usize,
     prims: usize,
 }
 
@@ -19,12 +20,14 @@ impl Ledger {
     const BYTES_PER_BYTE: usize = 256;
     const LEAST_BYTES: usize = 1 << 26;
     const MOST_BYTES: usize = 3 << 30;
+    /// Meshes that were made and found to be there already, at about 1 GB/s.
+    const MOST_AGAIN: usize = 10 << 30;
     /// A prim costs composition about 0.1 ms, and at least this many bytes of a file that does not repeat itself.
     const BYTES_PER_PRIM: usize = 8;
     const LEAST_PRIMS: usize = 50_000;
 
     pub fn new() -> Self {
-        Ledger { notes: Notes::default(), memory: 0, prims: 0 }
+        Ledger { notes: Notes::default(), memory: 0, again: 0, prims: 0 }
     }
 
     /// Takes memory for `count` things of `size` bytes each; `read` bytes of files were read so far.
@@ -36,6 +39,22 @@ impl Ledger {
         }
         Err(Fault::new(at(), "the asset repeats itself into more memory than it can honestly need")
             .expected(format!("at most {most} bytes for {read} bytes of files")))
+    }
+
+    /// How much memory is taken.
+    pub fn taken(&self) -> usize {
+        self.memory
+    }
+    /// Gives back what was taken since [`taken`](Self::taken) said `mark`: it was made once more and thrown away.
+    pub fn give_back(&mut self, at: impl Fn() -> Where, mark: usize) -> Result<()> {
+        self.again = self.again.saturating_add(self.memory.saturating_sub(mark));
+        self.memory = self.memory.min(mark);
+        if self.again <= Self::MOST_AGAIN {
+            return Ok(());
+        }
+        let most = Self::MOST_AGAIN;
+        Err(Fault::new(at(), format!("the asset repeats {} bytes of meshes that are the same", self.again))
+            .expected(format!("at most {most}; `instanceable = true` on what repeats reads them once")))
     }
 
     /// Takes one composed prim.

@@ -6,7 +6,7 @@ use super::marks::Marks;
 use super::reader::Reader;
 use super::shader::{self, End};
 use super::surface::{self, Row};
-use super::{hierarchy, optics};
+use super::{hierarchy, light, optics};
 use crate::base::Where;
 use crate::base::fault::Result;
 use crate::import::assembly::Material;
@@ -33,7 +33,7 @@ pub(super) fn at(reader: &mut Reader, path: &sdf::Path) -> Result<Option<usize>>
     if !path.is_prim_path() {
         return Ok(None);
     }
-    let prim = reader.stage.prim(path.clone()).map_err(|error| reader.moment.failed(path, error))?;
+    let prim = reader.prim(path)?;
     if !prim.is_valid().map_err(|error| reader.moment.failed(path, error))? {
         return Ok(None);
     }
@@ -63,8 +63,9 @@ pub(super) fn meet_below(reader: &mut Reader, view: &PrimView, depth: usize) -> 
         return Ok(());
     }
     for child in view.children()? {
-        let Reader { ledger, moment, opened, .. } = &mut *reader;
+        let Reader { ledger, moment, opened, bound, .. } = &mut *reader;
         ledger.prim(|| moment.at(child.path()), opened.bytes())?;
+        bound.check(moment, child.path())?;
         let failed = |error| moment.failed(child.path(), error);
         let defined = child.specifier().map_err(failed)? == Some(sdf::Specifier::Def);
         if !defined || child.get_metadata::<bool>("active").map_err(failed)? == Some(false) {
@@ -107,6 +108,7 @@ fn of(reader: &mut Reader, view: &PrimView) -> Result<Option<usize>> {
     let index = match view.type_name()?.as_str() {
         "Material" => {
             let material = read(reader, view)?;
+            textures(reader, view, 0)?;
             reader.assembly.materials.push(material);
             Some(reader.assembly.materials.len() - 1)
         }
@@ -114,6 +116,29 @@ fn of(reader: &mut Reader, view: &PrimView) -> Result<Option<usize>> {
     };
     reader.materials.by_path.insert(key, index);
     Ok(index)
+}
+
+/// The pictures that shaders below a prim name.
+fn textures(reader: &mut Reader, view: &PrimView, depth: usize) -> Result<()> {
+    // Node graphs within node graphs.
+    const MOST_DEEP: usize = 16;
+    for child in view.children()? {
+        let Reader { ledger, moment, opened, bound, .. } = &mut *reader;
+        ledger.prim(|| moment.at(child.path()), opened.bytes())?;
+        bound.check(moment, child.path())?;
+        let child = PrimView::new(child, moment)?;
+        if child.has("inputs:file")
+            && let Ok(Some(file)) = light::file(&child, "inputs:file")
+        {
+            let at = child.at_property("inputs:file");
+            reader.charge(child.path(), 1, 256 + file.as_os_str().len() + child.path().as_str().len())?;
+            reader.assembly.textures.push((file, at));
+        }
+        if depth < MOST_DEEP {
+            textures(reader, &child, depth + 1)?;
+        }
+    }
+    Ok(())
 }
 
 fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {

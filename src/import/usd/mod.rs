@@ -4,8 +4,10 @@
 //! f64 by the same code as glTF's, so that an asset that was converted from one to the other stays what it was, bit for
 //! bit.
 
+mod arcs;
 mod attribute;
 mod binding;
+mod bound;
 mod camera;
 mod clips;
 mod faces;
@@ -27,6 +29,7 @@ mod resolver;
 mod shader;
 mod shape;
 mod stage;
+mod sublayers;
 mod surface;
 mod tessellate;
 mod triangulate;

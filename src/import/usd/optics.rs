@@ -18,7 +18,7 @@ pub(super) fn root(reader: &mut Reader) -> Result<Option<Value>> {
     let failed = |error| reader.moment.failed(&absolute, error);
     let Some(name) = reader.stage.stage_metadata("defaultPrim").map_err(failed)? else { return Ok(None) };
     let Some(path) = super::value::text(&name).and_then(sdf::default_prim_path) else { return Ok(None) };
-    let prim = reader.stage.prim(path).map_err(|error| reader.moment.failed(&absolute, error))?;
+    let prim = reader.prim(&path)?;
     let view = PrimView::new(prim, &reader.moment)?;
     let Some(all) = said(&view)? else { return Ok(None) };
     Ok(keep(all, true))

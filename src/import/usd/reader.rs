@@ -1,6 +1,7 @@
 //! What is carried through the reading of a stage.
 
 use super::attribute::Moment;
+use super::bound::Bound;
 use super::ledger::Ledger;
 use super::resolver::Opened;
 use super::{hierarchy, implicit, marks, material, mesh, optics, render, stage};
@@ -8,7 +9,7 @@ use crate::base::Where;
 use crate::base::fault::Result;
 use crate::import::assembly::Assembly;
 use openusd::sdf;
-use openusd::usd::Stage;
+use openusd::usd::{Prim, Stage};
 use std::path::Path;
 use std::rc::Rc;
 
@@ -17,6 +18,7 @@ pub(super) struct Reader {
     pub moment: Rc<Moment>,
     pub opened: Opened,
     pub ledger: Ledger,
+    pub bound: Bound,
     pub assembly: Assembly,
     pub placed: hierarchy::Placed,
     pub meshes: mesh::Known,
@@ -29,6 +31,7 @@ impl Reader {
         let opened = Opened::default();
         let stage = stage::open(file, &opened)?;
         Ok(Reader {
+            bound: Bound::new(&stage, &opened),
             stage,
             moment: Rc::new(Moment { file: file.to_owned(), frame }),
             opened,
@@ -67,6 +70,15 @@ impl Reader {
     /// Whether a node starts afresh from the world.
     pub fn placed_afresh(&self, node: usize) -> bool {
         self.placed.resets.contains(&node)
+    }
+
+    /// The prim at `path`, after the work of composing it was taken.
+    ///
+    /// # Errors
+    /// An asset whose arcs multiply.
+    pub fn prim(&mut self, path: &sdf::Path) -> Result<Prim> {
+        self.bound.check(&self.moment, path)?;
+        self.stage.prim(path.clone()).map_err(|error| self.moment.failed(path, error))
     }
 
     /// Takes memory for `count` things of `size` bytes that are made for the prim at `path`.

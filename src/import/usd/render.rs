@@ -71,7 +71,7 @@ fn settings(reader: &mut Reader) -> Result<Option<PrimView>> {
             return Ok(None);
         }
     };
-    let prim = reader.stage.prim(path.clone()).map_err(|error| reader.moment.failed(&path, error))?;
+    let prim = reader.prim(&path)?;
     let view = PrimView::new(prim, &reader.moment)?;
     if view.type_name()? != "RenderSettings" {
         let text = format!("`renderSettingsPrimPath` names <{}>, which is no RenderSettings", path.as_str());
@@ -83,11 +83,7 @@ fn settings(reader: &mut Reader) -> Result<Option<PrimView>> {
 
 /// The prim at `path`, if it is what it should be.
 fn typed(reader: &mut Reader, from: &PrimView, path: &sdf::Path, type_name: &str) -> Result<Option<PrimView>> {
-    let prim = if path.is_prim_path() {
-        Some(reader.stage.prim(path.clone()).map_err(|error| reader.moment.failed(path, error))?)
-    } else {
-        None
-    };
+    let prim = if path.is_prim_path() { Some(reader.prim(path)?) } else { None };
     let view = prim.map(|prim| PrimView::new(prim, &reader.moment)).transpose()?;
     if let Some(view) = view
         && view.type_name()? == type_name

@@ -2,10 +2,12 @@
 //! recorded, and text layers brought into the form that the library's parser knows.
 
 use super::{clips, guard, normalise};
+use crate::base::package;
 use openusd::ar::{Asset, AssetBuffer, AssetInfo, DefaultResolver, ResolvedPath, Resolver};
 use std::borrow::Cow;
-use std::io::{Cursor, Error, ErrorKind, Result};
+use std::io::{Cursor, Error, ErrorKind, Read, Result};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
@@ -37,8 +39,9 @@ impl Opened {
     }
 }
 
+#[derive(Clone)]
 pub(super) struct Normalising {
-    inner: DefaultResolver,
+    inner: Rc<DefaultResolver>,
     opened: Opened,
 }
 
@@ -47,7 +50,47 @@ impl Normalising {
     const MOST_BYTES: u64 = 4 << 30;
 
     pub fn new(opened: Opened) -> Self {
-        Normalising { inner: DefaultResolver::new(), opened }
+        Normalising { inner: Rc::new(DefaultResolver::new()), opened }
+    }
+
+    /// The name of the package that is the first file of a package.
+    fn first_package(&self, resolved: &ResolvedPath) -> Option<String> {
+        let path = resolved.to_string_lossy();
+        let is_package = |name: &str| name.trim_end_matches(']').to_ascii_lowercase().ends_with(".usdz");
+        if !is_package(&path) || !std::fs::metadata(on_disk(&path)).is_ok_and(|found| found.is_file()) {
+            return None;
+        }
+        // The first local header of a ZIP file (APPNOTE.TXT 4.3.7): the name's length is at 26, the name at 30.
+        let mut asset = self.inner.open_asset(resolved).ok()?;
+        let mut header = [0; 30];
+        asset.read_exact(&mut header).ok()?;
+        if !header.starts_with(b"PK\x03\x04") {
+            return None;
+        }
+        let mut name = vec![0; usize::from(u16::from_le_bytes([header[26], header[27]]))];
+        asset.read_exact(&mut name).ok()?;
+        let name = String::from_utf8(name).ok()?;
+        (is_package(&name) && !name.contains(['[', ']'])).then_some(name)
+    }
+
+    /// The bytes of a file as they are.
+    ///
+    /// # Errors
+    /// What is no regular file, or too large.
+    pub fn raw(&self, resolved: &ResolvedPath) -> Result<AssetBuffer> {
+        let path = resolved.to_string_lossy();
+        let disk = Path::new(on_disk(&path));
+        // A device or a pipe has no end.
+        let metadata = std::fs::metadata(disk)?;
+        if !metadata.is_file() {
+            return Err(Error::new(ErrorKind::InvalidInput, "this is no regular file"));
+        }
+        if metadata.len() > Self::MOST_BYTES {
+            return Err(Error::new(ErrorKind::InvalidInput, "the file is larger than 4 GiB"));
+        }
+        let buffer = self.inner.open_asset(resolved)?.into_buffer()?;
+        self.opened.add(disk, usize::try_from(metadata.len()).unwrap_or(usize::MAX));
+        Ok(buffer)
     }
 }
 
@@ -59,19 +102,7 @@ fn on_disk(path: &str) -> &str {
 
 impl Resolver for Normalising {
     fn open_asset(&self, resolved: &ResolvedPath) -> Result<Box<dyn Asset>> {
-        let path = resolved.to_string_lossy();
-        let disk = Path::new(on_disk(&path));
-        // A device or a pipe has no end.
-        let metadata = std::fs::metadata(disk)?;
-        if !metadata.is_file() {
-            return Err(Error::new(ErrorKind::InvalidInput, "this is no regular file"));
-        }
-        if metadata.len() > Self::MOST_BYTES {
-            return Err(Error::new(ErrorKind::InvalidInput, "the file is larger than 4 GiB"));
-        }
-        let asset = self.inner.open_asset(resolved)?;
-        self.opened.add(disk, usize::try_from(metadata.len()).unwrap_or(usize::MAX));
-        let buffer = asset.into_buffer()?;
+        let buffer = self.raw(resolved)?;
         if buffer.starts_with(b"PXR-USDC") || buffer.starts_with(b"PK") {
             let view = buffer.into_shared();
             guard::check(&view).map_err(|what| Error::new(ErrorKind::InvalidData, what))?;
@@ -90,8 +121,20 @@ impl Resolver for Normalising {
     fn create_identifier(&self, asset_path: &str, anchor: Option<&ResolvedPath>) -> String {
         self.inner.create_identifier(asset_path, anchor)
     }
+    /// A package whose first file is a package stands for that one, as in usd-core.
     fn resolve(&self, asset_path: &str) -> Option<ResolvedPath> {
-        self.inner.resolve(asset_path)
+        if asset_path.matches('[').count() > package::MOST_NESTED {
+            return None;
+        }
+        let mut found = self.inner.resolve(asset_path)?;
+        for _ in 0..package::MOST_NESTED {
+            let Some(inner) = self.first_package(&found) else { return Some(found) };
+            let path = found.to_string_lossy();
+            let outer = path.trim_end_matches(']');
+            let closing = path.get(outer.len()..).unwrap_or_default();
+            found = ResolvedPath::new(format!("{outer}[{inner}]{closing}"));
+        }
+        None
     }
     /// Nothing is written here.
     fn resolve_for_new_asset(&self, _asset_path: &str) -> Option<ResolvedPath> {

@@ -41,7 +41,7 @@ pub(super) fn follow(reader: &mut Reader, start: &PrimView, name: &str) -> Resul
         });
         let next = match source {
             Some((path, property)) => {
-                let prim = reader.stage.prim(path).map_err(|error| view.moment.failed(view.path(), error))?;
+                let prim = reader.prim(&path)?;
                 let there = prim.is_valid().map_err(failed)?;
                 if there { Some((PrimView::new(prim, &reader.moment)?, property)) } else { None }
             }

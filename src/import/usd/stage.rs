@@ -3,11 +3,12 @@
 use super::attribute::{Moment, one_line};
 use super::ledger::Ledger;
 use super::resolver::{Normalising, Opened};
-use super::value;
+use super::{sublayers, value};
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::import::assembly::{Assembly, StageFacts};
 use glam::{DMat3, DVec3};
+use openusd::ar::Resolver;
 use openusd::sdf;
 use openusd::usd::Stage;
 use std::path::{Path, PathBuf};
@@ -17,10 +18,10 @@ pub(super) fn open(file: &Path, opened: &Opened) -> Result<Stage> {
     let name = file
         .to_str()
         .ok_or_else(|| Fault::new(Where::file(file), "the file's name is not valid UTF-8").expected("a UTF-8 name"))?;
-    let stage = Stage::builder()
-        .schema_registry(openusd_schemas::schema_registry())
-        .resolver(Normalising::new(opened.clone()))
-        .open(name);
+    let resolver = Normalising::new(opened.clone());
+    sublayers::gather(&resolver, &resolver.create_identifier(name, None))
+        .map_err(|what| Fault::new(Where::file(file), what))?;
+    let stage = Stage::builder().schema_registry(openusd_schemas::schema_registry()).resolver(resolver).open(name);
     stage.map_err(|error| {
         let at = match parse_line(&error) {
             Some(line) => Where::Line { file: file.to_owned(), line },

@@ -16,6 +16,16 @@ pub(in crate::import::usd) struct Known {
     by_source: HashMap<(String, binding::Inherited), Option<usize>>,
     /// By numbers of vertices and triangles.
     by_size: HashMap<(usize, usize), Alike>,
+    /// Of implicit shapes.
+    pub(in crate::import::usd) shapes: HashMap<String, usize>,
+}
+
+/// What building a mesh ends in.
+pub(in crate::import::usd) enum Made {
+    Nothing,
+    New(Box<MeshSource>),
+    /// One that is kept already.
+    Known(usize),
 }
 
 /// Meshes of one size. The first is hashed when there is a second: most large meshes are the only one of their size.
@@ -30,19 +40,28 @@ pub(in crate::import::usd) fn shared(
     reader: &mut Reader,
     view: &PrimView,
     below: &Above,
-    build: impl FnOnce(&mut Reader, &PrimView, &Above) -> Result<Option<MeshSource>>,
+    build: impl FnOnce(&mut Reader, &PrimView, &Above) -> Result<Made>,
 ) -> Result<Option<usize>> {
     let key = (hierarchy::shared_path(view, below), below.handed.material.clone());
     if let Some(&known) = reader.meshes.by_source.get(&key) {
         return Ok(known);
     }
-    let index = build(reader, view, below)?.map(|source| keep(reader, source));
+    let (taken, count) = (reader.ledger.taken(), reader.assembly.meshes.len());
+    let index = match build(reader, view, below)? {
+        Made::Nothing => None,
+        Made::New(source) => Some(keep(reader, *source)),
+        Made::Known(index) => Some(index),
+    };
+    if index.is_some_and(|index| index < count) {
+        let moment = &reader.moment;
+        reader.ledger.give_back(|| moment.at(view.path()), taken)?;
+    }
     reader.meshes.by_source.insert(key, index);
     Ok(index)
 }
 
 /// Adds a mesh, or finds one that is the same to the last bit.
-fn keep(reader: &mut Reader, source: MeshSource) -> usize {
+pub(in crate::import::usd) fn keep(reader: &mut Reader, source: MeshSource) -> usize {
     let meshes = &mut reader.assembly.meshes;
     let index = meshes.len();
     let size = (source.mesh.positions.len(), source.mesh.triangles.len());

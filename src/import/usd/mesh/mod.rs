@@ -22,7 +22,7 @@ use crate::scene::{Mesh, Severity};
 use cut::Own;
 use vertices::{Data, Scratch};
 
-pub(super) use known::{Known, shared};
+pub(super) use known::{Known, Made, keep, shared};
 
 /// Bytes of a vertex with normal and texture coordinates, and of a triangle.
 const VERTEX: usize = 32;
@@ -30,7 +30,9 @@ const TRIANGLE: usize = 12;
 
 /// The mesh of a prim, an index of `Assembly::meshes`; none if it has no surface.
 pub(super) fn of(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<usize>> {
-    shared(reader, view, below, build)
+    shared(reader, view, below, |reader, view, below| {
+        Ok(build(reader, view, below)?.map_or(Made::Nothing, |source| Made::New(Box::new(source))))
+    })
 }
 
 fn build(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<MeshSource>> {
