@@ -8,9 +8,12 @@ use eyebox::base::stats::Moments;
 use eyebox::estimate::run::Films;
 use eyebox::film::layer::Layer;
 use eyebox::import::{ImportOptions, import};
-use eyebox::plan::Choice;
+use eyebox::plan::{Asked, Choice, Polarisation};
 use eyebox::scene::Scene;
 use std::path::Path;
+
+/// As the peers trace.
+const UNPOLARISED: Asked = Asked { choice: Choice::Auto, polarisation: Polarisation::Off };
 
 fn peer(name: &str, side: usize) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("samples/peers/{name}/{name}.optics.toml"));
@@ -41,7 +44,7 @@ fn means(scene: &Scene, passes: u64, seeds: u64) -> [Moments; 5] {
     let wanted = Layer::SUM_ORDER.map(Some).into_iter().chain([None]);
     let wanted: Vec<Option<Layer>> = wanted.collect();
     for seed in 0..seeds {
-        let (films, _) = render(scene, Choice::Auto, passes, seed);
+        let (films, _) = render(scene, UNPOLARISED, passes, seed);
         for (moments, layer) in out.iter_mut().zip(&wanted) {
             moments.add(layer_mean(&films, *layer));
         }

@@ -12,6 +12,7 @@ pub mod relative;
 pub mod rng;
 pub mod stats;
 pub mod units;
+pub mod vision; // the eye as formulas
 pub mod warp;
 
 pub use complex::Complex;

@@ -50,8 +50,9 @@ fn tints(scene: &Scene, plan: &Plan) -> Vec<[f64; 3]> {
     let tint = |spectrum: &Spectrum| spectrum.resolve().map_or(GREY, |power| power.rec709_per_lumen());
     (0..scene.groups.len())
         .map(|group| match spectra.get(group) {
-            // White light, and none that says otherwise, is exactly grey.
-            None | Some(None | Some(Spectrum::D65)) => GREY,
+            // A group without lamps, and the white of a panorama.
+            None | Some(None) => GREY,
+            Some(Some(Spectrum::Rgb([r, g, b]))) if r == g && g == b => GREY,
             Some(Some(spectrum)) => tint(spectrum),
         })
         .collect()

@@ -43,15 +43,14 @@ use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, SlideId};
 pub enum Wavelengths {
     /// One wavelength, nm.
     Mono { nm: f64 },
-    /// The visible range. Until colour rendering exists the scene is traced at [`Wavelengths::VISIBLE_NM`] and the
-    /// plan says so.
+    /// The visible range, 360 to 830 nm.
     Visible,
 }
 
 impl Wavelengths {
     /// Peak of photopic vision (CIE 1931 V(λ)), nm.
     pub const VISIBLE_NM: f64 = 555.0;
-    /// The wavelength that is traced, nm.
+    /// The wavelength that is traced, or at which optical constants are shown, nm.
     pub fn traced_nm(self) -> f64 {
         match self {
             Wavelengths::Mono { nm } => nm,
@@ -101,7 +100,8 @@ impl Scene {
         let faces = self.parts.iter().flat_map(|part| &part.faces).filter_map(|face| face.emitter.as_ref());
         let lamps = faces.map(|emitter| (emitter.group, emitter.spectrum.as_ref()));
         let lights = self.lights.iter().map(|light| (light.group, light.spectrum.as_ref()));
-        let sky = self.sky.iter().map(|sky| (sky.group, None));
+        let white = Spectrum::Rgb([1.0; 3]);
+        let sky = self.sky.iter().map(|sky| (sky.group, Some(&white)));
         for (group, spectrum) in lamps.chain(lights).chain(sky) {
             let spectrum = spectrum.unwrap_or(&Spectrum::D65);
             match &mut groups[group.index()] {

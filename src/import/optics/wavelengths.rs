@@ -10,7 +10,7 @@ use crate::scene::{Note, Severity, Wavelengths};
 /// `{ mono_nm = 550 }` or `"visible"` (the default, noted).
 pub fn wavelengths(value: Option<&Value>, notes: &mut Vec<Note>) -> Result<Wavelengths> {
     let Some(value) = value else {
-        let text = format!("`wavelengths` is not said: visible, traced at {} nm", Wavelengths::VISIBLE_NM);
+        let text = "`wavelengths` is not said: visible".to_owned();
         notes.push(Note { severity: Severity::Info, at: Where::Nowhere, text });
         return Ok(Wavelengths::Visible);
     };

@@ -31,7 +31,7 @@ fn head(tree: &AssemblyTree) -> String {
     }
     out += &match tree.wavelengths {
         Wavelengths::Mono { nm } => format!("{nm} nm\n"),
-        Wavelengths::Visible => format!("visible range, traced at {} nm\n", tree.traced_nm),
+        Wavelengths::Visible => format!("visible range; indices are those at {} nm\n", tree.traced_nm),
     };
     if let Some(bounds) = tree.bounds {
         let (extent, size) = (bounds.size_m().max_element(), words::size(bounds.size_m()));
