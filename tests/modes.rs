@@ -147,7 +147,7 @@ fn films_and_coloured_glass() {
     let mut s = visible();
     panel(&mut s, LED);
     let mut coated = face(Finish::Polished);
-    s.coatings.push(Coating { name: "film".to_owned(), films: vec![film] });
+    s.coatings.push(Coating::stack("film", vec![film]));
     coated.coating = Some(eyebox::base::ids::CoatingId::from_index(0));
     let part = plate(&mut s, degrees, thickness, coated);
     let absorption = Absorption::Table(table);
@@ -181,7 +181,7 @@ fn furnaces() {
         ball.shape = ball_shape(0.1);
         if coating {
             let film = FilmLayer { index: Dispersion::Constant(2.1), thickness_nm: 120.0 };
-            s.coatings.push(Coating { name: "film".to_owned(), films: vec![film] });
+            s.coatings.push(Coating::stack("film", vec![film]));
             ball.coating = Some(eyebox::base::ids::CoatingId::from_index(0));
         }
         let part =

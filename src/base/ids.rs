@@ -28,3 +28,5 @@ id!(/// A light group: the unit in which light is stored separately. The sky is 
     GroupId);
 id!(/// A measured intensity distribution.
     ProfileId);
+id!(/// Measured scattering.
+    ScatterId);

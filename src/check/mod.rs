@@ -1,7 +1,7 @@
 //! Floor 2: the proof that a scene can be planned and traced, and the facts that the plan decides by.
 
 use crate::base::{Fault, Result, Where};
-use crate::scene::{Finish, Scene};
+use crate::scene::{AbgLaw, Finish, Scene};
 
 /// What a scene has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -70,13 +70,13 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
     }
     let faces = || scene.parts.iter().flat_map(|part| &part.faces);
     let facts = Facts {
-        scatters: faces()
-            .any(|f| f.slide.is_none() && matches!(f.finish, Finish::Lambert { .. } | Finish::Gauss { .. })),
+        scatters: faces().any(|f| f.slide.is_none() && scatters(f.finish)),
         specular: faces().any(|f| {
             f.slide.is_some()
                 || matches!(
                     f.finish,
                     Finish::Polished
+                        | Finish::Abg { .. }
                         | Finish::MirrorMetal { .. }
                         | Finish::MirrorIdeal { .. }
                         | Finish::Polariser { .. }
@@ -87,6 +87,25 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
         no_light: scene.sky.is_none() && faces().all(|f| f.emitter.is_none()) && scene.lights.is_empty(),
     };
     Ok(Checked { scene, facts })
+}
+
+/// Whether a finish sends light out of the specular directions.
+fn scatters(finish: Finish) -> bool {
+    match finish {
+        Finish::Lambert { .. }
+        | Finish::Gauss { .. }
+        | Finish::CosM { .. }
+        | Finish::Rough { .. }
+        | Finish::Abg { .. }
+        | Finish::Measured { .. } => true,
+        Finish::None
+        | Finish::Polished
+        | Finish::MirrorMetal { .. }
+        | Finish::MirrorIdeal { .. }
+        | Finish::Polariser { .. }
+        | Finish::Retarder { .. }
+        | Finish::Absorber => false,
+    }
 }
 
 fn check_eye(scene: &Scene) -> Result<()> {
@@ -120,7 +139,9 @@ fn check_eye(scene: &Scene) -> Result<()> {
 fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &crate::scene::Face) -> Result<()> {
     let at = || Where::Part { path: part.path.clone(), face: Some(index) };
     match face.finish {
-        Finish::Lambert { reflectance, transmittance } | Finish::Gauss { reflectance, transmittance, .. } => {
+        Finish::Lambert { reflectance, transmittance }
+        | Finish::Gauss { reflectance, transmittance, .. }
+        | Finish::CosM { reflectance, transmittance, .. } => {
             let sum = reflectance + transmittance;
             if !(reflectance >= 0.0 && transmittance >= 0.0 && sum <= 1.0 + 1e-12) {
                 let text = format!("reflectance {reflectance} + transmittance {transmittance} gains energy");
@@ -148,6 +169,28 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
         Finish::MirrorMetal { n, k } => {
             if !(n > 0.0 && k >= 0.0 && n.is_finite() && k.is_finite()) {
                 return Err(Fault::new(at(), format!("metal index {n} + {k}i")).expected("n > 0, k ≥ 0"));
+            }
+        }
+        Finish::Rough { alpha } => {
+            if !(1e-4..=1.0).contains(&alpha) {
+                return Err(Fault::new(at(), format!("roughness {alpha}")).expected("1e-4 to 1"));
+            }
+        }
+        Finish::Abg { a, b, g, reflectance } => {
+            let Some(law) = AbgLaw::new([a, b, g]).filter(|_| (0.0..=1.0).contains(&reflectance)) else {
+                let text = format!("ABg with A {a}, B {b}, g {g}, R {reflectance}");
+                return Err(Fault::new(at(), text).expected("A >= 0, B > 0, g >= 0, A/B finite, R 0 to 1"));
+            };
+            // Straight on, the whole of the lobe is above the horizon: nowhere is it more.
+            let total = law.total(0.0) + reflectance;
+            if total.is_nan() || total > 1.0 + 1e-9 {
+                let text = format!("ABg with A {a}, B {b}, g {g}, R {reflectance} sends out {total:.6} of the light");
+                return Err(Fault::new(at(), text).expected("at most 1, by a smaller A or R or a larger B"));
+            }
+        }
+        Finish::Measured { table } => {
+            if scene.scatters.get(table.index()).is_none() {
+                return Err(Fault::new(at(), "measured scattering without its table"));
             }
         }
         Finish::None | Finish::Polished | Finish::Absorber => {}

@@ -11,7 +11,7 @@ use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use crate::world::interior::Interior;
 use crate::world::light::Strength;
-use crate::world::mode::{Mode, lanes, plane_of};
+use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
 use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use glam::DVec3;
@@ -278,8 +278,9 @@ impl<'w, M: Mode> Backward<'w, M> {
     ) {
         let Sent { dir, distance, target, luminance, pdf, by_chance } = *sent;
         let (d_in, d_out) = (frame.to_local(walker.ray.dir), frame.to_local(dir));
-        let value = scatter.eval(d_in, d_out);
-        if value <= 0.0 {
+        let sides = walker.sides(vertex, scatter);
+        let (values, alone) = sides.eval(scatter, d_in, d_out);
+        if values.as_slice().iter().all(|value| *value <= 0.0) {
             return;
         }
         let ray = Ray { origin: vertex.hit.point, dir, from: Some(vertex.hit.site) };
@@ -289,9 +290,13 @@ impl<'w, M: Mode> Backward<'w, M> {
             return;
         }
         let (index, transmittance) = walker.beyond(vertex, d_out.z < 0.0, distance);
-        let weight = if by_chance { pdf / (pdf + scatter.pdf(d_in, d_out)) } else { 1.0 };
-        let factor = value * d_out.z.abs() / pdf * weight;
-        let arriving = lanes::<M, _>(|lane| luminance[lane] * factor * transmittance[lane]);
-        walker.pick_up_in(&index, out, &arriving);
+        let weight = if by_chance { pdf / (pdf + scatter.pdf(d_in, d_out, sides.of(0))) } else { 1.0 };
+        let factor = d_out.z.abs() / pdf * weight;
+        let arriving = lanes::<M, _>(|lane| luminance[lane] * (values[lane] * factor) * transmittance[lane]);
+        if alone {
+            walker.pick_up_alone(&index, out, &arriving);
+        } else {
+            walker.pick_up_in(&index, out, &arriving);
+        }
     }
 }

@@ -120,5 +120,5 @@ fn seen(world: &World, vertex: &Vertex, eye: &EyeLens, from: DVec3) -> Seen {
 }
 
 fn scatter_albedo(scatter: &Scatter) -> f64 {
-    scatter.albedo(1.0).iter().sum()
+    scatter.specular() + scatter.albedo(1.0)
 }

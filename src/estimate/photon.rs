@@ -188,16 +188,17 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
                 }
                 Meeting::Scatter(scatter, frame) => {
                     let d_in = frame.to_local(walker.ray.dir);
+                    let sides = walker.sides(&vertex, scatter);
                     map.gather(vertex.hit.point, vertex.hit.site, |photon, density| {
                         let trail = Trail::join(walker.trail, Event::Diffuse, photon.trail);
                         let Some(plane) = self.route.from_eye(photon.group, trail) else { return };
                         let through = photon.outside != vertex.outside;
                         let d_out = on_side(frame.to_local(-photon.dir), through);
                         let (index, _) = walker.beyond(&vertex, through, 0.0);
-                        let value = scatter.eval(d_in, d_out) * density;
-                        let factors = lanes::<M, _>(|lane| value / (index[lane] * index[lane]));
+                        let (values, alone) = sides.eval(scatter, d_in, d_out);
+                        let factors = lanes::<M, _>(|lane| values[lane] * density / (index[lane] * index[lane]));
                         let out = plane_of::<M>(out, plane);
-                        walker.beam.join(walker.optics, out, (&photon.flux, photon.alone), &factors);
+                        walker.beam.join(walker.optics, out, (&photon.flux, photon.alone || alone), &factors);
                     });
                     return;
                 }

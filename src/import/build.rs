@@ -5,7 +5,7 @@ use super::bind::bind;
 use super::explain::Explained;
 use super::files;
 use super::gltf::looks_like_millimetres;
-use super::optics::{self, ShapeSpec, SpectrumSpec};
+use super::optics::{self, FinishSpec, ShapeSpec, SpectrumSpec};
 use super::place;
 use super::select::{Candidate, candidates, listed};
 use super::set::Set;
@@ -13,11 +13,11 @@ use super::sheet::Sheet;
 use super::slots::{PartBound, Rank, Slot, Slots};
 use super::value::{Data, Value};
 use crate::base::fault::Result;
-use crate::base::ids::{CoatingId, MediumId, MeshId};
+use crate::base::ids::{CoatingId, MediumId, MeshId, ScatterId};
 use crate::base::{Fault, Where};
 use crate::scene::{
-    Absorption, Coating, Face, Finish, Group, LuminousProfile, Medium, Note, Part, Scene, Severity, Shape, Slide,
-    Spectrum, Wavelengths, glass,
+    Absorption, Coating, Face, Finish, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Severity,
+    Shape, Slide, Spectrum, Wavelengths, glass,
 };
 use glam::DAffine3;
 use std::collections::HashMap;
@@ -75,6 +75,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         media: Vec::new(),
         coatings: Vec::new(),
         slides: Vec::new(),
+        scatters: Vec::new(),
         groups: Vec::new(),
         profiles: Vec::new(),
         measured: HashMap::new(),
@@ -99,7 +100,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
     scene_parts.append(&mut made.parts);
     let eye = place::eye(&assembly, sheet.eye.as_ref(), unit_m, &mut builder.notes)?
         .ok_or_else(|| no_eye(sidecar, &assembly.file))?;
-    let Builder { media, coatings, slides, groups, profiles, files, mut notes, .. } = builder;
+    let Builder { media, coatings, slides, scatters, groups, profiles, files, mut notes, .. } = builder;
     let hash = hash(&files, sets)?;
     let mut all = assembly.notes;
     all.append(&mut notes);
@@ -121,6 +122,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         media,
         coatings,
         slides,
+        scatters,
         groups,
         profiles,
         lights: made.lights,
@@ -188,6 +190,7 @@ pub(super) struct Builder<'a> {
     pub(super) media: Vec<Medium>,
     pub(super) coatings: Vec<Coating>,
     pub(super) slides: Vec<Slide>,
+    pub(super) scatters: Vec<ScatterTable>,
     pub(super) groups: Vec<Group>,
     pub(super) profiles: Vec<LuminousProfile>,
     /// Profiles as their files say, by file.
@@ -221,7 +224,7 @@ impl Builder<'_> {
             self.notes.push(Note { severity: Severity::Info, at: value.at.clone(), text });
         }
         for (name, value) in &self.sheet.coatings.named {
-            optics::coating(value, name)?;
+            optics::coating(value, name, &mut Vec::new())?;
         }
         for (_, value) in &self.sheet.media.named {
             for (key, value) in optics::medium_entries(value)? {
@@ -294,7 +297,10 @@ impl Builder<'_> {
 
     fn face(&mut self, part: &Candidate, number: usize, slots: &Slots, to_world: &DAffine3) -> Result<Face> {
         let finish = match slots.get(Slot::Finish) {
-            Some(won) => optics::finish(&won.entry.value, &mut self.notes)?,
+            Some(won) => match optics::finish(&won.entry.value, &mut self.notes)? {
+                FinishSpec::Given(finish) => finish,
+                FinishSpec::Measured { file, at } => self.measured_finish(&file, &at)?,
+            },
             // Only a face with a slide gets here without a finish.
             None => Finish::None,
         };
@@ -320,6 +326,22 @@ impl Builder<'_> {
             None => None,
         };
         Ok(Face { finish, coating: self.coating(part, number, slots, finish)?, shape, emitter, slide })
+    }
+
+    /// The finish of a file of measured scattering.
+    fn measured_finish(&mut self, name: &str, at: &Where) -> Result<Finish> {
+        let file = files::resolve(name, at);
+        let known = self.scatters.iter().position(|table| Path::new(&table.file) == file);
+        let index = match known {
+            Some(index) => index,
+            None => {
+                let bytes = files::read(&file, at, "measured scattering")?;
+                self.scatters.push(optics::scatter_table(&bytes, &file, at)?);
+                self.files.push(file);
+                self.scatters.len() - 1
+            }
+        };
+        Ok(Finish::Measured { table: ScatterId::from_index(index) })
     }
 
     /// The spectrum that is meant; a file is read.
@@ -349,7 +371,7 @@ impl Builder<'_> {
             }
         }
         let name = won.entry.value.text().unwrap_or("inline");
-        let Some(coating) = optics::coating(value, name)? else { return Ok(None) };
+        let Some(coating) = optics::coating(value, name, &mut self.notes)? else { return Ok(None) };
         if finish != Finish::Polished {
             // A film that a format's own field means (iridescence) says nothing about the finish.
             if won.rank > Rank::Mapped && slots.get(Slot::Finish).is_none_or(|finish| won.rank >= finish.rank) {

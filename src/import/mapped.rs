@@ -63,17 +63,26 @@ pub fn mapped(material: &Material, notes: &mut Vec<Note>) -> Result<Vec<(String,
     if let (Some(_), Some((distance, value))) = (solid, number("attenuation_distance").filter(|(d, _)| d.is_finite())) {
         let lanes: Vec<f64> =
             find("attenuation_color").and_then(Value::list).unwrap_or(&[]).iter().filter_map(Value::number).collect();
-        // One wavelength stands for all.
-        let through = match lanes.as_slice() {
-            [r, g, b] => luminance([*r, *g, *b]),
-            _ => 1.0,
+        let rgb = match lanes.as_slice() {
+            [r, g, b] => [*r, *g, *b].map(|c| c.min(1.0)),
+            _ => [1.0; 3],
         };
-        if through <= 0.0 {
+        if luminance(rgb) <= 0.0 {
             return Err(Fault::new(value.at.clone(), format!("material `{}` attenuates to black", material.name))
                 .expected("an attenuation colour above 0, or an absorbing finish"));
         }
-        let per_m = Value::new(Data::Number(-through.min(1.0).ln() / distance), value.at.clone());
-        all.push(("absorption_per_m".to_owned(), per_m));
+        let number = |x: f64| Value::new(Data::Number(x), value.at.clone());
+        let data = if rgb[0] == rgb[1] && rgb[1] == rgb[2] {
+            Data::Number(-rgb[0].ln() / distance)
+        } else {
+            // Falls by the three primaries (`Absorption::Colour`).
+            let colour = Value::new(Data::List(rgb.map(number).to_vec()), value.at.clone());
+            Data::Table(vec![
+                ("attenuation_color".to_owned(), colour),
+                ("attenuation_distance".to_owned(), number(distance)),
+            ])
+        };
+        all.push(("absorption_per_m".to_owned(), Value::new(data, value.at.clone())));
     }
     Ok(all)
 }
@@ -126,5 +135,20 @@ mod tests {
         // 0.5 over 2 m: ln 2 / 2 per metre.
         let per_m: f64 = rows[0].strip_prefix("absorption_per_m = ").unwrap().parse().unwrap();
         assert!((per_m - 2f64.ln() / 2.0).abs() < 1e-12);
+    }
+
+    /// A colour stays one, as the reader of media takes it.
+    #[test]
+    fn coloured_volumes() {
+        let mut material = assembly(&[]).materials.remove(0);
+        let value = |data: Data| Value::new(data, Where::Nowhere);
+        let lanes = [1.0, 0.5, 0.25].map(|x| value(Data::Number(x)));
+        material.mapped.push(("thickness".to_owned(), value(Data::Number(1.0))));
+        material.mapped.push(("attenuation_distance".to_owned(), value(Data::Number(0.05))));
+        material.mapped.push(("attenuation_color".to_owned(), value(Data::List(lanes.to_vec()))));
+        let all = mapped(&material, &mut Vec::new()).unwrap();
+        let (_, absorption) = all.iter().find(|(key, _)| key == "absorption_per_m").unwrap();
+        let read = crate::import::optics::absorption(absorption, 555.0).unwrap();
+        assert_eq!(read, crate::scene::Absorption::Colour { rgb: [1.0, 0.5, 0.25], distance_m: 0.05 });
     }
 }

@@ -8,7 +8,7 @@ use crate::estimate::ShouldStop;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::plan::{PathMode, Spectral};
-use crate::scene::{Finish, Scene, Wavelengths};
+use crate::scene::{Absorption, CoatingLaw, Finish, Scene, Wavelengths};
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -35,14 +35,20 @@ fn spectral(scene: &Scene, world: &World) -> (Spectral, String) {
     let tints = world.tints.lamps.iter().chain(&world.tints.lights);
     let coloured_sky = world.sky.as_ref().is_some_and(|sky| sky.is_coloured());
     let mixed = scene.spectra_of_groups().err();
-    match (coloured_sky, mixed) {
+    let tinted = scene.parts.iter().find_map(|part| {
+        let medium = scene.medium(part.medium?);
+        matches!(medium.absorption, Absorption::Colour { .. }).then_some((medium, part))
+    });
+    match (coloured_sky || tinted.is_some(), mixed) {
         (false, None) => {
             (Spectral::Mono, "nothing tells wavelengths apart: each group is its luminance times its colour".to_owned())
         }
-        (sky, mixed) => {
-            let what = match mixed {
-                Some(group) if !sky => format!("the lamps of group {group} differ in colour"),
-                Some(_) | None => "the sky is coloured".to_owned(),
+        (_, mixed) => {
+            let what = match (mixed, tinted) {
+                _ if coloured_sky => "the sky is coloured".to_owned(),
+                (_, Some((medium, part))) => format!("the medium {} of {} has a colour", medium.name, part.path),
+                (Some(group), None) => format!("the lamps of group {group} differ in colour"),
+                (None, None) => "something is coloured".to_owned(),
             };
             if tints.clone().all(|power| power.rec709_per_lumen().iter().all(|c| *c >= 0.0)) {
                 (Spectral::Rgb, format!("{what}, and nothing tells wavelengths apart"))
@@ -68,15 +74,27 @@ fn chromatic(scene: &Scene, world: &World) -> Option<String> {
         if differs(&|nm| medium.index.index(nm).re) {
             return Some(format!("the medium {} of {} disperses", medium.name, part.path));
         }
-        if differs(&|nm| medium.absorption_per_m_at(nm)) {
+        // Of a colour the primaries make an exact account.
+        let absorbs = |nm: f64| match &medium.absorption {
+            Absorption::Colour { .. } => medium.absorption_by_index(nm),
+            Absorption::Constant(_) | Absorption::Table(_) => medium.absorption_per_m_at(nm),
+        };
+        if differs(&absorbs) {
             return Some(format!("the medium {} of {} is coloured", medium.name, part.path));
         }
         let coated = part.faces.iter().filter(|face| matches!(face.finish, Finish::Polished)).find_map(|face| {
             let coating = scene.coating(face.coating?);
-            coating.films.iter().any(|film| film.thickness_nm > 0.0).then_some(coating)
+            let tells = match &coating.law {
+                CoatingLaw::Stack(films) => films.iter().any(|film| film.thickness_nm > 0.0),
+                CoatingLaw::Ideal { .. } => false,
+                CoatingLaw::Table(table) => {
+                    !table.outside.is_grey() || table.inside.as_ref().is_some_and(|inside| !inside.is_grey())
+                }
+            };
+            tells.then_some(coating)
         });
         if let Some(coating) = coated {
-            return Some(format!("the coating {} of {} interferes", coating.name, part.path));
+            return Some(format!("the coating {} of {} tells wavelengths apart", coating.name, part.path));
         }
     }
     None

@@ -203,7 +203,7 @@ pub struct Kind {
 }
 
 mod rows;
-pub use rows::{EMITTER, FILM, KINDS, MEDIUM, ROWS, SLIDE};
+pub use rows::{EMITTER, FILM, KINDS, MEASURED, MEDIUM, ROWS, SLIDE};
 #[cfg(test)]
 pub mod arbitrary; // random values of the table
 pub mod union; // kinds with parameters

@@ -1,5 +1,6 @@
 //! What a face does with light that meets it.
 
+use crate::base::ids::ScatterId;
 use glam::DVec3;
 
 /// Finish of a face. A coating, if any, acts on `Polished` faces.
@@ -18,6 +19,17 @@ pub enum Finish {
     Lambert { reflectance: f64, transmittance: f64 },
     /// Gaussian lobe about the specular directions (`design/formulas.md` section 10), sigma in degrees.
     Gauss { sigma_deg: f64, reflectance: f64, transmittance: f64 },
+    /// Lobe cosᵐ t about the specular directions, shares as for `Gauss`: of light that falls straight on,
+    /// share · (m + 2)/2π cosᵐ per steradian.
+    CosM { m: f64, reflectance: f64, transmittance: f64 },
+    /// A rough interface between the part's medium and what is outside: microfacets of Trowbridge and Reitz (GGX) of
+    /// this roughness (1e-4 to 1), which absorb nothing.
+    Rough { alpha: f64 },
+    /// Polish or blackened metal that scatters A/(B + |β − β₀|^g) per steradian about what it reflects specularly, a share
+    /// `reflectance`; absorbs the rest.
+    Abg { a: f64, b: f64, g: f64, reflectance: f64 },
+    /// As a table says, from both sides alike.
+    Measured { table: ScatterId },
     /// A thin sheet that lets linear polarisation along `axis` through with the share `transmittance` (0–1), the other
     /// with `transmittance · extinction`, and bends nothing. Where paths carry no polarisation: the mean of both.
     Polariser { axis: DVec3, transmittance: f64, extinction: f64 },

@@ -1,6 +1,7 @@
 //! Floor 1: the scene as plain data. Importers fill it through [`SceneBuilder`](crate::import); after that nobody can
 //! tell which format an assembly came from. Lengths of the world are metres; a mesh keeps the units of its file.
 
+mod abg; // scatter of polished surfaces
 pub mod angular; // how a face's light spreads
 pub mod annotation; // a sidecar as rows of the asset itself
 pub mod assembly; // what a format reader delivers
@@ -16,12 +17,14 @@ pub mod mesh;
 pub mod note;
 pub mod part;
 pub mod profile; // measured intensity distributions
+pub mod scatter_table;
 pub mod shape;
 pub mod slide;
 pub mod spectrum;
 pub mod value;
 
-pub use coating::{Coating, FilmLayer};
+pub use abg::AbgLaw;
+pub use coating::{Coating, CoatingLaw, CoatingTable, FilmLayer};
 pub use dispersion::Dispersion;
 
 pub use eye::Eye;
@@ -31,11 +34,12 @@ pub use mesh::{FaceRange, Mesh};
 pub use note::{Note, Severity};
 pub use part::{Absorption, Face, Medium, Part};
 pub use profile::LuminousProfile;
+pub use scatter_table::ScatterTable;
 pub use shape::Shape;
 pub use slide::{Polarisation, Slide};
 pub use spectrum::{Led, PowerDistribution, Spectrum};
 
-use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, SlideId};
+use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, ScatterId, SlideId};
 
 /// At which wavelengths the scene is defined.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -79,6 +83,8 @@ pub struct Scene {
     pub media: Vec<Medium>,
     pub coatings: Vec<Coating>,
     pub slides: Vec<Slide>,
+    /// Measured scattering that finishes refer to.
+    pub scatters: Vec<ScatterTable>,
     pub groups: Vec<Group>,
     /// Measured intensity distributions that lamps refer to.
     pub profiles: Vec<LuminousProfile>,
@@ -127,5 +133,6 @@ table! {
     medium: MediumId => media: Medium,
     coating: CoatingId => coatings: Coating,
     slide: SlideId => slides: Slide,
+    scatter: ScatterId => scatters: ScatterTable,
     group: GroupId => groups: Group,
 }

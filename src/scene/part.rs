@@ -1,6 +1,7 @@
 //! Parts: nodes with geometry, and what each of their faces is optically.
 
 use super::{Dispersion, Emitter, Finish, Shape};
+use crate::base::colour::uplift_reflectance;
 use crate::base::ids::{CoatingId, MediumId, MeshId, SlideId};
 use glam::DAffine3;
 
@@ -21,6 +22,10 @@ pub enum Absorption {
     Constant(f64),
     /// Rows (λ nm, 1/m) by rising λ: linear between them, constant beyond them.
     Table(Vec<[f64; 2]>),
+    /// A linear Rec.709 colour that white light has after `distance_m`, each primary falling by itself: rgb^(x/distance),
+    /// as `KHR_materials_volume` has it. That is exact where paths carry the three primaries; at a wavelength the colour's
+    /// smooth reflectance spectrum stands for it, which is exact at `distance_m` alone.
+    Colour { rgb: [f64; 3], distance_m: f64 },
 }
 
 impl Absorption {
@@ -30,6 +35,7 @@ impl Absorption {
     pub fn per_m(&self, nm: f64) -> f64 {
         match self {
             Absorption::Constant(per_m) => *per_m,
+            Absorption::Colour { rgb, distance_m } => fall(uplift_reflectance(*rgb, nm), *distance_m),
             Absorption::Table(rows) => {
                 let after = rows.partition_point(|row| row[0] < nm);
                 let above = rows.get(after).or(rows.last());
@@ -44,10 +50,34 @@ impl Absorption {
     }
 }
 
+/// 1/m of what leaves the share `through` over `distance_m`; very much of what leaves nothing.
+fn fall(through: f64, distance_m: f64) -> f64 {
+    // Finite, so that no way at all takes nothing.
+    const MOST: f64 = 1e300;
+    (-through.min(1.0).ln() / distance_m).clamp(0.0, MOST)
+}
+
 impl Medium {
+    /// Absorption of a primary of Rec.709 (0 red, 1 green, 2 blue) where paths carry those, 1/m; what goes by wavelength is
+    /// taken at `nm`.
+    pub fn absorption_per_m_of(&self, primary: usize, nm: f64) -> f64 {
+        match &self.absorption {
+            Absorption::Colour { rgb, distance_m } => {
+                let through = rgb.get(primary).copied().unwrap_or(1.0);
+                fall(through, *distance_m) + self.absorption_by_index(nm)
+            }
+            Absorption::Constant(_) | Absorption::Table(_) => self.absorption_per_m_at(nm),
+        }
+    }
+
+    /// 4πk/λ of an imaginary index, 1/m.
+    pub fn absorption_by_index(&self, nm: f64) -> f64 {
+        4.0 * std::f64::consts::PI * self.index.index(nm).im / (nm * 1e-9)
+    }
+
     /// Absorption at a wavelength in vacuum, 1/m: its own, and 4πk/λ of an imaginary index.
     pub fn absorption_per_m_at(&self, nm: f64) -> f64 {
-        self.absorption.per_m(nm) + 4.0 * std::f64::consts::PI * self.index.index(nm).im / (nm * 1e-9)
+        self.absorption.per_m(nm) + self.absorption_by_index(nm)
     }
 }
 
@@ -79,4 +109,26 @@ pub struct Face {
     pub emitter: Option<Emitter>,
     /// A face with a slide transmits straight through, weighted by the picture, whatever its finish.
     pub slide: Option<SlideId>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// rgb^(x/d) per primary; by wavelength, the uplifted colour at d; a primary that nothing is left of stays finite.
+    #[test]
+    fn a_colour_falls_by_its_primaries() {
+        let rgb = [0.9, 0.25, 0.0];
+        let absorption = Absorption::Colour { rgb, distance_m: 0.02 };
+        let medium = Medium { name: "tint".into(), index: Dispersion::Constant(1.5), absorption };
+        for (primary, c) in rgb.into_iter().enumerate() {
+            let through = (-medium.absorption_per_m_of(primary, 555.0) * 0.05).exp();
+            assert!((through - c.powf(2.5)).abs() < 1e-12, "{primary}: {through}");
+            assert_eq!((-medium.absorption_per_m_of(primary, 555.0) * 0.0).exp(), 1.0);
+        }
+        for nm in [450.0, 555.0, 620.0] {
+            let through = (-medium.absorption_per_m_at(nm) * 0.02).exp();
+            assert!((through - uplift_reflectance(rgb, nm)).abs() < 1e-12, "{nm}");
+        }
+    }
 }

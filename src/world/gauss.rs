@@ -1,14 +1,19 @@
-//! The Gaussian lobe of a diffuser: its normalisation, its sampling and its albedo (`design/formulas.md` section 10).
+//! The Gaussian lobe of a diffuser, and the cosᵐ lobe beside it: normalisation, sampling and albedo
+//! (`design/formulas.md` section 10).
 
-use crate::base::warp::Frame;
+use crate::base::warp::{Frame, cos_n_hemisphere};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// `C exp(−t²/2σ²)` about an axis, t the angle to the axis in radians, normalised to 1 over the whole sphere
-/// (for small σ, C = 1/(2πσ²(1 − σ²/3))).
+/// (for small σ, C = 1/(2πσ²(1 − σ²/3))); or `C cosᵐ t` up to 90°, C = (m + 2)/2π, so that all of what falls straight on
+/// leaves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaussLobe {
+    /// rad; of cosᵐ that of the Gaussian with its curvature, 1/√m.
     sigma: f64,
+    /// m, if it is cosᵐ.
+    exponent: Option<f64>,
     /// C, 1/sr.
     norm: f64,
     /// The same factor of the sampled lobe, which is Gaussian in the chord 2 sin(t/2).
@@ -23,14 +28,35 @@ impl GaussLobe {
         if !(sigma_rad > 0.0 && sigma_rad.is_finite()) {
             return None;
         }
-        let mass = integrate(sigma_rad, &[], |t| gaussian(t, sigma_rad) * t.sin());
+        let mass = integrate(7.0 * sigma_rad, sigma_rad, &[], |t| gaussian(t, sigma_rad) * t.sin());
         let norm = 1.0 / (TAU * mass);
         let sampling_norm = 1.0 / (TAU * sigma_rad * sigma_rad * -f64::exp_m1(-2.0 / (sigma_rad * sigma_rad)));
         if !(norm.is_finite() && sampling_norm.is_finite()) {
             return None;
         }
-        let albedo = tabulate(sigma_rad, norm);
-        Some(GaussLobe { sigma: sigma_rad, norm, sampling_norm, albedo })
+        let mut lobe = GaussLobe { sigma: sigma_rad, exponent: None, norm, sampling_norm, albedo: Vec::new() };
+        lobe.albedo = lobe.tabulate();
+        Some(lobe)
+    }
+
+    /// cosᵐ; none unless m is from 0 to 1e8.
+    pub fn cosine(m: f64) -> Option<Self> {
+        if !(0.0..=1e8).contains(&m) {
+            return None;
+        }
+        let (norm, sampling_norm) = ((m + 2.0) / TAU, (m + 1.0) / TAU);
+        let sigma = 1.0 / m.max(1.0).sqrt();
+        let mut lobe = GaussLobe { sigma, exponent: Some(m), norm, sampling_norm, albedo: Vec::new() };
+        lobe.albedo = lobe.tabulate();
+        Some(lobe)
+    }
+
+    /// The lobe without its factor, at the angle t.
+    fn shape(&self, t: f64) -> f64 {
+        match self.exponent {
+            None => gaussian(t, self.sigma),
+            Some(m) => cosine(t, m),
+        }
     }
 
     pub fn sigma_rad(&self) -> f64 {
@@ -43,11 +69,14 @@ impl GaussLobe {
 
     /// The lobe at a unit direction, 1/sr.
     pub fn value(&self, axis: DVec3, dir: DVec3) -> f64 {
-        self.norm * gaussian(angle(axis, dir), self.sigma)
+        self.norm * self.shape(angle(axis, dir))
     }
     /// Density with which [`GaussLobe::sample`] chooses a unit direction, 1/sr.
     pub fn pdf(&self, axis: DVec3, dir: DVec3) -> f64 {
-        self.sampling_norm * gaussian((dir - axis).length(), self.sigma)
+        match self.exponent {
+            None => self.sampling_norm * gaussian((dir - axis).length(), self.sigma),
+            Some(m) => self.sampling_norm * cosine(angle(axis, dir), m),
+        }
     }
     /// `value/pdf` at the angle whose chord is `chord`; at most `C/C_sampled`, 1 for small σ and 1.19 at 60°.
     fn ratio(&self, chord: f64) -> f64 {
@@ -62,6 +91,10 @@ impl GaussLobe {
     /// (R. Fisher's spherical distribution of 1953, sampled as by G. Ulrich 1984); its ratio to the lobe Gaussian in t
     /// is bounded, and no random number is thrown away.
     pub fn sample(&self, axis: DVec3, [a, b]: [f64; 2]) -> (DVec3, f64) {
+        if let Some(m) = self.exponent {
+            let local = cos_n_hemisphere([a, b], m);
+            return (Frame::about(axis).to_world(local).normalize(), self.norm / self.sampling_norm);
+        }
         let s2 = self.sigma * self.sigma;
         let chord2 = (-2.0 * s2 * f64::ln_1p(a * f64::exp_m1(-2.0 / s2))).clamp(0.0, 4.0);
         let sin = (chord2 * (1.0 - chord2 / 4.0)).max(0.0).sqrt();
@@ -80,6 +113,15 @@ impl GaussLobe {
     }
 }
 
+/// cosᵐ t, 0 beyond 90°; by way of sin² t, whose digits are all there where t is small and m large.
+fn cosine(t: f64, m: f64) -> f64 {
+    if t >= FRAC_PI_2 {
+        return 0.0;
+    }
+    let sin = t.sin();
+    (0.5 * m * f64::ln_1p(-sin * sin)).exp()
+}
+
 fn gaussian(t: f64, sigma: f64) -> f64 {
     let q = t / sigma;
     (-0.5 * q * q).exp()
@@ -96,7 +138,7 @@ fn chord_to_angle(chord: f64) -> f64 {
 
 /// Share of a unit lobe that leaves, by quadrature over t; the azimuth φ about the axis is done in closed form:
 /// cos_o = a + b cos φ with a = cos θ cos t, b = sin θ sin t, and the integrand is min(1, cos_o/cos θ) where cos_o > 0.
-fn albedo_by_quadrature(sigma: f64, norm: f64, theta: f64) -> f64 {
+fn albedo_by_quadrature(lobe: &GaussLobe, theta: f64) -> f64 {
     let (sin, mu) = theta.sin_cos();
     let ring = |t: f64| {
         let (a, b) = (mu * t.cos(), sin * t.sin());
@@ -111,18 +153,19 @@ fn albedo_by_quadrature(sigma: f64, norm: f64, theta: f64) -> f64 {
     };
     // Where the rings begin and cease to cut the horizon and the cone cos_o = cos θ.
     let breaks = [FRAC_PI_2 - theta, FRAC_PI_2 + theta, 2.0 * theta];
-    TAU * norm * integrate(sigma, &breaks, |t| gaussian(t, sigma) * t.sin() * ring(t))
+    let end = if lobe.exponent.is_some() { FRAC_PI_2.min(10.0 * lobe.sigma) } else { 7.0 * lobe.sigma };
+    TAU * lobe.norm * integrate(end, lobe.sigma, &breaks, |t| lobe.shape(t) * t.sin() * ring(t))
 }
 
-/// ∫ f over t from 0 to π, f being small beyond 7σ (2e-11). Panels end at `breaks`, where f may have the square-root
+/// ∫ f over t from 0 to `end` (7σ, where a Gaussian is 2e-11) or π. Panels end at `breaks`, where f may have the square-root
 /// kinks of an arc cosine: x ↦ (1 − cos πx)/2 smooths them before Gauss–Legendre's rule.
-fn integrate(sigma: f64, breaks: &[f64], f: impl Fn(f64) -> f64) -> f64 {
-    let end = (7.0 * sigma).min(PI);
+fn integrate(end: f64, sigma: f64, breaks: &[f64], f: impl Fn(f64) -> f64) -> f64 {
+    let end = end.min(PI);
     let mut edges: Vec<f64> = breaks.iter().copied().filter(|t| *t > 0.0 && *t < end).chain([0.0, end]).collect();
     edges.sort_by(f64::total_cmp);
     let mut sum = 0.0;
     for pair in edges.windows(2) {
-        let pieces = ((pair[1] - pair[0]) / sigma).ceil().clamp(1.0, 7.0);
+        let pieces = ((pair[1] - pair[0]) / sigma).ceil().clamp(1.0, 10.0);
         let width = (pair[1] - pair[0]) / pieces;
         for piece in 0..pieces as usize {
             let start = pair[0] + width * piece as f64;
@@ -145,33 +188,36 @@ const LEGENDRE: [(f64, f64); 6] = [
     (0.981_560_634_246_719_3, 0.047_175_336_386_511_83),
 ];
 
-/// Albedo against the angle of incidence: intervals are halved until the middle lies on the chord to 1e-5.
-fn tabulate(sigma: f64, norm: f64) -> Vec<(f64, f64)> {
-    let at = |theta: f64| (theta, albedo_by_quadrature(sigma, norm, theta));
-    // The albedo varies on the scale of σ at both ends; start fine enough there to see it.
-    let mut start = vec![0.0, FRAC_PI_2 / 2.0, FRAC_PI_2];
-    let mut step = FRAC_PI_2 / 4.0;
-    while step > sigma / 4.0 && start.len() < 80 {
-        start.extend([step, FRAC_PI_2 - step]);
-        step *= 0.5;
-    }
-    start.sort_by(f64::total_cmp);
-    let mut table = vec![at(0.0)];
-    let mut todo: Vec<(f64, f64)> = start.into_iter().skip(1).rev().map(at).collect();
-    let mut depth_left = 100_000; // a bound on work, far above the few hundred intervals that are needed
-    while let (Some(&(x0, y0)), Some(&(x1, y1))) = (table.last(), todo.last()) {
-        let middle = at(0.5 * (x0 + x1));
-        let bent = (middle.1 - 0.5 * (y0 + y1)).abs() > 1e-5 * middle.1;
-        if bent && depth_left > 0 && middle.0 > x0 && middle.0 < x1 {
-            depth_left -= 1;
-            todo.push(middle);
-        } else {
-            table.push(middle);
-            table.push((x1, y1));
-            todo.pop();
+impl GaussLobe {
+    /// Albedo against the angle of incidence: intervals are halved until the middle lies on the chord to 1e-5.
+    fn tabulate(&self) -> Vec<(f64, f64)> {
+        let sigma = self.sigma;
+        let at = |theta: f64| (theta, albedo_by_quadrature(self, theta));
+        // The albedo varies on the scale of σ at both ends; start fine enough there to see it.
+        let mut start = vec![0.0, FRAC_PI_2 / 2.0, FRAC_PI_2];
+        let mut step = FRAC_PI_2 / 4.0;
+        while step > sigma / 4.0 && start.len() < 80 {
+            start.extend([step, FRAC_PI_2 - step]);
+            step *= 0.5;
         }
+        start.sort_by(f64::total_cmp);
+        let mut table = vec![at(0.0)];
+        let mut todo: Vec<(f64, f64)> = start.into_iter().skip(1).rev().map(at).collect();
+        let mut depth_left = 100_000; // a bound on work, far above the few hundred intervals that are needed
+        while let (Some(&(x0, y0)), Some(&(x1, y1))) = (table.last(), todo.last()) {
+            let middle = at(0.5 * (x0 + x1));
+            let bent = (middle.1 - 0.5 * (y0 + y1)).abs() > 1e-5 * middle.1;
+            if bent && depth_left > 0 && middle.0 > x0 && middle.0 < x1 {
+                depth_left -= 1;
+                todo.push(middle);
+            } else {
+                table.push(middle);
+                table.push((x1, y1));
+                todo.pop();
+            }
+        }
+        table
     }
-    table
 }
 
 #[cfg(test)]
@@ -234,7 +280,7 @@ mod tests {
             for k in 0..=500 {
                 let x = k as f64 / 500.0;
                 for theta in [FRAC_PI_2 * x, (FRAC_PI_2 - sigma * 5.0 * x).max(0.0), (sigma * 5.0 * x).min(FRAC_PI_2)] {
-                    let want = albedo_by_quadrature(sigma, lobe.norm, theta);
+                    let want = albedo_by_quadrature(&lobe, theta);
                     let got = lobe.albedo(theta.cos());
                     assert!((got / want - 1.0).abs() < 5e-5, "σ {sigma_deg}° θ {theta}: {got} {want}");
                 }

@@ -40,6 +40,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
         media: vec![],
         coatings: vec![],
         slides: vec![],
+        scatters: vec![],
         profiles: Vec::new(),
         groups: vec![],
         lights: Vec::new(),

@@ -4,6 +4,7 @@
 pub mod beam;
 pub mod cdf;
 pub mod eye;
+pub mod films;
 pub mod fresnel;
 pub mod gauss;
 pub mod geometry;

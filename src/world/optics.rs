@@ -3,10 +3,10 @@
 //! spectrum evenly.
 
 use super::World;
-use super::mode::{LaneArray, Mode, lanes};
+use super::films::Films;
+use super::mode::{LaneArray, Mode, Spectral, lanes};
 use super::sky::SkyLight;
 use super::slide::SlideMap;
-use super::surface::Films;
 use crate::scene::Medium;
 use glam::DVec3;
 
@@ -55,7 +55,16 @@ impl<M: Mode> Optics<M> {
             .collect();
         Optics {
             index: per_part(&|medium, nm| medium.index.index(nm).re, 1.0),
-            absorption_per_m: per_part(&Medium::absorption_per_m_at, 0.0),
+            absorption_per_m: (0..world.solids.len())
+                .map(|part| {
+                    lanes::<M, f64>(|lane| {
+                        medium(part).map_or(0.0, |medium| match M::SPECTRAL {
+                            Spectral::Rgb => medium.absorption_per_m_of(lane, nm[lane]),
+                            Spectral::Mono | Spectral::Hero => medium.absorption_per_m_at(nm[lane]),
+                        })
+                    })
+                })
+                .collect(),
             films,
             lighting,
         }

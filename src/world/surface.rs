@@ -2,13 +2,15 @@
 //! and the interaction with a ray that meets it.
 
 use super::fresnel::{PowerSp, fresnel, fresnel_turning};
-use super::scatter::Scatter;
+use super::scatter::{Lost, Measured, Rough, Scatter};
 use super::stokes::{Amount, Turning};
-use super::thinfilm::{Film, stack, stack_turning};
 use crate::base::complex::Complex;
+use crate::base::ids::ScatterId;
 use crate::base::{Fault, Result, Where};
-use crate::scene::{Coating, Face, Finish, Part, Scene};
+use crate::scene::{Face, Finish, Medium, Part, Scene, Wavelengths};
 use glam::DVec3;
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
 
 /// Most films that a coating may have; more is a fault.
 pub const MAX_FILMS: usize = 64;
@@ -77,37 +79,6 @@ pub enum Mirror {
     Metal(Complex),
 }
 
-/// A stack at one wavelength in both orders, so that neither side costs a reversal per ray.
-#[derive(Debug, Clone, Default)]
-pub struct Films {
-    inwards: Vec<Film>,
-    outwards: Vec<Film>,
-}
-
-impl Films {
-    /// The films of a coating at `nm`; none of it is a bare interface.
-    pub fn at(coating: Option<&Coating>, nm: f64) -> Films {
-        let layers = coating.map_or(&[][..], |coating| coating.films.as_slice());
-        let inwards: Vec<Film> =
-            layers.iter().map(|layer| Film { n: layer.index.index(nm), thickness_nm: layer.thickness_nm }).collect();
-        let outwards = inwards.iter().rev().copied().collect();
-        Films { inwards, outwards }
-    }
-
-    /// What happens to light in `n1` that meets the face under `cos_i`; `entering` the solid or leaving it. The phases
-    /// are worked out for amounts that have a polarisation.
-    pub fn turning<A: Amount>(&self, n1: f64, n2: f64, cos_i: f64, entering: bool, wavelength_nm: f64) -> Turning {
-        let films = if entering { &self.inwards } else { &self.outwards };
-        let n2 = Complex { re: n2, im: 0.0 };
-        match (A::POLARISED, films.is_empty()) {
-            (false, true) => Turning::without_phases(fresnel(n1, n2, cos_i)),
-            (false, false) => Turning::without_phases(stack(n1, films, n2, cos_i, wavelength_nm)),
-            (true, true) => fresnel_turning(n1, n2, cos_i),
-            (true, false) => stack_turning(n1, films, n2, cos_i, wavelength_nm),
-        }
-    }
-}
-
 impl Mirror {
     /// What happens to light in `n1` that meets the mirror under `cos_i`. What crosses into a metal stays there.
     pub fn turning<A: Amount>(self, n1: f64, cos_i: f64) -> Turning {
@@ -132,22 +103,71 @@ impl Mirror {
 
 /// Resolves every face of a scene. Errors: a polished face of a part without a medium, a coating that is too long.
 pub fn optics_of(scene: &Scene) -> Result<Vec<Vec<FaceOptics>>> {
-    let faces = |part: &Part| (0..part.faces.len()).map(|face| resolve(scene, part, face)).collect();
-    scene.parts.iter().map(faces).collect()
+    let mut tables = Tables::default();
+    let mut all = Vec::with_capacity(scene.parts.len());
+    for part in &scene.parts {
+        let faces = (0..part.faces.len()).map(|face| resolve(scene, part, face, &mut tables));
+        all.push(faces.collect::<Result<_>>()?);
+    }
+    Ok(all)
+}
+
+/// Tables that faces share.
+#[derive(Default)]
+struct Tables {
+    /// By the bits of the roughness.
+    rough: HashMap<u64, Arc<Lost>>,
+    measured: HashMap<ScatterId, Arc<Measured>>,
+}
+
+impl Tables {
+    fn rough(&mut self, scene: &Scene, alpha: f64) -> Rough {
+        let lost = self.rough.entry(alpha.to_bits()).or_insert_with(|| Arc::new(Lost::new(alpha, &ratios(scene))));
+        Rough::new(lost.clone())
+    }
+}
+
+/// Ranges of n/n' over the wavelengths: of every medium with a rough face against air and against every other.
+fn ratios(scene: &Scene) -> Vec<[f64; 2]> {
+    const STEP_NM: usize = 10;
+    const MOST: usize = 4096;
+    let wavelengths: Vec<f64> = match scene.wavelengths {
+        Wavelengths::Mono { nm } => vec![nm],
+        Wavelengths::Visible => {
+            (360..=830).step_by(STEP_NM).map(f64::from).chain([scene.wavelengths.traced_nm()]).collect()
+        }
+    };
+    let index = |medium: &Medium| -> Vec<f64> { wavelengths.iter().map(|nm| medium.index.index(*nm).re).collect() };
+    let all: Vec<Vec<f64>> =
+        std::iter::once(vec![1.0; wavelengths.len()]).chain(scene.media.iter().map(index)).collect();
+    let rough = |part: &&Part| part.faces.iter().any(|face| matches!(face.finish, Finish::Rough { .. }));
+    let own: BTreeSet<usize> =
+        scene.parts.iter().filter(rough).filter_map(|part| Some(part.medium?.index() + 1)).collect();
+    let mut out = Vec::new();
+    for own in own {
+        for other in 0..all.len() {
+            // Beyond so many pairs the tables cover the whole range anyway.
+            if other != own && out.len() < MOST {
+                let pairs = all[own].iter().zip(&all[other]).map(|(a, b)| a / b);
+                out.push(pairs.fold([f64::INFINITY, 0f64], |[low, high], x| [low.min(x), high.max(x)]));
+            }
+        }
+    }
+    out
 }
 
 /// Number of a face's coating among the world's: those of the scene, after the bare interface.
 fn coating(scene: &Scene, face: &Face, at: impl Fn() -> Where) -> Result<usize> {
     let Some(id) = face.coating else { return Ok(0) };
     let coating = scene.coating(id);
-    if coating.films.len() > MAX_FILMS {
-        let what = format!("coating `{}` has {} films", coating.name, coating.films.len());
+    if coating.films().len() > MAX_FILMS {
+        let what = format!("coating `{}` has {} films", coating.name, coating.films().len());
         return Err(Fault::new(at(), what).expected(format!("at most {MAX_FILMS}")));
     }
     Ok(id.index() + 1)
 }
 
-fn resolve(scene: &Scene, part: &Part, index: usize) -> Result<FaceOptics> {
+fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Result<FaceOptics> {
     let face = &part.faces[index];
     let at = || Where::Part { path: part.path.clone(), face: Some(index) };
     let surface = match (face.slide, face.finish) {
@@ -170,10 +190,25 @@ fn resolve(scene: &Scene, part: &Part, index: usize) -> Result<FaceOptics> {
             }
             Surface::Interface(coating(scene, face, at)?)
         }
-        (None, Finish::Lambert { .. } | Finish::Gauss { .. }) => match Scatter::from_finish(&face.finish) {
-            Some(scatter) => Surface::Scatter(Box::new(scatter)),
-            None => Surface::Absorber,
-        },
+        (None, Finish::Rough { alpha }) => {
+            if part.medium.is_none() {
+                return Err(Fault::new(at(), "a rough face needs a medium on its part").expected(
+                    "`ior`, `glass` or another medium attribute, or the finish `gauss`, `abg` or `measured`",
+                ));
+            }
+            Surface::Scatter(Box::new(Scatter::Rough(tables.rough(scene, alpha))))
+        }
+        (None, Finish::Measured { table }) => {
+            let measured =
+                tables.measured.entry(table).or_insert_with(|| Arc::new(Measured::new(scene.scatter(table))));
+            Surface::Scatter(Box::new(Scatter::Measured(measured.clone())))
+        }
+        (None, Finish::Lambert { .. } | Finish::Gauss { .. } | Finish::CosM { .. } | Finish::Abg { .. }) => {
+            match Scatter::from_finish(&face.finish) {
+                Some(scatter) => Surface::Scatter(Box::new(scatter)),
+                None => Surface::Absorber,
+            }
+        }
     };
     Ok(FaceOptics { surface, lamp: face.emitter.is_some() })
 }

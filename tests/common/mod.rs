@@ -29,6 +29,7 @@ pub fn scene() -> Scene {
         media: Vec::new(),
         coatings: Vec::new(),
         slides: Vec::new(),
+        scatters: Vec::new(),
         profiles: Vec::new(),
         groups: Vec::new(),
         lights: Vec::new(),

@@ -41,6 +41,7 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         media: vec![],
         coatings: vec![],
         slides: vec![],
+        scatters: vec![],
         profiles: Vec::new(),
         groups: vec![],
         lights: Vec::new(),

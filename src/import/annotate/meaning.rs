@@ -62,7 +62,9 @@ pub fn acts(slots: &Slots) -> Result<bool> {
     let (Some(coating), finish) = (slots.get(Slot::Coating), slots.get(Slot::Finish)) else { return Ok(false) };
     let Some(finish) = finish else { return Ok(true) };
     // A finish that can't be read (yet) stays beside the coating as it is.
-    if !optics::finish(&finish.entry.value, &mut Vec::new()).is_ok_and(|finish| finish != Finish::Polished) {
+    if !optics::finish(&finish.entry.value, &mut Vec::new())
+        .is_ok_and(|finish| finish != optics::FinishSpec::Given(Finish::Polished))
+    {
         return Ok(true);
     }
     if coating.rank >= finish.rank && coating.rank > Rank::Mapped {

@@ -157,7 +157,7 @@ fn checked(sheet: &Sheet, bound: &[PartBound]) -> Result<()> {
         optics::unit(unit)?;
     }
     for (name, value) in &sheet.coatings.named {
-        optics::coating(value, name)?;
+        optics::coating(value, name, &mut notes)?;
     }
     if let Some(sky) = &sheet.sky {
         optics::sky(sky, &mut notes)?;
@@ -183,7 +183,7 @@ fn checked(sheet: &Sheet, bound: &[PartBound]) -> Result<()> {
                 }
                 Slot::Coating => match value.text().filter(|_| !none) {
                     Some(name) => return Err(optics::unknown_coating(name, value, sheet.coatings.names())),
-                    None => drop(optics::coating(value, "")?),
+                    None => drop(optics::coating(value, "", &mut notes)?),
                 },
                 Slot::Emitter if !none => drop(optics::emitter(value, &mut notes)?),
                 Slot::Slide if !none => drop(optics::slide(value, &mut notes)?),

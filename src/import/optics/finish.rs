@@ -1,14 +1,25 @@
 //! `finish`: what a face does with light.
 
 use super::fields::union;
-use crate::base::Fault;
 use crate::base::fault::Result;
+use crate::base::{Fault, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
 use crate::scene::{Finish, Note};
 
+/// A finish, a file that it names still to be read.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FinishSpec {
+    Given(Finish),
+    /// The file as it is written, and where.
+    Measured {
+        file: String,
+        at: Where,
+    },
+}
+
 /// Faults: unknown kinds and parameters, shares out of range or together above 1.
-pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<Finish> {
+pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
     let read = union(Noun::Finish, "finish", value)?;
     let fields = &read.fields;
     let mut shares = || -> Result<(f64, f64)> {
@@ -20,7 +31,7 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<Finish> {
         }
         Ok((reflectance, transmittance))
     };
-    Ok(match read.kind.name {
+    Ok(FinishSpec::Given(match read.kind.name {
         "none" => Finish::None,
         "polished" => Finish::Polished,
         "absorber" => Finish::Absorber,
@@ -49,6 +60,22 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<Finish> {
             axis: fields.need_direction("axis")?,
             retardance_nm: fields.need_number("retardance_nm")?,
         },
+        "cos_m" => {
+            let (reflectance, transmittance) = shares()?;
+            Finish::CosM { m: fields.need_number("m")?, reflectance, transmittance }
+        }
+        "rough" => Finish::Rough { alpha: fields.need_number("alpha")? },
+        "abg" => Finish::Abg {
+            a: fields.need_number("a")?,
+            b: fields.need_number("b")?,
+            g: fields.need_number("g")?,
+            reflectance: fields.number_or("reflectance", 0.0, notes)?,
+        },
+        "measured" => {
+            let file = fields.need_text("file")?.to_owned();
+            let at = fields.value("file").map_or_else(|| value.at.clone(), |value| value.at.clone());
+            return Ok(FinishSpec::Measured { file, at });
+        }
         name => return Err(super::fields::not_yet(&value.at, &format!("finish `{name}`"))),
-    })
+    }))
 }

@@ -81,6 +81,16 @@ pub fn absorption(value: &Value, nm: f64) -> Result<Absorption> {
     if let Data::Number(_) = value.data {
         return Ok(Absorption::Constant(number(value, row)?));
     }
+    if let (Some(colour), Some(distance)) = (value.get("attenuation_color"), value.get("attenuation_distance")) {
+        // What `mapped` makes of a format's own fields.
+        let lanes: Vec<f64> = colour.list().unwrap_or(&[]).iter().filter_map(Value::number).collect();
+        let sound = |rgb: &[f64; 3]| rgb.iter().all(|c| (0.0..=1.0).contains(c));
+        let rgb = <[f64; 3]>::try_from(lanes).ok().filter(sound);
+        return match (rgb, distance.number().filter(|d| *d > 0.0 && d.is_finite())) {
+            (Some(rgb), Some(distance_m)) => Ok(Absorption::Colour { rgb, distance_m }),
+            (Some(_) | None, _) => Err(form(value, row)),
+        };
+    }
     let lines = table(value, row, [("λ", Range::Positive, "nm"), ("absorption", Range::AtLeast(0.0), "1/m")])?;
     if let Some(pair) = lines.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
         let what = format!("the wavelengths of `absorption_per_m` do not rise at {} nm", pair[1][0]);

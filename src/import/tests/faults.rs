@@ -325,34 +325,48 @@ fn shapes_out_of_range() {
 }
 
 #[test]
-fn what_is_not_rendered_yet_is_said() {
+fn scatter_and_coatings() {
     check(&[
         (
-            "[[bind]]\npath = \"LENS\"\nfinish = { kind = \"rough\", alpha = 0.1 }\n",
+            "[[bind]]\npath = \"LENS\"\nfinish = { kind = \"rough\", alpha = 0 }\n",
             &[],
-            "hud.optics.toml:12: finish `rough` is not rendered by this version yet",
+            "hud.optics.toml:12: `alpha` is 0; expected a number from 0.0001 to 1",
         ),
         (
-            "[[bind]]\npath = \"LENS\"\nfinish = { measured = { file = \"x.bsdf\" } }\n",
+            "[[bind]]\npath = \"LENS\"\nfinish = { measured = { file = \"x.csv\" } }\n",
             &[],
-            "hud.optics.toml:12: finish `measured` is not rendered by this version yet",
+            "hud.optics.toml:12: can't read the measured scattering x.csv: there is no such file",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nfinish = \"polished\"\ncoating = { ideal = { R = 0.5, T = 0.75 } }\n",
+            &[],
+            "hud.optics.toml:13: R 0.5 + T 0.75 of an ideal coating is above 1; expected shares that together are at most 1",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nfinish = \"polished\"\ncoating = { table = [] }\n",
             &[],
-            "hud.optics.toml:13: coating `table` is not rendered by this version yet",
+            "hud.optics.toml:13: `table` is a list ([]); expected a list of { wavelength_nm, angle_deg, R_s, R_p, T_s, T_p }",
         ),
         (
-            "[[bind]]\npath = \"LENS\"\nfinish = \"polished\"\ncoating = { ideal = { R = 0.5, T = 0.5 } }\n",
+            "[[bind]]\npath = \"LENS\"\nfinish = \"polished\"\ncoating = { table = [{ wavelength_nm = 550, angle_deg = 0, R_s = 0.5, R_p = 0.5, T_s = 0.5, T_p = 0.75 }] }\n",
             &[],
-            "hud.optics.toml:13: coating `ideal` is not rendered by this version yet",
+            "hud.optics.toml:13: R_p + T_p is 1.25 in line 0 of `table`; expected at most 1",
         ),
         (
-            "",
-            &["eye.pupil_diameter=auto"],
-            "--set eye.pupil_diameter=auto: `pupil_diameter` \"auto\" (from adaptation) is not rendered by this version yet",
+            "[[bind]]\npath = \"LENS\"\nfinish = \"polished\"\ncoating = { table = [{ wavelength_nm = 550, angle_deg = 0, R_s = 0.5, R_p = 0.5, side = \"inside\" }] }\n",
+            &[],
+            "hud.optics.toml:13: `table` of a coating, outside: 0 lines do not fill a grid of 0 wavelengths × 0 angles; expected one line for every pair of a wavelength and an angle",
         ),
     ]);
+}
+
+#[test]
+fn what_is_not_rendered_yet_is_said() {
+    check(&[(
+        "",
+        &["eye.pupil_diameter=auto"],
+        "--set eye.pupil_diameter=auto: `pupil_diameter` \"auto\" (from adaptation) is not rendered by this version yet",
+    )]);
 }
 
 #[test]

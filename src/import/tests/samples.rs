@@ -59,7 +59,7 @@ fn check_lenses(scene: &Scene, rows: &[(&str, usize, f64, f64, f64)]) {
         // The prescription's table has 4 decimals.
         assert!((at - y).abs() < 1e-4, "{name} {face} vertex {at} not {y}");
         assert_eq!(lens.faces[face].finish, Finish::Polished);
-        let films = &scene.coating(lens.faces[face].coating.unwrap()).films;
+        let films = scene.coating(lens.faces[face].coating.unwrap()).films();
         assert_eq!((films.len(), films[0].thickness_nm, films[0].index.index(550.0).re), (1, 99.638, 1.38));
         assert_eq!((lens.faces[1].finish, lens.faces[1].coating), (Finish::Absorber, None), "{name}: rim");
     }
@@ -95,7 +95,7 @@ fn check_frame(scene: &Scene, flux: f64, y: f64) {
     check_index(scene, "COMBINER_PLATE_NBK7", 1.5185223876207927);
     let coated = |thickness: f64| {
         only(&combiner.faces, |face| {
-            face.coating.is_some_and(|id| scene.coating(id).films[0].thickness_nm == thickness)
+            face.coating.is_some_and(|id| scene.coating(id).films()[0].thickness_nm == thickness)
         })
     };
     let plane = |face: usize| match combiner.faces[face].shape {

@@ -39,7 +39,7 @@ fn sets_are_the_strongest_binding() {
         ref other => panic!("{other:?}"),
     };
     assert_eq!((radius(0), radius(1)), (50.0, 9.0));
-    assert_eq!(scene.coatings[0].films[0].thickness_nm, 110.0);
+    assert_eq!(scene.coatings[0].films()[0].thickness_nm, 110.0);
     assert_eq!((scene.eye.pupil_diameter_m, scene.eye.resolution), (3.6 * 1e-3, [720, 360]));
     assert_eq!((scene.wavelengths, scene.unit_m), (Wavelengths::Mono { nm: 600.0 }, 0.001));
     assert_eq!(part("LCD").faces[0].finish, Finish::Gauss { sigma_deg: 5.0, reflectance: 0.0, transmittance: 0.9 });

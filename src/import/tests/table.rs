@@ -43,7 +43,7 @@ fn read(key: &str, value: &Value) -> Result<String> {
     let notes = &mut Vec::new();
     Ok(match key {
         "finish" => format!("{:?}", optics::finish(value, notes)?),
-        "coating" => format!("{:?}", optics::coating(value, "x")?),
+        "coating" => format!("{:?}", optics::coating(value, "x", notes)?),
         "shape" => format!("{:?}", optics::shape(value, notes)?),
         "emitter" => format!("{:?}", optics::emitter(value, notes)?),
         "slide" => format!("{:?}", optics::slide(value, notes)?),
@@ -145,6 +145,19 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
         ("emitter", _) => {
             let strength = ["flux_lm", "luminance_cd_m2", "intensity_cd", "radiant_flux_w"][pick % 4];
             all.retain(|(key, _)| !optics::STRENGTHS.contains(&key.as_str()) || key == strength);
+        }
+        ("coating", Some("ideal")) => all.retain(|(key, _)| key != "T"),
+        ("coating", Some("table")) => {
+            let line = |nm: f64, side: &str| {
+                let number = |name: &str, x: f64| (name.to_owned(), value(Data::Number(x)));
+                let mut line =
+                    vec![("side".to_owned(), text(side)), number("wavelength_nm", nm), number("angle_deg", turn)];
+                line.extend([("R_s", 0.25), ("R_p", 0.125), ("T_s", 0.5), ("T_p", 0.75)].map(|(k, x)| number(k, x)));
+                table(line)
+            };
+            let lines = [line(400.0, "outside"), line(500.0 + turn, "outside"), line(450.0, "inside")];
+            let lines = value(Data::List(lines[..2 + pick % 2].to_vec()));
+            all.iter_mut().filter(|(own, _)| own == "table").for_each(|entry| entry.1 = lines.clone());
         }
         ("coating", Some("stack")) => {
             for (_, films) in all.iter_mut().filter(|(key, _)| key == "stack") {

@@ -72,10 +72,11 @@ fn scene() -> Scene {
             index: Dispersion::Constant(1.5),
             absorption: Absorption::Constant(2.0),
         }],
-        coatings: vec![Coating {
-            name: "ar".into(),
-            films: vec![FilmLayer { index: Dispersion::Constant(1.38), thickness_nm: 99.638 }],
-        }],
+        coatings: vec![Coating::stack(
+            "ar",
+            vec![FilmLayer { index: Dispersion::Constant(1.38), thickness_nm: 99.638 }],
+        )],
+        scatters: vec![],
         slides: vec![Slide {
             name: "s".into(),
             file: "s.png".into(),

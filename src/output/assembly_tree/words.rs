@@ -3,7 +3,7 @@
 use super::face::{EmitterReport, FaceReport, SlideReport};
 use super::parts::MediumReport;
 pub use crate::base::units::significant as number;
-use crate::scene::{Angular, Coating, Finish, Shape};
+use crate::scene::{Angular, Coating, CoatingLaw, Finish, Shape};
 use glam::DVec3;
 
 /// Metres as mm.
@@ -72,6 +72,15 @@ fn finish(finish: Finish) -> String {
         Finish::Gauss { sigma_deg, reflectance, transmittance } => {
             format!("gauss, sigma {} deg, {}", number(sigma_deg, 4), shares(reflectance, transmittance))
         }
+        Finish::CosM { m, reflectance, transmittance } => {
+            format!("cos^{} lobe, {}", number(m, 4), shares(reflectance, transmittance))
+        }
+        Finish::Rough { alpha } => format!("rough, alpha {}", number(alpha, 4)),
+        Finish::Abg { a, b, g, reflectance } => {
+            let [a, b, g, r] = [a, b, g, reflectance].map(|x| number(x, 4));
+            format!("abg, A {a} B {b} g {g}, specular R {r}")
+        }
+        Finish::Measured { .. } => "measured scattering".to_owned(),
         Finish::Polariser { axis, transmittance, extinction } => {
             let (along, other) = (number(transmittance, 4), number(transmittance * extinction, 3));
             format!("polariser about {}, T {along} and {other}", direction(axis))
@@ -89,9 +98,20 @@ fn coating(coating: &Coating, traced_nm: f64) -> String {
         let k = if index.im > 0.0 { format!(" + {}i", number(index.im, 4)) } else { String::new() };
         format!("n {}{k} {} nm", number(index.re, 5), number(film.thickness_nm, 6))
     };
+    match &coating.law {
+        CoatingLaw::Stack(_) => {}
+        CoatingLaw::Ideal { reflectance, transmittance } => {
+            let (r, t) = (number(*reflectance, 4), number(*transmittance, 4));
+            return format!("coating {} [R {r}, T {t}]", name(&coating.name));
+        }
+        CoatingLaw::Table(table) => {
+            let (nms, angles) = (table.outside.nm.len(), table.outside.angle.len());
+            return format!("coating {} [table of {nms} wavelengths x {angles} angles]", name(&coating.name));
+        }
+    }
     const SHOWN: usize = 4;
-    let films: Vec<String> = coating.films.iter().take(SHOWN).map(film).collect();
-    let more = coating.films.len().saturating_sub(SHOWN);
+    let films: Vec<String> = coating.films().iter().take(SHOWN).map(film).collect();
+    let more = coating.films().len().saturating_sub(SHOWN);
     let more = if more > 0 { format!(" and {more} more films") } else { String::new() };
     format!("coating {} [{}{more}]", name(&coating.name), films.join(" | "))
 }
@@ -101,10 +121,16 @@ fn shape(face: &FaceReport) -> Option<String> {
     let curve = |radius: f64, axis| format!("R {} mm about {}", mm(radius * face.unit_m), direction(axis));
     match &face.shape {
         Shape::Mesh => match face.finish {
-            Finish::Polished | Finish::MirrorMetal { .. } | Finish::MirrorIdeal { .. } => Some("as meshed".to_owned()),
+            Finish::Polished
+            | Finish::Rough { .. }
+            | Finish::Abg { .. }
+            | Finish::MirrorMetal { .. }
+            | Finish::MirrorIdeal { .. } => Some("as meshed".to_owned()),
             Finish::None
             | Finish::Lambert { .. }
             | Finish::Gauss { .. }
+            | Finish::CosM { .. }
+            | Finish::Measured { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
             | Finish::Absorber => None,

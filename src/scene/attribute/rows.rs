@@ -7,7 +7,7 @@ use Form::{
 };
 use Noun::{Asset, Coating, Emitter, Eye, Finish, Medium, Shape, Sky, Slide, Sun};
 use Range::{Above, Any, AtLeast, AtLeastOrInfinite, Between, NonZero, Positive, PositiveOrInfinite, Within};
-use Support::{NotYet, Rendered};
+use Support::Rendered;
 
 #[rustfmt::skip]
 const fn new(noun: Noun, name: &'static str, form: Form, unit: &'static str, range: Range, doc: &'static str) -> Row {
@@ -16,10 +16,6 @@ const fn new(noun: Noun, name: &'static str, form: Form, unit: &'static str, ran
 impl Row {
     const fn or(mut self, default: &'static str) -> Self {
         self.default = Some(default);
-        self
-    }
-    const fn is(mut self, support: Support) -> Self {
-        self.support = support;
         self
     }
 }
@@ -50,7 +46,7 @@ pub const SLIDE: [&str; 9] = ["name", "image", "size", "u", "v", "centre", "tran
 /// A film of a coating.
 pub const FILM: [&str; 4] = ["n", "k", "material", "thickness_nm"];
 /// A line of a measured coating.
-const MEASURED: [&str; 6] = ["wavelength_nm", "angle_deg", "R_s", "R_p", "T_s", "T_p"];
+pub const MEASURED: [&str; 7] = ["wavelength_nm", "angle_deg", "R_s", "R_p", "T_s", "T_p", "side"];
 
 /// Every attribute.
 #[rustfmt::skip]
@@ -70,11 +66,15 @@ pub const ROWS: &[Row] = &[
     new(Medium, "priority", Integer, "", Any, "where solids overlap or touch, the higher priority wins").or("0"),
     // What a face does with light.
     new(Finish, "finish", Form::Kind, "", Any, "what the face does with light"),
-    new(Finish, "alpha", Number, "", Above(0.0, 1.0), "roughness of a microfacet surface").is(NotYet),
-    new(Finish, "reflectance", Number, "", Within(0.0, 1.0), "reflected share").or("0"),
+    new(Finish, "alpha", Number, "", Within(1e-4, 1.0), "roughness of a microfacet surface: slope where its distribution, of Trowbridge and Reitz (GGX), has fallen to a quarter"),
+    new(Finish, "reflectance", Number, "", Within(0.0, 1.0), "reflected share; of abg what stays specular").or("0"),
     new(Finish, "transmittance", Number, "", Within(0.0, 1.0), "transmitted share").or("0"),
     new(Finish, "sigma_deg", Number, "deg", Above(0.0, 90.0), "standard deviation of the lobe's angle"),
-    new(Finish, "file", File, "", Any, "measured scattering").is(NotYet),
+    new(Finish, "m", Number, "", Within(0.0, 1e8), "exponent of cosᵐ"),
+    new(Finish, "a", Number, "1/sr", AtLeast(0.0), "A of A/(B + |β − β₀|^g), β the direction of scattered light projected on the face, β₀ that of the specular ray"),
+    new(Finish, "b", Number, "", Positive, "B of that law"),
+    new(Finish, "g", Number, "", AtLeast(0.0), "g of that law"),
+    new(Finish, "file", File, "", Any, "measured scattering, lines of side (R or T), angle of incidence, leaving angle, azimuth (deg; 0 onwards in the plane of incidence) and 1/sr that fill a grid; linear between the angles, constant beyond them; both sides of the face scatter alike, and the mean of both directions of light is taken"),
     new(Finish, "n", Number, "", Positive, "real part of a metal's index"),
     new(Finish, "k", Number, "", AtLeast(0.0), "imaginary part of a metal's index"),
     new(Finish, "axis", Numbers(3), "mesh units", Any, "direction of polarisation along the face, not zero"),
@@ -88,15 +88,16 @@ pub const ROWS: &[Row] = &[
     new(Coating, "k", Number, "", AtLeast(0.0), "imaginary part of a film's index").or("0"),
     new(Coating, "material", Text, "", Any, "catalogue name of a film's material"),
     new(Coating, "thickness_nm", Number, "nm", AtLeast(0.0), "physical thickness of a film"),
-    new(Coating, "table", Records(&MEASURED), "", Any, "measured shares, a list of { wavelength_nm, angle_deg, R_s, R_p, T_s, T_p }").is(NotYet),
-    new(Coating, "wavelength_nm", Number, "nm", Positive, "of a measured line").is(NotYet),
-    new(Coating, "angle_deg", Number, "deg", Within(0.0, 90.0), "of a measured line, to the normal").is(NotYet),
-    new(Coating, "R_s", Number, "", Within(0.0, 1.0), "reflected share of a measured line, s-polarised").is(NotYet),
-    new(Coating, "R_p", Number, "", Within(0.0, 1.0), "reflected share of a measured line, p-polarised").is(NotYet),
-    new(Coating, "T_s", Number, "", Within(0.0, 1.0), "transmitted share of a measured line, s-polarised").is(NotYet),
-    new(Coating, "T_p", Number, "", Within(0.0, 1.0), "transmitted share of a measured line, p-polarised").is(NotYet),
-    new(Coating, "R", Number, "", Within(0.0, 1.0), "reflected share at every angle").is(NotYet),
-    new(Coating, "T", Number, "", Within(0.0, 1.0), "transmitted share at every angle").is(NotYet),
+    new(Coating, "table", Records(&MEASURED), "", Any, "measured shares, a list of { wavelength_nm, angle_deg, R_s, R_p, T_s, T_p } that fills a grid: linear in wavelength and angle, constant beyond them; R + T at most 1. Measured with light from outside the solid: what arrives from inside under the angle of refraction is transmitted and reflected alike (the same share is absorbed), beyond the critical angle all of it comes back; lines with side = \"inside\" give R there instead. s and p are reflected with the phase π between them, transmitted with 0"),
+    new(Coating, "wavelength_nm", Number, "nm", Positive, "of a measured line"),
+    new(Coating, "angle_deg", Number, "deg", Within(0.0, 90.0), "of a measured line, to the normal, in the medium where the light arrives"),
+    new(Coating, "R_s", Number, "", Within(0.0, 1.0), "reflected share of a measured line, s-polarised"),
+    new(Coating, "R_p", Number, "", Within(0.0, 1.0), "reflected share of a measured line, p-polarised"),
+    new(Coating, "T_s", Number, "", Within(0.0, 1.0), "transmitted share of a measured line, s-polarised; not read where side is inside"),
+    new(Coating, "T_p", Number, "", Within(0.0, 1.0), "transmitted share of a measured line, p-polarised; not read where side is inside"),
+    new(Coating, "side", Text, "", Any, "where the light of a measured line arrives: outside or inside the solid").or("outside"),
+    new(Coating, "R", Number, "", Within(0.0, 1.0), "reflected share at every angle, from both sides").or("0"),
+    new(Coating, "T", Number, "", Within(0.0, 1.0), "transmitted share at every angle, from both sides; reflected where light cannot go through").or("0"),
     // The exact surface that a meshed face approximates.
     new(Shape, "shape", Form::Kind, "", Any, "the exact surface that the mesh approximates").or("the mesh itself"),
     new(Shape, "vertex", Numbers(3), "mesh units", Any, "vertex of the surface"),
@@ -186,30 +187,25 @@ const fn kind(
 ) -> Kind {
     Kind { attribute, name, parameters, rendered: true, doc }
 }
-impl Kind {
-    const fn not_yet(mut self) -> Self {
-        self.rendered = false;
-        self
-    }
-}
-
 /// Every kind of the attributes that have kinds.
 #[rustfmt::skip]
 pub const KINDS: &[Kind] = &[
     kind("finish", "none", &[], "not there for light: the sides of a thin CAD sheet"),
     kind("finish", "polished", &[], "refracts and reflects by Fresnel's equations or by its coating"),
-    kind("finish", "rough", &["alpha"], "microfacet refraction and reflection").not_yet(),
+    kind("finish", "rough", &["alpha"], "refracts and reflects at microfacets, from both sides, and absorbs nothing; acts on the faces of a medium"),
     kind("finish", "lambert", &["reflectance", "transmittance"], "scatters diffusely"),
     kind("finish", "gauss", &["sigma_deg", "reflectance", "transmittance"], "Gaussian lobe about the specular directions"),
-    kind("finish", "measured", &["file"], "measured scattering").not_yet(),
+    kind("finish", "cos_m", &["m", "reflectance", "transmittance"], "lobe cosᵐ about the specular directions: share·(m + 2)/2π·cosᵐ of light that falls straight on"),
+    kind("finish", "abg", &["a", "b", "g", "reflectance"], "ABg (Harvey–Shack) scatter of polish or blackened metal about what it reflects specularly; absorbs the rest"),
+    kind("finish", "measured", &["file"], "measured scattering"),
     kind("finish", "mirror", &["n", "k", "reflectance"], "a metal n + ik, or a reflectance at every angle"),
     kind("finish", "polariser", &["axis", "transmittance", "extinction"], "thin linear polariser: transmittance of light along the axis (1 if not said)"),
     kind("finish", "retarder", &["axis", "retardance_nm"], "thin wave plate"),
     kind("finish", "absorber", &[], "takes everything"),
     kind("coating", "none", &[], "no coating"),
     kind("coating", "stack", &["name", "stack"], "films by the transfer-matrix method"),
-    kind("coating", "table", &["name", "table"], "measured").not_yet(),
-    kind("coating", "ideal", &["name", "R", "T"], "fixed shares").not_yet(),
+    kind("coating", "table", &["name", "table"], "measured"),
+    kind("coating", "ideal", &["name", "R", "T"], "fixed shares, the rest is absorbed"),
     kind("shape", "mesh", &[], "the triangles, shaded with their normals"),
     kind("shape", "plane", &["vertex", "axis"], "plane"),
     kind("shape", "sphere", &["vertex", "axis", "radius"], "sphere"),

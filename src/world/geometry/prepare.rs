@@ -28,6 +28,10 @@ pub fn traced(part: &Part) -> Vec<Traced> {
             | Finish::MirrorIdeal { .. }
             | Finish::Lambert { .. }
             | Finish::Gauss { .. }
+            | Finish::CosM { .. }
+            | Finish::Rough { .. }
+            | Finish::Abg { .. }
+            | Finish::Measured { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
             | Finish::Absorber,

@@ -198,6 +198,7 @@ pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
         }],
         coatings: vec![],
         slides: vec![],
+        scatters: vec![],
         profiles: Vec::new(),
         groups: vec![],
         lights: Vec::new(),
