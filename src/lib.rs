@@ -7,6 +7,7 @@
 
 pub mod author; // floor 2: glTF and USD out, and the schemas of the attributes
 pub mod base; // floor 0: units, ids, randomness, statistics, path strings, errors
+pub mod bench; // floor 6: the program measured
 pub mod check; // floor 2: facts of a scene, and the proof that it can be rendered
 pub mod cmd; // floor 7: one file per subcommand
 pub mod estimate; // floor 4: the estimators, the shared vertex step, the energy ledger

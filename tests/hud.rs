@@ -17,3 +17,5 @@ mod luminance; // flat patches, and what moves them
 mod picture; // where the slide's edges are
 #[path = "hud/prescription.rs"]
 mod prescription; // the independent calculation
+#[path = "hud/sharpness.rs"]
+mod sharpness; // the lit part of the pupil, and what diffraction makes of it

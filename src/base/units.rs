@@ -3,6 +3,9 @@
 /// Photometric luminous efficacy at 555 nm, lm/W.
 pub const LUMINOUS_EFFICACY: f64 = 683.0;
 
+/// One arcminute in radians.
+pub const ARCMIN: f64 = std::f64::consts::PI / 10_800.0;
+
 /// Parses a length with a unit (`"4 mm"`, `"0.12 m"`, `"68 nm"`, `"inf"`) into metres.
 /// Errors: a text that says what is wrong.
 pub fn parse_length_m(text: &str) -> Result<f64, String> {

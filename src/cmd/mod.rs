@@ -4,6 +4,7 @@
 //! (with a valid file).
 
 mod annotate;
+mod bench;
 mod convert;
 mod init;
 mod inspect;
@@ -45,6 +46,8 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Turn a layer of an EXR into a PNG for a display.
     View(view::ViewArgs),
+    /// Measure the program against answers that are known.
+    Bench(bench::BenchArgs),
 }
 
 /// How a command prints its result.
@@ -76,6 +79,7 @@ pub fn main() -> ExitCode {
         Command::Annotate(args) => annotate::run(args),
         Command::Convert(args) => convert::run(args),
         Command::View(args) => view::run(args),
+        Command::Bench(args) => bench::run(args),
     };
     match result {
         Ok(code) => code,
@@ -110,18 +114,22 @@ fn parse_frame(text: &str) -> std::result::Result<f64, String> {
 
 /// Prints a command's result: text lines, or one JSON document on stdout. A closed pipe is no failure.
 fn print(format: Format, text: impl FnOnce() -> String, json: impl FnOnce() -> serde_json::Value) -> Result<()> {
-    use std::io::Write;
-    let mut out = match format {
+    print_text(match format {
         Format::Text => text(),
         Format::Json => {
             serde_json::to_string_pretty(&json()).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}"))
         }
-    };
+    });
+    Ok(())
+}
+
+/// Prints whole lines on stdout. A closed pipe is no failure.
+fn print_text(mut out: String) {
+    use std::io::Write;
     if !out.ends_with('\n') {
         out.push('\n');
     }
     let _ = std::io::stdout().lock().write_all(out.as_bytes());
-    Ok(())
 }
 
 /// Prints which files were written, what the format can't say, and warnings from reading.

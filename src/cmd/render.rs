@@ -5,19 +5,25 @@ use super::{Format, print};
 use crate::base::atomic::check_writable;
 use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
-use crate::check::check;
+use crate::check::{Checked, check};
 use crate::estimate::data::data_layers;
-use crate::estimate::picture::{add_data_layers, add_meta, check_layers, keep_layers, picture, plan_lines};
+use crate::estimate::picture::{
+    add_data_layers, add_meta, add_sharpness, check_layers, keep_layers, picture_through, plan_lines,
+};
 use crate::estimate::run::{Limits, Outcome, Stop, run as trace};
 use crate::estimate::wish;
 use crate::film::detail::ErrorDetail;
+use crate::film::diffraction::{Diffraction, PRIMARIES_NM};
 use crate::film::frame::Meta;
 use crate::film::plan::{Estimator, Plan};
+use crate::film::pupil::Pupil;
+use crate::film::sharpness::{GroupPupil, Sharpness};
 use crate::import::{Built, ImportOptions, Set, import};
 use crate::output::exr::{COLOR_INTEROP_ID, write_exr};
+use crate::plan::pupil::survey;
 use crate::plan::{Asked, Choice, Polarisation, plan_unless};
 use crate::scene::assembly::LayerWish;
-use crate::scene::{Scene, Severity};
+use crate::scene::{Scene, Severity, Wavelengths};
 use crate::world::World;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -32,6 +38,7 @@ const DEFAULT_PASSES: u64 = 64;
     eyebox render samples/hud-direct/hud.optics.toml -o hud.exr\n  \
     eyebox render hud.optics.toml -o hud.exr --time 90s --set led.flux_lm=0.6 --set eye.pupil_diameter=\"3 mm\"\n  \
     eyebox render hud.optics.toml -o check.exr --estimator backward --samples 256 --seed 7\n  \
+    eyebox render hud.optics.toml -o sharp.exr --diffraction\n  \
     eyebox render hud.usda -o hud.0012.exr --frame 12")]
 pub struct RenderArgs {
     /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
@@ -74,6 +81,10 @@ pub struct RenderArgs {
     /// covariance of these two).
     #[arg(long, value_enum, value_name = "OF", default_value_t)]
     stderr: StderrArg,
+    /// Spread the light as the lit part of the pupil does by diffraction. Without this the picture is geometric; the limit
+    /// is in the header either way.
+    #[arg(long)]
+    diffraction: bool,
     /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5, eye.pupil_diameter="3 mm".
     #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
     sets: Vec<String>,
@@ -209,6 +220,12 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked() };
     let plan = pool.install(|| plan_unless(&checked, &world, asked, &stop));
     let Some(mut plan) = plan else { return Ok(stopped_early(args, &signals)) };
+    let pupils = pool.install(|| survey(&checked, &world, asked, &plan, &stop));
+    if stop() {
+        return Ok(stopped_early(args, &signals));
+    }
+    let mut sharpness = Sharpness::new(&pupils, scene.wavelengths.traced_nm(), world.eye.pixel());
+    let diffraction = args.diffraction.then(|| spread_by(&scene, &checked, &world, &pupils));
     plan.errors = args.errors();
     // What the command line asks for goes before what the asset asks for.
     let wishes: &[LayerWish] = if args.layers.is_empty() { &wishes } else { &[] };
@@ -222,16 +239,19 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let groups = scene.groups.len();
     let outcome = pool.install(|| trace(&world, &plan, groups, size, args.seed, &limits, &mut progress));
     progress.finish();
-    let finished = picture(&scene, &plan, &outcome, args.color.space())?;
+    let space = args.color.space();
+    let finished = pool.install(|| picture_through(&scene, &plan, &outcome, space, diffraction.as_ref()))?;
+    sharpness.applied = finished.applied;
     let mut frame = finished.frame;
     add_data_layers(&mut frame, &pool.install(|| data_layers(&world, size[0], size[1])));
     frame.meta.insert(COLOR_INTEROP_ID.to_owned(), Meta::Text(args.color.space().interop_id().to_owned()));
     add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);
+    add_sharpness(&mut frame, &sharpness);
     keep_layers(&mut frame, &args.layers);
     wish::rename(&mut frame, &named);
     let warnings = write_exr(&args.output, &frame)?;
     if !args.quiet {
-        summary(args, &scene, &plan, &outcome, &warnings)?;
+        summary(args, &scene, &plan, &outcome, &sharpness, &warnings)?;
     }
     let met = args.error.is_none_or(|limit| outcome.films.relative_error().is_some_and(|error| error <= limit));
     Ok(match (outcome.stop, signals.caught()) {
@@ -258,6 +278,21 @@ impl RenderArgs {
     }
 }
 
+/// What the picture's light is spread by.
+fn spread_by(scene: &Scene, checked: &Checked, world: &World, pupils: &[GroupPupil]) -> Diffraction {
+    let wavelengths_nm = match scene.wavelengths {
+        Wavelengths::Mono { nm } => [nm; 3],
+        Wavelengths::Visible => PRIMARIES_NM,
+    };
+    Diffraction {
+        pixel: world.eye.pixel(),
+        wavelengths_nm,
+        pupils: pupils.to_vec(),
+        full: Pupil::full(scene.eye.pupil_diameter_m),
+        only_vision: !checked.facts().scatters,
+    }
+}
+
 /// Before the first pass there is nothing to write; an older file stays as it is.
 fn stopped_early(args: &RenderArgs, signals: &Signals) -> ExitCode {
     anstream::eprintln!("eyebox: stopped before the first pass; {} was not written", args.output.display());
@@ -272,13 +307,21 @@ fn check_destination(output: &Path) -> Result<()> {
     check_writable(output)
 }
 
-fn summary(args: &RenderArgs, scene: &Scene, plan: &Plan, outcome: &Outcome, warnings: &[String]) -> Result<()> {
+fn summary(
+    args: &RenderArgs,
+    scene: &Scene,
+    plan: &Plan,
+    outcome: &Outcome,
+    sharpness: &Sharpness,
+    warnings: &[String],
+) -> Result<()> {
     let error = outcome.films.relative_error();
     let text = || {
         let warnings_of_scene = scene.notes.iter().filter(|note| note.severity == Severity::Warning);
         let mut lines: Vec<String> =
             warnings_of_scene.map(|note| format!("warning: {}: {}", note.at, note.text)).collect();
         lines.extend(plan_lines(scene, plan));
+        lines.extend(sharpness.lines());
         lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
         let error = error.map_or("unknown error".to_owned(), |e| format!("error {:.2} %", 100.0 * e));
         let seconds = outcome.elapsed.as_secs_f64();
@@ -297,6 +340,7 @@ fn summary(args: &RenderArgs, scene: &Scene, plan: &Plan, outcome: &Outcome, war
             "stop": outcome.stop,
             "relative_error": error,
             "plan": plan,
+            "diffraction": sharpness,
             "ledgers": outcome.films.films.iter().map(|(e, _, l)| (e.name(), l)).collect::<Vec<_>>(),
             "notes": scene.notes,
             "warnings": warnings,

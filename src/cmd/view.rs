@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use super::{Format, print};
 use crate::base::atomic::check_writable;
 use crate::base::fault::{Fault, Result, Where};
+use crate::film::sharpness::Sharpness;
 use crate::output::exr::read_exr;
 use crate::output::view::{Shown, ViewInfo, ViewOptions, write_view};
 
@@ -79,6 +80,9 @@ fn text(args: &ViewArgs, info: &ViewInfo) -> String {
             if let Some(stops) = info.exposure_stops {
                 text += &format!(", --exposure {stops:.4}");
             }
+            if let Some(sharpness) = &info.diffraction {
+                text += &limit(sharpness);
+            }
         }
         Shown::Vector | Shown::Scalar => {
             if let Some([low, high]) = info.range {
@@ -90,6 +94,20 @@ fn text(args: &ViewArgs, info: &ViewInfo) -> String {
         text += &format!("; {nonfinite_pixels} pixels are not a number (magenta)");
     }
     text
+}
+
+/// `, diffraction limit 4.7′ …`: of the group that it blurs most.
+fn limit(sharpness: &Sharpness) -> String {
+    let Some(worst) = sharpness.worst() else { return String::new() };
+    let (limit, width) = (worst.limit_arcmin, worst.lit_width_mm);
+    let said = format!(", diffraction limit {limit:.2}′ ({}, lit pupil {width:.2} mm)", worst.group);
+    match (&sharpness.applied, sharpness.pixels()) {
+        (Some(_), _) => said + ", applied",
+        (None, Some(pixels)) if pixels > 1.0 => {
+            format!("{said} = {pixels:.1} pixels: the picture is geometric, detail finer than this is not there")
+        }
+        (None, _) => said,
+    }
 }
 
 #[cfg(test)]
@@ -129,6 +147,37 @@ mod tests {
         assert!(fault.to_string().contains("did you mean `caustic`?"), "{fault}");
         assert!(view(&parse(&["view", exr_text, "-o", exr_text])).unwrap_err().to_string().contains(".png"));
         assert!(view(&parse(&["view", png_text, "-o", png_text])).is_err(), "a PNG is no EXR");
+    }
+
+    #[test]
+    fn says_how_sharp_the_picture_can_be() {
+        use crate::film::frame::Meta;
+        use crate::film::pupil::Pupil;
+        use crate::film::sharpness::{Applied, GroupPupil};
+
+        let directory = tempfile::tempdir().unwrap();
+        let (exr, png) = (directory.path().join("f.exr"), directory.path().join("v.png"));
+        let words = ["view", exr.to_str().unwrap(), "-o", png.to_str().unwrap()];
+        let pupil = GroupPupil { group: "led".into(), pupil: Pupil::full(4e-3), because: "all of it".into() };
+        let shown = |sharpness: &Sharpness| {
+            let mut frame = Frame::new(1, 1);
+            ["R", "G", "B"].iter().for_each(|name| frame.push(*name, vec![50.0]));
+            frame.meta.insert(Sharpness::KEY.into(), Meta::Text(serde_json::to_string(sharpness).unwrap()));
+            write_exr(&exr, &frame).unwrap();
+            view(&parse(&words)).unwrap()
+        };
+        // λ over the side of the square of the pupil's area: 550 nm/3.545 mm = 0.533′.
+        let mut sharpness = Sharpness::new(std::slice::from_ref(&pupil), 550.0, [1e-3; 2]);
+        let (json, text) = shown(&sharpness);
+        assert!(text.ends_with(", diffraction limit 0.53′ (led, lit pupil 3.54 mm)"), "{text}");
+        let limit = json["view"]["diffraction"]["groups"][0]["limit_arcmin"].as_f64().unwrap();
+        assert!((limit - 0.5334).abs() < 1e-3, "{limit}");
+        // Pixels of 0.17′ are finer than that.
+        let (_, text) = shown(&Sharpness::new(&[pupil], 550.0, [5e-5; 2]));
+        assert!(text.contains("= 3.1 pixels: the picture is geometric"), "{text}");
+        let (layers, stderr) = (Vec::new(), String::new());
+        sharpness.applied = Some(Applied { wavelengths_nm: [550.0; 3], layers, stderr });
+        assert!(shown(&sharpness).1.ends_with(", applied"));
     }
 
     #[test]

@@ -284,7 +284,7 @@ impl<'w, M: Mode> Backward<'w, M> {
             return;
         }
         let ray = Ray { origin: vertex.hit.point, dir, from: Some(vertex.hit.site) };
-        if self.world.geometry.occluded(&ray, distance, target)
+        if self.world.geometry.occluded_beside(&ray, vertex.beside, distance, target)
             || self.world.eye.blocks_reversed(ray.origin, ray.dir, distance)
         {
             return;

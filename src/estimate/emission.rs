@@ -186,12 +186,28 @@ impl Emission {
     /// Once `stop` says true the rest is left out, and the result is worthless.
     pub fn probe<M: Mode, V: Visitor<M>>(
         &self,
-        (world, optics): (&World, &Optics<M>),
+        tracing: (&World, &Optics<M>),
         shots: Shots,
         stop: &ShouldStop<'_>,
         visitor: impl Fn() -> V + Sync,
         gain: impl Fn(&V) -> f64 + Sync,
     ) -> Vec<(usize, [f64; 2], f64)> {
+        self.survey(tracing, shots, stop, visitor, |lamp, uv, visitor| {
+            let gained = gain(&visitor);
+            (gained > 0.0).then_some((lamp, uv, gained))
+        })
+    }
+
+    /// Traces a pass and keeps what `take` makes of each path's lamp, point of the square of directions and visit, in the
+    /// order of the paths. Once `stop` says true the rest is left out, and the result is worthless.
+    pub fn survey<M: Mode, V: Visitor<M>, T: Send>(
+        &self,
+        (world, optics): (&World, &Optics<M>),
+        shots: Shots,
+        stop: &ShouldStop<'_>,
+        visitor: impl Fn() -> V + Sync,
+        take: impl Fn(usize, [f64; 2], V) -> Option<T> + Sync,
+    ) -> Vec<T> {
         (0..shots.paths)
             .into_par_iter()
             .filter_map(|sample| {
@@ -203,8 +219,7 @@ impl Emission {
                 let mut visitor = visitor();
                 let mut ledger = Ledger::new(world.solids.len());
                 self.walk(started.walker, started.origin, &mut visitor, &mut ledger);
-                let gained = gain(&visitor);
-                (gained > 0.0).then_some((started.lamp, started.uv, gained))
+                take(started.lamp, started.uv, visitor)
             })
             .collect()
     }

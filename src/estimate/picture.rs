@@ -5,16 +5,29 @@ use super::run::Outcome;
 use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
 use crate::film::accumulate::Film;
-use crate::film::finish::{Finished, GroupInfo, Split, finish};
+use crate::film::diffraction::Diffraction;
+use crate::film::finish::{Finished, GroupInfo, Split, finish_through};
 use crate::film::frame::{Channel, Frame, Meta};
 use crate::film::layer::Layer;
 use crate::film::plan::{Plan, Spectral, Verdict};
+use crate::film::sharpness::Sharpness;
 use crate::scene::{Group, Scene, Spectrum, Wavelengths};
 use std::collections::BTreeSet;
 
 /// The picture layers of a run. `direct`, `caustic` and `forward` are always there; `secondary` only if there is any.
 /// Errors: NaN or infinite light, which is never coloured over.
 pub fn picture(scene: &Scene, plan: &Plan, outcome: &Outcome, space: ColourSpace) -> Result<Finished> {
+    picture_through(scene, plan, outcome, space, None)
+}
+
+/// The same, spread by diffraction if asked for.
+pub fn picture_through(
+    scene: &Scene,
+    plan: &Plan,
+    outcome: &Outcome,
+    space: ColourSpace,
+    diffraction: Option<&Diffraction>,
+) -> Result<Finished> {
     let films: Vec<&Film> = outcome.films.films.iter().map(|(_, film, _)| film).collect();
     let tints = tints(scene, plan);
     let groups: Vec<GroupInfo> = scene
@@ -30,8 +43,8 @@ pub fn picture(scene: &Scene, plan: &Plan, outcome: &Outcome, space: ColourSpace
             tint,
         })
         .collect();
-    let finished =
-        finish(scene.eye.resolution, &films, &groups, &[Layer::Direct, Layer::Caustic, Layer::Forward], space);
+    let always = [Layer::Direct, Layer::Caustic, Layer::Forward];
+    let finished = finish_through(scene.eye.resolution, &films, &groups, &always, space, diffraction);
     match finished.invalid.first() {
         Some(channel) => {
             Err(Fault::new(Where::Nowhere, format!("NaN or infinite light in channel {channel}; nothing is written")))
@@ -116,6 +129,12 @@ pub fn add_meta(frame: &mut Frame, scene: &Scene, plan: &Plan, outcome: &Outcome
     if let [slide] = scene.slides.as_slice() {
         put("contrast", Meta::Number(slide.contrast));
     }
+}
+
+/// Writes into the header how sharp diffraction lets the picture be, and whether it was applied.
+pub fn add_sharpness(frame: &mut Frame, sharpness: &Sharpness) {
+    frame.meta.insert(Sharpness::KEY.to_owned(), Meta::Text(erased::Json::json(sharpness)));
+    frame.meta.insert(format!("{}Readable", Sharpness::KEY), Meta::Text(sharpness.lines().join("\n")));
 }
 
 mod erased {

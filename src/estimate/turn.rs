@@ -216,6 +216,9 @@ impl<'w, M: Mode> Walker<'w, M> {
             return None;
         }
         let Surface::Interface(coating) = &self.face(vertex).surface else { return None };
+        if self.is_behind(vertex) {
+            return None;
+        }
         self.heal(vertex, ledger);
         if self.index_here().as_slice() == self.index_beyond(vertex).as_slice() {
             return None;

@@ -10,10 +10,11 @@ use crate::film::accumulate::Light;
 #[cfg(test)]
 use crate::world::Planted;
 use crate::world::World;
+use crate::world::contact::Touching;
 use crate::world::eye::Arrival;
 use crate::world::fresnel::reflect;
-use crate::world::geometry::{Hit, Ray};
-use crate::world::interior::Interior;
+use crate::world::geometry::{Hit, Ray, Site};
+use crate::world::interior::{Interior, outranks};
 use crate::world::lamp::Lamp;
 use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
@@ -41,6 +42,10 @@ pub struct Walker<'w, M: Mode> {
     pub optics: &'w Optics<M>,
     pub travel: Travel,
     pub ray: Ray,
+    /// The other face that the ray starts on, where two solids touch.
+    beside: Option<Site>,
+    /// What the ray meets at once, where it went through the first of two faces that lie on each other.
+    pending: Option<Hit>,
     pub beam: Beam<M>,
     /// Weight at the start: roulette compares with it.
     start_weight: f64,
@@ -72,6 +77,12 @@ pub enum Met {
 #[derive(Clone)]
 pub struct Vertex {
     pub hit: Hit,
+    /// The face of another solid that touches here: both are one interface, and `hit` is on the one that holds.
+    pub touching: Option<Touching>,
+    /// What a ray that goes on through this face meets next, at no distance: a face and what lies on it.
+    pub then: Option<Hit>,
+    /// The other face here, of one of these kinds.
+    pub beside: Option<Site>,
     /// The ray arrives at the outside of the part's face.
     pub outside: bool,
     /// Unit shading normal on the side where the ray arrives.
@@ -167,6 +178,8 @@ impl<'w, M: Mode> Walker<'w, M> {
             optics,
             travel,
             ray,
+            beside: None,
+            pending: None,
             start_weight: beam.weight(),
             beam,
             trail: Trail::START,
@@ -181,7 +194,9 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     /// Runs along the ray to the next thing.
     pub fn advance(&mut self, ledger: &mut Ledger) -> Met {
-        let hit = self.world.geometry.intersect(&self.ray, f64::INFINITY);
+        let pending = self.pending.take().map(|hit| Hit { t: 0.0, ..hit });
+        let at_once = pending.is_some();
+        let hit = pending.or_else(|| self.world.geometry.intersect_beside(&self.ray, self.beside, f64::INFINITY));
         let t_hit = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
         let (origin, dir) = (self.ray.origin, self.ray.dir);
         match self.travel {
@@ -202,9 +217,20 @@ impl<'w, M: Mode> Walker<'w, M> {
         }
         let Some(hit) = hit else { return Met::Sky };
         self.attenuate(hit.t, ledger);
+        let (geometry, contacts) = (&self.world.geometry, &self.world.contacts);
+        let (mut touching, mut then, mut hit) = (None, None, hit);
+        if at_once {
+            // The other one of the two has been met.
+        } else if let Some(joint) = contacts.joint(geometry, &self.world.solids, &hit) {
+            (hit, touching) = (joint.hit, Some(joint.other));
+        } else if let Some([first, second]) = contacts.covered(geometry, &hit, dir) {
+            (hit, then) = (first, Some(second));
+        }
+        let other = touching.map(|other| other.site).or(then.map(|hit| hit.site));
+        let beside = if at_once { self.ray.from } else { other };
         let outside = dir.dot(hit.normal) < 0.0;
         let normal = if outside { hit.shading } else { -hit.shading };
-        Met::Face(Vertex { outside, normal, hit })
+        Met::Face(Vertex { outside, normal, hit, touching, then, beside })
     }
 
     /// Beer–Lambert over `length` metres of the medium that the ray runs in.
@@ -282,14 +308,14 @@ impl<'w, M: Mode> Walker<'w, M> {
             ledger.cut += self.beam.carried();
             return Meeting::Ended;
         }
+        if self.is_behind(vertex) {
+            self.pass_through(vertex);
+            return Meeting::Went;
+        }
         if self.heal(vertex, ledger) {
             // Inside a solid of higher priority a face is not there.
-            let hidden = self.interior.top_without(part, &world.solids).is_some_and(|(other, above)| {
-                world.solids[part as usize].as_ref().is_some_and(|own| {
-                    above.priority > own.priority || (above.priority == own.priority && other < part)
-                })
-            });
-            if hidden {
+            let above = self.interior.top_without(part, &world.solids);
+            if above.is_some_and(|(other, _)| outranks(&world.solids, other, part)) {
                 self.pass_through(vertex);
                 return Meeting::Went;
             }
@@ -354,10 +380,13 @@ impl<'w, M: Mode> Walker<'w, M> {
         let part = vertex.hit.site.part;
         let solid = self.world.solids[part as usize].is_some();
         if solid {
-            if self.interior.contains(part) == vertex.outside {
-                ledger.mismatches += 1;
+            let other = vertex.touching.map(|other| (other.site.part, vertex.outside == other.flush));
+            for (part, outside) in [Some((part, vertex.outside)), other].into_iter().flatten() {
+                if self.interior.contains(part) == outside {
+                    ledger.mismatches += 1;
+                }
+                self.interior.heal(part, !outside);
             }
-            self.interior.heal(part, !vertex.outside);
         }
         solid
     }
@@ -380,6 +409,16 @@ impl<'w, M: Mode> Walker<'w, M> {
         // The specular share of it stands for nothing.
         ledger.by_chance(self.beam.carried() * (1.0 - specular) - before);
         false
+    }
+
+    /// Whether the ray has crossed the interface of two solids that touch already: at the face of one of them it went
+    /// from the one into the other, and here is the other's.
+    pub(super) fn is_behind(&self, vertex: &Vertex) -> bool {
+        vertex.touching.is_some_and(|other| {
+            let outside = self.interior.contains(vertex.hit.site.part) == vertex.outside;
+            let other_outside = vertex.outside == other.flush;
+            outside && self.interior.contains(other.site.part) == other_outside
+        })
     }
 
     /// Books what `part` takes.
@@ -412,6 +451,10 @@ impl<'w, M: Mode> Walker<'w, M> {
             }
             Surface::Slide(_) | Surface::Sheet(_) | Surface::Mirror(_) => {
                 matches!(self.meet(vertex, ledger), Meeting::Went)
+            }
+            Surface::Interface(_) if self.is_behind(vertex) => {
+                self.pass_through(vertex);
+                true
             }
             Surface::Interface(coating) => {
                 self.heal(vertex, ledger);
@@ -495,7 +538,15 @@ impl<'w, M: Mode> Walker<'w, M> {
         let mut beyond = self.interior.clone();
         let part = vertex.hit.site.part;
         if self.world.solids[part as usize].is_some() {
-            if vertex.outside { beyond.enter(part) } else { beyond.leave(part) }
+            let other = vertex.touching.map(|other| (other.site.part, vertex.outside == other.flush));
+            // What is left comes first, for the list is short.
+            let mut both = [Some((part, vertex.outside)), other];
+            if vertex.outside {
+                both.reverse();
+            }
+            for (part, outside) in both.into_iter().flatten() {
+                if outside { beyond.enter(part) } else { beyond.leave(part) }
+            }
         }
         beyond
     }
@@ -504,6 +555,7 @@ impl<'w, M: Mode> Walker<'w, M> {
     fn pass_through(&mut self, vertex: &Vertex) {
         self.interior = self.interior_beyond(vertex);
         self.ray = Ray { origin: vertex.hit.point, dir: self.ray.dir, from: Some(vertex.hit.site) };
+        (self.beside, self.pending) = (vertex.beside, vertex.then);
     }
 
     /// Leaves a vertex in `dir`, through the face or back from it.
@@ -518,6 +570,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             self.interior = self.interior_beyond(vertex);
         }
         self.ray = Ray { origin: vertex.hit.point, dir, from: Some(vertex.hit.site) };
+        (self.beside, self.pending) = (vertex.beside, vertex.then.filter(|_| through));
         self.roulette(ledger)
     }
 
@@ -537,8 +590,10 @@ impl<'w, M: Mode> Walker<'w, M> {
         if self.events <= FREE_EVENTS {
             return Meeting::Went;
         }
-        // Light that total reflection traps loses nothing; only the event count can end it.
-        let trapped: f64 = if self.events > TRAPPED_EVENTS { 0.999 } else { 1.0 };
+        // Light that total reflection traps loses nothing. Half of it goes on at 4ᵏ events: a path that is trapped for good
+        // takes some 10⁴ events, and one that comes out of a long light guide after 10⁵ weighs 16.
+        let halves = self.events >= TRAPPED_EVENTS && self.events.is_power_of_two();
+        let trapped: f64 = if halves && self.events.trailing_zeros() % 2 == 0 { 0.5 } else { 1.0 };
         let survive = (weight / self.start_weight * 4.0).clamp(0.05, 1.0) * trapped;
         if survive >= 1.0 {
             return Meeting::Went;

@@ -1,8 +1,10 @@
 //! From films to a frame: means, layers per group, the contrast split, `hybrid`, standard errors.
 
 use super::accumulate::{Components, Film, Light, MixError, PlaneKey};
+use super::diffraction::Diffraction;
 use super::frame::{Channel, Frame};
 use super::layer::Layer;
+use super::sharpness::Applied;
 use crate::base::colour::ColourSpace;
 use crate::base::ids::GroupId;
 use std::collections::BTreeMap;
@@ -35,6 +37,8 @@ pub struct Finished {
     pub splits: Vec<Split>,
     /// Channels that hold NaN or infinity, with the first pixel: none in a sound run.
     pub invalid: Vec<String>,
+    /// How the light was spread by diffraction, if it was.
+    pub applied: Option<Applied>,
 }
 
 /// The largest share of a layer's peak by which recombining `open` and `content` may miss the layer.
@@ -49,6 +53,18 @@ pub fn finish(
     always: &[Layer],
     space: ColourSpace,
 ) -> Finished {
+    finish_through([width, height], films, groups, always, space, None)
+}
+
+/// The same with the light of each plane spread by diffraction first.
+pub fn finish_through(
+    [width, height]: [usize; 2],
+    films: &[&Film],
+    groups: &[GroupInfo],
+    always: &[Layer],
+    space: ColourSpace,
+    diffraction: Option<&Diffraction>,
+) -> Finished {
     let pixels = width * height;
     let mut planes: BTreeMap<PlaneKey, Vec<Coloured>> = BTreeMap::new();
     for film in films {
@@ -56,10 +72,16 @@ pub fn finish(
             let plane = planes.entry(*key).or_insert_with(|| vec![Coloured::default(); pixels]);
             let tint = groups[key.group.index()].tint;
             for (pixel, sums) in plane.iter_mut().enumerate() {
-                let light = in_space(space, coloured(film, pixel, index, tint));
+                let light = coloured(film, pixel, index, tint);
+                let light = if diffraction.is_some() { light } else { in_space(space, light) };
                 sums.iter_mut().zip(light).for_each(|(sum, light)| sum.add(light));
             }
         }
+    }
+    // Red, green and blue are spread by different widths, so other spaces come after that.
+    let applied = diffraction.map(|diffraction| diffraction.spread([width, height], &mut planes));
+    if diffraction.is_some() && space != ColourSpace::Rec709 {
+        planes.values_mut().flatten().for_each(|light| *light = in_space(space, *light));
     }
     let mut out = Maker { frame: Frame { width, height, ..Frame::default() }, splits: Vec::new() };
     let mut hybrid = Channels::black(pixels);
@@ -86,7 +108,7 @@ pub fn finish(
     out.rgb("", hybrid);
     out.stderr(films, pixels);
     let invalid = out.frame.channels.iter().filter_map(first_invalid).collect();
-    Finished { frame: out.frame, splits: out.splits, invalid }
+    Finished { frame: out.frame, splits: out.splits, invalid, applied }
 }
 
 /// The mean light of a pixel in a plane: luminance times the group's tint, or what the film holds.

@@ -2,8 +2,11 @@
 
 pub mod accumulate;
 pub mod detail;
+pub mod diffraction;
 pub mod finish;
 pub mod frame;
 pub mod guide;
 pub mod layer;
 pub mod plan;
+pub mod pupil;
+pub mod sharpness;

@@ -10,6 +10,7 @@ use crate::base::atomic::write_atomic;
 use crate::base::colour::ColourSpace;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::{Channel, Frame};
+use crate::film::sharpness::Sharpness;
 use crate::output::exr::COLOR_INTEROP_ID;
 use crate::output::tone::{adaptation, code, srgb_code, ward_scale};
 
@@ -60,6 +61,8 @@ pub struct ViewInfo {
     pub height: usize,
     /// Arithmetic mean luminance of the default image (of this layer if there is none), cd/m²; for pictures.
     pub adaptation_cd_m2: Option<f64>,
+    /// For pictures, if the header says it: how sharp diffraction lets the picture be.
+    pub diffraction: Option<Sharpness>,
     /// For pictures and fractions: giving this number as the exposure shows the same picture again.
     pub exposure_stops: Option<f64>,
     /// For data: the smallest and the largest value (for `Vector` of all components).
@@ -95,6 +98,7 @@ pub fn render_view(frame: &Frame, options: &ViewOptions) -> Result<(Vec<u8>, Vie
         width: frame.width,
         height: frame.height,
         adaptation_cd_m2: None,
+        diffraction: None,
         exposure_stops: None,
         range: None,
         nonfinite_pixels: 0,
@@ -111,6 +115,8 @@ pub fn render_view(frame: &Frame, options: &ViewOptions) -> Result<(Vec<u8>, Vie
             let grey = std::ptr::eq(channels[0], channels[1]);
             let scale = stops.exp2() / options.ldmax_cd_m2;
             (info.adaptation_cd_m2, info.exposure_stops) = (Some(mean), Some(stops));
+            // A header of another version, or of another program, says nothing.
+            info.diffraction = frame.text(Sharpness::KEY).and_then(|json| serde_json::from_str(json).ok());
             Box::new(move |color| {
                 let color = (color * scale).to_array();
                 (if grey { color } else { space.to_rec709(color) }).map(srgb_code)

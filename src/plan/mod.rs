@@ -2,6 +2,7 @@
 
 mod mode;
 mod pilot;
+pub mod pupil;
 
 use crate::base::ids::GroupId;
 use crate::base::path::Class;

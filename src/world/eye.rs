@@ -87,6 +87,15 @@ impl EyeLens {
         self.size
     }
 
+    /// A point of the pupil's plane, recentred frame: m to the right and up from the pupil's centre.
+    pub fn on_pupil(&self, point: DVec3) -> [f64; 2] {
+        let offset = point - self.position;
+        [offset.dot(self.right), offset.dot(self.up)]
+    }
+    /// Width and height of a pixel in tangents.
+    pub fn pixel(&self) -> [f64; 2] {
+        [2.0 * self.half.x / self.size[0] as f64, 2.0 * self.half.y / self.size[1] as f64]
+    }
     /// Area of a pixel in tangents.
     fn cell(&self) -> f64 {
         4.0 * self.half.x / self.size[0] as f64 * (self.half.y / self.size[1] as f64)

@@ -9,6 +9,15 @@ pub struct Solid {
     pub priority: i32,
 }
 
+/// Whether `part` fills the space where `other` is too: by priority, and among equals by the order of the asset.
+pub fn outranks(solids: &[Option<Solid>], part: u32, other: u32) -> bool {
+    let rank = |part: u32| solids.get(part as usize).and_then(|solid| solid.map(|solid| solid.priority));
+    match (rank(part), rank(other)) {
+        (Some(own), Some(its)) => own > its || (own == its && part < other),
+        (own, _) => own.is_some(),
+    }
+}
+
 /// The solids around a ray. Deeper nesting than [`Interior::DEPTH`] keeps the newest ones.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Interior {

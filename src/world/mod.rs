@@ -3,6 +3,7 @@
 
 pub mod beam;
 pub mod cdf;
+pub mod contact;
 pub mod eye;
 pub mod films;
 pub mod fresnel;
@@ -24,6 +25,7 @@ pub mod web;
 
 use crate::base::Result;
 use crate::scene::{BeaconForm, Coating, Medium, Scene};
+use contact::Contacts;
 use eye::EyeLens;
 use geometry::Geometry;
 use interior::{Interior, Solid};
@@ -42,6 +44,8 @@ pub struct World {
     pub faces: Vec<Vec<FaceOptics>>,
     /// Per part: where it stands among nested ones, if it is a solid.
     pub solids: Vec<Option<Solid>>,
+    /// Faces of solids that touch.
+    pub contacts: Contacts,
     /// Per part: the medium it is filled with, if it is a solid.
     pub media_of_parts: Vec<Option<Medium>>,
     pub coatings: Vec<Coating>,
@@ -85,6 +89,7 @@ impl World {
             scene.parts.iter().map(|part| part.medium.map(|_| Solid { priority: part.priority })).collect();
         let media_of_parts = scene.parts.iter().map(|part| part.medium.map(|id| scene.medium(id).clone())).collect();
         let faces = surface::optics_of(scene)?;
+        let contacts = Contacts::find(scene, &geometry, &faces, &solids);
         let lamps = Lamps::build(scene, &|part| geometry.part_to_world(u32::try_from(part).unwrap_or(u32::MAX)))?;
         let lamp_interiors = lamps
             .all()
@@ -123,6 +128,7 @@ impl World {
         Ok(World {
             faces,
             solids,
+            contacts,
             media_of_parts,
             coatings: scene.coatings.clone(),
             lamps,

@@ -63,7 +63,7 @@ pub const ROWS: &[Row] = &[
     new(Medium, "abbe", Numbers(2), "", Positive, "[n_d, V_d]: index at 587.6 nm and Abbe number"),
     new(Medium, "index_table", Rows(&["λ in nm", "n", "k"]), "", AtLeast(0.0), "[[λ in nm, n, k], …] with rising λ, linear between the rows; k >= 0 absorbs"),
     new(Medium, "absorption_per_m", NumberOrRows(&["λ in nm", "1/m"]), "1/m", AtLeast(0.0), "a number >= 0 in 1/m, or [[λ in nm, 1/m], …] with rising λ: exp(−a·length)").or("0"),
-    new(Medium, "priority", Integer, "", Any, "where solids overlap or touch, the higher priority wins").or("0"),
+    new(Medium, "priority", Integer, "", Any, "where solids overlap or touch, the higher priority wins, of equals the first in the asset, and its coating holds at the shared face; faces closer than 5e-5 of the smaller one's diameter touch").or("0"),
     // What a face does with light.
     new(Finish, "finish", Form::Kind, "", Any, "what the face does with light"),
     new(Finish, "alpha", Number, "", Within(1e-4, 1.0), "roughness of a microfacet surface: slope where its distribution, of Trowbridge and Reitz (GGX), has fallen to a quarter"),

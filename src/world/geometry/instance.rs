@@ -88,37 +88,38 @@ impl Instance {
 
     /// The ray in mesh units, and mesh units per metre along it.
     #[inline]
-    fn line(&self, solid: &Solid, ray: &Ray, reach: f64) -> Option<(Line, f64)> {
+    fn line(&self, solid: &Solid, ray: &Ray, beside: Option<Site>, reach: f64) -> Option<(Line, f64)> {
         let origin = self.to_local.transform_point3(ray.origin);
         let along = self.to_local.transform_vector3(ray.dir);
         let scale = self.scale.unwrap_or_else(|| along.length());
         let mut line = Line::new(solid, origin, along * scale.recip(), reach * scale, self.grain)?;
-        if let Some(site) = &ray.from
-            && site.part == self.part
-        {
-            line.leave(solid, site.face, site.triangle);
+        for site in [ray.from, beside].into_iter().flatten() {
+            if site.part == self.part {
+                line.leave(solid, site.face, site.triangle);
+            }
         }
         Some((line, scale))
     }
 
-    /// The nearest touch nearer than `reach` metres, and its distance in metres.
+    /// The nearest touch nearer than `reach` metres, and its distance in metres. `beside`: the origin lies on this
+    /// surface too.
     #[inline]
-    pub fn nearest(&self, solid: &Solid, ray: &Ray, reach: f64) -> Option<(Touch, f64)> {
-        let (line, scale) = self.line(solid, ray, reach)?;
+    pub fn nearest(&self, solid: &Solid, ray: &Ray, beside: Option<Site>, reach: f64) -> Option<(Touch, f64)> {
+        let (line, scale) = self.line(solid, ray, beside, reach)?;
         let touch = solid.nearest(&line, reach * scale)?;
         Some((touch, touch.t / scale))
     }
 
     #[cfg(test)]
     pub fn nearest_of_all(&self, solid: &Solid, ray: &Ray, reach: f64) -> Option<(Touch, f64)> {
-        let (line, scale) = self.line(solid, ray, reach)?;
+        let (line, scale) = self.line(solid, ray, None, reach)?;
         let touch = solid.nearest_of_all(&line, reach * scale)?;
         Some((touch, touch.t / scale))
     }
 
     #[inline]
-    pub fn blocks(&self, solid: &Solid, ray: &Ray, reach: f64, target: Option<Site>) -> bool {
-        let Some((mut line, scale)) = self.line(solid, ray, reach) else { return false };
+    pub fn blocks(&self, solid: &Solid, ray: &Ray, beside: Option<Site>, reach: f64, target: Option<Site>) -> bool {
+        let Some((mut line, scale)) = self.line(solid, ray, beside, reach) else { return false };
         if let Some(site) = target
             && site.part == self.part
         {

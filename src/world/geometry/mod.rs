@@ -16,6 +16,7 @@ mod patch;
 mod prepare;
 mod solid;
 mod top;
+mod touching;
 mod tree;
 
 #[cfg(test)]
@@ -87,6 +88,8 @@ pub struct Geometry {
     solids: Vec<Solid>,
     /// In the order of the slots of `top`.
     instances: Vec<Instance>,
+    /// Per part: its slot, `u32::MAX` for a part that is not there.
+    slots: Vec<u32>,
     top: Top,
 }
 
@@ -156,7 +159,11 @@ impl Geometry {
         let many = || Fault::new(Where::Nowhere, "the scene has too many parts").expected("less than 2^32");
         let (top, order) = Top::build(&boxes).ok_or_else(many)?;
         instances = order.iter().filter_map(|i| instances.get(*i as usize).cloned()).collect();
-        Ok(Geometry { origin, to_world, solids, instances, top })
+        let mut slots = vec![u32::MAX; scene.parts.len()];
+        for (slot, instance) in instances.iter().enumerate() {
+            slots[instance.part as usize] = slot as u32;
+        }
+        Ok(Geometry { origin, to_world, solids, instances, slots, top })
     }
 
     /// The point of the scene's world that is (0, 0, 0) here: the middle of its parts and the eye.
@@ -180,6 +187,11 @@ impl Geometry {
 
     /// The first thing that the ray meets at 0 < t < `t_max`. A ray that is not finite or not unit meets nothing.
     pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
+        self.intersect_beside(ray, None, t_max)
+    }
+
+    /// The same for a ray whose origin lies on the surface `beside` too: it leaves both.
+    pub fn intersect_beside(&self, ray: &Ray, beside: Option<Site>, t_max: f64) -> Option<Hit> {
         if !is_valid(ray) {
             return None;
         }
@@ -187,7 +199,7 @@ impl Geometry {
         let mut reach = t_max;
         let _ = self.top.along(ray.origin, ray.dir, reach, |slot| {
             if let Some(instance) = self.instances.get(slot as usize)
-                && let Some((touch, t)) = instance.nearest(&self.solids[instance.solid], ray, reach)
+                && let Some((touch, t)) = instance.nearest(&self.solids[instance.solid], ray, beside, reach)
             {
                 reach = t;
                 best = Some((slot, touch));
@@ -201,9 +213,14 @@ impl Geometry {
 
     /// Whether anything but the face of `target` is met at 0 < t < `t_max`.
     pub fn occluded(&self, ray: &Ray, t_max: f64, target: Option<Site>) -> bool {
+        self.occluded_beside(ray, None, t_max, target)
+    }
+
+    /// The same for a ray whose origin lies on the surface `beside` too.
+    pub fn occluded_beside(&self, ray: &Ray, beside: Option<Site>, t_max: f64, target: Option<Site>) -> bool {
         let blocks = |slot: u32| {
             let instance = self.instances.get(slot as usize);
-            instance.is_some_and(|instance| instance.blocks(&self.solids[instance.solid], ray, t_max, target))
+            instance.is_some_and(|instance| instance.blocks(&self.solids[instance.solid], ray, beside, t_max, target))
         };
         is_valid(ray)
             && self

@@ -8,8 +8,10 @@
 
 use super::Sides;
 use super::rough::Facets;
+use crate::world::cdf::Cdf;
+use glam::DVec3;
 use rayon::prelude::*;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// What a roughness loses, for the ratios of indices that a scene has.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +32,8 @@ struct Row {
     mean: f64,
     /// Mean share of one bounce that goes through.
     through: f64,
+    /// How much of M lies between two points: directions are drawn by it, evenly in μ² within a step.
+    steps: Option<Cdf>,
 }
 
 /// What holds at the indices of a ray.
@@ -65,6 +69,12 @@ impl Lost {
         self.facets.alpha * f64::exp_m1(x * x * self.scale)
     }
 
+    /// μ² at a point of the tables.
+    fn square(&self, step: usize) -> f64 {
+        let mu = self.cosine(step as f64 / Self::STEPS as f64).min(1.0);
+        mu * mu
+    }
+
     fn row(&self, ln_ratio: f64) -> Row {
         let n = Sides { here: 1.0, beyond: ln_ratio.exp() };
         let at = |step: usize| {
@@ -75,7 +85,10 @@ impl Lost {
         let shares: Vec<[f64; 2]> = (0..=Self::STEPS).into_par_iter().map(at).collect();
         let lost: Vec<f64> = shares.iter().map(|[r, t]| (1.0 - r - t).max(0.0)).collect();
         let through: Vec<f64> = shares.iter().map(|[r, t]| t / (r + t)).collect();
-        Row { mean: self.mean(&lost), through: self.mean(&through), lost }
+        let squares = |k: usize| self.square(k + 1) - self.square(k);
+        let weights = lost.windows(2).enumerate().map(|(k, m)| 0.5 * (m[0] + m[1]) * squares(k));
+        let steps = Cdf::new(weights.collect::<Vec<_>>());
+        Row { mean: self.mean(&lost), through: self.mean(&through), steps, lost }
     }
 
     /// ∫ y 2μ dμ of a line through the table's points: by Simpson's rule, which μ is smooth enough for within a step.
@@ -134,6 +147,35 @@ impl Lost {
         }
         let arriving = self.at(&split, false, cos_in);
         part * arriving * self.at(&split, behind, cos_out) / (PI * mean)
+    }
+
+    /// What directions are drawn by on a side: the nearer of two rows.
+    fn steps(&self, split: &Split, behind: bool) -> Option<&Cdf> {
+        let row = if split.part > 0.5 { split.row + 1 } else { split.row };
+        let side = if behind { 1 - split.side } else { split.side };
+        self.rows.get(row).and_then(|(_, pair)| pair[side].steps.as_ref())
+    }
+
+    /// Density with which [`Lost::sample`] chooses a direction with this cosine on its side, 1/sr.
+    pub(super) fn pdf(&self, cos_out: f64, n: Sides) -> f64 {
+        let split = self.split(n);
+        let Some(steps) = self.steps(&split, cos_out < 0.0) else { return 0.0 };
+        let mu = cos_out.abs();
+        let x = (f64::ln_1p(mu / self.facets.alpha) / self.scale).sqrt().min(1.0);
+        let step = ((x * Self::STEPS as f64) as usize).min(Self::STEPS - 1);
+        steps.probability(step) / (self.square(step + 1) - self.square(step)) * mu / PI
+    }
+
+    /// A direction of the lobe on one side.
+    pub(super) fn sample(&self, through: bool, n: Sides, [a, b]: [f64; 2]) -> Option<DVec3> {
+        let split = self.split(n);
+        let (step, rest) = self.steps(&split, through)?.sample(a);
+        let (low, high) = (self.square(step), self.square(step + 1));
+        let square = low + rest * (high - low);
+        let (sin, cos) = (TAU * b).sin_cos();
+        let radius = (1.0 - square).max(0.0).sqrt();
+        let up = square.sqrt();
+        Some(DVec3::new(radius * cos, radius * sin, if through { -up } else { up }))
     }
 
     /// The share that one bounce loses, and which part of that is reflected.

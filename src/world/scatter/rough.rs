@@ -13,7 +13,6 @@
 use super::lost::Lost;
 use super::{Sampled, Sides};
 use crate::base::Complex;
-use crate::base::warp;
 use crate::world::fresnel::{fresnel, refract};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -52,15 +51,14 @@ impl Rough {
     pub(super) fn pdf(&self, d_in: DVec3, d_out: DVec3, n: Sides) -> f64 {
         let (share, reflected) = self.lost.choice(-d_in.z, n);
         let side = if d_out.z > 0.0 { reflected } else { 1.0 - reflected };
-        let pdf = (1.0 - share) * self.facets.pdf(-d_in, d_out, n) + share * side * d_out.z.abs() / PI;
+        let pdf = (1.0 - share) * self.facets.pdf(-d_in, d_out, n) + share * side * self.lost.pdf(d_out.z, n);
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 
     pub(super) fn sample(&self, d_in: DVec3, n: Sides, u: [f64; 3]) -> Option<Sampled> {
         let (share, reflected) = self.lost.choice(-d_in.z, n);
         let dir = if u[0] < share {
-            let up = warp::cosine_hemisphere([u[1], u[2]]);
-            if u[0] < share * reflected { up } else { -up }
+            self.lost.sample(u[0] >= share * reflected, n, [u[1], u[2]])?
         } else {
             self.facets.sample(-d_in, n, (u[0] - share) / (1.0 - share), [u[1], u[2]])?
         };

@@ -1,0 +1,100 @@
+//! `eyebox bench`: the program measured.
+
+use super::print_text;
+use crate::base::{Fault, Result, Where};
+use crate::bench::stress::{self, Kind, table};
+use clap::{Args, ValueEnum};
+use std::process::ExitCode;
+
+/// Measure the program: scenes at the limits of numbers, against answers that are known.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Each case prints the mean luminance of its picture, by how many standard errors that misses the closed form, which share \
+of the light no fate accounts for, and how many values are no numbers. What is out of limits is a finding.
+
+Exit codes: 0 no finding, 1 findings, 2 usage.
+
+Examples:
+  eyebox bench --stress
+  eyebox bench --stress --only critical --only gap
+  eyebox bench --stress --format json
+  eyebox bench --stress --format markdown > docs/stress.md")]
+pub struct BenchArgs {
+    /// Run the numerical stress suite.
+    #[arg(long)]
+    stress: bool,
+    /// Only cases of this kind; may be given several times.
+    #[arg(long, value_name = "KIND")]
+    only: Vec<String>,
+    /// How the result is printed.
+    #[arg(long, value_enum, default_value_t)]
+    format: BenchFormat,
+}
+
+/// How a benchmark is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum BenchFormat {
+    #[default]
+    Text,
+    Json,
+    /// The page of the documentation.
+    Markdown,
+}
+
+/// Runs the command.
+pub fn run(args: &BenchArgs) -> Result<ExitCode> {
+    if !args.stress {
+        return Err(Fault::new(Where::Nowhere, "nothing to measure").expected("--stress"));
+    }
+    let kinds = kinds(&args.only)?;
+    if args.format == BenchFormat::Text {
+        print_text(table::head());
+    }
+    let report = stress::run(&kinds, &mut |row| {
+        if args.format == BenchFormat::Text {
+            print_text(table::line(row));
+        }
+    });
+    match args.format {
+        BenchFormat::Text => print_text(table::summary(&report)),
+        BenchFormat::Json => print_text(
+            serde_json::to_string_pretty(&report).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}")),
+        ),
+        BenchFormat::Markdown => {
+            let seconds = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+            let cores = std::thread::available_parallelism().map_or(1, usize::from);
+            print_text(table::page(&report, seconds.as_secs(), cores));
+        }
+    }
+    Ok(ExitCode::from(u8::from(report.findings() > 0)))
+}
+
+/// The kinds of these names; all if there are none.
+fn kinds(names: &[String]) -> Result<Vec<Kind>> {
+    if names.is_empty() {
+        return Ok(Kind::ALL.to_vec());
+    }
+    let all = Kind::ALL.map(Kind::name);
+    names
+        .iter()
+        .map(|name| {
+            Kind::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
+                Fault::new(Where::Option(format!("--only {name}")), "no such kind of case").expected(all.join(", "))
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn help_has_an_example_and_kinds_are_known() {
+        let help = BenchArgs::augment_args(clap::Command::new("bench")).render_long_help().to_string();
+        assert!(help.contains("eyebox bench --stress"), "{help}");
+        assert_eq!(kinds(&[]).unwrap().len(), Kind::ALL.len());
+        assert_eq!(kinds(&["gap".to_owned()]).unwrap(), [Kind::Gap]);
+        assert!(kinds(&["gab".to_owned()]).unwrap_err().to_string().contains("gap"));
+    }
+}

@@ -1,0 +1,63 @@
+//! What lies at a face: the questions that find solids in contact.
+
+use super::{Geometry, Hit, Ray};
+use glam::DVec3;
+use std::ops::ControlFlow;
+
+/// Faces lie on each other if the cosine between them is at least this (26°).
+const ALONG: f64 = 0.9;
+
+impl Geometry {
+    /// Whether the box of another part comes within `reach` metres of the box of this one.
+    pub fn has_neighbours(&self, part: u32, reach: f64) -> bool {
+        let own = self.slots.get(part as usize).and_then(|slot| self.instances.get(*slot as usize));
+        own.is_some_and(|own| {
+            let around = own.bounds.widen(DVec3::splat(reach));
+            self.instances.iter().any(|other| {
+                other.part != part && around.lo.cmple(other.bounds.hi).all() && other.bounds.lo.cmple(around.hi).all()
+            })
+        })
+    }
+
+    /// The point of a part's face that the line through `p` along the unit vector `normal` meets within `reach` metres.
+    pub fn on_face(&self, part: u32, face: u32, p: DVec3, normal: DVec3, reach: f64) -> Option<Hit> {
+        let hit = self.meet_part(part, p + reach * normal, -normal, 2.0 * reach)?;
+        (hit.site.face == face && hit.normal.dot(normal) > 0.0).then_some(hit)
+    }
+
+    /// Where `part` has a face along a surface at `p` with the unit normal `normal`, at most `reach` metres before or
+    /// behind it.
+    pub fn beside(&self, part: u32, p: DVec3, normal: DVec3, reach: f64) -> Option<Hit> {
+        let hit = self.meet_part(part, p + 2.0 * reach * normal, -normal, 4.0 * reach)?;
+        ((hit.t - 2.0 * reach).abs() <= reach && hit.normal.dot(normal).abs() > ALONG).then_some(hit)
+    }
+
+    /// [`Geometry::beside`] for all parts but `own`, until `visit` breaks.
+    pub fn all_beside(
+        &self,
+        own: u32,
+        p: DVec3,
+        normal: DVec3,
+        reach: f64,
+        mut visit: impl FnMut(Hit) -> ControlFlow<()>,
+    ) {
+        let far = 4.0 * reach;
+        let _ = self.top.along(p + 2.0 * reach * normal, -normal, far, |slot| {
+            if let Some(instance) = self.instances.get(slot as usize)
+                && instance.part != own
+                && let Some(hit) = self.beside(instance.part, p, normal, reach)
+            {
+                visit(hit)?;
+            }
+            ControlFlow::Continue(far)
+        });
+    }
+
+    fn meet_part(&self, part: u32, origin: DVec3, dir: DVec3, reach: f64) -> Option<Hit> {
+        let instance = self.instances.get(*self.slots.get(part as usize)? as usize)?;
+        let solid = &self.solids[instance.solid];
+        let ray = Ray { origin, dir, from: None };
+        let (touch, t) = instance.nearest(solid, &ray, None, reach)?;
+        instance.hit(solid, &touch, t)
+    }
+}
