@@ -65,7 +65,9 @@ fn main() {
                 })
                 .collect();
             if !asked.is_empty() {
-                plans.iter().for_each(|(_, plan)| drop(trace(&scene, &world, plan, 2, 0)));
+                for (_, plan) in &plans {
+                    trace(&scene, &world, plan, 2, 0);
+                }
                 continue;
             }
             let mut best = vec![f64::INFINITY; plans.len()];

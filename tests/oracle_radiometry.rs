@@ -299,6 +299,27 @@ fn flux_into_a_cone() {
     }
 }
 
+/// Lit with E from straight above, a cosᵐ diffuser shows τE(m + 2)/(2π) cosᵐ θ and sends out τE.
+#[test]
+fn cosm_diffuser() {
+    let case = cases("diffuser").into_iter().find(|c| c["params"]["model"] == "cosm").unwrap();
+    let (p, r) = (&case["params"], &case["result"]);
+    let finish = Finish::CosM { m: number(&p["m"]), reflectance: 0.0, transmittance: number(&p["tau"]) };
+    let diffuser = Scatter::from_finish(&finish).unwrap();
+    let angles = p["angles"].as_array().unwrap();
+    assert_eq!(angles.len(), 4);
+    for (index, theta) in angles.iter().enumerate() {
+        let (sin, cos) = number(theta).to_radians().sin_cos();
+        let luminance = diffuser.eval(DVec3::NEG_Z, DVec3::new(sin, 0.0, -cos), Sides::AIR) * number(&p["E"]);
+        assert_near("cosm diffuser", (luminance, 0.0), number(&r["L"][index]), 1e-10);
+    }
+    let sampled = mean(|u, rng| {
+        let sample = diffuser.sample(DVec3::NEG_Z, Sides::AIR, [rng.uniform(), u[0], u[1]]);
+        sample.map_or(0.0, |s| s.weight * number(&p["E"]))
+    });
+    assert_near("cosm diffuser, flux", sampled, number(&r["M"]), 1e-3);
+}
+
 /// Lit with E, a Lambertian diffuser shows τE/π; in a uniform L0, a Lambertian face shows ρL0.
 #[test]
 fn lambertian_diffuser_and_furnace() {

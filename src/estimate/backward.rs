@@ -1,9 +1,10 @@
 //! Path tracing from the eye: next-event estimation with multiple importance sampling, unbiased roulette.
 
 use super::ledger::Ledger;
+use super::pick_up::Shining;
 use super::route::{Reach, Route};
 use super::vision::Vision;
-use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Shining, Travel, Vertex, Walker};
+use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::base::rng::{Rng, Stream};
 use crate::base::warp::Frame;
 use crate::film::accumulate::{Film, Light};

@@ -1,5 +1,6 @@
 //! Floor 4: the estimators, the vertex step they share, and the ledger that books their light.
 
+mod around;
 pub mod backward;
 pub mod beam;
 pub mod data;
@@ -10,9 +11,11 @@ mod leak_tests;
 pub mod ledger;
 pub mod photon;
 pub mod photon_map;
+pub mod pick_up;
 pub mod picture;
 pub mod route;
 pub mod run;
+pub mod spread;
 pub mod turn;
 pub mod vision;
 pub mod walk;

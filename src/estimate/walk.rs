@@ -6,7 +6,6 @@ use super::turn::{Branch, Turn};
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Rng;
 use crate::base::warp::Frame;
-use crate::film::accumulate::Light;
 #[cfg(test)]
 use crate::world::Planted;
 use crate::world::World;
@@ -15,10 +14,9 @@ use crate::world::eye::Arrival;
 use crate::world::fresnel::reflect;
 use crate::world::geometry::{Hit, Ray, Site};
 use crate::world::interior::{Interior, outranks};
-use crate::world::lamp::Lamp;
 use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
-use crate::world::scatter::{Scatter, Sides};
+use crate::world::scatter::Scatter;
 use crate::world::slide::SlideMap;
 use crate::world::surface::{FaceOptics, Surface};
 use glam::DVec3;
@@ -63,6 +61,7 @@ pub struct Walker<'w, M: Mode> {
 }
 
 /// What a ray met.
+#[allow(clippy::large_enum_variant)] // it lives for one step, on the stack
 pub enum Met {
     /// Nothing: the ray leaves the scene.
     Sky,
@@ -87,54 +86,6 @@ pub struct Vertex {
     pub outside: bool,
     /// Unit shading normal on the side where the ray arrives.
     pub normal: DVec3,
-}
-
-/// A lamp that a path from the eye has met.
-pub struct Shining<'w> {
-    pub lamp: &'w Lamp,
-    /// Its number among the lamps.
-    pub index: usize,
-    /// Of the angle between the lamp's normal and the way to the eye.
-    pub cos: f64,
-    /// That way, cd/m²; above 0.
-    pub luminance: f64,
-}
-
-/// Refractive indices on both sides of a face that scatters.
-#[derive(Debug, Clone, Copy)]
-pub struct FaceSides<M: Mode> {
-    here: M::Lanes<f64>,
-    beyond: M::Lanes<f64>,
-    /// The face's scattering depends on them.
-    matter: bool,
-}
-
-impl<M: Mode> FaceSides<M> {
-    /// In a lane.
-    pub fn of(&self, lane: usize) -> Sides {
-        Sides { here: self.here[lane], beyond: self.beyond[lane] }
-    }
-
-    /// In the first lane, within the rounding that half vectors of refraction bear.
-    fn are_equal(&self) -> bool {
-        const NEXT_TO_EQUAL: f64 = 1e-9;
-        (self.here[0] - self.beyond[0]).abs() <= NEXT_TO_EQUAL * self.here[0]
-    }
-
-    /// The distribution per lane; whether the first lane alone counts, since what goes through is dispersed. As at a
-    /// smooth face the first lane then stands for all: what another wavelength sends the same way would come in at a
-    /// density that the first does not sample.
-    pub fn eval(&self, scatter: &Scatter, d_in: DVec3, d_out: DVec3) -> (M::Lanes<f64>, bool) {
-        if !self.matter {
-            let value = scatter.eval(d_in, d_out, self.of(0));
-            return (lanes::<M, _>(|_| value), false);
-        }
-        let alone = d_out.z < 0.0
-            && (1..M::LANES).any(|lane| self.here[lane] * self.beyond[0] != self.here[0] * self.beyond[lane]);
-        let used = if alone { 1 } else { M::LANES };
-        let values = lanes::<M, _>(|lane| if lane < used { scatter.eval(d_in, d_out, self.of(lane)) } else { 0.0 });
-        (values, alone)
-    }
 }
 
 /// What the face at a vertex asks for.
@@ -244,58 +195,9 @@ impl<'w, M: Mode> Walker<'w, M> {
         }
     }
 
-    /// Refractive index where the path is now.
-    pub(super) fn index_here(&self) -> M::Lanes<f64> {
-        self.index_in(&self.interior)
-    }
-
-    pub(super) fn index_in(&self, interior: &Interior) -> M::Lanes<f64> {
-        self.optics.index_in(interior.top(&self.world.solids).map(|(part, _)| part))
-    }
-
-    /// Adds the light that a path from the eye picks up where it is: `amounts` per lane, luminance.
-    ///
-    /// Radiance over index squared is what such a path carries, so the factor (n_eye/n_here)² is applied here, once.
-    pub fn pick_up(&self, out: &mut [Light], amounts: &M::Lanes<f64>) {
-        self.pick_up_in(&self.index_here(), out, amounts);
-    }
-
-    /// Adds the light of a lamp that the path has met, `factor` times.
-    pub fn see(&self, out: &mut [Light], seen: &Shining<'_>, factor: f64) {
-        let tint = self.optics.lamp(seen.index);
-        let index = self.index_here();
-        let amounts = lanes::<M, _>(|lane| seen.luminance * factor * tint[lane] / (index[lane] * index[lane]));
-        match seen.lamp.polarisation {
-            None => self.beam.deposit(self.optics, out, &amounts),
-            Some(light) => self.beam.polarised(light, self.ray.dir, true).deposit(self.optics, out, &amounts),
-        }
-    }
-
-    /// [`Walker::pick_up`] in a medium of this index.
-    pub fn pick_up_in(&self, index: &M::Lanes<f64>, out: &mut [Light], amounts: &M::Lanes<f64>) {
-        self.beam.deposit(self.optics, out, &lanes::<M, _>(|lane| amounts[lane] / (index[lane] * index[lane])));
-    }
-
-    /// [`Walker::pick_up_in`], of the first lane alone, which stands for all.
-    pub fn pick_up_alone(&self, index: &M::Lanes<f64>, out: &mut [Light], amounts: &M::Lanes<f64>) {
-        let mut beam = self.beam;
-        beam.part();
-        beam.deposit(self.optics, out, &lanes::<M, _>(|lane| amounts[lane] / (index[lane] * index[lane])));
-    }
-
     /// What the face at a vertex is.
     pub fn face(&self, vertex: &Vertex) -> &'w FaceOptics {
         &self.world.faces[vertex.hit.site.part as usize][vertex.hit.site.face as usize]
-    }
-
-    /// The lamp at `vertex` that shines along the path towards the eye.
-    pub fn lamp_at(&self, vertex: &Vertex) -> Option<Shining<'w>> {
-        let (site, world) = (vertex.hit.site, self.world);
-        let index = world.lamps.of_face(site.part as usize, site.face as usize)?;
-        let lamp = &world.lamps.all()[index];
-        let cos = -self.ray.dir.dot(vertex.hit.normal);
-        let luminance = lamp.luminance_along(vertex.hit.normal, -self.ray.dir);
-        (luminance > 0.0).then_some(Shining { lamp, index, cos, luminance })
     }
 
     /// Does at `vertex` what the face asks for.
@@ -374,53 +276,6 @@ impl<'w, M: Mode> Walker<'w, M> {
         }
     }
 
-    /// Makes the solids around the ray agree with what the hit proves, once per vertex however often it is asked for.
-    /// Returns whether the face belongs to a solid.
-    pub(super) fn heal(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> bool {
-        let part = vertex.hit.site.part;
-        let solid = self.world.solids[part as usize].is_some();
-        if solid {
-            let other = vertex.touching.map(|other| (other.site.part, vertex.outside == other.flush));
-            for (part, outside) in [Some((part, vertex.outside)), other].into_iter().flatten() {
-                if self.interior.contains(part) == outside {
-                    ledger.mismatches += 1;
-                }
-                self.interior.heal(part, !outside);
-            }
-        }
-        solid
-    }
-
-    /// Chooses between what a face reflects specularly and what it scatters, by what they carry with a floor for both.
-    /// The beam then stands for the chosen one.
-    fn stays_specular(&mut self, vertex: &Vertex, scatter: &Scatter, specular: f64, ledger: &mut Ledger) -> bool {
-        const LEAST: f64 = 0.1;
-        let scattered = scatter.albedo(-self.ray.dir.dot(vertex.normal));
-        let chance = (specular / (specular + scattered)).clamp(LEAST, 1.0 - LEAST);
-        let before = self.beam.carried();
-        if self.rng.uniform() < chance {
-            // What is neither reflected nor scattered is absorbed, and booked where the rest scatters.
-            self.beam.scale(specular / chance);
-            self.trail = self.trail.then(Event::Specular);
-            ledger.by_chance(self.beam.carried() - before);
-            return true;
-        }
-        self.beam.scale(1.0 / (1.0 - chance));
-        // The specular share of it stands for nothing.
-        ledger.by_chance(self.beam.carried() * (1.0 - specular) - before);
-        false
-    }
-
-    /// Whether the ray has crossed the interface of two solids that touch already: at the face of one of them it went
-    /// from the one into the other, and here is the other's.
-    pub(super) fn is_behind(&self, vertex: &Vertex) -> bool {
-        vertex.touching.is_some_and(|other| {
-            let outside = self.interior.contains(vertex.hit.site.part) == vertex.outside;
-            let other_outside = vertex.outside == other.flush;
-            outside && self.interior.contains(other.site.part) == other_outside
-        })
-    }
-
     /// Books what `part` takes.
     pub(super) fn absorb(&self, part: u32, amount: f64, ledger: &mut Ledger) {
         #[cfg(test)]
@@ -473,84 +328,6 @@ impl<'w, M: Mode> Walker<'w, M> {
         self.beam.cross(slide, s, across, self.ray.dir, self.travel == Travel::FromEye);
     }
 
-    /// Scatters at a vertex for which [`Walker::meet`] said `Scatter`. Returns the direction's density per steradian
-    /// while the path goes on.
-    pub fn scatter(&mut self, vertex: &Vertex, scatter: &Scatter, frame: &Frame, ledger: &mut Ledger) -> Option<f64> {
-        let part = vertex.hit.site.part;
-        let d_in = frame.to_local(self.ray.dir);
-        let sides = self.sides(vertex, scatter);
-        // What the face reflects specularly besides is not this path's.
-        let absorbed = 1.0 - scatter.specular() - scatter.albedo(-d_in.z);
-        self.absorb(part, self.beam.carried() * absorbed, ledger);
-        self.trail = self.trail.then(scatter.event());
-        let u = [self.rng.uniform(), self.rng.uniform(), self.rng.uniform()];
-        let sampled = scatter.sample(d_in, sides.of(0), u)?;
-        let through = sampled.dir.z < 0.0;
-        if M::LANES == 1 || !scatter.refracts() {
-            self.beam.scale(sampled.weight);
-        } else {
-            let (values, alone) = sides.eval(scatter, d_in, sampled.dir);
-            let cos = sampled.dir.z.abs();
-            self.beam.scale_lanes(&lanes::<M, _>(|lane| values[lane] * cos / sampled.pdf));
-            if alone {
-                self.beam.part();
-            }
-        }
-        self.beam.depolarise(frame.to_world(sampled.dir));
-        match self.go(vertex, frame.to_world(sampled.dir), through, ledger) {
-            Meeting::Went => Some(sampled.pdf),
-            Meeting::Ended | Meeting::Scatter(..) => None,
-        }
-    }
-
-    /// Indices on both sides of the face at `vertex`, as far as `scatter` asks for them.
-    pub fn sides(&self, vertex: &Vertex, scatter: &Scatter) -> FaceSides<M> {
-        if scatter.refracts() {
-            FaceSides { here: self.index_here(), beyond: self.index_beyond(vertex), matter: true }
-        } else {
-            let air = lanes::<M, _>(|_| 1.0);
-            FaceSides { here: air, beyond: air, matter: false }
-        }
-    }
-
-    /// Index of the medium on the side where light is picked up (`through` the face or not), and the medium's
-    /// transmittance over `length` metres there.
-    pub fn beyond(&self, vertex: &Vertex, through: bool, length: f64) -> (M::Lanes<f64>, M::Lanes<f64>) {
-        let there = if through { self.interior_beyond(vertex) } else { self.interior.clone() };
-        let top = there.top(&self.world.solids).map(|(part, _)| part);
-        let absorption = top.and_then(|part| self.optics.absorption_in(part));
-        let transmittance = absorption.map_or_else(
-            || lanes::<M, _>(|_| 1.0),
-            |absorption| {
-                lanes::<M, _>(|lane| if absorption[lane] > 0.0 { (-absorption[lane] * length).exp() } else { 1.0 })
-            },
-        );
-        (self.optics.index_in(top), transmittance)
-    }
-
-    /// The index behind the face: what fills the space once the ray has gone through.
-    pub(super) fn index_beyond(&self, vertex: &Vertex) -> M::Lanes<f64> {
-        self.index_in(&self.interior_beyond(vertex))
-    }
-
-    /// The solids around the ray once it has gone through the face.
-    fn interior_beyond(&self, vertex: &Vertex) -> Interior {
-        let mut beyond = self.interior.clone();
-        let part = vertex.hit.site.part;
-        if self.world.solids[part as usize].is_some() {
-            let other = vertex.touching.map(|other| (other.site.part, vertex.outside == other.flush));
-            // What is left comes first, for the list is short.
-            let mut both = [Some((part, vertex.outside)), other];
-            if vertex.outside {
-                both.reverse();
-            }
-            for (part, outside) in both.into_iter().flatten() {
-                if outside { beyond.enter(part) } else { beyond.leave(part) }
-            }
-        }
-        beyond
-    }
-
     /// Goes straight on behind the face.
     fn pass_through(&mut self, vertex: &Vertex) {
         self.interior = self.interior_beyond(vertex);
@@ -593,7 +370,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         // Light that total reflection traps loses nothing. Half of it goes on at 4ᵏ events: a path that is trapped for good
         // takes some 10⁴ events, and one that comes out of a long light guide after 10⁵ weighs 16.
         let halves = self.events >= TRAPPED_EVENTS && self.events.is_power_of_two();
-        let trapped: f64 = if halves && self.events.trailing_zeros() % 2 == 0 { 0.5 } else { 1.0 };
+        let trapped: f64 = if halves && self.events.trailing_zeros().is_multiple_of(2) { 0.5 } else { 1.0 };
         let survive = (weight / self.start_weight * 4.0).clamp(0.05, 1.0) * trapped;
         if survive >= 1.0 {
             return Meeting::Went;

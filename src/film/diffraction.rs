@@ -35,7 +35,7 @@ pub struct Spread {
 fn smooth(least: usize) -> usize {
     let good = |mut n: usize| {
         for prime in [2, 3, 5] {
-            while n % prime == 0 {
+            while n.is_multiple_of(prime) {
                 n /= prime;
             }
         }

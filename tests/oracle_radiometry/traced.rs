@@ -1,6 +1,6 @@
 //! Rows of the table that take the whole tracer: scenes of a few faces, rendered by the real estimators.
 //!
-//! `diffuser_2` has no scene: its cosᵐ distribution is none of the finishes.
+//! The diffusers are rows of their distributions (`cosm_diffuser`, `lambertian_diffuser_and_furnace`).
 
 use super::common::*;
 use super::{cases, number};

@@ -77,7 +77,8 @@ pub fn suns() -> Vec<Case> {
     for (y, luminance) in [(20, 1.6e9), (20, 1e15), (100, 1.6e9), (126, 1.6e9)] {
         let (s, want) = sun(y, luminance);
         let case = Case::new(format!("sun of {luminance:e} cd/m² in row {y} of 256"), s, How::backward(2000), want);
-        cases.push(Case { noise: 5e-3, rounding: 1e-6, ..case });
+        // One scattered ray in 10⁵ finds the sun by chance; whether one does is not in the standard error of so few.
+        cases.push(Case { noise: 5e-3, rounding: 2e-5, ..case });
     }
     cases
 }

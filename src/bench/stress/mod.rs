@@ -185,16 +185,17 @@ pub fn of_measured(kind: Kind, case: &Case, m: &Measured, most_sigma: f64) -> Ro
         }
     };
     find(m.nan > 0, format!("{} values are no numbers", m.nan));
-    // Written so that a NaN is found.
-    find(!(bias.abs() <= most_sigma), format!("a bias of {bias:.1} σ: {} for {}", m.mean, case.want));
-    find(!(m.sigma <= case.noise * scale), format!("a noise of {:.1e}, which could hide a fault", m.sigma / scale));
+    // What is no number is not within a limit.
+    let above = |x: f64, most: f64| x.is_nan() || x > most;
+    find(above(bias.abs(), most_sigma), format!("a bias of {bias:.1} σ: {} for {}", m.mean, case.want));
+    find(above(m.sigma, case.noise * scale), format!("a noise of {:.1e}, which could hide a fault", m.sigma / scale));
     find(
-        !(m.loss.abs() <= 1e-11 + most_sigma * m.loss_sigma && m.loss_sigma <= 1e-4),
+        above(m.loss.abs(), 1e-11 + most_sigma * m.loss_sigma) || above(m.loss_sigma, 1e-4),
         format!("{:.1e} of the light is lost", m.loss),
     );
-    find(!(m.cut <= 1e-6), format!("{:.1e} of the light is cut off", m.cut));
-    find(!(m.vertex_error <= 1e-12), format!("R + T + A misses 1 by {:.1e}", m.vertex_error));
-    find(!(m.mismatches <= 1e-4), format!("{:.1e} hits a path contradict the solids", m.mismatches));
+    find(above(m.cut, 1e-6), format!("{:.1e} of the light is cut off", m.cut));
+    find(above(m.vertex_error, 1e-12), format!("R + T + A misses 1 by {:.1e}", m.vertex_error));
+    find(above(m.mismatches, 1e-4), format!("{:.1e} hits a path contradict the solids", m.mismatches));
     Row {
         kind,
         case: case.name.clone(),

@@ -43,7 +43,7 @@ fn scaled(mut s: Scene, mesh: f64, world: f64) -> Scene {
     }
     for part in &mut s.parts {
         part.to_world = DAffine3::from_scale(DVec3::splat(world)) * part.to_world;
-        part.to_world = part.to_world * DAffine3::from_scale(DVec3::splat(1.0 / mesh));
+        part.to_world *= DAffine3::from_scale(DVec3::splat(1.0 / mesh));
         for face in &mut part.faces {
             match &mut face.shape {
                 Shape::Plane { vertex, .. } => *vertex *= mesh,

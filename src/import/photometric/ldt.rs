@@ -165,7 +165,7 @@ pub fn read(file: &Path, bytes: &[u8]) -> Result<LuminousProfile> {
         }
         rows.push((angle, row));
     }
-    while let Some((line, text)) = reader.rest.next() {
+    for (line, text) in reader.rest.by_ref() {
         if !text.trim().is_empty() {
             return Err(lines
                 .fault(line, format!("`{}` follows the last of {total} intensities", shown(text.trim())))

@@ -226,6 +226,6 @@ const ROWS: &[(&str, &[&str], &str)] = &[
     (
         LIT,
         &["default.finish=polisht"],
-        "--set default.finish=polisht: unknown finish `polisht`; expected one of none, polished, lambert, gauss, mirror, polariser, retarder, absorber; did you mean `polished`?",
+        "--set default.finish=polisht: unknown finish `polisht`; expected one of none, polished, rough, lambert, gauss, cos_m, abg, measured, mirror, polariser, retarder, absorber; did you mean `polished`?",
     ),
 ];

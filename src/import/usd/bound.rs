@@ -224,7 +224,9 @@ impl Bound {
             return Err((what, format!("at most {MOST_VISITED}")));
         }
         let (stack, path) = site;
-        let mut found: Vec<(bool, Vec<Vec<(Arc, Path)>>)> = Vec::new();
+        // Per set of choices: whether it is a variant set, and the arcs of each choice.
+        type Choices = (bool, Vec<Vec<(Arc, Path)>>);
+        let mut found: Vec<Choices> = Vec::new();
         let Some(own) = self.stacks.get(*stack) else { return Ok(Vec::new()) };
         if own.arcs.is_empty() {
             return Ok(Vec::new());

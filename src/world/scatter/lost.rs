@@ -142,7 +142,7 @@ impl Lost {
         let behind = cos_out < 0.0;
         let (part, mean) =
             if behind { (1.0 - split.reflected, split.means[1]) } else { (split.reflected, split.means[0]) };
-        if !(mean > 0.0) {
+        if mean.is_nan() || mean <= 0.0 {
             return 0.0;
         }
         let arriving = self.at(&split, false, cos_in);

@@ -188,7 +188,7 @@ impl Scatter {
     /// Samples a direction; `u[0]` chooses the side, the others the direction. None is a sample of weight 0: absorbed,
     /// or in the wrong half space.
     pub fn sample(&self, d_in: DVec3, n: Sides, u: [f64; 3]) -> Option<Sampled> {
-        if !(d_in.z < 0.0) {
+        if d_in.z.is_nan() || d_in.z >= 0.0 {
             return None;
         }
         let sampled = match self {

@@ -164,27 +164,27 @@ impl Facets {
         const RINGS: usize = 256;
         const SECTORS: usize = 128;
         let wi = DVec3::new(((1.0 - cos_in) * (1.0 + cos_in)).max(0.0).sqrt(), 0.0, cos_in);
-        let lambda_in = self.lambda(wi);
         let mut sums = [0.0; 2];
         for ring in 0..RINGS {
             let steep = (ring as f64 + 0.5) / RINGS as f64;
-            let weight = 2.0 * steep;
             for sector in 0..SECTORS {
                 let at = [0.5 * (sector as f64 + 0.5) / SECTORS as f64, 1.0 - steep * steep];
-                let h = self.visible_normal(wi, at);
-                let f = Self::fresnel(n, wi.dot(h));
-                let back = h * (2.0 * wi.dot(h)) - wi;
-                if back.z > 0.0 {
-                    sums[0] += weight * f * (1.0 + lambda_in) * Self::masking(lambda_in, self.lambda(back));
-                }
-                if f < 1.0
-                    && let Some(wo) = refract(-wi, h, n.here / n.beyond).filter(|wo| wo.z < 0.0)
-                {
-                    sums[1] += weight * (1.0 - f) * (1.0 + lambda_in) * Self::masking(lambda_in, self.lambda(wo));
-                }
+                let shares = self.bounce(wi, n, at);
+                sums = [0, 1].map(|side| sums[side] + 2.0 * steep * shares[side]);
             }
         }
         sums.map(|sum| sum / (RINGS * SECTORS) as f64)
+    }
+
+    /// Shares of what arrives from `wi` at one visible normal that leave for good, back and through.
+    pub fn bounce(self, wi: DVec3, n: Sides, at: [f64; 2]) -> [f64; 2] {
+        let lambda_in = self.lambda(wi);
+        let seen = |wo: DVec3| (1.0 + lambda_in) * Self::masking(lambda_in, self.lambda(wo));
+        let h = self.visible_normal(wi, at);
+        let f = Self::fresnel(n, wi.dot(h));
+        let back = h * (2.0 * wi.dot(h)) - wi;
+        let through = if f < 1.0 { refract(-wi, h, n.here / n.beyond).filter(|wo| wo.z < 0.0) } else { None };
+        [if back.z > 0.0 { f * seen(back) } else { 0.0 }, through.map_or(0.0, |wo| (1.0 - f) * seen(wo))]
     }
 }
 

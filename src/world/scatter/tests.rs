@@ -206,27 +206,26 @@ fn mean_weight_is_the_albedo() {
     }
 }
 
-/// Rough dielectrics in a white furnace: of all that arrives nothing is lost. Points of a lattice stand for the random
-/// numbers, at ratios between the nodes of the tables too.
+/// Rough dielectrics in a white furnace: what one bounce leaves, by a rule of its own (points of a lattice), and what the
+/// tables hand back add up to everything, between the tables' points, too.
 #[test]
 fn rough_faces_keep_all_light() {
     let mut worst = (0f64, String::new());
-    for alpha in [0.01, 0.1, 0.25, 0.5, 1.0] {
-        let scatter = Scatter::Rough(Rough::new(Arc::new(Lost::new(alpha, &[[1.45, 1.55]]))));
+    for alpha in [1e-3, 0.01, 0.1, 0.25, 0.5, 1.0] {
+        let lost = Lost::new(alpha, &[[1.45, 1.55]]);
         for ratio in [1.45, 1.517] {
             for n in [Sides { here: 1.0, beyond: ratio }, Sides { here: ratio, beyond: 1.0 }] {
-                for theta in [0.0f64, 30.0, 43.0, 50.0, 75.0, 88.0] {
-                    let d_in = incoming(theta);
+                for theta in [0.0f64, 30.0, 43.0, 50.0, 75.0, 88.0, 89.9] {
+                    let wi = -incoming(theta);
                     let count = 1 << 18;
                     let mut sum = 0.0;
                     for k in 0..count {
-                        // Steps by the powers of the root of x⁴ = x + 1 (M. Roberts 2018).
-                        const STEPS: [f64; 3] =
-                            [0.819_172_513_396_164_4, 0.671_043_606_703_789_3, 0.549_700_477_901_970_3];
-                        let u = STEPS.map(|step| (0.5 + step * f64::from(k)).fract());
-                        sum += scatter.sample(d_in, n, u).map_or(0.0, |s| s.weight);
+                        // Steps by the powers of the root of x³ = x + 1 (M. Roberts 2018).
+                        const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+                        let at = STEPS.map(|step| (0.5 + step * f64::from(k)).fract());
+                        sum += lost.facets().bounce(wi, n, at).iter().sum::<f64>();
                     }
-                    let error = sum / f64::from(count) - 1.0;
+                    let error = sum / f64::from(count) + lost.choice(wi.z, n).0 - 1.0;
                     if error.abs() > worst.0 {
                         worst = (error.abs(), format!("α {alpha} n {n:?} θ {theta}: {error:e}"));
                     }
@@ -235,7 +234,7 @@ fn rough_faces_keep_all_light() {
         }
     }
     println!("worst {}", worst.1);
-    assert!(worst.0 < 1e-3, "worst {}", worst.1);
+    assert!(worst.0 < 5e-4, "worst {}", worst.1);
 }
 
 /// The same by chance: no further from 1 than three standard errors and what the tables are good for.

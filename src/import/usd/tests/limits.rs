@@ -93,7 +93,7 @@ fn prims_and_variants_that_multiply() {
     let mut sets = format!("{ROOT}def Xform \"P0\" ( variantSets = [");
     let names: Vec<String> = (0..1000).map(|i| format!("\"v{i}\"")).collect();
     write!(sets, "{}]\n    variants = {{ ", names.join(", ")).unwrap();
-    (0..1000).for_each(|i| write!(sets, "string v{i} = \"a\"\n").unwrap());
+    (0..1000).for_each(|i| writeln!(sets, "string v{i} = \"a\"").unwrap());
     sets += "} ) {\n";
     (0..1000).for_each(|i| writeln!(sets, "variantSet \"v{i}\" = {{ \"a\" {{ def Xform \"c{i}\" {{ }} }} }}").unwrap());
     sets += "}\n";

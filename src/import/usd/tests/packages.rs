@@ -31,7 +31,7 @@ fn a_package_may_begin_with_a_package() {
     std::fs::write(&file, &outer).unwrap();
     let found = read(&file, &ReadOptions::default()).unwrap();
     assert_eq!(paths(&found), ["P", "P/a", "P/a/S", "P/b", "P/b/S"], "{}", notes(&found));
-    assert_eq!(found.dependencies, [file.clone()]);
+    assert_eq!(found.dependencies, std::slice::from_ref(&file));
     // A package that never ends.
     for _ in 0..2 * package::MOST_NESTED {
         outer = pack(&[("inner.usdz", &outer)]);

@@ -1,0 +1,114 @@
+//! The vertex step at faces that scatter: a path goes on in a sampled direction.
+
+use super::ledger::Ledger;
+use super::walk::{Meeting, Vertex, Walker};
+use crate::base::path::Event;
+use crate::base::warp::Frame;
+use crate::world::mode::{Mode, lanes};
+use crate::world::scatter::{Scatter, Sides};
+use glam::DVec3;
+
+/// Refractive indices on both sides of a face that scatters.
+#[derive(Debug, Clone, Copy)]
+pub struct FaceSides<M: Mode> {
+    here: M::Lanes<f64>,
+    beyond: M::Lanes<f64>,
+    /// The face's scattering depends on them.
+    matter: bool,
+}
+
+impl<M: Mode> FaceSides<M> {
+    /// In a lane.
+    pub fn of(&self, lane: usize) -> Sides {
+        Sides { here: self.here[lane], beyond: self.beyond[lane] }
+    }
+
+    /// In the first lane, within the rounding that half vectors of refraction bear.
+    pub(super) fn are_equal(&self) -> bool {
+        const NEXT_TO_EQUAL: f64 = 1e-9;
+        (self.here[0] - self.beyond[0]).abs() <= NEXT_TO_EQUAL * self.here[0]
+    }
+
+    /// The distribution per lane; whether the first lane alone counts, since what goes through is dispersed. As at a
+    /// smooth face the first lane then stands for all: what another wavelength sends the same way would come in at a
+    /// density that the first does not sample.
+    pub fn eval(&self, scatter: &Scatter, d_in: DVec3, d_out: DVec3) -> (M::Lanes<f64>, bool) {
+        if !self.matter {
+            let value = scatter.eval(d_in, d_out, self.of(0));
+            return (lanes::<M, _>(|_| value), false);
+        }
+        let alone = d_out.z < 0.0
+            && (1..M::LANES).any(|lane| self.here[lane] * self.beyond[0] != self.here[0] * self.beyond[lane]);
+        let used = if alone { 1 } else { M::LANES };
+        let values = lanes::<M, _>(|lane| if lane < used { scatter.eval(d_in, d_out, self.of(lane)) } else { 0.0 });
+        (values, alone)
+    }
+}
+
+impl<'w, M: Mode> Walker<'w, M> {
+    /// Chooses between what a face reflects specularly and what it scatters, by what they carry with a floor for both.
+    /// The beam then stands for the chosen one.
+    pub(super) fn stays_specular(
+        &mut self,
+        vertex: &Vertex,
+        scatter: &Scatter,
+        specular: f64,
+        ledger: &mut Ledger,
+    ) -> bool {
+        const LEAST: f64 = 0.1;
+        let scattered = scatter.albedo(-self.ray.dir.dot(vertex.normal));
+        let chance = (specular / (specular + scattered)).clamp(LEAST, 1.0 - LEAST);
+        let before = self.beam.carried();
+        if self.rng.uniform() < chance {
+            // What is neither reflected nor scattered is absorbed, and booked where the rest scatters.
+            self.beam.scale(specular / chance);
+            self.trail = self.trail.then(Event::Specular);
+            ledger.by_chance(self.beam.carried() - before);
+            return true;
+        }
+        self.beam.scale(1.0 / (1.0 - chance));
+        // The specular share of it stands for nothing.
+        ledger.by_chance(self.beam.carried() * (1.0 - specular) - before);
+        false
+    }
+
+    /// Scatters at a vertex for which [`Walker::meet`] said `Scatter`. Returns the direction's density per steradian
+    /// while the path goes on.
+    pub fn scatter(&mut self, vertex: &Vertex, scatter: &Scatter, frame: &Frame, ledger: &mut Ledger) -> Option<f64> {
+        let part = vertex.hit.site.part;
+        let d_in = frame.to_local(self.ray.dir);
+        let sides = self.sides(vertex, scatter);
+        // What the face reflects specularly besides is not this path's.
+        let absorbed = 1.0 - scatter.specular() - scatter.albedo(-d_in.z);
+        self.absorb(part, self.beam.carried() * absorbed, ledger);
+        self.trail = self.trail.then(scatter.event());
+        let u = [self.rng.uniform(), self.rng.uniform(), self.rng.uniform()];
+        let sampled = scatter.sample(d_in, sides.of(0), u)?;
+        let through = sampled.dir.z < 0.0;
+        if M::LANES == 1 || !scatter.refracts() {
+            self.beam.scale(sampled.weight);
+        } else {
+            let (values, alone) = sides.eval(scatter, d_in, sampled.dir);
+            let cos = sampled.dir.z.abs();
+            self.beam.scale_lanes(&lanes::<M, _>(|lane| values[lane] * cos / sampled.pdf));
+            if alone {
+                self.beam.part();
+            }
+        }
+        self.beam.depolarise(frame.to_world(sampled.dir));
+        match self.go(vertex, frame.to_world(sampled.dir), through, ledger) {
+            Meeting::Went => Some(sampled.pdf),
+            Meeting::Ended | Meeting::Scatter(..) => None,
+        }
+    }
+
+    /// Indices on both sides of the face at `vertex`, as far as `scatter` asks for them.
+    pub fn sides(&self, vertex: &Vertex, scatter: &Scatter) -> FaceSides<M> {
+        if scatter.refracts() {
+            FaceSides { here: self.index_here(), beyond: self.index_beyond(vertex), matter: true }
+        } else {
+            let air = lanes::<M, _>(|_| 1.0);
+            FaceSides { here: air, beyond: air, matter: false }
+        }
+    }
+}
