@@ -21,7 +21,7 @@ const PROBES_NM: [f64; 5] = [420.0, 480.0, 550.0, 620.0, 690.0];
 /// The mode of a scene, with reasons.
 pub fn decide(checked: &Checked, world: &World, asked: Polarisation, stop: &ShouldStop<'_>) -> PathMode {
     let (spectral, spectral_because) = spectral(checked.scene(), world);
-    let (polarised, polarised_because) = polarised(checked.scene(), world, asked, stop);
+    let (polarised, polarised_because) = polarised(checked, world, asked, stop);
     PathMode { spectral, spectral_because, polarised, polarised_because }
 }
 
@@ -103,7 +103,8 @@ fn chromatic(scene: &Scene, world: &World) -> Option<String> {
 /// Share of what left the eye by which the light at some face must differ for Stokes vectors to be worth their cost.
 const MATTERS: f64 = 1e-3;
 
-fn polarised(scene: &Scene, world: &World, asked: Polarisation, stop: &ShouldStop<'_>) -> (bool, String) {
+fn polarised(checked: &Checked, world: &World, asked: Polarisation, stop: &ShouldStop<'_>) -> (bool, String) {
+    let scene = checked.scene();
     match asked {
         Polarisation::On => return (true, "asked for".to_owned()),
         Polarisation::Off => return (false, "asked for".to_owned()),
@@ -119,6 +120,9 @@ fn polarised(scene: &Scene, world: &World, asked: Polarisation, stop: &ShouldSto
     let sheet = |finish: &Finish| matches!(finish, Finish::Polariser { .. } | Finish::Retarder { .. });
     if let Some(part) = scene.parts.iter().find(|part| part.faces.iter().any(|face| sheet(&face.finish))) {
         return (true, format!("{} is there to act on it", part.path));
+    }
+    if !checked.facts().specular {
+        return (false, "no face is specular".to_owned());
     }
     let (most, part) = departure(world, stop);
     match part {

@@ -14,6 +14,7 @@ use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, Mono};
+use crate::world::optics::Optics;
 use glam::DVec3;
 
 /// Lamp paths per round of a pilot: a small picture is not worth many.
@@ -69,6 +70,8 @@ pub fn without_arrivals(pilot: &ForwardPilot) -> Vec<GroupId> {
 /// that a photon's disk is about a pixel's footprint. Falls back to 1/500 of the scene if no pixel sees one.
 pub fn photon_radius_m(world: &World, [width, height]: [usize; 2]) -> f64 {
     const GRID: usize = 24;
+    let optics = Mono::<f64>::optics(world, 0, 0);
+    let start = (world, &optics);
     let mut spacings = Vec::new();
     for j in 0..GRID {
         for i in 0..GRID {
@@ -76,8 +79,8 @@ pub fn photon_radius_m(world: &World, [width, height]: [usize; 2]) -> f64 {
             let neighbour = if x + 1 < width { (x + 1, y) } else { (x.saturating_sub(1), y) };
             for salt in 0..4 {
                 // The same random choices for both rays: they take the same faces unless they meet different ones.
-                let here = first_broad(world, (x, y), salt);
-                let there = first_broad(world, neighbour, salt);
+                let here = first_broad(start, (x, y), salt);
+                let there = first_broad(start, neighbour, salt);
                 if let (Some((face, a)), Some((other, b))) = (here, there)
                     && face == other
                     && a != b
@@ -97,12 +100,15 @@ pub fn photon_radius_m(world: &World, [width, height]: [usize; 2]) -> f64 {
     }
 }
 
-fn first_broad(world: &World, (x, y): (usize, usize), salt: u64) -> Option<((u32, u32), DVec3)> {
+fn first_broad(
+    (world, optics): (&World, &Optics<Mono>),
+    (x, y): (usize, usize),
+    salt: u64,
+) -> Option<((u32, u32), DVec3)> {
     let (origin, dir) = world.eye.ray(x, y, [0.5; 2], [0.5; 2]);
     let rng = Rng::new(0, Stream::Pilot, 0, salt);
     let ray = Ray { origin, dir, from: None };
-    let optics = Mono::<f64>::optics(world, 0, 0);
-    let mut walker = Walker::new((world, &optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
+    let mut walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
     let mut ledger = Ledger::new(world.solids.len());
     for _ in 0..64 {
         let Met::Face(vertex) = walker.advance(&mut ledger) else { return None };

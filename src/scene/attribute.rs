@@ -19,6 +19,22 @@ pub enum Noun {
     Asset,
 }
 
+impl Noun {
+    /// In the order of the reference and of the schemas; the asset itself comes last.
+    pub const ALL: [Noun; 10] = [
+        Noun::Medium,
+        Noun::Finish,
+        Noun::Coating,
+        Noun::Shape,
+        Noun::Emitter,
+        Noun::Slide,
+        Noun::Sky,
+        Noun::Sun,
+        Noun::Eye,
+        Noun::Asset,
+    ];
+}
+
 impl fmt::Display for Noun {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

@@ -7,18 +7,10 @@ use serde_json::{Map, Value, json};
 
 const FOLDER: &str = "schemas/gltf/EYEBOX_optics/schema";
 
-/// The nouns with a schema of their own.
-const SHARED: [Noun; 9] = [
-    Noun::Medium,
-    Noun::Finish,
-    Noun::Coating,
-    Noun::Shape,
-    Noun::Emitter,
-    Noun::Slide,
-    Noun::Sky,
-    Noun::Sun,
-    Noun::Eye,
-];
+/// Whether a noun has a schema of its own: all but the asset, whose attributes are the root's.
+fn is_shared(noun: Noun) -> bool {
+    noun != Noun::Asset
+}
 
 pub fn files() -> Vec<(String, String)> {
     let mut all = vec![
@@ -27,7 +19,7 @@ pub fn files() -> Vec<(String, String)> {
         file("node", "on a node; it holds for the parts below it, too, where nothing nearer says otherwise", &node()),
         file("mesh.primitive", "on a mesh primitive, which is one face", &primitive()),
     ];
-    for noun in SHARED {
+    for noun in Noun::ALL.into_iter().filter(|noun| is_shared(*noun)) {
         let schema = match holder(noun) {
             // The list of the root holds tables; elsewhere the same may be a name or an index.
             Some(row) => super::json::row(row, Carrier::Gltf),
@@ -86,7 +78,7 @@ fn property(mut properties: Map<String, Value>, required: &[&str]) -> Value {
 /// A row's schema: the shared one of its noun if it is the whole noun.
 fn of(own: &Row) -> (String, Value) {
     let schema = match (own.form, own.name == own.noun.to_string()) {
-        (Form::Kind | Form::Thing(_), true) if SHARED.contains(&own.noun) => {
+        (Form::Kind | Form::Thing(_), true) if is_shared(own.noun) => {
             json!({ "$ref": shared(own.noun) })
         }
         _ => row(own, Carrier::Gltf),

@@ -135,18 +135,7 @@ pub fn text() -> String {
     out += "\n## Attributes\n\nA kind is its name (`\"polished\"`), or an object with `kind` and the parameters (`{ \"kind\": \"gauss\", \
         \"sigma_deg\": 6 }`), or with the parameters under the kind's name (`{ \"gauss\": { \"sigma_deg\": 6 } }`), or with the \
         parameter alone if it has the kind's name.\n";
-    for noun in [
-        Noun::Medium,
-        Noun::Finish,
-        Noun::Coating,
-        Noun::Shape,
-        Noun::Emitter,
-        Noun::Slide,
-        Noun::Sky,
-        Noun::Sun,
-        Noun::Eye,
-        Noun::Asset,
-    ] {
+    for noun in Noun::ALL {
         out += &format!("\n### {noun}\n\n");
         out += HEADER;
         let shown = |row: &&Row| noun != Noun::Asset || !["schema", "version", "asset"].contains(&row.name);

@@ -115,19 +115,7 @@ fn add(row: &'static Row, name: &str, out: &mut Vec<Property>) {
 
 /// Every name that a property can have, without namespace and without the prefix of faces and of `default`.
 pub(super) fn known() -> Vec<String> {
-    const NOUNS: [Noun; 10] = [
-        Noun::Medium,
-        Noun::Finish,
-        Noun::Coating,
-        Noun::Shape,
-        Noun::Emitter,
-        Noun::Slide,
-        Noun::Sky,
-        Noun::Sun,
-        Noun::Eye,
-        Noun::Asset,
-    ];
-    let rows = NOUNS.into_iter().flat_map(properties).map(|property| property.name);
+    let rows = Noun::ALL.into_iter().flat_map(properties).map(|property| property.name);
     rows.chain(["faces", "normal"].map(str::to_owned)).collect()
 }
 
