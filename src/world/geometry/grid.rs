@@ -17,7 +17,12 @@ pub struct Grid {
     columns: usize,
     /// For each cell, row by row, where its slots start; one more entry for the end.
     starts: Vec<u32>,
-    slots: Vec<u32>,
+    /// Places in `flat`.
+    inside: Vec<u32>,
+    /// Corners of the triangles in the plane, from `base`.
+    flat: Vec<[DVec2; 3]>,
+    /// Slot of the first triangle.
+    first: u32,
 }
 
 /// Cells per triangle.
@@ -44,7 +49,17 @@ impl Grid {
         let count = |length: f64| (length / side).ceil().clamp(1.0, 2048.0);
         let counts = DVec2::new(count(size.x), count(size.y));
         let (columns, rows) = (counts.x as usize, counts.y as usize);
-        let mut grid = Grid { base, lo, hi, scale: counts / size, columns, starts: vec![], slots: vec![] };
+        let mut grid = Grid {
+            base,
+            lo,
+            hi,
+            scale: counts / size,
+            columns,
+            starts: vec![],
+            inside: vec![],
+            flat: vec![],
+            first: 0,
+        };
         let mut entries: Vec<(u32, u32)> = Vec::new();
         for (i, t) in flat.iter().enumerate() {
             let (near, far) = (t[0].min(t[1]).min(t[2]) - pad, t[0].max(t[1]).max(t[2]) + pad);
@@ -71,19 +86,46 @@ impl Grid {
             Some(*at as u32)
         });
         grid.starts = starts.collect();
-        grid.slots = entries.iter().map(|(_, slot)| *slot).collect();
+        grid.inside = entries.iter().map(|(_, place)| *place).collect();
+        grid.flat = flat;
         Some(grid)
     }
 
     /// Moves all slots up.
     pub fn move_slots(&mut self, by: u32) {
-        self.slots.iter_mut().for_each(|slot| *slot += by);
+        self.first += by;
     }
 
-    /// Slots of the triangles that may contain a point of the surface, ascending.
+    /// The first slot of a triangle that contains a point of the surface: the test of
+    /// [`Shear::cross`](super::patch::Shear::cross) in the plane, where the corners are known already. Each corner is
+    /// moved by the point in the same way whatever triangle asks, so no point slips between two triangles.
     #[inline]
-    pub fn around(&self, shear: &Shear, p: DVec3) -> &[u32] {
+    pub fn find(&self, shear: &Shear, p: DVec3) -> Option<u32> {
         let q = shear.flatten(p - self.base);
+        self.around(q).iter().find(|place| self.contains(**place, q)).map(|place| self.first + place)
+    }
+
+    /// [`Grid::find`] without cells.
+    #[cfg(test)]
+    pub fn find_of_all(&self, shear: &Shear, p: DVec3) -> Option<u32> {
+        let q = shear.flatten(p - self.base);
+        (0..self.flat.len() as u32).find(|place| self.contains(*place, q)).map(|place| self.first + place)
+    }
+
+    #[inline]
+    fn contains(&self, place: u32, q: DVec2) -> bool {
+        self.flat.get(place as usize).is_some_and(|[a, b, c]| {
+            let (a, b, c) = (*a - q, *b - q, *c - q);
+            let (u, v, w) = (c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x);
+            let outside = (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
+            // An edge-on triangle contains nothing.
+            !outside && u + v + w != 0.0
+        })
+    }
+
+    /// Places of the triangles that may contain a point of the plane, ascending.
+    #[inline]
+    fn around(&self, q: DVec2) -> &[u32] {
         if !(q.x >= self.lo.x && q.y >= self.lo.y && q.x <= self.hi.x && q.y <= self.hi.y) {
             return &[];
         }
@@ -91,7 +133,7 @@ impl Grid {
         let column = (at.x as usize).min(self.columns - 1);
         let cell = ((at.y as usize) * self.columns + column).min(self.starts.len().saturating_sub(2));
         match self.starts.get(cell..cell + 2) {
-            Some([from, to]) => self.slots.get(*from as usize..*to as usize).unwrap_or(&[]),
+            Some([from, to]) => self.inside.get(*from as usize..*to as usize).unwrap_or(&[]),
             Some(_) | None => &[],
         }
     }
@@ -131,14 +173,14 @@ mod tests {
         let mut found = 0;
         for _ in 0..20_000 {
             let p = DVec3::new(rng.uniform() - 0.5, rng.uniform() - 0.5, rng.uniform() - 0.5) * 12.0;
-            let near = grid.around(&shear, p);
-            for (i, t) in triangles.iter().enumerate() {
-                if shear.cross(t, p).is_some() {
-                    assert!(near.contains(&(7 + i as u32)), "{i} at {p}");
-                    found += 1;
-                }
-            }
+            let near = grid.around(shear.flatten(p - grid.base));
+            let first = grid.find(&shear, p);
+            let all: Vec<u32> =
+                (0..triangles.len() as u32).filter(|i| shear.cross(&triangles[*i as usize], p).is_some()).collect();
+            assert!(all.iter().all(|i| near.contains(i)), "{all:?} at {p}");
+            assert_eq!(first, all.first().map(|i| 7 + i), "{all:?} at {p}");
+            found += all.len();
         }
-        assert!(found > 500 && grid.slots.len() < 10 * triangles.len(), "{found} {}", grid.slots.len());
+        assert!(found > 500 && grid.inside.len() < 10 * triangles.len(), "{found} {}", grid.inside.len());
     }
 }

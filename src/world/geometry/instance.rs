@@ -23,8 +23,8 @@ pub struct Instance {
     to_local: DAffine3,
     /// Mesh normals → world directions: the inverse transpose, which keeps outward outward in a mirrored part.
     normals: DMat3,
-    /// Mesh units per metre, if it is the same in all directions.
-    scale: Option<f64>,
+    /// Mesh units per metre and metres per mesh unit, if they are the same in all directions.
+    scale: Option<[f64; 2]>,
     /// What f64 rounding may move a point by, in mesh units.
     grain: f64,
 }
@@ -78,7 +78,7 @@ impl Instance {
         let lean = x.dot(y).abs().max(y.dot(z).abs()).max(z.dot(x).abs());
         let shortest = x.length().min(y.length()).min(z.length());
         let even = per_metre - shortest <= UNEVEN * per_metre && lean <= UNEVEN * per_metre * per_metre;
-        let scale = even.then_some(per_metre);
+        let scale = even.then(|| [per_metre, per_metre.recip()]);
         // Three products and sums each way, twice over.
         let grain = 16.0 * f64::EPSILON * (extent * per_metre + local.reach());
         let bounds = local.map(&to_world);
@@ -91,8 +91,11 @@ impl Instance {
     fn line(&self, solid: &Solid, ray: &Ray, beside: Option<Site>, reach: f64) -> Option<(Line, f64)> {
         let origin = self.to_local.transform_point3(ray.origin);
         let along = self.to_local.transform_vector3(ray.dir);
-        let scale = self.scale.unwrap_or_else(|| along.length());
-        let mut line = Line::new(solid, origin, along * scale.recip(), reach * scale, self.grain)?;
+        let [scale, metres] = self.scale.unwrap_or_else(|| {
+            let scale = along.length();
+            [scale, scale.recip()]
+        });
+        let mut line = Line::new(solid, origin, along * metres, reach * scale, self.grain)?;
         for site in [ray.from, beside].into_iter().flatten() {
             if site.part == self.part {
                 line.leave(solid, site.face, site.triangle);
@@ -129,14 +132,13 @@ impl Instance {
     }
 
     pub fn hit(&self, solid: &Solid, touch: &Touch, t: f64) -> Option<Hit> {
-        let triangle = solid.triangles.get(touch.slot as usize)?;
         let (normal, shading) = solid.normals_at(touch)?;
         let local = solid.settle(touch);
         let normal = (self.normals * normal).try_normalize()?;
         let shading = (self.normals * shading).normalize_or(normal);
         Some(Hit {
             t,
-            site: Site { part: self.part, face: triangle.face, triangle: triangle.index },
+            site: Site { part: self.part, face: touch.triangle.face, triangle: touch.triangle.index },
             point: self.to_world.transform_point3(local),
             local,
             normal,

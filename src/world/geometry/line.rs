@@ -2,7 +2,7 @@
 
 use super::exact::Quadric;
 use super::patch::{Projection, Shear};
-use super::solid::Solid;
+use super::solid::{Solid, Triangle};
 use glam::DVec3;
 
 /// A ray in a solid's coordinates.
@@ -12,6 +12,8 @@ pub struct Line {
     /// Unit, about.
     pub dir: DVec3,
     pub inverse: DVec3,
+    /// Where it enters the solid's bounds.
+    pub start: f64,
     /// The surface that the ray starts on, `u32::MAX` for none, and the triangle.
     pub from: u32,
     pub from_triangle: u32,
@@ -29,7 +31,7 @@ pub struct Probe {
     pub through: DVec3,
     pub shear: Shear,
     /// Of the exact face that was tried last.
-    pub roots: Roots,
+    pub roots: Option<Roots>,
     /// All places of the line on the curved face that was tried last, which may be many, ascending.
     many: Option<Box<Many>>,
 }
@@ -42,6 +44,7 @@ type Many = (u32, Vec<(f64, DVec3)>);
 pub struct Touch {
     pub t: f64,
     pub slot: u32,
+    pub triangle: Triangle,
     pub at: DVec3,
     /// Of the triangle's corners; only for triangles that are not exact.
     pub weights: [f64; 3],
@@ -63,7 +66,7 @@ impl Line {
         let inverse = dir.recip();
         let (start, _) = solid.bounds.clip(origin, inverse)?;
         let [from, from_triangle, skip] = [u32::MAX; 3];
-        (start <= reach).then_some(Line { origin, dir, inverse, from, from_triangle, skip, grain })
+        (start <= reach).then_some(Line { origin, dir, inverse, start, from, from_triangle, skip, grain })
     }
 
     /// The ray starts on this face and triangle.
@@ -82,7 +85,7 @@ impl Line {
 impl Probe {
     pub fn new(line: &Line, start: f64) -> Probe {
         let through = line.origin + start * line.dir;
-        Probe { start, through, shear: Shear::along(line.dir), roots: Roots::none(), many: None }
+        Probe { start, through, shear: Shear::along(line.dir), roots: None, many: None }
     }
 
     /// The places on a curved face, found once while its triangles are tried.
@@ -95,14 +98,10 @@ impl Probe {
 }
 
 impl Roots {
-    fn none() -> Roots {
-        let shear = Shear::along(DVec3::Z);
-        Roots { face: u32::MAX, t: [f64::NAN; 2], at: [DVec3::ZERO; 2], shear: [shear; 2] }
-    }
-
     #[inline]
     pub fn of(face: u32, quadric: &Quadric, projection: &Projection, line: &Line, starts_here: bool) -> Roots {
-        let mut roots = Roots { face, ..Roots::none() };
+        let shear = Shear::along(DVec3::Z);
+        let mut roots = Roots { face, t: [f64::NAN; 2], at: [DVec3::ZERO; 2], shear: [shear; 2] };
         let found = quadric.intersect(line.origin, line.dir, starts_here);
         for (i, t) in found.into_iter().enumerate() {
             if !(t > 0.0 && t < f64::INFINITY) {

@@ -10,14 +10,18 @@ mod bound;
 pub mod curved;
 pub mod exact;
 mod grid;
+mod huge;
 mod instance;
 mod line;
+mod pack;
 mod patch;
 mod prepare;
 mod solid;
+mod split;
 mod top;
 mod touching;
 mod tree;
+mod wide;
 
 #[cfg(test)]
 mod brute_tests;

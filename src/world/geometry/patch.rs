@@ -14,8 +14,8 @@ use glam::{DVec2, DVec3};
 /// A direction prepared for the test: its largest component and the shear that turns it into that axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shear {
-    axes: [usize; 3],
-    shear: [f64; 3],
+    pub axes: [usize; 3],
+    pub shear: [f64; 3],
 }
 
 /// Where a line passes through a triangle.
@@ -30,13 +30,10 @@ pub struct Crossing {
 impl Shear {
     pub fn along(dir: DVec3) -> Shear {
         let d = dir.to_array();
-        let z = if d[0].abs() > d[1].abs() {
-            if d[0].abs() > d[2].abs() { 0 } else { 2 }
-        } else if d[1].abs() > d[2].abs() {
-            1
-        } else {
-            2
-        };
+        // Selections, not branches: which component is the largest is anybody's guess.
+        let [a, b, c] = d.map(f64::abs);
+        let (largest, z) = if a > b { (a, 0) } else { (b, 1) };
+        let z = if largest > c { z } else { 2 };
         let x = if z == 2 { 0 } else { z + 1 };
         let y = if x == 2 { 0 } else { x + 1 };
         let inverse = 1.0 / d[z];

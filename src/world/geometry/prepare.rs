@@ -4,9 +4,12 @@ use super::bound::{Bounds, patch_box, triangle_box};
 use super::curved::Curved;
 use super::exact::Quadric;
 use super::grid::Grid;
+use super::huge;
+use super::pack::Pack;
 use super::patch::{Projection, vertex};
 use super::solid::{Sheet, Solid, Surface, Triangle, winding};
 use super::tree::Tree;
+use super::wide::Leaf;
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::scene::{FaceRange, Finish, Mesh, Part, Shape};
@@ -128,12 +131,21 @@ pub fn solid(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Solid>
     }
     let (order, tree, grids) = arrange(&triangles, &boxes, &sheets)
         .ok_or_else(|| Fault::new(Where::part(&part.path), "it has too many triangles").expected("less than 2^32"))?;
+    let triangles: Vec<Triangle> = order.iter().filter_map(|i| triangles.get(*i as usize).copied()).collect();
+    let of_leaf = |leaf: &Leaf| triangles.get(leaf.first as usize..)?.get(..leaf.count as usize);
+    let plain = |t: &Triangle| matches!(sheets[t.face as usize].surface, Surface::Flat | Surface::Faceted);
+    let packs = if tree.leaves().iter().filter_map(of_leaf).flatten().all(plain) {
+        huge::settle(tree.leaves().iter().map(|leaf| Pack::new(*leaf, of_leaf(leaf).unwrap_or(&[]))).collect())
+    } else {
+        Vec::new()
+    };
     Ok(Some(Solid {
         bounds: bounds.widen(DVec3::splat(1e-6 * bounds.half().max_element() + 1e-12 * bounds.reach())),
         tree,
         grids,
-        triangles: order.iter().filter_map(|i| triangles.get(*i as usize).copied()).collect(),
-        normals: order.iter().filter_map(|i| normals.get(*i as usize).copied()).collect(),
+        packs,
+        triangles,
+        normals: huge::settle(order.iter().filter_map(|i| normals.get(*i as usize).copied()).collect()),
         faces: sheets,
     }))
 }

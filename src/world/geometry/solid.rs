@@ -5,8 +5,10 @@ use super::curved::Curved;
 use super::exact::Quadric;
 use super::grid::Grid;
 use super::line::{Line, Probe, Roots, Touch};
+use super::pack::Pack;
 use super::patch::{Projection, Shear, point_on};
 use super::tree::Tree;
+use super::wide::{Lanes, Leaf};
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -16,6 +18,8 @@ pub struct Solid {
     pub bounds: Bounds,
     /// Of the triangles that are not in a grid.
     pub tree: Tree,
+    /// The corners of each leaf of the tree, if its triangles are all no more than triangles; else none.
+    pub packs: Vec<Pack>,
     /// Exact height fields: the faces that are looked up by their points, and where.
     pub grids: Vec<(u32, Grid)>,
     /// In the order of the tree's slots, then the grids'.
@@ -34,6 +38,9 @@ pub struct Triangle {
     /// Triangle of the mesh.
     pub index: u32,
 }
+
+/// Finds the slot of a grid's triangle that contains a point.
+type Find = fn(&Grid, &Shear, DVec3) -> Option<u32>;
 
 /// The surface of a face.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,7 +95,7 @@ impl Solid {
         let mut consider = |touch: Touch, reach: &mut f64| {
             let first = match &best {
                 _ if touch.t < *reach => true,
-                Some(other) => self.triangles[touch.slot as usize].index < self.triangles[other.slot as usize].index,
+                Some(other) => touch.triangle.index < other.triangle.index,
                 None => false,
             };
             if first {
@@ -97,35 +104,67 @@ impl Solid {
             }
         };
         for (face, grid) in &self.grids {
-            if let Some(touch) = self.look_up(*face, grid, line, reach) {
+            if let Some(touch) = self.look_up(*face, grid, line, reach, Grid::find) {
                 consider(touch, &mut reach);
             }
         }
         if let Some(mut probe) = self.probe(line, reach) {
-            let _ = self.tree.candidates(line.origin, line.dir, probe.start, reach, |slot| {
-                if let Some(touch) = self.touch(slot, line, reach, &mut probe) {
-                    consider(touch, &mut reach);
-                }
+            let (along, range) = ([line.origin, line.dir, line.inverse], [probe.start, reach]);
+            let _ = self.tree.candidates(along, range, &self.packs, |leaf, lanes| {
+                self.each(leaf, lanes, &mut probe, |slot, triangle, probe| {
+                    if let Some(touch) = self.touch(slot, triangle, line, reach, probe) {
+                        consider(touch, &mut reach);
+                    }
+                    ControlFlow::Continue(())
+                })?;
                 ControlFlow::Continue(reach)
             });
         }
         best
     }
 
+    /// Calls `visit` with the slots of a leaf that the line may touch, and their triangles.
+    #[inline(always)]
+    fn each(
+        &self,
+        leaf: u32,
+        lanes: Option<Lanes>,
+        probe: &mut Probe,
+        mut visit: impl FnMut(u32, &Triangle, &mut Probe) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        if let Some(pack) = self.packs.get(leaf as usize) {
+            for (slot, triangle) in pack.cross(lanes, &probe.shear, probe.through) {
+                visit(slot, &triangle, probe)?;
+            }
+        } else if let Some(Leaf { first, count }) = self.tree.leaves().get(leaf as usize).copied() {
+            for slot in first..first + count {
+                let Some(triangle) = self.triangles.get(slot as usize) else { break };
+                visit(slot, triangle, probe)?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
     /// The line for the triangles of the tree, if it enters the tree's bounds.
     #[inline]
     fn probe(&self, line: &Line, reach: f64) -> Option<Probe> {
-        let (start, _) = self.tree.bounds.clip(line.origin, line.inverse)?;
+        let start = self.start(line)?;
         (start <= reach).then(|| Probe::new(line, start))
+    }
+
+    /// Where the line enters the tree's bounds. Without grids the tree holds all that the solid's bounds do.
+    #[inline]
+    fn start(&self, line: &Line) -> Option<f64> {
+        if self.grids.is_empty() { Some(line.start) } else { Some(self.tree.bounds.clip(line.origin, line.inverse)?.0) }
     }
 
     /// Where the line meets a face that has a grid, with 0 < t ≤ reach.
     #[inline]
-    fn look_up(&self, face: u32, grid: &Grid, line: &Line, reach: f64) -> Option<Touch> {
+    fn look_up(&self, face: u32, grid: &Grid, line: &Line, reach: f64, find: Find) -> Option<Touch> {
         let sheet = self.faces.get(face as usize)?;
         let (quadric, shear) = match &sheet.surface {
             Surface::Exact { quadric, projection: Projection::Axial(shear), .. } => (quadric, shear),
-            Surface::Curved { curved, .. } => return self.look_up_curved(face, curved, grid, line, reach),
+            Surface::Curved { curved, .. } => return self.look_up_curved(face, curved, grid, line, reach, find),
             Surface::Exact { .. } | Surface::Absent | Surface::Flat | Surface::Faceted => return None,
         };
         let starts_here = sheet.identity == line.from;
@@ -137,12 +176,12 @@ impl Solid {
                 continue;
             }
             let at = line.origin + t * line.dir;
-            for slot in grid.around(shear, at) {
-                let inside = self.triangles.get(*slot as usize).is_some_and(|t| shear.cross(&t.corners, at).is_some());
-                // The far half of an ellipsoid and the other sheet of a hyperboloid are not meant.
-                if inside && quadric.branch(at) > 0.0 {
-                    return Some(Touch { t, slot: *slot, at, weights: [0.0; 3] });
-                }
+            // The far half of an ellipsoid and the other sheet of a hyperboloid are not meant.
+            if quadric.branch(at) > 0.0
+                && let Some(slot) = find(grid, shear, at)
+                && let Some(triangle) = self.triangles.get(slot as usize)
+            {
+                return Some(Touch { t, slot, triangle: *triangle, at, weights: [0.0; 3] });
             }
         }
         None
@@ -150,7 +189,15 @@ impl Solid {
 
     /// The same for surfaces beyond quadrics, kept apart so that those stay small.
     #[inline(never)]
-    fn look_up_curved(&self, face: u32, curved: &Curved, grid: &Grid, line: &Line, reach: f64) -> Option<Touch> {
+    fn look_up_curved(
+        &self,
+        face: u32,
+        curved: &Curved,
+        grid: &Grid,
+        line: &Line,
+        reach: f64,
+        find: Find,
+    ) -> Option<Touch> {
         let shear = curved.shear.as_ref()?;
         let starts_here = self.faces.get(face as usize).is_some_and(|sheet| sheet.identity == line.from);
         if face == line.skip {
@@ -159,11 +206,11 @@ impl Solid {
         let mut touch = None;
         // A touch at the reach itself counts.
         let _ = curved.along(line.origin, line.dir, starts_here, reach.next_up(), &mut |t, at| {
-            for slot in grid.around(shear, at) {
-                if self.triangles.get(*slot as usize).is_some_and(|t| shear.cross(&t.corners, at).is_some()) {
-                    touch = Some(Touch { t, slot: *slot, at, weights: [0.0; 3] });
-                    return ControlFlow::Break(());
-                }
+            if let Some(slot) = find(grid, shear, at)
+                && let Some(triangle) = self.triangles.get(slot as usize)
+            {
+                touch = Some(Touch { t, slot, triangle: *triangle, at, weights: [0.0; 3] });
+                return ControlFlow::Break(());
             }
             ControlFlow::Continue(())
         });
@@ -192,46 +239,47 @@ impl Solid {
         });
         let mut near = all.iter().take_while(|(t, _)| *t <= reach);
         let found = near.find(|(_, at)| curved.belongs(*at, &triangle.corners));
-        found.map(|(t, at)| Touch { t: *t, slot, at: *at, weights: [0.0; 3] })
+        found.map(|(t, at)| Touch { t: *t, slot, triangle: *triangle, at: *at, weights: [0.0; 3] })
     }
 
     /// [`Solid::nearest`] without the tree: every triangle is tried.
     #[cfg(test)]
     pub fn nearest_of_all(&self, line: &Line, reach: f64) -> Option<Touch> {
-        let (mut best, mut reach) = (None, reach);
-        let start = self.tree.bounds.clip(line.origin, line.inverse).map_or(0.0, |(start, _)| start);
-        let mut probe = Probe::new(line, start);
-        let mut slots: Vec<u32> = (0..self.triangles.len() as u32).collect();
-        slots.sort_by_key(|slot| self.triangles[*slot as usize].index);
-        for slot in slots {
-            if let Some(touch) = self.touch(slot, line, reach, &mut probe).filter(|touch| touch.t < reach) {
-                reach = touch.t;
-                best = Some(touch);
-            }
-        }
-        best
+        let mut probe = Probe::new(line, self.start(line).unwrap_or(0.0));
+        let has_grid = |face: u32| self.grids.iter().any(|(other, _)| *other == face);
+        let slots = (0..self.triangles.len() as u32).zip(&self.triangles).filter(|(_, t)| !has_grid(t.face));
+        let mut all: Vec<Touch> =
+            slots.filter_map(|(slot, triangle)| self.touch(slot, triangle, line, reach, &mut probe)).collect();
+        // A grid has its own rounding at edges, which is no matter of its cells.
+        all.extend(
+            self.grids.iter().filter_map(|(face, grid)| self.look_up(*face, grid, line, reach, Grid::find_of_all)),
+        );
+        all.retain(|touch| touch.t < reach);
+        all.into_iter().min_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.index.cmp(&b.triangle.index)))
     }
 
     /// Whether the line meets the solid with 0 < t < reach.
     #[inline]
     pub fn blocks(&self, line: &Line, reach: f64) -> bool {
         let touches = |touch: Option<Touch>| touch.is_some_and(|touch| touch.t < reach);
-        if self.grids.iter().any(|(face, grid)| touches(self.look_up(*face, grid, line, reach))) {
+        if self.grids.iter().any(|(face, grid)| touches(self.look_up(*face, grid, line, reach, Grid::find))) {
             return true;
         }
         let Some(mut probe) = self.probe(line, reach) else { return false };
-        let start = probe.start;
-        let visit = |slot| {
-            let blocked = touches(self.touch(slot, line, reach, &mut probe));
-            if blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(reach) }
+        let (along, range) = ([line.origin, line.dir, line.inverse], [probe.start, reach]);
+        let visit = |leaf, lanes| {
+            self.each(leaf, lanes, &mut probe, |slot, triangle, probe| {
+                let blocked = touches(self.touch(slot, triangle, line, reach, probe));
+                if blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            })?;
+            ControlFlow::Continue(reach)
         };
-        self.tree.candidates(line.origin, line.dir, start, reach, visit).is_break()
+        self.tree.candidates(along, range, &self.packs, visit).is_break()
     }
 
     /// Where the line meets the part of the surface that a slot's triangle stands for, with 0 < t ≤ reach.
     #[inline]
-    fn touch(&self, slot: u32, line: &Line, reach: f64, probe: &mut Probe) -> Option<Touch> {
-        let triangle = self.triangles.get(slot as usize)?;
+    fn touch(&self, slot: u32, triangle: &Triangle, line: &Line, reach: f64, probe: &mut Probe) -> Option<Touch> {
         let sheet = self.faces.get(triangle.face as usize)?;
         let starts_here = sheet.identity == line.from;
         if triangle.face == line.skip || (starts_here && sheet.surface.is_plane()) {
@@ -247,13 +295,15 @@ impl Solid {
                 let t = probe.start + crossing.t;
                 let least = if starts_here { line.grain } else { 0.0 };
                 let at = || point_on(&triangle.corners, crossing.weights);
-                (t > least && t <= reach).then(|| Touch { t, slot, at: at(), weights: crossing.weights })
+                (t > least && t <= reach).then(|| {
+                    self.fetch_normals(slot);
+                    Touch { t, slot, triangle: *triangle, at: at(), weights: crossing.weights }
+                })
             }
             Surface::Exact { quadric, projection, .. } => {
-                let roots = &mut probe.roots;
-                if roots.face != triangle.face {
-                    *roots = Roots::of(triangle.face, quadric, projection, line, starts_here);
-                }
+                let known = probe.roots.take().filter(|roots| roots.face == triangle.face);
+                let roots = known.unwrap_or_else(|| Roots::of(triangle.face, quadric, projection, line, starts_here));
+                let roots = probe.roots.insert(roots);
                 for i in 0..2 {
                     let (t, at) = (roots.t[i], roots.at[i]);
                     // Not so for a root that is missing.
@@ -266,7 +316,7 @@ impl Solid {
                                 .is_some_and(|crossing| crossing.t > 0.0),
                         };
                     if inside {
-                        return Some(Touch { t, slot, at, weights: [0.0; 3] });
+                        return Some(Touch { t, slot, triangle: *triangle, at, weights: [0.0; 3] });
                     }
                 }
                 None
@@ -275,9 +325,23 @@ impl Solid {
         }
     }
 
-    /// Unit normals at a touch, outward of the solid in its coordinates: of the surface, and for shading.
+    /// Asks the memory for what [`Solid::normals_at`] will need.
+    #[inline]
+    fn fetch_normals(&self, slot: u32) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            // SAFETY: a hint that has no effect on what is computed, whatever the address.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(self.normals.as_ptr().wrapping_add(slot as usize).cast::<i8>()) };
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = slot;
+    }
+
+    /// Normals at a touch, of any length, outward of the solid in its coordinates: of the surface, and for shading, which
+    /// may be zero where a file says nothing.
     pub fn normals_at(&self, touch: &Touch) -> Option<(DVec3, DVec3)> {
-        let triangle = self.triangles.get(touch.slot as usize)?;
+        let triangle = &touch.triangle;
         match &self.faces.get(triangle.face as usize)?.surface {
             Surface::Absent => None,
             Surface::Exact { quadric, outward, .. } => {
@@ -289,17 +353,15 @@ impl Solid {
                 Some((normal, normal))
             }
             Surface::Flat | Surface::Faceted => {
-                let normal = winding(&triangle.corners).try_normalize()?;
                 let corners = self.normals.get(touch.slot as usize)?;
-                Some((normal, point_on(corners, touch.weights).normalize_or(normal)))
+                Some((winding(&triangle.corners), point_on(corners, touch.weights)))
             }
         }
     }
 
     /// The touch moved onto the exact surface as far as f64 can say.
     pub fn settle(&self, touch: &Touch) -> DVec3 {
-        let face = self.triangles.get(touch.slot as usize).and_then(|t| self.faces.get(t.face as usize));
-        match face.map(|sheet| &sheet.surface) {
+        match self.faces.get(touch.triangle.face as usize).map(|sheet| &sheet.surface) {
             Some(Surface::Exact { quadric, .. }) => quadric.settle(touch.at),
             Some(Surface::Curved { curved, .. }) => curved.settle(touch.at),
             Some(Surface::Absent | Surface::Flat | Surface::Faceted) | None => touch.at,

@@ -4,6 +4,7 @@
 //! wide tree (which visits the leaves of a node in storage order) entered five parts per ray in a stack of seven lenses.
 
 use super::bound::Bounds;
+use arrayvec::ArrayVec;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -67,21 +68,25 @@ impl Top {
         mut reach: f64,
         mut visit: impl FnMut(u32) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
+        // A part alone has its own box.
+        if let [Node { first, is_leaf: true, .. }] = self.nodes.as_slice() {
+            return visit(*first).map_continue(|_| ());
+        }
         let inverse = dir.recip();
         let enter = |index: u32| {
             let node = self.nodes.get(index as usize)?;
             node.bounds.clip(origin, inverse).map(|(near, _)| (index, near))
         };
-        let mut stack = [(0u32, 0.0f64); DEEPEST];
-        let mut open = 0;
+        let mut stack: ArrayVec<(u32, f64), DEEPEST> = ArrayVec::new();
         let mut next = enter(0);
         loop {
             let node = match next {
                 Some((index, near)) if near <= reach => &self.nodes[index as usize],
-                Some(_) | None if open == 0 => return ControlFlow::Continue(()),
                 Some(_) | None => {
-                    open -= 1;
-                    next = Some(stack[open]);
+                    next = stack.pop();
+                    if next.is_none() {
+                        return ControlFlow::Continue(());
+                    }
                     continue;
                 }
             };
@@ -93,10 +98,8 @@ impl Top {
             next = match (enter(node.first), enter(node.first + 1)) {
                 (Some(one), Some(two)) => {
                     let (near, far) = if one.1 <= two.1 { (one, two) } else { (two, one) };
-                    if open < DEEPEST {
-                        stack[open] = far;
-                        open += 1;
-                    }
+                    // Never full: see DEEPEST.
+                    let _ = stack.try_push(far);
                     Some(near)
                 }
                 (one, two) => one.or(two),
