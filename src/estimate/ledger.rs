@@ -13,6 +13,9 @@ pub struct Ledger {
     pub escaped: f64,
     /// Taken by a part: its faces' absorption, its coating's, its slide's, its medium's.
     pub absorbed: Vec<f64>,
+    /// Sum of `absorbed`, kept as it grows: each path asks for it twice.
+    #[serde(skip)]
+    absorbed_in_all: f64,
     /// Ended by roulette, or lost by the choice of a wavelength.
     pub roulette_lost: f64,
     /// Added to the survivors of roulette, or of the choice of a wavelength.
@@ -43,6 +46,7 @@ impl Ledger {
 
     pub fn absorb(&mut self, part: u32, amount: f64) {
         self.absorbed[part as usize] += amount;
+        self.absorbed_in_all += amount;
     }
 
     /// Notes by how much the shares reflected, transmitted and absorbed at a vertex miss 1.
@@ -64,6 +68,7 @@ impl Ledger {
         self.paths += other.paths;
         self.emitted += other.emitted;
         self.arrived += other.arrived;
+        self.absorbed_in_all += other.absorbed_in_all;
         self.escaped += other.escaped;
         self.roulette_lost += other.roulette_lost;
         self.roulette_gained += other.roulette_gained;
@@ -84,7 +89,7 @@ impl Ledger {
     pub fn accounted(&self) -> f64 {
         self.arrived
             + self.escaped
-            + self.absorbed.iter().sum::<f64>()
+            + self.absorbed_in_all
             + self.roulette_lost
             + self.not_owned
             + self.wrong_side

@@ -14,6 +14,7 @@ use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
 use crate::world::mode::{Hero, Mode, Mono, Rgb, Spectral, components};
 use crate::world::stokes::Stokes;
+use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
 /// When to stop. The first limit that is reached counts.
@@ -71,15 +72,21 @@ impl Films {
     /// picture. None before the second pass or for a black picture.
     pub fn relative_error(&self) -> Option<f64> {
         let (_, first, _) = self.films.first()?;
-        let (mut noise, mut signal) = (0.0, 0.0);
-        for pixel in 0..first.width * first.height {
-            let mut value = 0.0;
-            for (_, film, _) in &self.films {
-                value += (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum::<f64>();
-                noise += film.variance(pixel, film.planes.len());
+        // Rows side by side, summed in their order whatever thread made them.
+        let of_row = |row: usize| {
+            let (mut noise, mut signal) = (0.0, 0.0);
+            for pixel in row * first.width..(row + 1) * first.width {
+                let mut value = 0.0;
+                for (_, film, _) in &self.films {
+                    value += (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum::<f64>();
+                    noise += film.variance(pixel, film.planes.len());
+                }
+                signal += value * value;
             }
-            signal += value * value;
-        }
+            [noise, signal]
+        };
+        let rows: Vec<[f64; 2]> = (0..first.height).into_par_iter().map(of_row).collect();
+        let [noise, signal] = rows.iter().fold([0.0; 2], |[n, s], [noise, signal]| [n + noise, s + signal]);
         (self.passes >= 2 && signal > 0.0).then(|| (noise / signal).sqrt())
     }
 

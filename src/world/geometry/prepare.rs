@@ -9,7 +9,7 @@ use super::pack::Pack;
 use super::patch::{Projection, vertex};
 use super::solid::{Sheet, Solid, Surface, Triangle, winding};
 use super::tree::Tree;
-use super::wide::Leaf;
+use super::wide::{LEAF_SIZE, Leaf};
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::scene::{FaceRange, Finish, Mesh, Part, Shape};
@@ -175,7 +175,7 @@ fn arrange(triangles: &[Triangle], boxes: &[Bounds], sheets: &[Sheet]) -> Option
     let found: Vec<Option<Grid>> = (0..sheets.len()).map(|face| if few { grid(face) } else { None }).collect();
     let has_no_grid = |i: &u32| found[triangles[*i as usize].face as usize].is_none();
     let in_tree: Vec<u32> = (0..u32::try_from(triangles.len()).ok()?).filter(has_no_grid).collect();
-    let (tree, slots) = Tree::build(&in_tree.iter().map(|i| boxes[*i as usize]).collect::<Vec<_>>())?;
+    let (tree, slots) = Tree::build(&in_tree.iter().map(|i| boxes[*i as usize]).collect::<Vec<_>>(), LEAF_SIZE)?;
     let mut order: Vec<u32> = slots.iter().filter_map(|slot| in_tree.get(*slot as usize).copied()).collect();
     let mut grids = Vec::new();
     for (face, grid) in found.into_iter().enumerate() {

@@ -2,7 +2,6 @@
 //! fills, are least (surface area heuristic, in bins: I. Wald, "On fast construction of SAH-based bounding volume
 //! hierarchies", 2007).
 
-use super::wide::LEAF_SIZE;
 use glam::{BVec3A, UVec3, Vec3A};
 
 /// A box in unit coordinates and whose it is.
@@ -42,8 +41,8 @@ impl Extent {
     }
 }
 
-/// Sorts items and says how many go to the first half, which is neither none nor all of two or more.
-pub fn split(items: &mut [Item]) -> usize {
+/// Sorts items, of which a leaf holds `most`, and says how many go to the first half: neither none nor all of two or more.
+pub fn split(items: &mut [Item], most: usize) -> usize {
     let middles = items.iter().fold(Extent::EMPTY, |all, item| all.join(item.lo + item.hi, item.lo + item.hi));
     let spread = middles.hi - middles.lo;
     let some: BVec3A = spread.cmpgt(Vec3A::ZERO);
@@ -68,13 +67,13 @@ pub fn split(items: &mut [Item]) -> usize {
         for at in (1..BINS).rev() {
             let (extent, count) = bins[axis][at];
             (all, filled) = (all.join(extent.lo, extent.hi), filled + count);
-            behind[at] = if filled == 0 { f32::INFINITY } else { cost(all, filled) };
+            behind[at] = if filled == 0 { f32::INFINITY } else { cost(all, filled, most) };
         }
         let (mut all, mut filled) = (Extent::EMPTY, 0);
         for at in 1..BINS {
             let (extent, count) = bins[axis][at - 1];
             (all, filled) = (all.join(extent.lo, extent.hi), filled + count);
-            let sum = if filled == 0 { f32::INFINITY } else { cost(all, filled) + behind[at] };
+            let sum = if filled == 0 { f32::INFINITY } else { cost(all, filled, most) + behind[at] };
             if sum < best.0 {
                 best = (sum, axis, at);
             }
@@ -104,8 +103,8 @@ pub fn halve(items: &mut [Item]) -> usize {
     middle
 }
 
-/// Of looking into a box with so many items.
+/// Of looking into a box with so many items, `most` of them in a leaf.
 #[inline]
-fn cost(extent: Extent, count: usize) -> f32 {
-    extent.area() * count.div_ceil(LEAF_SIZE) as f32
+fn cost(extent: Extent, count: usize, most: usize) -> f32 {
+    extent.area() * count.div_ceil(most.max(1)) as f32
 }

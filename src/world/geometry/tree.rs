@@ -7,7 +7,7 @@
 
 use super::bound::Bounds;
 use super::split::Item;
-use super::wide::{Beam, LEAF_SIZE, Lanes, Leaf, Wide};
+use super::wide::{Beam, Lanes, Leaf, Wide};
 use glam::{DVec3, Vec3A};
 use std::ops::ControlFlow;
 
@@ -26,15 +26,16 @@ pub struct Tree {
 const PAD: f64 = 2e-6;
 
 impl Tree {
-    /// Builds over finite boxes and returns for each slot the index of its box. None if there are more than u32 counts.
-    pub fn build(boxes: &[Bounds]) -> Option<(Tree, Vec<u32>)> {
+    /// Builds over finite boxes, with leaves of at most so many, and returns for each slot the index of its box. None if
+    /// there are more than can be told apart.
+    pub fn build(boxes: &[Bounds], most: usize) -> Option<(Tree, Vec<u32>)> {
         let all = boxes.iter().fold(Bounds::EMPTY, |all, b| all.join(*b));
         let (centre, half) = (all.centre(), all.half().max_element());
         let scale = if half > 0.0 && half.is_finite() { 1.0 / half } else { 1.0 };
         let margin = DVec3::splat(2.0 * PAD / scale + 1e-12 * all.reach());
         let count = u32::try_from(boxes.len()).ok()?;
         let tree = |wide| Tree { bounds: all.widen(margin), centre, scale, wide };
-        if boxes.len() <= LEAF_SIZE {
+        if boxes.len() <= most {
             return Some((tree(Wide::one_leaf(count)), (0..count).collect()));
         }
         let mut items: Vec<Item> = (0..count)
@@ -45,7 +46,7 @@ impl Tree {
                 index,
             })
             .collect();
-        let wide = Wide::build(&mut items)?;
+        let wide = Wide::build(&mut items, most)?;
         Some((tree(wide), items.iter().map(|item| item.index).collect()))
     }
 
@@ -95,7 +96,7 @@ mod tests {
         let boxes: Vec<Bounds> = (0..40)
             .map(|i| Bounds::of([DVec3::new(f64::from(i), 0.0, 0.0), DVec3::new(f64::from(i) + 0.5, 1.0, 1.0)]))
             .collect();
-        let (tree, order) = Tree::build(&boxes).expect("forty boxes");
+        let (tree, order) = Tree::build(&boxes, 4).expect("forty boxes");
         for zero in [0.0, -0.0] {
             for (origin, dir) in [
                 (DVec3::new(7.25, 0.5, -100.0), DVec3::new(zero, zero, 1.0)),

@@ -24,7 +24,7 @@ const CHILDREN: usize = 3;
 const OTHER: usize = 4;
 
 const LEAF: u32 = 1 << 31;
-/// Primitives of a leaf.
+/// Triangles of a leaf.
 pub const LEAF_SIZE: usize = 4;
 /// Levels of a tree: each of them leaves at most seven entries on the stack.
 pub const DEEPEST: usize = 36;
@@ -87,16 +87,16 @@ impl Wide {
         self.nodes.is_empty()
     }
 
-    /// Builds over boxes in unit coordinates, which it sorts: the index of the i-th is that of slot i. None if there are
+    /// Builds over boxes in unit coordinates, which it sorts, with leaves of at most so many: the index of the i-th is that of slot i. None if there are
     /// more than can be told apart.
-    pub fn build(items: &mut [Item]) -> Option<Wide> {
+    pub fn build(items: &mut [Item], most: usize) -> Option<Wide> {
         let mut wide = Wide { nodes: vec![EMPTY], leaves: Vec::new() };
         // A node, the items below it, its level.
         let mut open = vec![(0usize, 0..items.len(), 1usize)];
         while let Some((index, range, level)) = open.pop() {
-            for (lane, child) in part(items, range, level).into_iter().enumerate() {
+            for (lane, child) in part(items, range, (level, most)).into_iter().enumerate() {
                 let extent = Extent::of(&items[child.clone()]);
-                let code = if child.len() <= LEAF_SIZE {
+                let code = if child.len() <= most {
                     wide.leaves.push(Leaf { first: u32::try_from(child.start).ok()?, count: child.len() as u32 });
                     LEAF | code(wide.leaves.len() - 1)?
                 } else {
@@ -281,17 +281,17 @@ fn code(place: usize) -> Option<u32> {
 }
 
 /// Parts a node's items among up to eight children: the largest child gives way to two.
-fn part(items: &mut [Item], range: Range<usize>, level: usize) -> ArrayVec<Range<usize>, 8> {
+fn part(items: &mut [Item], range: Range<usize>, (level, most): (usize, usize)) -> ArrayVec<Range<usize>, 8> {
     // Sets that nest at every scale would make chains; the most numerous child, halved, makes at most 16 more levels.
     let by_area = level < DEEPEST / 2;
     let size = |items: &[Item]| if by_area { Extent::of(items).area() } else { items.len() as f32 };
     let mut children: ArrayVec<(f32, Range<usize>), 8> = ArrayVec::new();
     children.push((size(&items[range.clone()]), range));
     while !children.is_full() {
-        let wide = children.iter_mut().filter(|(_, child)| child.len() > LEAF_SIZE);
+        let wide = children.iter_mut().filter(|(_, child)| child.len() > most);
         let Some((largest, child)) = wide.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
         let own = &mut items[child.clone()];
-        let middle = child.start + if by_area { split(own) } else { halve(own) };
+        let middle = child.start + if by_area { split(own, most) } else { halve(own) };
         let other = middle..child.end;
         child.end = middle;
         *largest = size(&items[child.clone()]);
