@@ -1,30 +1,41 @@
 //! `eyebox bench`: the program measured.
 
+use super::bench_curve::{self, CurveArgs};
 use super::print_text;
 use crate::base::{Fault, Result, Where};
+use crate::bench::curve::asset::Form;
 use crate::bench::stress::{self, Kind, table};
 use clap::{Args, ValueEnum};
 use std::process::ExitCode;
 
-/// Measure the program: scenes at the limits of numbers, against answers that are known.
+/// Measure the program: time against error of each estimator on assets, or scenes at the limits of numbers against
+/// answers that are known.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Each case prints the mean luminance of its picture, by how many standard errors that misses the closed form, which share \
+With assets, each estimator traces in turn, and the picture after 1, 2, 4, 8, … passes is held against two independent \
+references. docs/bench.md defines the columns. Seconds are CPU seconds; import, plan and pilots are in them.
+
+With --stress, each case prints the mean luminance of its picture, by how many standard errors that misses the closed form, which share \
 of the light no fate accounts for, and how many values are no numbers. What is out of limits is a finding.
 
 Exit codes: 0 no finding, 1 findings, 2 usage.
 
 Examples:
+  eyebox bench samples/hud-direct/hud.optics.toml
+  eyebox bench a1.optics.toml a2.optics.toml --seconds 16 -o curves.svg -o curves.csv -o results.md
+  eyebox bench hud.optics.toml --estimators auto,forward --reference r1.exr --reference r2.exr
   eyebox bench --stress
   eyebox bench --stress --only critical --only gap
   eyebox bench --stress --format json
   eyebox bench --stress --format markdown > docs/stress.md")]
 pub struct BenchArgs {
+    #[command(flatten)]
+    curve: CurveArgs,
     /// Run the numerical stress suite.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "assets")]
     stress: bool,
     /// Only cases of this kind; may be given several times.
-    #[arg(long, value_name = "KIND")]
+    #[arg(long, value_name = "KIND", requires = "stress")]
     only: Vec<String>,
     /// How the result is printed.
     #[arg(long, value_enum, default_value_t)]
@@ -38,13 +49,37 @@ enum BenchFormat {
     Text,
     Json,
     /// The page of the documentation.
+    #[value(alias = "md")]
     Markdown,
+    /// One row per point of a curve.
+    Csv,
+    /// The curves as a picture.
+    Svg,
+}
+
+impl BenchFormat {
+    fn form(self) -> Form {
+        match self {
+            BenchFormat::Text => Form::Text,
+            BenchFormat::Json => Form::Json,
+            BenchFormat::Markdown => Form::Markdown,
+            BenchFormat::Csv => Form::Csv,
+            BenchFormat::Svg => Form::Svg,
+        }
+    }
 }
 
 /// Runs the command.
 pub fn run(args: &BenchArgs) -> Result<ExitCode> {
+    if args.curve.has_assets() {
+        return bench_curve::run(&args.curve, args.format.form());
+    }
     if !args.stress {
-        return Err(Fault::new(Where::Nowhere, "nothing to measure").expected("--stress"));
+        return Err(Fault::new(Where::Nowhere, "nothing to measure").expected("assets, or --stress"));
+    }
+    if matches!(args.format, BenchFormat::Csv | BenchFormat::Svg) {
+        return Err(Fault::new(Where::Option("--format".to_owned()), "a stress report has no such form")
+            .expected("text, json, markdown"));
     }
     let kinds = kinds(&args.only)?;
     if args.format == BenchFormat::Text {
@@ -65,6 +100,7 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode> {
             let cores = std::thread::available_parallelism().map_or(1, usize::from);
             print_text(table::page(&report, seconds.as_secs(), cores));
         }
+        BenchFormat::Csv | BenchFormat::Svg => {}
     }
     Ok(ExitCode::from(u8::from(report.findings() > 0)))
 }

@@ -5,6 +5,7 @@
 
 mod annotate;
 mod bench;
+mod bench_curve;
 mod convert;
 mod init;
 mod inspect;
@@ -46,7 +47,7 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Turn a layer of an EXR into a PNG for a display.
     View(view::ViewArgs),
-    /// Measure the program against answers that are known.
+    /// Measure the program: time against error, and answers that are known.
     Bench(bench::BenchArgs),
 }
 

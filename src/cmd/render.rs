@@ -190,7 +190,7 @@ fn parse_error(text: &str) -> std::result::Result<f64, String> {
     }
 }
 
-fn parse_resolution(text: &str) -> std::result::Result<[usize; 2], String> {
+pub(super) fn parse_resolution(text: &str) -> std::result::Result<[usize; 2], String> {
     let bad = || format!("`{text}` is not a resolution; write e.g. 360x180");
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(bad)?;
     match (width.trim().parse(), height.trim().parse()) {

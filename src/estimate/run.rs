@@ -112,38 +112,55 @@ impl<M: Mode> Engine<'_, M> {
     }
 }
 
-/// Traces `world` by `plan` until a limit is reached. `groups`: number of light groups; `size`: picture in pixels.
-/// At least one pass is made, unless no estimator owns anything.
-pub fn run(
-    world: &World,
-    plan: &Plan,
-    groups: usize,
-    size: [usize; 2],
-    seed: u64,
-    limits: &Limits,
-    observer: &mut dyn Observer,
-) -> Outcome {
-    let trace = match (plan.mode.spectral, plan.mode.polarised) {
-        (Spectral::Mono, false) => run_in::<Mono<f64>>,
-        (Spectral::Mono, true) => run_in::<Mono<Stokes>>,
-        (Spectral::Rgb, false) => run_in::<Rgb<f64>>,
-        (Spectral::Rgb, true) => run_in::<Rgb<Stokes>>,
-        (Spectral::Hero, false) => run_in::<Hero<f64>>,
-        (Spectral::Hero, true) => run_in::<Hero<Stokes>>,
-    };
-    trace(world, plan, groups, size, seed, limits, observer)
+/// A run that its caller drives: films that grow pass by pass.
+pub trait Tracing: Send {
+    /// Makes `count` passes more.
+    fn step(&mut self, count: u64);
+    fn films(&self) -> &Films;
+    fn into_films(self: Box<Self>) -> Films;
 }
 
-fn run_in<M: Mode>(
-    world: &World,
+struct Engines<'w, M: Mode> {
+    engines: Vec<Engine<'w, M>>,
+    films: Films,
+}
+
+impl<M: Mode> Tracing for Engines<'_, M> {
+    fn step(&mut self, count: u64) {
+        for (engine, (_, film, ledger)) in self.engines.iter().zip(&mut self.films.films) {
+            ledger.merge(&engine.run(film, self.films.passes, count));
+        }
+        self.films.passes += count;
+    }
+    fn films(&self) -> &Films {
+        &self.films
+    }
+    fn into_films(self: Box<Self>) -> Films {
+        self.films
+    }
+}
+
+/// The estimators that `plan` asks for, before the first pass. `groups`: number of light groups; `size`: picture in
+/// pixels. Without an owner of any path there are no films.
+pub fn begin<'w>(world: &'w World, plan: &Plan, groups: usize, size: [usize; 2], seed: u64) -> Box<dyn Tracing + 'w> {
+    let begin = match (plan.mode.spectral, plan.mode.polarised) {
+        (Spectral::Mono, false) => begin_in::<Mono<f64>>,
+        (Spectral::Mono, true) => begin_in::<Mono<Stokes>>,
+        (Spectral::Rgb, false) => begin_in::<Rgb<f64>>,
+        (Spectral::Rgb, true) => begin_in::<Rgb<Stokes>>,
+        (Spectral::Hero, false) => begin_in::<Hero<f64>>,
+        (Spectral::Hero, true) => begin_in::<Hero<Stokes>>,
+    };
+    begin(world, plan, groups, size, seed)
+}
+
+fn begin_in<'w, M: Mode + 'w>(
+    world: &'w World,
     plan: &Plan,
     groups: usize,
     size: [usize; 2],
     seed: u64,
-    limits: &Limits,
-    observer: &mut dyn Observer,
-) -> Outcome {
-    let start = Instant::now();
+) -> Box<dyn Tracing + 'w> {
     let mut engines: Vec<Engine<'_, M>> = Vec::new();
     let mut films = Films { films: Vec::new(), passes: 0 };
     for estimator in Estimator::ALL {
@@ -185,19 +202,33 @@ fn run_in<M: Mode>(
         });
         films.films.push((estimator, film, Ledger::new(world.solids.len())));
     }
-    if engines.is_empty() {
+    Box::new(Engines { engines, films })
+}
+
+/// Traces `world` by `plan` until a limit is reached. `groups`: number of light groups; `size`: picture in pixels.
+/// At least one pass is made, unless no estimator owns anything.
+pub fn run(
+    world: &World,
+    plan: &Plan,
+    groups: usize,
+    size: [usize; 2],
+    seed: u64,
+    limits: &Limits,
+    observer: &mut dyn Observer,
+) -> Outcome {
+    let start = Instant::now();
+    let mut tracing = begin(world, plan, groups, size, seed);
+    if tracing.films().films.is_empty() {
         // Nothing would change with time.
-        return Outcome { films, stop: Stop::Passes, elapsed: start.elapsed() };
+        return Outcome { films: tracing.into_films(), stop: Stop::Passes, elapsed: start.elapsed() };
     }
     let mut block = 1u64;
     loop {
-        let left = limits.passes.unwrap_or(u64::MAX).saturating_sub(films.passes);
+        let left = limits.passes.unwrap_or(u64::MAX).saturating_sub(tracing.films().passes);
         let count = block.min(left).max(1);
         let before = Instant::now();
-        for (engine, (_, film, ledger)) in engines.iter().zip(&mut films.films) {
-            ledger.merge(&engine.run(film, films.passes, count));
-        }
-        films.passes += count;
+        tracing.step(count);
+        let films = tracing.films();
         let status = Status {
             passes: films.passes,
             elapsed: start.elapsed(),
@@ -217,7 +248,7 @@ fn run_in<M: Mode>(
             None
         };
         if let Some(stop) = stop {
-            return Outcome { films, stop, elapsed: start.elapsed() };
+            return Outcome { films: tracing.into_films(), stop, elapsed: start.elapsed() };
         }
         // Blocks of about half a second, so that stopping is prompt and asking for the error costs little.
         let seconds = before.elapsed().as_secs_f64() / count as f64;

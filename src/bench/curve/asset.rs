@@ -1,0 +1,79 @@
+//! One asset from its file to its curves.
+
+use super::race::{Budget, Ready, race};
+use super::reference::{Source, references};
+use super::{AssetReport, Report, csv, json, svg, table};
+use crate::base::{Fault, Result, Where};
+use crate::bench::clock::{cpu_seconds, processor};
+use crate::import::{ImportOptions, Set, import};
+use crate::plan::Choice;
+use std::path::Path;
+
+/// What is measured.
+#[derive(Debug, Clone)]
+pub struct Task {
+    pub contenders: Vec<Choice>,
+    pub source: Source,
+    pub seed: u64,
+    pub budget: Budget,
+    /// Width and height in pixels, instead of the eye's.
+    pub resolution: Option<[usize; 2]>,
+    pub sets: Vec<Set>,
+}
+
+/// Imports an asset and lets the contenders trace it. `stop` (Ctrl-C) is asked between turns; the curves then end where
+/// they are.
+///
+/// Errors: those of import, checking, freezing and of reference files.
+pub fn measure(path: &Path, task: &Task, stop: &(dyn Fn() -> bool + Sync)) -> Result<AssetReport> {
+    let start = cpu_seconds();
+    let mut scene = import(path, &ImportOptions { sets: task.sets.clone(), frame: None })?.scene;
+    if let Some(resolution) = task.resolution {
+        scene.eye.resolution = resolution;
+    }
+    if scene.eye.resolution.contains(&0) {
+        return Err(
+            Fault::new(Where::file(path), "the picture has no pixels").expected("a resolution of 1 × 1 or more")
+        );
+    }
+    let ready = Ready::new(&scene, cpu_seconds() - start)?;
+    let (references, reference) = references(&ready, &task.source, task.seed, stop)?;
+    let curves = race(&ready, &task.contenders, &references, task.seed, task.budget, stop);
+    Ok(AssetReport {
+        asset: path.display().to_string(),
+        scene: scene.name.clone(),
+        scene_hash: scene.hash.clone(),
+        resolution: scene.eye.resolution,
+        reference,
+        curves,
+    })
+}
+
+impl Report {
+    /// An empty report about this machine.
+    pub fn new(threads: usize, seed: u64) -> Report {
+        let version = env!("CARGO_PKG_VERSION");
+        Report { version, processor: processor(), threads, seed, assets: Vec::new() }
+    }
+
+    /// The report in one of its forms.
+    pub fn in_form(&self, form: Form) -> String {
+        match form {
+            Form::Text => table::text(self),
+            Form::Json => json(self),
+            Form::Csv => csv::csv(self),
+            Form::Svg => svg::svg(self),
+            Form::Markdown => table::markdown(self),
+        }
+    }
+}
+
+/// How a report is written down.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    Text,
+    Json,
+    Csv,
+    Svg,
+    Markdown,
+}

@@ -1,0 +1,118 @@
+//! The product estimator against errors that are known.
+
+use super::*;
+use crate::base::rng::{Rng, Stream};
+
+const SIDE: usize = 64;
+
+fn picture(values: Vec<f64>, variance: f64) -> Picture {
+    Picture { width: SIDE, height: SIDE, variances: vec![variance; values.len()], values }
+}
+
+/// A bright half and a dark half.
+fn truth() -> Vec<f64> {
+    (0..SIDE * SIDE).map(|pixel| if pixel % SIDE < SIDE / 2 { 100.0 } else { 50.0 }).collect()
+}
+
+/// `values` · `gain` with uniform noise of this standard deviation.
+fn noisy(values: &[f64], gain: f64, sigma: f64, seed: u64) -> Picture {
+    let half = sigma * 3f64.sqrt();
+    let mut rng = Rng::new(seed, Stream::Backward, 0, 0);
+    let values = values.iter().map(|v| v * gain + half * (2.0 * rng.pair()[0] - 1.0)).collect();
+    picture(values, sigma * sigma)
+}
+
+/// The references' own variance is 9 times the picture's, and yet the mean is the picture's own error.
+#[test]
+fn noise_of_the_references_does_not_count() {
+    let truth = truth();
+    let mut moments = crate::base::stats::Moments::default();
+    for seed in 0..160 {
+        let references = References::new(noisy(&truth, 1.0, 3.0, 1000 + seed), noisy(&truth, 1.0, 3.0, 2000 + seed));
+        moments.add(references.measure(&noisy(&truth, 1.0, 1.0, 3000 + seed)).relmse);
+    }
+    let mean_over_pixels = |of: &dyn Fn(f64) -> f64| truth.iter().map(|r| of(*r)).sum::<f64>() / truth.len() as f64;
+    let black = (0.01 * mean_over_pixels(&|r| r)).powi(2);
+    let want = mean_over_pixels(&|r| 1.0 / (r * r + black));
+    // The mean of the references in the denominator, whose variance is 4.5: 3·4.5/r² of the error and 1.5 v²/r⁴ of
+    // their own.
+    let bias = mean_over_pixels(&|r| 13.5 / r.powi(4) + 1.5 * 81.0 / r.powi(4));
+    let miss = moments.mean - want - bias;
+    assert!(miss.abs() < 4.0 * moments.stderr() + 0.005 * want, "{miss} {moments:?} {want} {bias}");
+    assert!(moments.stderr() < 0.02 * want && bias < 0.06 * want, "{moments:?} {want} {bias}");
+}
+
+/// Without an error the estimate is 0 within what the references claim to resolve, and an error above that is seen.
+#[test]
+fn resolution_is_what_can_be_told() {
+    let truth = truth();
+    let mut beyond = 0;
+    for seed in 0..40 {
+        let references = References::new(noisy(&truth, 1.0, 3.0, 1000 + seed), noisy(&truth, 1.0, 3.0, 2000 + seed));
+        let none = references.measure(&picture(truth.clone(), 0.0));
+        beyond += usize::from(none.relmse.abs() > references.resolution());
+        assert!(none.relmse.abs() < 3.0 * references.resolution(), "{none:?}");
+        let some = references.measure(&noisy(&truth, 1.0, 3.0, 4000 + seed));
+        assert!(some.relmse > 5.0 * references.resolution(), "{some:?} {}", references.resolution());
+    }
+    // Two standard errors are passed by one normal number in 22.
+    assert!(beyond <= 6, "{beyond} of 40");
+}
+
+/// A sound picture passes the test of its blocks, one that is 2 % too bright does not, nor one whose one block is.
+#[test]
+fn a_bias_of_two_per_cent_shows() {
+    let truth = truth();
+    let references = References::new(noisy(&truth, 1.0, 1.0, 1), noisy(&truth, 1.0, 1.0, 2));
+    let limit = references.most_sigma();
+    let sound = references.measure(&noisy(&truth, 1.0, 1.0, 3));
+    assert!(
+        sound.worst_sigma.abs() < limit + 1.0 && (sound.energy - 1.0).abs() < 4.0 * sound.energy_sigma,
+        "{sound:?}"
+    );
+    let bright = references.measure(&noisy(&truth, 1.02, 1.0, 3));
+    assert!(bright.worst_sigma > 1.5 * limit, "{bright:?} {limit}");
+    assert!((bright.energy - 1.02).abs() < 4.0 * bright.energy_sigma && bright.energy_sigma < 1e-3, "{bright:?}");
+    let mut spotted = noisy(&truth, 1.0, 1.0, 3);
+    (0..8).for_each(|y| (0..8).for_each(|x| spotted.values[y * SIDE + x] *= 0.98));
+    let spotted = references.measure(&spotted);
+    assert!(spotted.worst_sigma < -1.5 * limit, "{spotted:?}");
+}
+
+/// One pixel in a thousand may be anything for the trimmed error, two may not.
+#[test]
+fn trimming_leaves_out_one_in_a_thousand() {
+    let truth = truth();
+    let references = References::new(picture(truth.clone(), 0.0), picture(truth.clone(), 0.0));
+    let with_fireflies = |count: usize| {
+        let mut values: Vec<f64> = truth.iter().map(|v| v * 1.01).collect();
+        (0..count).for_each(|i| values[i * 37 % (SIDE * SIDE)] *= 1000.0);
+        references.measure(&picture(values, 0.0))
+    };
+    let clean = with_fireflies(0);
+    assert!((clean.relmse / 1e-4 - 1.0).abs() < 0.01 && (clean.trimmed / 1e-4 - 1.0).abs() < 0.01, "{clean:?}");
+    // 4096 pixels: four are left out.
+    let four = with_fireflies(4);
+    assert!(four.relmse > 100.0 && (four.trimmed / 1e-4 - 1.0).abs() < 0.01, "{four:?}");
+    assert!(with_fireflies(5).trimmed > 100.0);
+}
+
+/// The edge between the halves is not flat, the rest is; an error at the edge does not count for flat pixels.
+#[test]
+fn flat_pixels_are_those_away_from_edges() {
+    let truth = truth();
+    let references = References::new(picture(truth.clone(), 0.0), picture(truth.clone(), 0.0));
+    assert_eq!(references.flat_pixels(), [SIDE * (SIDE - 2), SIDE * SIDE]);
+    let mut values = truth.clone();
+    (0..SIDE).for_each(|y| values[y * SIDE + SIDE / 2] *= 2.0);
+    let error = references.measure(&picture(values, 0.0));
+    assert!(error.relmse > 1e-3 && error.flat == Some(0.0), "{error:?}");
+}
+
+/// Black pictures compare as equal, not as no number.
+#[test]
+fn black_is_no_fault() {
+    let black = || picture(vec![0.0; SIDE * SIDE], 0.0);
+    let error = References::new(black(), black()).measure(&black());
+    assert_eq!((error.relmse, error.trimmed, error.energy, error.worst_sigma), (0.0, 0.0, 0.0, 0.0));
+}
