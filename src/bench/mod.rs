@@ -1,9 +1,13 @@
 //! Floor 6: the program measured. [`stress`] traces scenes at the limits of numbers, whose answers are known; [`curve`]
-//! takes the time that each estimator needs to an error.
+//! takes the time that each estimator needs to an error, [`choice`] holds the plan's choice against every choice by hand on
+//! scenes that [`generate`] makes from seeds, and [`stated`] the error that a run states against the one it has.
 
+pub mod choice;
 pub mod clock;
 pub mod closed;
 pub mod curve;
+pub mod generate;
 pub mod kit;
 pub mod measure;
+pub mod stated;
 pub mod stress;

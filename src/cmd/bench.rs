@@ -1,5 +1,6 @@
 //! `eyebox bench`: the program measured.
 
+use super::bench_choice::{self, ChoiceArgs};
 use super::bench_curve::{self, CurveArgs};
 use super::print_text;
 use crate::base::{Fault, Result, Where};
@@ -18,12 +19,17 @@ references. docs/bench.md defines the columns. Seconds are CPU seconds; import, 
 With --stress, each case prints the mean luminance of its picture, by how many standard errors that misses the closed form, which share \
 of the light no fate accounts for, and how many values are no numbers. What is out of limits is a finding.
 
+With --generate, the automatic choice is held against every choice by hand on scenes from seeds; with --error, the error \
+that runs state against the one they have.
+
 Exit codes: 0 no finding, 1 findings, 2 usage.
 
 Examples:
   eyebox bench samples/hud-direct/hud.optics.toml
   eyebox bench a1.optics.toml a2.optics.toml --seconds 16 -o curves.svg -o curves.csv -o results.md
   eyebox bench hud.optics.toml --estimators auto,forward --reference r1.exr --reference r2.exr
+  eyebox bench --generate 0..12 --seconds 2
+  eyebox bench a1.optics.toml --error 0.02 --runs 100 --reference-estimator backward --seconds 60
   eyebox bench --stress
   eyebox bench --stress --only critical --only gap
   eyebox bench --stress --format json
@@ -31,6 +37,8 @@ Examples:
 pub struct BenchArgs {
     #[command(flatten)]
     curve: CurveArgs,
+    #[command(flatten)]
+    choice: ChoiceArgs,
     /// Run the numerical stress suite.
     #[arg(long, conflicts_with = "assets")]
     stress: bool,
@@ -71,11 +79,14 @@ impl BenchFormat {
 
 /// Runs the command.
 pub fn run(args: &BenchArgs) -> Result<ExitCode> {
+    if let Some(code) = bench_choice::run(&args.choice, &args.curve, args.format.form())? {
+        return Ok(code);
+    }
     if args.curve.has_assets() {
         return bench_curve::run(&args.curve, args.format.form());
     }
     if !args.stress {
-        return Err(Fault::new(Where::Nowhere, "nothing to measure").expected("assets, or --stress"));
+        return Err(Fault::new(Where::Nowhere, "nothing to measure").expected("assets, --generate, or --stress"));
     }
     if matches!(args.format, BenchFormat::Csv | BenchFormat::Svg) {
         return Err(Fault::new(Where::Option("--format".to_owned()), "a stress report has no such form")

@@ -74,7 +74,7 @@ impl CurveArgs {
         !self.assets.is_empty()
     }
 
-    fn task(&self) -> Result<Task> {
+    pub fn task(&self) -> Result<Task> {
         let all = contenders();
         let contenders = if self.estimators.is_empty() {
             all
@@ -84,6 +84,15 @@ impl CurveArgs {
         let budget = Budget { seconds: self.seconds, passes: self.passes };
         let sets = self.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
         Ok(Task { contenders, source: self.source()?, seed: self.seed, budget, resolution: self.resolution, sets })
+    }
+
+    pub fn assets(&self) -> &[PathBuf] {
+        &self.assets
+    }
+
+    pub fn pool(&self) -> Result<rayon::ThreadPool> {
+        let built = rayon::ThreadPoolBuilder::new().num_threads(usize::from(self.threads)).build();
+        built.map_err(|error| Fault::new(Where::Option("--threads".to_owned()), error.to_string()))
     }
 
     fn source(&self) -> Result<Source> {
@@ -141,10 +150,7 @@ pub fn run(args: &CurveArgs, form: Form) -> Result<ExitCode> {
     let signals = Signals::install();
     let stop = || signals.caught().is_some();
     let threads = usize::from(args.threads);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| Fault::new(Where::Option("--threads".to_owned()), error.to_string()))?;
+    let pool = args.pool()?;
     let mut report = Report::new(threads, task.seed);
     for path in args.assets.iter().take_while(|_| !stop()) {
         report.assets.push(pool.install(|| measure(path, &task, &stop))?);

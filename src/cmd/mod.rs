@@ -5,6 +5,7 @@
 
 mod annotate;
 mod bench;
+mod bench_choice;
 mod bench_curve;
 mod convert;
 mod init;

@@ -5,8 +5,10 @@ use super::reference::{Source, references};
 use super::{AssetReport, Report, csv, json, svg, table};
 use crate::base::{Fault, Result, Where};
 use crate::bench::clock::{cpu_seconds, processor};
+use crate::estimate::ShouldStop;
 use crate::import::{ImportOptions, Set, import};
 use crate::plan::Choice;
+use crate::scene::Scene;
 use std::path::Path;
 
 /// What is measured.
@@ -21,11 +23,10 @@ pub struct Task {
     pub sets: Vec<Set>,
 }
 
-/// Imports an asset and lets the contenders trace it. `stop` (Ctrl-C) is asked between turns; the curves then end where
-/// they are.
+/// Imports an asset as the task wants it; also says the CPU seconds that took.
 ///
-/// Errors: those of import, checking, freezing and of reference files.
-pub fn measure(path: &Path, task: &Task, stop: &(dyn Fn() -> bool + Sync)) -> Result<AssetReport> {
+/// Errors: those of import, and a picture without pixels.
+pub fn open(path: &Path, task: &Task) -> Result<(Scene, f64)> {
     let start = cpu_seconds();
     let mut scene = import(path, &ImportOptions { sets: task.sets.clone(), frame: None })?.scene;
     if let Some(resolution) = task.resolution {
@@ -36,7 +37,16 @@ pub fn measure(path: &Path, task: &Task, stop: &(dyn Fn() -> bool + Sync)) -> Re
             Fault::new(Where::file(path), "the picture has no pixels").expected("a resolution of 1 × 1 or more")
         );
     }
-    let ready = Ready::new(&scene, cpu_seconds() - start)?;
+    Ok((scene, cpu_seconds() - start))
+}
+
+/// Imports an asset and lets the contenders trace it. `stop` (Ctrl-C) is asked between turns; the curves then end where
+/// they are.
+///
+/// Errors: those of import, checking, freezing and of reference files.
+pub fn measure(path: &Path, task: &Task, stop: &ShouldStop<'_>) -> Result<AssetReport> {
+    let (scene, import_seconds) = open(path, task)?;
+    let ready = Ready::new(&scene, import_seconds)?;
     let (references, reference) = references(&ready, &task.source, task.seed, stop)?;
     let curves = race(&ready, &task.contenders, &references, task.seed, task.budget, stop);
     Ok(AssetReport {

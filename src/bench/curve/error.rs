@@ -12,8 +12,10 @@ pub const TRIMMED: f64 = 1e-3;
 pub const FLOOR: f64 = 0.01;
 /// A pixel is flat if its eight neighbours in the reference are within this share of it.
 pub const FLAT: f64 = 0.1;
-/// Blocks per side in which a bias is looked for.
+/// Blocks per side in which a bias is looked for, if the references know the light of each.
 pub const BLOCKS: usize = 8;
+/// Standard error of the references over a block's light from which on the blocks are made larger.
+pub const KNOWN: f64 = 0.1;
 
 /// Two pictures of the same scene that share no randomness, with what is needed of them again and again.
 #[derive(Debug, Clone)]
@@ -24,6 +26,9 @@ pub struct References {
     scale: Vec<f64>,
     flat: Vec<bool>,
     mean: f64,
+    /// Blocks per side.
+    side: usize,
+    known: bool,
 }
 
 /// A picture's distance from the references.
@@ -51,7 +56,28 @@ impl References {
         let whole = mean.iter().sum::<f64>() / mean.len().max(1) as f64;
         let black = (FLOOR * whole).powi(2);
         let flat = flat(&mean, first.width, FLOOR * whole);
-        References { scale: mean.iter().map(|r| r * r + black).collect(), flat, mean: whole, first, second }
+        let scale = mean.iter().map(|r| r * r + black).collect();
+        let mut references = References { scale, flat, mean: whole, first, second, side: 1, known: false };
+        let found = [BLOCKS, BLOCKS / 2, BLOCKS / 4, 1].into_iter().find(|side| references.know(*side));
+        references.known = found.is_some();
+        references.side = found.unwrap_or(1);
+        references
+    }
+
+    /// Whether the references know the light of each of `side` × `side` blocks well enough. A block in which a rare path
+    /// was found once or never states a wrong error or none.
+    fn know(&self, side: usize) -> bool {
+        self.blocks(side).all(|block| {
+            let pairs = || block.iter().map(|&pixel| (self.first.values[pixel], self.second.values[pixel]));
+            let light: f64 = pairs().map(|(a, b)| 0.5 * (a + b)).sum();
+            let variance: f64 = pairs().map(|(a, b)| 0.25 * (a - b).powi(2)).sum();
+            variance.sqrt() <= KNOWN * light
+        })
+    }
+
+    /// Number of blocks in which a bias is looked for; none if the references don't even know the light of the whole.
+    pub fn known_blocks(&self) -> Option<usize> {
+        self.known.then(|| self.blocks(self.side).count())
     }
 
     /// Number of pixels that are flat, and of all.
@@ -90,7 +116,7 @@ impl References {
 
     /// The same for this rate of false alarms.
     pub fn most_sigma_at(&self, rate: f64) -> f64 {
-        sidak_z(rate, self.blocks().count())
+        sidak_z(rate, self.blocks(self.side).count())
     }
 
     /// Root of the sum of squared errors over the sum of squares, both by products of the two references: what
@@ -120,7 +146,7 @@ impl References {
         let whole = self.difference(picture, &(0..terms.len()).collect::<Vec<_>>());
         let light: f64 = self.mean * pixels;
         let worst = self
-            .blocks()
+            .blocks(self.side)
             .map(|block| self.difference(picture, &block))
             .map(|(sum, variance)| if sum == 0.0 { 0.0 } else { sum / variance.sqrt() })
             .fold(0.0, |worst: f64, z| if z.abs() > worst.abs() || z.is_nan() { z } else { worst });
@@ -146,10 +172,10 @@ impl References {
         (sum, variance)
     }
 
-    /// The picture's pixels in blocks, 8 × 8 or fewer of at least 4 × 4 pixels.
-    fn blocks(&self) -> impl Iterator<Item = Vec<usize>> {
+    /// The picture's pixels in blocks, at most `most` × `most`, of at least 4 × 4 pixels.
+    fn blocks(&self, most: usize) -> impl Iterator<Item = Vec<usize>> {
         let (width, height) = (self.first.width, self.first.height);
-        let count = |side: usize| (side / 4).clamp(1, BLOCKS);
+        let count = |side: usize| (side / 4).clamp(1, most);
         let (columns, rows) = (count(width), count(height));
         (0..rows * columns).map(move |block| {
             let (i, j) = (block / columns, block % columns);

@@ -116,3 +116,35 @@ fn black_is_no_fault() {
     let error = References::new(black(), black()).measure(&black());
     assert_eq!((error.relmse, error.trimmed, error.energy, error.worst_sigma), (0.0, 0.0, 0.0, 0.0));
 }
+
+/// One pixel in three hundred holds all light of the left half in the references: the blocks grow, and a picture with
+/// that light everywhere agrees, one without it does not.
+#[test]
+fn rare_light_is_compared_over_large_blocks() {
+    let truth = truth();
+    let rare = |seed: u64| {
+        let mut rng = Rng::new(seed, Stream::Backward, 0, 0);
+        let hit =
+            |value: &f64| if *value > 60.0 { 300.0 * value * f64::from(rng.uniform() < 1.0 / 300.0) } else { *value };
+        picture(truth.iter().map(hit).collect(), 0.0)
+    };
+    let mut found = 0;
+    for seed in 0..10 {
+        let whole = |offset: u64| {
+            // The mean of 100 such pictures.
+            let pictures: Vec<Picture> = (0..100).map(|i| rare(1000 * seed + offset + i)).collect();
+            let mean = |p: usize| pictures.iter().map(|picture| picture.values[p]).sum::<f64>() / 100.0;
+            picture((0..truth.len()).map(mean).collect(), 0.0)
+        };
+        let references = References::new(whole(0), whole(100));
+        let most_sigma = references.most_sigma_at(1e-3);
+        let sound = references.measure(&picture(truth.clone(), 0.0));
+        assert!(sound.worst_sigma.abs() < most_sigma, "{sound:?} {most_sigma}");
+        assert!(references.known_blocks().is_some_and(|blocks| blocks < 64));
+        let dark = truth.iter().map(|v| if *v > 60.0 { 0.5 * v } else { *v }).collect();
+        found += usize::from(references.measure(&picture(dark, 0.0)).worst_sigma < -most_sigma);
+    }
+    assert!(found >= 9, "{found}");
+    let exact = References::new(picture(truth.clone(), 0.0), picture(truth, 0.0));
+    assert_eq!(exact.known_blocks(), Some(64));
+}

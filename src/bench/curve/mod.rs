@@ -80,6 +80,8 @@ pub struct ReferenceFacts {
     pub resolution: f64,
     /// Pixels whose neighbours are alike, and all.
     pub flat_pixels: [usize; 2],
+    /// Blocks in which a bias is looked for; none if the references don't know the light of the whole to a tenth.
+    pub known_blocks: Option<usize>,
     /// What a sound picture's worst block may deviate, in standard errors.
     pub most_sigma: f64,
 }

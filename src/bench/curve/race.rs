@@ -7,6 +7,7 @@ use super::{Curve, LEVELS, Point, name};
 use crate::base::Result;
 use crate::bench::clock::cpu_seconds;
 use crate::check::{Checked, check};
+use crate::estimate::ShouldStop;
 use crate::estimate::run::{Tracing, begin};
 use crate::film::plan::{Estimator, Plan};
 use crate::plan::{Choice, plan};
@@ -120,7 +121,7 @@ pub fn race(
     references: &References,
     seed: u64,
     budget: Budget,
-    stop: &dyn Fn() -> bool,
+    stop: &ShouldStop<'_>,
 ) -> Vec<Curve> {
     let (size, groups) = (ready.scene().eye.resolution, ready.scene().groups.len());
     let plans: Vec<(Plan, f64)> = contenders

@@ -6,6 +6,7 @@ use super::race::Ready;
 use super::{ReferenceFacts, name};
 use crate::base::Result;
 use crate::bench::clock::cpu_seconds;
+use crate::estimate::ShouldStop;
 use crate::estimate::run::begin;
 use crate::plan::{Choice, plan};
 use std::path::PathBuf;
@@ -29,7 +30,7 @@ pub fn references(
     ready: &Ready<'_>,
     source: &Source,
     seed: u64,
-    stop: &dyn Fn() -> bool,
+    stop: &ShouldStop<'_>,
 ) -> Result<(References, ReferenceFacts)> {
     let start = cpu_seconds();
     let size = ready.scene().eye.resolution;
@@ -67,6 +68,7 @@ pub fn references(
         noise: references.noise(),
         resolution: references.resolution(),
         flat_pixels: references.flat_pixels(),
+        known_blocks: references.known_blocks(),
         most_sigma: references.most_sigma(),
     };
     Ok((references, facts))

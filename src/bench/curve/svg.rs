@@ -111,7 +111,8 @@ fn panel(asset: &AssetReport) -> String {
         out += &format!("<path d=\"M{left} {at:.1}H{end}\" stroke=\"#888888\" stroke-dasharray=\"2 4\"/>\n");
         out += &format!("<text x=\"{:.1}\" y=\"{:.1}\" fill=\"#666666\">references</text>\n", left + 6.0, at - 4.0);
     }
-    for (index, curve) in asset.curves.iter().enumerate() {
+    // The first, the automatic choice, lies on top of the one that it chose.
+    for (index, curve) in asset.curves.iter().enumerate().rev() {
         let colour = COLOURS[index % COLOURS.len()];
         let places: Vec<[f64; 2]> = points(curve, resolution).map(|[s, e]| [x(s), y(e)]).collect();
         let line: Vec<String> = places.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();

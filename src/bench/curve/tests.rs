@@ -49,6 +49,7 @@ fn report() -> Report {
             noise: 1e-3,
             resolution: 1e-6,
             flat_pixels: [300, 648],
+            known_blocks: Some(36),
             most_sigma: 3.2,
         },
         curves: vec![curve("auto", 0.01), curve("backward", 1.0), Curve { points: Vec::new(), ..curve("photon", 1.0) }],

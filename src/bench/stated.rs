@@ -1,0 +1,142 @@
+//! Whether the error that a run states is the one it has: many seeds of one asset, against references of another
+//! estimator.
+
+use super::curve::asset::{Task, open};
+use super::curve::error::References;
+use super::curve::picture::Picture;
+use super::curve::race::Ready;
+use super::curve::reference::references;
+use super::curve::{ReferenceFacts, name};
+use crate::base::Result;
+use crate::estimate::ShouldStop;
+use crate::estimate::run::{Limits, Observer, Status, run};
+use crate::plan::{Choice, plan};
+use std::path::Path;
+use std::time::Duration;
+
+/// How much larger than stated a true error may be.
+pub const MOST: f64 = 1.2;
+
+/// One run.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Run {
+    pub seed: u64,
+    pub passes: u64,
+    /// Relative error as the run states it; none if it states none.
+    pub stated: Option<f64>,
+    /// Root of the sum of squared errors over the sum of squares.
+    pub real: f64,
+}
+
+impl Run {
+    pub fn is_honest(&self) -> bool {
+        self.stated.is_some_and(|stated| self.real <= MOST * stated)
+    }
+}
+
+/// Many runs of an asset.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Stated {
+    pub asset: String,
+    pub estimator: &'static str,
+    /// What the runs were asked for.
+    pub error: f64,
+    pub reference: ReferenceFacts,
+    pub runs: Vec<Run>,
+}
+
+impl Stated {
+    /// Runs whose true error is at most 1.2 of the stated one.
+    pub fn honest(&self) -> usize {
+        self.runs.iter().filter(|run| run.is_honest()).count()
+    }
+
+    /// One line a run, and one of all.
+    pub fn text(&self) -> String {
+        let mut out = format!("{}, {}, --error {}\n", self.asset, self.estimator, self.error);
+        out += &format!("{:>6} {:>8} {:>10} {:>10} {:>6}\n", "seed", "passes", "stated", "true", "ratio");
+        for run in &self.runs {
+            let stated = run.stated.unwrap_or(f64::NAN);
+            let (seed, passes, ratio) = (run.seed, run.passes, run.real / stated);
+            out += &format!("{seed:>6} {passes:>8} {stated:>10.5} {:>10.5} {ratio:>6.2}\n", run.real);
+        }
+        let (honest, all) = (self.honest(), self.runs.len());
+        out + &format!("{honest} of {all} runs have a true error of at most {MOST} of the stated one\n")
+    }
+}
+
+struct Nobody<'s>(&'s ShouldStop<'s>);
+impl Observer for Nobody<'_> {
+    fn block(&mut self, _: &Status) -> bool {
+        !(self.0)()
+    }
+}
+
+/// Traces an asset `count` times by the task's first contender until a run states this relative error, or the task's
+/// seconds (of the wall) or passes are over.
+///
+/// Errors: those of import, checking, freezing and of reference files.
+pub fn measure(path: &Path, task: &Task, error: f64, count: u64, stop: &ShouldStop<'_>) -> Result<Stated> {
+    let (scene, import_seconds) = open(path, task)?;
+    let ready = Ready::new(&scene, import_seconds)?;
+    let (references, reference) = references(&ready, &task.source, task.seed, stop)?;
+    let choice = task.contenders.first().copied().unwrap_or_default();
+    let limits = Limits {
+        passes: task.budget.passes,
+        time: Duration::try_from_secs_f64(task.budget.seconds).ok(),
+        error: Some(error),
+    };
+    let runs = runs(&ready, choice, &references, task.seed..task.seed.saturating_add(count), &limits, stop);
+    Ok(Stated { asset: path.display().to_string(), estimator: name(choice), error, reference, runs })
+}
+
+/// Traces with these seeds.
+pub fn runs(
+    ready: &Ready<'_>,
+    choice: Choice,
+    references: &References,
+    seeds: std::ops::Range<u64>,
+    limits: &Limits,
+    stop: &ShouldStop<'_>,
+) -> Vec<Run> {
+    let (size, groups) = (ready.scene().eye.resolution, ready.scene().groups.len());
+    let plan = plan(&ready.checked, &ready.world, choice);
+    let one = |seed| {
+        let films = run(&ready.world, &plan, groups, size, seed, limits, &mut Nobody(stop)).films;
+        let real = references.relative_error(&Picture::of_films(&films, size));
+        Run { seed, passes: films.passes, stated: films.relative_error(), real }
+    };
+    seeds.take_while(|_| !stop()).map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::curve::reference::Source;
+    use crate::bench::kit;
+    use crate::film::plan::Estimator;
+    use crate::scene::Finish;
+    use glam::DVec3;
+
+    /// A matt wall under a large lamp, from the eye: no path is rare, so the stated error is the true one.
+    #[test]
+    fn a_wall_states_its_error() {
+        let mut scene = kit::scene(60.0, 10);
+        kit::panel(&mut scene, 50.0, kit::quad(DVec3::new(0.0, 3.0, 0.0), DVec3::X * 0.7, DVec3::Z * 0.7));
+        let wall = kit::mesh(&[kit::quad(DVec3::new(0.0, 0.0, -2.0), DVec3::X * 3.0, DVec3::Y * 3.0)]);
+        let matt = kit::face(Finish::Lambert { reflectance: 0.5, transmittance: 0.0 });
+        kit::add(&mut scene, wall, glam::DAffine3::IDENTITY, None, vec![matt]);
+        let ready = Ready::new(&scene, 0.0).unwrap();
+        let choice = Choice::Only(Estimator::Backward);
+        let source = Source::Traced { choice, passes: Some(600), seconds: 1e9 };
+        let (references, _) = references(&ready, &source, 1, &|| false).unwrap();
+        let limits = Limits { passes: Some(12), time: None, error: None };
+        let runs = runs(&ready, choice, &references, 0..12, &limits, &|| false);
+        assert_eq!(runs.len(), 12);
+        let ratios: Vec<f64> = runs.iter().filter_map(|run| Some(run.real / run.stated?)).collect();
+        let mean = ratios.iter().sum::<f64>() / 12.0;
+        assert!((0.8..1.2).contains(&mean), "{ratios:?}");
+        assert!(!Run { stated: Some(0.5 * runs[0].real), ..runs[0] }.is_honest());
+        assert!(!Run { stated: None, ..runs[0] }.is_honest());
+    }
+}

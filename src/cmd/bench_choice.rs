@@ -1,0 +1,130 @@
+//! `eyebox bench --generate A..B` and `eyebox bench ASSET --error REL`: is the choice right, is the stated error true?
+
+use super::bench_curve::CurveArgs;
+use super::print_text;
+use super::progress::Signals;
+use crate::base::{Fault, Result, Where};
+use crate::bench::choice::{head, judge, line};
+use crate::bench::curve::asset::Form;
+use crate::bench::curve::race::Budget;
+use crate::bench::stated::{Stated, measure};
+use clap::Args;
+use std::ops::Range;
+use std::process::ExitCode;
+
+/// References of generated scenes take this many times a contender's seconds each: brute force is slow.
+const REFERENCE_FACTOR: f64 = 8.0;
+/// Share of the runs whose stated error must hold.
+const HONEST: f64 = 0.9;
+
+#[derive(Args, Debug)]
+pub struct ChoiceArgs {
+    /// Hold the automatic choice against every choice by hand on the scenes of these seeds; exit 1 if it is slower than
+    /// 1.3 of the best, or differs from brute force.
+    #[arg(long, value_name = "SEED..SEED", value_parser = parse_range, conflicts_with_all = ["assets", "stress", "error"])]
+    generate: Option<Range<u64>>,
+    /// Trace the asset with many seeds until this relative error is stated, and hold the true error against it; exit 1
+    /// if fewer than nine in ten are true within 1.2 of it.
+    #[arg(long, value_name = "REL", value_parser = parse_error, requires = "assets")]
+    error: Option<f64>,
+    /// How many seeds.
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..), default_value_t = 100, requires = "error")]
+    runs: u64,
+}
+
+fn parse_range(text: &str) -> std::result::Result<Range<u64>, String> {
+    let bad = || format!("`{text}` is no range of seeds; write e.g. 0..12");
+    let (first, end) = text.split_once("..").ok_or_else(bad)?;
+    match (first.trim().parse(), end.trim().parse()) {
+        (Ok(first), Ok(end)) if first < end => Ok(first..end),
+        (_, _) => Err(bad()),
+    }
+}
+
+fn parse_error(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(error) if error > 0.0 && error < 1.0 => Ok(error),
+        Ok(_) | Err(_) => Err(format!("`{text}` is no relative error; write e.g. 0.02")),
+    }
+}
+
+/// Runs the command if it is for one of these.
+pub fn run(args: &ChoiceArgs, curve: &CurveArgs, form: Form) -> Result<Option<ExitCode>> {
+    let json = match form {
+        Form::Json => true,
+        Form::Text => false,
+        Form::Csv | Form::Svg | Form::Markdown if args.generate.is_none() && args.error.is_none() => false,
+        Form::Csv | Form::Svg | Form::Markdown => {
+            let fault = Fault::new(Where::Option("--format".to_owned()), "this report has no such form");
+            return Err(fault.expected("text, json"));
+        }
+    };
+    match (&args.generate, args.error) {
+        (Some(seeds), _) => generated(seeds.clone(), curve, json).map(Some),
+        (None, Some(error)) => stated(error, args.runs, curve, json).map(Some),
+        (None, None) => Ok(None),
+    }
+}
+
+fn generated(seeds: Range<u64>, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
+    let signals = Signals::install();
+    let stop = || signals.caught().is_some();
+    let pool = curve.pool()?;
+    let Budget { seconds, .. } = curve.task()?.budget;
+    if !json {
+        print_text(head());
+    }
+    let mut rows = Vec::new();
+    for seed in seeds {
+        let row = pool.install(|| judge(seed, seconds, REFERENCE_FACTOR, &stop))?;
+        if stop() {
+            break;
+        }
+        if !json {
+            print_text(line(&row));
+        }
+        rows.push(row);
+    }
+    if json {
+        print_text(to_json(&rows));
+    }
+    let sound = rows.iter().all(|row| row.is_fast() && row.agrees());
+    Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!sound)) })
+}
+
+fn stated(error: f64, runs: u64, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
+    let signals = Signals::install();
+    let stop = || signals.caught().is_some();
+    let (pool, task) = (curve.pool()?, curve.task()?);
+    let mut reports: Vec<Stated> = Vec::new();
+    for path in curve.assets().iter().take_while(|_| !stop()) {
+        let report = pool.install(|| measure(path, &task, error, runs, &stop))?;
+        if !json {
+            print_text(report.text());
+        }
+        reports.push(report);
+    }
+    if json {
+        print_text(to_json(&reports));
+    }
+    let honest = reports.iter().all(|report| report.honest() as f64 >= HONEST * report.runs.len() as f64);
+    Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!honest)) })
+}
+
+fn to_json<T: serde::Serialize>(value: &T) -> String {
+    serde_json::to_string_pretty(value).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_of_seeds() {
+        assert_eq!(parse_range("3..12"), Ok(3..12));
+        for bad in ["3", "3..", "4..3", "3..3", "a..b", "-1..3"] {
+            assert!(parse_range(bad).is_err(), "{bad}");
+        }
+        assert!(parse_error("0.02").is_ok() && parse_error("2").is_err() && parse_error("NaN").is_err());
+    }
+}
