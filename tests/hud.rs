@@ -5,6 +5,8 @@ mod agreement; // estimator against estimator, frames of reference
 #[path = "hud/colour.rs"]
 mod colour; // lateral colour
 mod common;
+#[path = "hud/guided.rs"]
+mod guided; // guided emission, even points
 #[path = "hud/invariance.rs"]
 mod invariance; // what must not matter
 #[path = "hud/kit.rs"]

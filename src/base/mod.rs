@@ -1,4 +1,4 @@
-//! Floor 0: units, colour, typed ids, errors with places, random numbers, warps, statistics, event strings,
+//! Floor 0: units, colour, typed ids, errors with places, random numbers, even points, warps, statistics, event strings,
 //! file names, whole files.
 
 pub mod atomic;
@@ -10,6 +10,7 @@ pub mod package;
 pub mod path;
 pub mod relative;
 pub mod rng;
+pub mod sobol;
 pub mod stats;
 pub mod units;
 pub mod vision; // the eye as formulas

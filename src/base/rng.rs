@@ -13,6 +13,8 @@ pub enum Stream {
     Vision,
     VisionShift,
     Wavelengths,
+    /// The scrambles of even points, see [`super::sobol`].
+    Scramble,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.
@@ -25,7 +27,7 @@ pub struct Rng {
     counter: u64,
 }
 
-fn mix(mut z: u64) -> u64 {
+pub(super) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)

@@ -7,7 +7,9 @@ use super::walk::{Meeting, Met, Travel, Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
-use crate::film::guide::Guide;
+use crate::base::sobol::Sobol;
+use crate::film::guide::{Guide, Point, Sample};
+use crate::film::scrambles::SCRAMBLES;
 use crate::world::World;
 use crate::world::eye::Arrival;
 use crate::world::geometry::{Ray, Site};
@@ -29,8 +31,8 @@ pub trait Visitor<M: Mode> {
     fn pupil(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival);
     /// The path has met a scatterer; it goes on after this.
     fn scatterer(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex, scatter: &Scatter);
-    /// A path and all its branches have ended.
-    fn end(&mut self) {}
+    /// Path number `sample` of its pass and all its branches have ended.
+    fn end(&mut self, _sample: u64) {}
 }
 
 /// Where a path comes from.
@@ -41,6 +43,17 @@ pub struct Origin {
     pub visible: bool,
 }
 
+/// What the numbers are that a path starts with: its lamp, its place there and its direction. All later ones are random.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Starts {
+    /// Independent random numbers.
+    Random,
+    /// Even points: path i of each pass belongs to scramble i mod [`SCRAMBLES`], whose sequence goes on from pass to pass.
+    Scrambles,
+    /// Even points, with a scramble of its own for each pass.
+    OfPass,
+}
+
 /// Which paths: their stream of random numbers, the pass, and how many share the lamps' flux.
 #[derive(Debug, Clone, Copy)]
 pub struct Shots {
@@ -48,6 +61,39 @@ pub struct Shots {
     pub stream: Stream,
     pub pass: u64,
     pub paths: u64,
+    pub starts: Starts,
+}
+
+/// The even points of a pass.
+struct Points {
+    shots: Shots,
+    sobols: [Sobol; SCRAMBLES],
+}
+
+impl Points {
+    fn new(shots: Shots) -> Self {
+        let first = match shots.starts {
+            Starts::Random | Starts::Scrambles => 0,
+            Starts::OfPass => shots.pass,
+        };
+        let sobol = |s: usize| Sobol::new(shots.seed, shots.stream, first.wrapping_add(s as u64));
+        Points { shots, sobols: std::array::from_fn(sobol) }
+    }
+
+    /// What path `sample` starts with: the number that chooses the lamp, and the point of its cube.
+    fn of(&self, sample: u64, rng: &mut Rng) -> (f64, Point) {
+        let count = SCRAMBLES as u64;
+        let [u, v, a, b, lamp] = match self.shots.starts {
+            Starts::Random => std::array::from_fn(|_| rng.uniform()),
+            Starts::Scrambles => {
+                let first = self.shots.pass.wrapping_mul(self.shots.paths.div_ceil(count));
+                self.sobols[(sample % count) as usize].point(first.wrapping_add(sample / count))
+            }
+            Starts::OfPass => self.sobols[0].point(sample),
+        };
+        // The first two coordinates of a sequence are its best, and the picture depends most on the direction.
+        (lamp, [a, b, u, v])
+    }
 }
 
 impl Shots {
@@ -82,9 +128,10 @@ enum Source {
 struct Started<'w, M: Mode> {
     walker: Walker<'w, M>,
     origin: Origin,
-    /// Index in the emission's lamps and point of the square of directions, for learning.
+    /// Index in the emission's lamps, the point of its cube, and the density of both, for learning.
     lamp: usize,
-    uv: [f64; 2],
+    x: Point,
+    density: f64,
 }
 
 impl Emission {
@@ -99,7 +146,9 @@ impl Emission {
             .filter(|(_, group, flux)| *flux > 0.0 && reach[group.index()].allows(Trail::START))
             .map(|(source, _, flux)| (source, flux))
             .unzip();
-        let guide = guide.cloned().unwrap_or_else(|| Guide::unguided(&flux));
+        // A guide for other lamps would be no use.
+        let guide = guide.filter(|guide| guide.lamps() == flux.len()).cloned();
+        let guide = guide.unwrap_or_else(|| Guide::unguided(&flux));
         Emission { sources, flux, guide, reach }
     }
 
@@ -116,21 +165,25 @@ impl Emission {
         }
     }
 
-    /// Starts one of `paths` paths. None if there is no lamp.
+    /// Starts one path of a pass. None if there is no lamp.
     fn start<'w, M: Mode>(
         &self,
         (world, optics): (&'w World, &'w Optics<M>),
-        mut rng: Rng,
-        paths: u64,
+        points: &Points,
+        sample: u64,
     ) -> Option<Started<'w, M>> {
+        let shots = &points.shots;
+        let mut rng = Rng::new(shots.seed, shots.stream, shots.pass, sample);
+        let (choice, point) = points.of(sample, &mut rng);
+        let drawn = self.guide.draw(&self.flux, choice, point)?;
         let total: f64 = self.flux.iter().sum();
-        let drawn = self.guide.draw(&self.flux, [rng.uniform(), rng.uniform(), rng.uniform(), rng.uniform()])?;
-        let flux_lm = total / paths as f64 / drawn.density;
+        let flux_lm = total / shots.paths as f64 / drawn.density;
+        let [place, uv] = [[drawn.x[0], drawn.x[1]], [drawn.x[2], drawn.x[3]]];
         let (ray, interior, origin, tint) = match self.sources[drawn.lamp] {
             Source::Face(index) => {
                 let lamp = &world.lamps.all()[index];
-                let point = lamp.sample_point(rng.pair());
-                let dir = lamp.sample_direction(point.normal, drawn.uv);
+                let point = lamp.sample_point(place);
+                let dir = lamp.sample_direction(point.normal, uv);
                 let from = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: point.triangle };
                 let ray = Ray { origin: point.position, dir, from: Some(from) };
                 (
@@ -142,7 +195,7 @@ impl Emission {
             }
             Source::Light(index) => {
                 let light = &world.lights.all()[index];
-                let (origin, dir) = light.emit(rng.pair(), drawn.uv);
+                let (origin, dir) = light.emit(place, uv);
                 let ray = Ray { origin, dir, from: None };
                 let from = Origin { group: light.group(), visible: light.is_visible() };
                 (ray, world.light_interiors[index].clone(), from, optics.light(index))
@@ -156,7 +209,7 @@ impl Emission {
         {
             walker.beam = walker.beam.polarised(light, dir, false);
         }
-        Some(Started { walker, origin, lamp: drawn.lamp, uv: drawn.uv })
+        Some(Started { walker, origin, lamp: drawn.lamp, x: drawn.x, density: drawn.density })
     }
 
     /// Traces one chunk of a pass.
@@ -168,22 +221,27 @@ impl Emission {
         visitor: &mut V,
     ) -> Ledger {
         let mut ledger = Ledger::new(world.solids.len());
+        let points = Points::new(shots);
         for sample in shots.samples(chunk) {
-            let rng = Rng::new(shots.seed, shots.stream, shots.pass, sample);
             let balance = ledger.imbalance();
-            if let Some(started) = self.start((world, optics), rng, shots.paths) {
+            if let Some(started) = self.start((world, optics), &points, sample) {
                 ledger.paths += 1;
                 ledger.emitted += started.walker.beam.carried();
                 self.walk(started.walker, started.origin, visitor, &mut ledger);
-                visitor.end();
+                visitor.end(sample);
                 ledger.close_path(balance);
             }
         }
         ledger
     }
 
-    /// Traces a pass for learning: (lamp, uv, what `gain` makes of the path's visit) of each path that gained.
-    /// Once `stop` says true the rest is left out, and the result is worthless.
+    /// Density with which paths start at a point of a lamp's cube, over that by flux and intensity.
+    pub fn density(&self, lamp: usize, x: &Point) -> f64 {
+        self.guide.density(&self.flux, lamp, x)
+    }
+
+    /// Traces a pass for learning: of each path that gained its start, weighted with what `gain` makes of its visit times
+    /// its density and the number of paths. Once `stop` says true the rest is left out, and the result is worthless.
     pub fn probe<M: Mode, V: Visitor<M>>(
         &self,
         tracing: (&World, &Optics<M>),
@@ -191,35 +249,35 @@ impl Emission {
         stop: &ShouldStop<'_>,
         visitor: impl Fn() -> V + Sync,
         gain: impl Fn(&V) -> f64 + Sync,
-    ) -> Vec<(usize, [f64; 2], f64)> {
-        self.survey(tracing, shots, stop, visitor, |lamp, uv, visitor| {
-            let gained = gain(&visitor);
-            (gained > 0.0).then_some((lamp, uv, gained))
+    ) -> Vec<Sample> {
+        self.survey(tracing, shots, stop, visitor, |lamp, x, density, visitor| {
+            let weight = gain(&visitor) * density * shots.paths as f64;
+            (weight > 0.0 && weight.is_finite()).then_some(Sample { lamp, x, weight })
         })
     }
 
-    /// Traces a pass and keeps what `take` makes of each path's lamp, point of the square of directions and visit, in the
-    /// order of the paths. Once `stop` says true the rest is left out, and the result is worthless.
+    /// Traces a pass and keeps what `take` makes of each path's lamp, point of its cube, density and visit, in the order of
+    /// the paths. Once `stop` says true the rest is left out, and the result is worthless.
     pub fn survey<M: Mode, V: Visitor<M>, T: Send>(
         &self,
         (world, optics): (&World, &Optics<M>),
         shots: Shots,
         stop: &ShouldStop<'_>,
         visitor: impl Fn() -> V + Sync,
-        take: impl Fn(usize, [f64; 2], V) -> Option<T> + Sync,
+        take: impl Fn(usize, Point, f64, V) -> Option<T> + Sync,
     ) -> Vec<T> {
+        let points = Points::new(shots);
         (0..shots.paths)
             .into_par_iter()
             .filter_map(|sample| {
                 if stop() {
                     return None;
                 }
-                let rng = Rng::new(shots.seed, shots.stream, shots.pass, sample);
-                let started = self.start((world, optics), rng, shots.paths)?;
+                let started = self.start((world, optics), &points, sample)?;
                 let mut visitor = visitor();
                 let mut ledger = Ledger::new(world.solids.len());
                 self.walk(started.walker, started.origin, &mut visitor, &mut ledger);
-                take(started.lamp, started.uv, visitor)
+                take(started.lamp, started.x, started.density, visitor)
             })
             .collect()
     }

@@ -1,8 +1,9 @@
 //! Light tracing: paths start on the lamps with equal shares of flux and *arrive* at the pupil by themselves. No shadow
-//! ray is sent to the eye, since no lens would let one through.
+//! ray is sent to the eye, since no lens would let one through. They start from even points (randomised quasi-Monte Carlo),
+//! dealt to independent scrambles that tell the error.
 
 use super::ShouldStop;
-use super::emission::{Emission, Origin, Shots, Visitor};
+use super::emission::{Emission, Origin, Shots, Starts, Visitor};
 use super::ledger::Ledger;
 use super::route::Route;
 use super::walk::{Vertex, Walker};
@@ -10,7 +11,8 @@ use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::rng::Stream;
 use crate::film::accumulate::{Film, Light};
-use crate::film::guide::Guide;
+use crate::film::guide::{Guide, Point, Sample};
+use crate::film::scrambles::SCRAMBLES;
 use crate::world::World;
 use crate::world::eye::Arrival;
 use crate::world::mode::{Mode, components, lanes};
@@ -32,12 +34,15 @@ pub struct Forward<'w, M: Mode> {
     emission: Emission,
     paths: u64,
     seed: u64,
+    starts: Starts,
 }
 
 /// Light that one path brought to a pixel; the entries of a plane, of which luminance alone needs the first.
 struct Splat {
     pixel: u32,
     plane: u32,
+    /// Of the path.
+    scramble: u32,
     light: [Light; 3],
 }
 
@@ -54,7 +59,13 @@ impl<'w, M: Mode> Forward<'w, M> {
     /// `paths` lamp paths per pass, for `groups` light groups.
     pub fn new(world: &'w World, route: Route, groups: usize, paths: u64, guide: Option<&Guide>, seed: u64) -> Self {
         let emission = Emission::new(world, &route, groups, guide);
-        Forward { world, mode: PhantomData, route, emission, paths, seed }
+        Forward { world, mode: PhantomData, route, emission, paths, seed, starts: Starts::Scrambles }
+    }
+
+    /// The same with other numbers for the paths to start with.
+    #[must_use]
+    pub fn starting(self, starts: Starts) -> Self {
+        Forward { starts, ..self }
     }
 
     /// Adds passes `first .. first + count` to the film.
@@ -80,7 +91,7 @@ impl<'w, M: Mode> Forward<'w, M> {
                 .collect();
             for (splats, ledger) in done {
                 for s in &splats {
-                    film.splat(s.pixel as usize, s.plane as usize, &s.light[..M::COMPONENTS]);
+                    film.splat(s.pixel as usize, s.plane as usize, s.scramble as usize, &s.light[..M::COMPONENTS]);
                 }
                 total.merge(&ledger);
             }
@@ -89,14 +100,19 @@ impl<'w, M: Mode> Forward<'w, M> {
         total
     }
 
-    /// Traces one pass for learning: (lamp, uv, flux that arrived in the picture) of each path that arrived.
-    /// Once `stop` says true the rest is left out, and the result is worthless.
-    pub fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<(usize, [f64; 2], f64)> {
+    /// Traces one pass for learning: the starts of the paths that arrived in the picture, with the luminance that they
+    /// brought there, see [`Emission::probe`]. Once `stop` says true the rest is left out, and the result is worthless.
+    pub fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Sample> {
         let optics = M::optics(self.world, self.seed, pass);
         let luminance = |splat: &Splat| components::<M>().luminance(&splat.light[..M::COMPONENTS]).open();
         let arrived = |arrivals: &Arrivals<'_, M>| arrivals.splats.iter().map(luminance).sum();
         let shots = self.shots(Stream::Pilot, pass);
         self.emission.probe((self.world, &optics), shots, stop, || self.arrivals(&optics), arrived)
+    }
+
+    /// [`Emission::density`].
+    pub fn density(&self, lamp: usize, x: &Point) -> f64 {
+        self.emission.density(lamp, x)
     }
 
     /// Flux of each traced lamp, lm.
@@ -110,7 +126,7 @@ impl<'w, M: Mode> Forward<'w, M> {
     }
 
     fn shots(&self, stream: Stream, pass: u64) -> Shots {
-        Shots { seed: self.seed, stream, pass, paths: self.paths }
+        Shots { seed: self.seed, stream, pass, paths: self.paths, starts: self.starts }
     }
 
     fn arrivals<'r>(&'r self, optics: &'r Optics<M>) -> Arrivals<'r, M> {
@@ -132,19 +148,21 @@ impl<M: Mode> Visitor<M> for Arrivals<'_, M> {
             let mut light = [Light::default(); 3];
             let each = lanes::<M, _>(|_| arrival.luminance_per_lumen);
             walker.beam.deposit(self.optics, &mut light[..M::COMPONENTS], &each);
-            self.splats.push(Splat { pixel: pixel as u32, plane: plane as u32, light });
+            self.splats.push(Splat { pixel: pixel as u32, plane: plane as u32, scramble: 0, light });
         }
     }
 
     fn scatterer(&mut self, _: &Walker<'_, M>, _: Origin, _: &Vertex, _: &Scatter) {}
 
-    fn end(&mut self) {
+    fn end(&mut self, sample: u64) {
         merge_equal(&mut self.splats, self.first);
+        let scramble = (sample % SCRAMBLES as u64) as u32;
+        self.splats[self.first..].iter_mut().for_each(|splat| splat.scramble = scramble);
         self.first = self.splats.len();
     }
 }
 
-/// Adds up what one path brought to the same pixel: the variance counts paths.
+/// Adds up what one path brought to the same pixel.
 fn merge_equal(splats: &mut Vec<Splat>, first: usize) {
     let mut end = first;
     for index in first..splats.len() {

@@ -15,6 +15,7 @@ pub mod pick_up;
 pub mod picture;
 pub mod route;
 pub mod run;
+pub mod seen;
 pub mod spread;
 pub mod turn;
 pub mod vision;

@@ -3,15 +3,17 @@
 //! passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
 
 use super::ShouldStop;
-use super::emission::{Emission, Origin, Shots, Visitor};
+use super::emission::{Emission, Origin, Shots, Starts, Visitor};
 use super::ledger::Ledger;
 use super::photon_map::{Photon, PhotonMap};
 use super::route::{Reach, Route};
+use super::seen::Seen;
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
+use crate::base::ids::GroupId;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::{Rng, Stream};
 use crate::film::accumulate::{Film, Light};
-use crate::film::guide::Guide;
+use crate::film::guide::{Guide, Point, Sample};
 use crate::world::World;
 use crate::world::eye::Arrival;
 use crate::world::geometry::Ray;
@@ -41,6 +43,7 @@ pub struct PhotonMapper<'w, M: Mode> {
     photons: u64,
     first_radius_m: f64,
     seed: u64,
+    starts: Starts,
 }
 
 /// What paths leave at broad scatterers.
@@ -97,7 +100,14 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
     ) -> Self {
         let emission = Emission::new(world, &route, groups, guide);
         let reach_eye = Reach::from_eye(&route);
-        PhotonMapper { mode: PhantomData, world, route, emission, reach_eye, photons, first_radius_m, seed }
+        let starts = Starts::OfPass;
+        PhotonMapper { mode: PhantomData, world, route, emission, reach_eye, photons, first_radius_m, seed, starts }
+    }
+
+    /// The same with other numbers for the photons' paths to start with.
+    #[must_use]
+    pub fn starting(self, starts: Starts) -> Self {
+        PhotonMapper { starts, ..self }
     }
 
     /// Adds passes `first .. first + count` to the film. Returns the ledger of the photons' side.
@@ -133,14 +143,21 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         (all, total)
     }
 
-    /// Traces one pass for learning: (lamp, uv, flux stored that did not come straight from the lamp) per path.
-    /// Once `stop` says true the rest is left out, and the result is worthless.
-    pub fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<(usize, [f64; 2], f64)> {
+    /// Traces one pass for learning: the starts of paths, with the flux that they store where the eye sees it and that did
+    /// not come straight from the lamp, see [`Emission::probe`]. Once `stop` says true the rest is left out, and the result
+    /// is worthless.
+    pub fn probe(&self, pass: u64, seen: &Seen, stop: &ShouldStop<'_>) -> Vec<Sample> {
         let optics = M::optics(self.world, self.seed, pass);
         let open = |photon: &Photon<M>| -> f64 { photon.flux.as_slice().iter().map(|light| light.open()).sum() };
-        let useful = |stored: &Stored<M>| stored.photons.iter().filter(|p| !p.trail.is_empty()).map(open).sum();
+        let counts = |photon: &&Photon<M>| !photon.trail.is_empty() && seen.sees(photon.site, photon.position);
+        let useful = |stored: &Stored<M>| stored.photons.iter().filter(counts).map(open).sum();
         let shots = self.shots(Stream::Pilot, pass);
         self.emission.probe((self.world, &optics), shots, stop, Stored::new, useful)
+    }
+
+    /// [`Emission::density`].
+    pub fn density(&self, lamp: usize, x: &Point) -> f64 {
+        self.emission.density(lamp, x)
     }
 
     /// Flux of each traced lamp, lm.
@@ -148,8 +165,13 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         self.emission.flux()
     }
 
+    /// The light group of a traced lamp.
+    pub fn group_of(&self, lamp: usize) -> GroupId {
+        self.emission.group_of(self.world, lamp)
+    }
+
     fn shots(&self, stream: Stream, pass: u64) -> Shots {
-        Shots { seed: self.seed, stream, pass, paths: self.photons }
+        Shots { seed: self.seed, stream, pass, paths: self.photons, starts: self.starts }
     }
 
     fn gather(&self, film: &mut Film, (pass, optics): (u64, &Optics<M>), map: &PhotonMap<M>) {

@@ -92,7 +92,8 @@ impl<M: Mode> PhotonMap<M> {
     }
 }
 
-fn cell_of(p: DVec3, cell: f64) -> [i64; 3] {
+/// The cell of a grid with this spacing.
+pub(super) fn cell_of(p: DVec3, cell: f64) -> [i64; 3] {
     [(p.x / cell).floor() as i64, (p.y / cell).floor() as i64, (p.z / cell).floor() as i64]
 }
 

@@ -169,7 +169,7 @@ fn begin_in<'w, M: Mode + 'w>(
             continue;
         }
         let sampling = match estimator {
-            Estimator::Forward => Sampling::PerPath { paths: plan.forward_paths },
+            Estimator::Forward => Sampling::PerScramble { paths: plan.forward_paths },
             Estimator::Backward | Estimator::Photon => Sampling::PerPass,
         };
         let film = Film::new(size[0], size[1], route.planes.clone(), components::<M>(), sampling);

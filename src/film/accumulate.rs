@@ -2,6 +2,7 @@
 
 use super::detail::{Detail, DetailRow};
 use super::layer::Layer;
+use super::scrambles::Scrambles;
 use crate::base::colour::ColourSpace;
 use crate::base::ids::GroupId;
 
@@ -75,8 +76,8 @@ pub struct PlaneKey {
 pub enum Sampling {
     /// Each pass gives one independent value per pixel.
     PerPass,
-    /// A pass is `paths` independent paths; each lands in at most one pixel.
-    PerPath { paths: u64 },
+    /// A pass is `paths` paths dealt to independent scrambles, see [`Scrambles`].
+    PerScramble { paths: u64 },
 }
 
 /// What a plane of a film holds per pixel.
@@ -124,8 +125,9 @@ pub struct Film {
     pub passes: u64,
     /// `[pixel][plane][component]`
     sums: Vec<Light>,
-    /// `[pixel][plane]`, then one more for the sum over planes: squares of the luminance.
+    /// `[pixel][plane]`, then one more for the sum over planes: squares of the luminance. Empty where scrambles tell.
     squares: Vec<f64>,
+    scrambles: Option<Scrambles>,
     /// Kept on request.
     detail: Option<Detail>,
 }
@@ -150,6 +152,10 @@ pub struct MixError {
 impl Film {
     pub fn new(width: usize, height: usize, planes: Vec<PlaneKey>, components: Components, sampling: Sampling) -> Self {
         let (pixels, count) = (width * height, planes.len());
+        let (squares, scrambles) = match sampling {
+            Sampling::PerPass => (vec![0.0; pixels * (count + 1)], None),
+            Sampling::PerScramble { paths } => (Vec::new(), Some(Scrambles::new(pixels * count, paths))),
+        };
         Film {
             width,
             height,
@@ -158,7 +164,8 @@ impl Film {
             sampling,
             passes: 0,
             sums: vec![Light::default(); pixels * count * components.count()],
-            squares: vec![0.0; pixels * (count + 1)],
+            squares,
+            scrambles,
             detail: None,
         }
     }
@@ -166,7 +173,12 @@ impl Film {
     /// Keeps what standard errors per layer, and of mixtures of `open` and `content`, need.
     #[must_use]
     pub fn with_detail(mut self) -> Self {
-        self.detail = Some(Detail::new(self.width * self.height, &self.planes));
+        // With scrambles only the list of layers is needed.
+        let pixels = if self.scrambles.is_some() { 0 } else { self.width * self.height };
+        self.detail = Some(Detail::new(pixels, &self.planes));
+        if let Some(scrambles) = &mut self.scrambles {
+            scrambles.keep_mixed();
+        }
         self
     }
 
@@ -179,7 +191,7 @@ impl Film {
         self.planes.iter().position(|&plane| plane == key)
     }
 
-    /// The rows, top to bottom, to be filled in parallel.
+    /// The rows, top to bottom, to be filled in parallel; for films that are sampled per pass.
     pub fn rows(&mut self) -> impl Iterator<Item = (usize, Row<'_>)> {
         let planes = self.planes.len();
         let components = self.components;
@@ -198,17 +210,14 @@ impl Film {
             .enumerate()
     }
 
-    /// Adds the light of one path that landed in `pixel`: the entries of one plane.
-    pub fn splat(&mut self, pixel: usize, plane: usize, entries: &[Light]) {
-        let planes = self.planes.len();
+    /// Adds the light of one path of a scramble that landed in `pixel`: the entries of one plane.
+    pub fn splat(&mut self, pixel: usize, plane: usize, scramble: usize, entries: &[Light]) {
+        let entry = pixel * self.planes.len() + plane;
         let at = self.entries_at(pixel, plane);
         self.sums[at].iter_mut().zip(entries).for_each(|(sum, light)| sum.add(*light));
         let light = self.components.luminance(entries);
-        let square = light.value * light.value;
-        self.squares[pixel * (planes + 1) + plane] += square;
-        self.squares[pixel * (planes + 1) + planes] += square;
-        if let Some(detail) = &mut self.detail {
-            detail.splat(pixel, plane, light);
+        if let Some(scrambles) = &mut self.scrambles {
+            scrambles.add(entry, scramble, light);
         }
     }
 
@@ -238,6 +247,10 @@ impl Film {
     /// Zero when there are not yet two samples.
     pub fn variance(&self, pixel: usize, plane: usize) -> f64 {
         let planes = self.planes.len();
+        if let Some(scrambles) = &self.scrambles {
+            let own = if plane < planes { plane..plane + 1 } else { 0..planes };
+            return scrambles.variance(own.map(|plane| pixel * planes + plane)) * self.per_pass2();
+        }
         let sum: f64 = if plane < planes {
             self.sum(pixel, plane).value
         } else {
@@ -250,12 +263,21 @@ impl Film {
     pub fn layer_variance(&self, pixel: usize, layer: Layer) -> Option<f64> {
         let detail = self.detail.as_ref()?;
         let index = detail.layers.iter().position(|own| *own == layer)?;
+        if let Some(scrambles) = &self.scrambles {
+            let own = detail.planes_of(index).map(|plane| pixel * self.planes.len() + plane);
+            return Some(scrambles.variance(own) * self.per_pass2());
+        }
         let sum: f64 = detail.planes_of(index).map(|plane| self.sum(pixel, plane).value).sum();
         Some(self.covariance_of_means(sum, sum, detail.square(pixel, index)).max(0.0))
     }
 
     /// What a mixture of `open` and `content` needs for its standard error; none if it is not kept.
     pub fn mix_error(&self, pixel: usize, plane: usize) -> Option<MixError> {
+        if let Some(scrambles) = &self.scrambles {
+            let MixError { open, content, covariance } = scrambles.mix_error(pixel * self.planes.len() + plane)?;
+            let per = self.per_pass2();
+            return Some(MixError { open: open * per, content: content * per, covariance: covariance * per });
+        }
         let mixed = self.detail.as_ref()?.mixed(pixel, plane);
         let sum = self.sum(pixel, plane);
         let (open, content) = (sum.open(), sum.content());
@@ -269,15 +291,17 @@ impl Film {
     /// Covariance of two means over the passes from the sums over samples of the two and of their product.
     fn covariance_of_means(&self, a: f64, b: f64, product: f64) -> f64 {
         let passes = self.passes as f64;
-        let samples = match self.sampling {
-            Sampling::PerPass => passes,
-            Sampling::PerPath { paths } => passes * paths as f64,
-        };
-        if samples < 2.0 {
+        if passes < 2.0 {
             return 0.0;
         }
-        let of_sum = (product - a * b / samples) * samples / (samples - 1.0);
-        of_sum / (passes * passes)
+        let of_sum = (product - a * b / passes) * passes / (passes - 1.0);
+        of_sum * self.per_pass2()
+    }
+
+    /// From the variance of a sum over passes to that of their mean.
+    fn per_pass2(&self) -> f64 {
+        let passes = self.passes.max(1) as f64;
+        1.0 / (passes * passes)
     }
 }
 
@@ -343,14 +367,21 @@ mod tests {
         assert_eq!(film.variance(0, 0), film.variance(0, 1));
     }
 
+    /// Eight scrambles that brought 0 to 7 in one pass: their sum has the variance 8·6, and the last counts twice if it has
+    /// two of nine paths.
     #[test]
-    fn variance_per_path_counts_the_paths_that_missed() {
-        // 100 paths, 25 of them add 2: mean of the sum 50, variance 100·p(1−p)·4·(100/99).
-        let mut film = Film::new(1, 1, vec![KEY], Components::Luminance, Sampling::PerPath { paths: 100 });
-        (0..25).for_each(|_| film.splat(0, 0, &[light(2.0)]));
+    fn variance_by_scrambles() {
+        let mut film = Film::new(1, 1, vec![KEY], Components::Luminance, Sampling::PerScramble { paths: 64 });
+        (0..8).for_each(|s| film.splat(0, 0, s, &[light(s as f64)]));
         film.passes = 1;
-        assert_eq!(film.mean(0, 0).value, 50.0);
-        let want = 100.0 * 0.25 * 0.75 * 4.0 * 100.0 / 99.0;
-        assert!((film.variance(0, 0) - want).abs() < 1e-12);
+        assert_eq!(film.mean(0, 0).value, 28.0);
+        assert!((film.variance(0, 0) - 8.0 * 6.0).abs() < 1e-12);
+        assert_eq!(film.variance(0, 0), film.variance(0, 1));
+        film.passes = 2;
+        assert!((film.variance(0, 0) - 2.0 * 6.0).abs() < 1e-12);
+        let mut even = Film::new(1, 1, vec![KEY], Components::Luminance, Sampling::PerScramble { paths: 9 });
+        (0..8).for_each(|s| even.splat(0, 0, s, &[light(if s == 0 { 2.0 } else { 1.0 })]));
+        even.passes = 1;
+        assert!(even.variance(0, 0) < 1e-12);
     }
 }

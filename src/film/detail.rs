@@ -78,12 +78,6 @@ impl Detail {
             .map(move |(mixed, squares)| DetailRow { of_plane, layers, mixed, squares, pass: vec![0.0; layers] })
     }
 
-    /// Adds the light of one path in one plane.
-    pub fn splat(&mut self, pixel: usize, plane: usize, light: Light) {
-        self.mixed[pixel * self.of_plane.len() + plane].add(light);
-        self.squares[pixel * self.layers.len() + self.of_plane[plane]] += light.value * light.value;
-    }
-
     pub fn mixed(&self, pixel: usize, plane: usize) -> Mixed {
         self.mixed[pixel * self.of_plane.len() + plane]
     }

@@ -9,4 +9,5 @@ pub mod guide;
 pub mod layer;
 pub mod plan;
 pub mod pupil;
+pub mod scrambles;
 pub mod sharpness;

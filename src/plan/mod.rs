@@ -103,9 +103,9 @@ fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -
         break;
     }
     if plan.runs(Estimator::Photon) && !stop() {
-        plan.photon_guide = Some(pilot::photon(world, &plan, scene.groups.len(), stop));
-        plan.photons = (4 * pixels).max(1 << 14);
         plan.photon_radius_m = pilot::photon_radius_m(world, scene.eye.resolution);
+        plan.photon_guide = Some(pilot::photon(world, &plan, scene.groups.len(), plan.photon_radius_m, stop));
+        plan.photons = (4 * pixels).max(1 << 14);
     }
     for estimator in Estimator::ALL {
         if !plan.runs(estimator) {

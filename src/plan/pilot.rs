@@ -3,12 +3,14 @@
 use crate::base::ids::GroupId;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ShouldStop;
+use crate::estimate::emission::Starts;
 use crate::estimate::forward::Forward;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::photon::PhotonMapper;
 use crate::estimate::route::Route;
+use crate::estimate::seen::Seen;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
-use crate::film::guide::Guide;
+use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
 use crate::world::geometry::Ray;
@@ -17,12 +19,12 @@ use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
 use glam::DVec3;
 
-/// Lamp paths per round of a pilot: a small picture is not worth many.
-fn paths(world: &World) -> u64 {
-    let [width, height] = world.eye.size();
-    (2 * (width * height) as u64).clamp(1 << 15, 1 << 17)
-}
-const ROUNDS: u64 = 2;
+/// Paths of the first look, which knows nothing; most of them if little is found; and of each look after it.
+const WIDE: u64 = 1 << 13;
+const MOST_WIDE: u64 = 1 << 16;
+const NARROW: [u64; 2] = [1 << 11, 1 << 12];
+/// Paths that have to count before a look can be guided by them, in all and of each group.
+const ENOUGH: [usize; 2] = [48, 4];
 /// Pilots have a seed of their own: the plan is a function of the scene alone.
 const SEED: u64 = 0x9107;
 
@@ -35,30 +37,138 @@ pub struct ForwardPilot {
     pub traced: u64,
 }
 
-/// Learns where lamp paths have to start to arrive in the picture, in rounds that each use what the last one learned.
-pub fn forward(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> ForwardPilot {
-    let mut guide = None;
-    let mut arrived = vec![0; groups];
-    for round in 0..ROUNDS {
-        let route = Route::new(plan, groups, Estimator::Forward);
-        let forward = Forward::<Mono>::new(world, route, groups, paths(world), guide.as_ref(), SEED);
-        let samples = forward.probe(round, stop);
-        samples.iter().for_each(|(lamp, _, _)| arrived[forward.group_of(*lamp).index()] += 1);
-        guide = Some(Guide::learn(forward.flux(), &samples));
-    }
-    ForwardPilot { guide: guide.unwrap_or_else(|| Guide::unguided(&[])), arrived, traced: ROUNDS * paths(world) }
+/// An estimator's paths with one guide, as a pilot sees them.
+trait Look {
+    fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Sample>;
+    fn density(&self, lamp: usize, x: &Point) -> f64;
+    fn flux(&self) -> &[f64];
+    fn group_of(&self, lamp: usize) -> GroupId;
 }
 
-/// Learns where photons have to start to be stored.
-pub fn photon(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> Guide {
-    let mut guide = None;
-    for round in 0..ROUNDS {
-        let route = Route::new(plan, groups, Estimator::Photon);
-        let mapper = PhotonMapper::<Mono>::new(world, route, groups, paths(world), guide.as_ref(), 1.0, SEED);
-        let samples = mapper.probe(round, stop);
-        guide = Some(Guide::learn(mapper.flux(), &samples));
+impl Look for Forward<'_, Mono> {
+    fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Sample> {
+        self.probe(pass, stop)
     }
-    guide.unwrap_or_else(|| Guide::unguided(&[]))
+    fn density(&self, lamp: usize, x: &Point) -> f64 {
+        self.density(lamp, x)
+    }
+    fn flux(&self) -> &[f64] {
+        self.flux()
+    }
+    fn group_of(&self, lamp: usize) -> GroupId {
+        self.group_of(lamp)
+    }
+}
+
+/// Photons, and where they are gathered.
+struct Photons<'w> {
+    mapper: PhotonMapper<'w, Mono>,
+    seen: &'w Seen,
+}
+
+impl Look for Photons<'_> {
+    fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Sample> {
+        self.mapper.probe(pass, self.seen, stop)
+    }
+    fn density(&self, lamp: usize, x: &Point) -> f64 {
+        self.mapper.density(lamp, x)
+    }
+    fn flux(&self) -> &[f64] {
+        self.mapper.flux()
+    }
+    fn group_of(&self, lamp: usize) -> GroupId {
+        self.mapper.group_of(lamp)
+    }
+}
+
+/// Looks taken so far.
+struct Looks<L> {
+    /// Each with its number of paths.
+    looks: Vec<(L, u64)>,
+    /// What they found, weighted as each look alone would: light times density.
+    found: Vec<Sample>,
+    /// Per light group: paths that counted.
+    arrived: Vec<u64>,
+}
+
+impl<L: Look> Looks<L> {
+    fn new(groups: usize) -> Self {
+        Looks { looks: Vec::new(), found: Vec::new(), arrived: vec![0; groups] }
+    }
+
+    fn take(&mut self, look: L, paths: u64, stop: &ShouldStop<'_>) {
+        let found = look.probe(self.looks.len() as u64, stop);
+        found.iter().for_each(|sample| self.arrived[look.group_of(sample.lamp).index()] += 1);
+        self.found.extend(found);
+        self.looks.push((look, paths));
+    }
+
+    /// What all looks teach together: each sample weighs what it found over the density of all paths that might have
+    /// started there (the balance heuristic of E. Veach, 1997).
+    fn learn(&self) -> Guide {
+        let Some((first, _)) = self.looks.first() else { return Guide::unguided(&[]) };
+        let weighted = |sample: &Sample| {
+            let paths = self.looks.iter().map(|(look, paths)| *paths as f64 * look.density(sample.lamp, &sample.x));
+            Sample { weight: sample.weight / paths.sum::<f64>(), ..*sample }
+        };
+        Guide::learn(first.flux(), &self.found.iter().map(weighted).collect::<Vec<_>>())
+    }
+
+    fn traced(&self) -> u64 {
+        self.looks.iter().map(|(_, paths)| paths).sum()
+    }
+
+    /// Whether a guided look is worth its paths.
+    fn enough(&self) -> bool {
+        let Some((first, _)) = self.looks.first() else { return false };
+        let each = (0..first.flux().len()).all(|lamp| self.arrived[first.group_of(lamp).index()] as usize >= ENOUGH[1]);
+        each && self.found.len() >= ENOUGH[0]
+    }
+}
+
+/// Looks for paths that count: first everywhere, until there are some, then where they came from. `with`: the estimator
+/// with a guide (none: by flux and intensity) and a number of paths.
+fn look<L: Look>(with: impl Fn(Option<&Guide>, u64) -> L, groups: usize, stop: &ShouldStop<'_>) -> (Looks<L>, Guide) {
+    let mut looks = Looks::new(groups);
+    let wide = Guide::wide(with(None, 1).flux());
+    while !looks.enough() && looks.traced() < MOST_WIDE && !stop() {
+        let paths = looks.traced().max(WIDE);
+        looks.take(with(Some(&wide), paths), paths, stop);
+    }
+    for paths in NARROW {
+        if looks.found.is_empty() || stop() {
+            break;
+        }
+        let guide = looks.learn();
+        looks.take(with(Some(&guide), paths), paths, stop);
+    }
+    let guide = looks.learn();
+    (looks, guide)
+}
+
+/// Learns where lamp paths have to start to arrive in the picture.
+pub fn forward(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> ForwardPilot {
+    let with = |guide: Option<&Guide>, paths: u64| {
+        let route = Route::new(plan, groups, Estimator::Forward);
+        Forward::<Mono>::new(world, route, groups, paths, guide, SEED).starting(Starts::OfPass)
+    };
+    let (looks, guide) = look(with, groups, stop);
+    ForwardPilot { guide, traced: looks.traced(), arrived: looks.arrived }
+}
+
+/// Learns where photons have to start to be stored where the eye sees them. `radius_m`: [`photon_radius_m`].
+pub fn photon(world: &World, plan: &Plan, groups: usize, radius_m: f64, stop: &ShouldStop<'_>) -> Guide {
+    let seen = Seen::look(world, radius_m, stop);
+    let with = |guide: Option<&Guide>, paths: u64| {
+        let route = Route::new(plan, groups, Estimator::Photon);
+        let mapper = PhotonMapper::new(world, route, groups, paths, guide, radius_m, SEED).starting(Starts::OfPass);
+        Photons { mapper, seen: &seen }
+    };
+    if seen.is_empty() {
+        // Nowhere to gather, nothing to learn.
+        return Guide::unguided(with(None, 1).flux());
+    }
+    look(with, groups, stop).1
 }
 
 /// Groups whose light no path of a pilot brought.

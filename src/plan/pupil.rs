@@ -6,7 +6,7 @@ use crate::base::path::Class;
 use crate::base::rng::Stream;
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
-use crate::estimate::emission::{Emission, Origin, Shots, Visitor};
+use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
 use crate::estimate::route::Route;
 use crate::estimate::walk::{Vertex, Walker};
 use crate::film::plan::{Estimator, Plan, Verdict};
@@ -20,11 +20,11 @@ use std::collections::BTreeMap;
 
 /// Pilots have a seed of their own: what they find is a function of the scene alone.
 const SEED: u64 = 0x9d1f;
-const PATHS: u64 = 1 << 18;
+const PATHS: u64 = 1 << 13;
 /// A path is split where both ways carry this share: at combiners.
 const SPLIT_FROM: f64 = 0.1;
 /// Crossings that a lamp needs for a region of its own; the others of its group share one.
-const OWN: usize = 4096;
+const OWN: usize = 512;
 
 /// Crossings of the pupil by the light of one path.
 struct Arrivals<'r> {
@@ -110,9 +110,9 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
     let route = Route::new(&own, groups, Estimator::Forward);
     let emission = Emission::new(world, &route, groups, Some(&guide));
     let optics = Mono::<f64>::optics(world, SEED, 0);
-    let shots = Shots { seed: SEED, stream: Stream::Pilot, pass: 0, paths: PATHS };
+    let shots = Shots { seed: SEED, stream: Stream::Pilot, pass: 0, paths: PATHS, starts: Starts::OfPass };
     let visitor = || Arrivals { route: &route, group: None, crossings: Vec::new() };
-    let arrived = emission.survey((world, &optics), shots, stop, visitor, |lamp, _, arrivals: Arrivals<'_>| {
+    let arrived = emission.survey((world, &optics), shots, stop, visitor, |lamp, _, _, arrivals: Arrivals<'_>| {
         Some((arrivals.group?, lamp, arrivals.crossings))
     });
     let mut lamps: BTreeMap<(GroupId, usize), Vec<Crossing>> = BTreeMap::new();

@@ -1,0 +1,129 @@
+//! Guided emission and even points on the direct HUD: nothing is biased, much is gained, and the error that is stated is
+//! the scatter of seeds.
+
+use crate::kit::*;
+use eyebox::base::stats::Moments;
+use eyebox::estimate::emission::Starts;
+use eyebox::estimate::forward::Forward;
+use eyebox::estimate::route::Route;
+use eyebox::film::accumulate::{Components, Film, Sampling};
+use eyebox::film::guide::Guide;
+use eyebox::film::plan::Estimator;
+use eyebox::plan::Choice;
+use eyebox::scene::Scene;
+use eyebox::world::mode::Mono;
+
+const FORWARD: Choice = Choice::Only(Estimator::Forward);
+
+fn small() -> Scene {
+    gaze(hud("direct", &[]), [0.0; 2], 13.0, [24, 12])
+}
+
+struct Tracer<'s> {
+    ready: Ready<'s>,
+}
+
+impl Tracer<'_> {
+    fn forward(&self, guide: Option<&Guide>, starts: Starts, paths: u64, seed: u64) -> Forward<'_, Mono> {
+        let groups = self.ready.scene.groups.len();
+        let route = Route::new(&self.ready.plan, groups, Estimator::Forward);
+        Forward::new(&self.ready.world, route, groups, paths, guide, seed).starting(starts)
+    }
+
+    fn film(&self, paths: u64) -> Film {
+        let [width, height] = self.ready.scene.eye.resolution;
+        let route = Route::new(&self.ready.plan, self.ready.scene.groups.len(), Estimator::Forward);
+        Film::new(width, height, route.planes, Components::Luminance, Sampling::PerScramble { paths })
+    }
+
+    fn trace(&self, guide: Option<&Guide>, starts: Starts, paths: u64, passes: u64, seed: u64) -> Film {
+        let mut film = self.film(paths);
+        self.forward(guide, starts, paths, seed).run(&mut film, 0, passes);
+        film
+    }
+
+    fn guide(&self) -> Option<&Guide> {
+        self.ready.plan.forward_guide.as_ref()
+    }
+}
+
+/// Mean over pixels, and the mean variance of a pixel.
+fn of_film(film: &Film) -> (f64, f64) {
+    let pixels = film.width * film.height;
+    let mean =
+        (0..pixels).map(|pixel| (0..film.planes.len()).map(|p| film.mean(pixel, p).value).sum::<f64>()).sum::<f64>();
+    let variance = (0..pixels).map(|pixel| film.variance(pixel, film.planes.len())).sum::<f64>();
+    (mean / pixels as f64, variance / pixels as f64)
+}
+
+/// Four of five paths arrive in the picture, the mean is that of plain tracing, and each path is worth 60 plain ones even
+/// before any evenness of points counts.
+#[test]
+fn guided_paths_arrive_and_bias_nothing() {
+    let scene = small();
+    let tracer = Tracer { ready: Ready::new(&scene, FORWARD) };
+    let paths = 1 << 15;
+    let useful =
+        |guide| tracer.forward(guide, Starts::Scrambles, paths, 5).probe(0, &|| false).len() as f64 / paths as f64;
+    let [plain, guided] = [useful(None), useful(tracer.guide())];
+    eprintln!("useful: plain {plain:.4}, guided {guided:.4}");
+    assert!(guided > 0.8, "{guided}");
+    // Pixels are alike, so the relative error of the picture's mean can be taken over runs.
+    let mut runs = [Moments::default(); 2];
+    let (mut of_plain, mut of_guided) = (0.0, 0.0);
+    for seed in 0..16 {
+        let plain = of_film(&tracer.trace(None, Starts::Random, 1 << 16, 1, seed));
+        let guided = of_film(&tracer.trace(tracer.guide(), Starts::Scrambles, 1 << 12, 1, seed));
+        runs[0].add(plain.0);
+        runs[1].add(guided.0);
+        of_plain += plain.1 * 16.0;
+        of_guided += guided.1;
+    }
+    let [plain, guided] = runs;
+    eprintln!("plain {} ± {}, guided {} ± {}", plain.mean, plain.stderr(), guided.mean, guided.stderr());
+    eprintln!("a guided path is worth {:.1} plain ones", of_plain / of_guided);
+    assert!((plain.mean - guided.mean).abs() < 4.0 * plain.stderr().hypot(guided.stderr()));
+    assert!(guided.stderr() < 0.01 * guided.mean);
+    assert!(of_plain > 60.0 * of_guided, "{}", of_plain / of_guided);
+}
+
+/// The stated error is the scatter of seeds, where each pixel gets half a path of each scramble and where it gets many.
+#[test]
+fn the_error_of_even_points_is_the_scatter_of_seeds() {
+    let scene = small();
+    let tracer = Tracer { ready: Ready::new(&scene, FORWARD) };
+    for (paths, passes, seeds) in [(1 << 10, 1, 48), (1 << 10, 3, 32), (1 << 13, 1, 24)] {
+        let pixels = 24 * 12;
+        let mut values = vec![Moments::default(); pixels];
+        let mut stated = 0.0;
+        for seed in 0..seeds {
+            let film = tracer.trace(tracer.guide(), Starts::Scrambles, paths, passes, seed);
+            stated += of_film(&film).1 * pixels as f64 / seeds as f64;
+            values.iter_mut().enumerate().for_each(|(pixel, of)| of.add(film.mean(pixel, 0).value));
+        }
+        let seen: f64 = values.iter().map(Moments::variance).sum();
+        let ratio = (stated / seen).sqrt();
+        eprintln!("{paths} paths, {passes} passes: stated over seen σ {ratio:.3}");
+        assert!((0.85..1.18).contains(&ratio), "{paths} × {passes}: {ratio}");
+    }
+}
+
+/// The same bits for 1, 2 and 7 threads, and however the passes are cut into runs.
+#[test]
+fn even_points_are_a_function_of_pass_and_path() {
+    let scene = small();
+    let tracer = Tracer { ready: Ready::new(&scene, FORWARD) };
+    let paths = (1 << 14) + 5;
+    let once = tracer.trace(tracer.guide(), Starts::Scrambles, paths, 3, 9);
+    for threads in [1, 2, 7] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let again = pool.install(|| {
+            let forward = tracer.forward(tracer.guide(), Starts::Scrambles, paths, 9);
+            let mut film = tracer.film(paths);
+            forward.run(&mut film, 0, 1);
+            forward.run(&mut film, 1, 2);
+            film
+        });
+        assert!(again == once, "{threads} threads");
+    }
+}
