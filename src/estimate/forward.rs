@@ -97,6 +97,7 @@ impl<'w, M: Mode> Forward<'w, M> {
             }
         }
         film.passes += count;
+        film.settle();
         total
     }
 

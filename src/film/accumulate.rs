@@ -154,7 +154,7 @@ impl Film {
         let (pixels, count) = (width * height, planes.len());
         let (squares, scrambles) = match sampling {
             Sampling::PerPass => (vec![0.0; pixels * (count + 1)], None),
-            Sampling::PerScramble { paths } => (Vec::new(), Some(Scrambles::new(pixels * count, paths))),
+            Sampling::PerScramble { paths } => (Vec::new(), Some(Scrambles::new(pixels, count, paths))),
         };
         Film {
             width,
@@ -221,6 +221,13 @@ impl Film {
         }
     }
 
+    /// To be called after splats, before variances are asked for: a pixel's leans on what the whole plane tells.
+    pub fn settle(&mut self) {
+        if let Some(scrambles) = &mut self.scrambles {
+            scrambles.settle();
+        }
+    }
+
     fn entries_at(&self, pixel: usize, plane: usize) -> std::ops::Range<usize> {
         let count = self.components.count();
         let first = (pixel * self.planes.len() + plane) * count;
@@ -249,7 +256,7 @@ impl Film {
         let planes = self.planes.len();
         if let Some(scrambles) = &self.scrambles {
             let own = if plane < planes { plane..plane + 1 } else { 0..planes };
-            return scrambles.variance(own.map(|plane| pixel * planes + plane)) * self.per_pass2();
+            return scrambles.variance(pixel, own) * self.per_pass2();
         }
         let sum: f64 = if plane < planes {
             self.sum(pixel, plane).value
@@ -264,8 +271,7 @@ impl Film {
         let detail = self.detail.as_ref()?;
         let index = detail.layers.iter().position(|own| *own == layer)?;
         if let Some(scrambles) = &self.scrambles {
-            let own = detail.planes_of(index).map(|plane| pixel * self.planes.len() + plane);
-            return Some(scrambles.variance(own) * self.per_pass2());
+            return Some(scrambles.variance(pixel, detail.planes_of(index)) * self.per_pass2());
         }
         let sum: f64 = detail.planes_of(index).map(|plane| self.sum(pixel, plane).value).sum();
         Some(self.covariance_of_means(sum, sum, detail.square(pixel, index)).max(0.0))
@@ -365,6 +371,20 @@ mod tests {
         // Unbiased variance 10/3 of one value, /4 for the mean.
         assert!((film.variance(0, 0) - 10.0 / 12.0).abs() < 1e-15);
         assert_eq!(film.variance(0, 0), film.variance(0, 1));
+    }
+
+    /// Two pixels with alike paths lean on each other, and the variance of both together stays what the scrambles say.
+    #[test]
+    fn pixels_lean_on_their_plane() {
+        let mut film = Film::new(2, 1, vec![KEY], Components::Luminance, Sampling::PerScramble { paths: 64 });
+        (0..8).for_each(|s| film.splat(0, 0, s, &[light(1.0)]));
+        (0..4).for_each(|s| (0..2).for_each(|_| film.splat(1, 0, s, &[light(1.0)])));
+        film.passes = 1;
+        let alone = [0, 1].map(|pixel| film.variance(pixel, 0));
+        assert!(alone[0] < 1e-12 && (alone[1] - 64.0 / 7.0).abs() < 1e-12, "{alone:?}");
+        film.settle();
+        let [quiet, loud] = [0, 1].map(|pixel| film.variance(pixel, 0));
+        assert!((quiet + loud - alone[1]).abs() < 1e-12 && (quiet - 0.375 * alone[1]).abs() < 1e-12);
     }
 
     /// Eight scrambles that brought 0 to 7 in one pass: their sum has the variance 8·6, and the last counts twice if it has

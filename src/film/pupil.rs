@@ -47,13 +47,13 @@ impl Aperture {
     /// Most cells along an axis.
     const MOST: usize = 64;
     /// Paths per cell, so that noise is no structure.
-    const PER_CELL: usize = 32;
+    const PER_CELL: usize = 16;
     /// The box of cells spans these quantiles of the light along each axis and `MARGIN` of their distance on each side;
     /// stray light beyond is left out.
     const QUANTILES: [f64; 2] = [0.05, 0.95];
     const MARGIN: f64 = 0.2;
     /// Paths per tile of the picture, and most tiles along an axis.
-    const PER_TILE: usize = 2048;
+    const PER_TILE: usize = 256;
     const MOST_TILES: usize = 16;
 
     /// The region that the crossings of one lamp tell of, as it is for a place in the picture: where it lies in the pupil

@@ -1,5 +1,9 @@
 //! Sums per scramble: a film of paths that start from even points knows its error from how far the independent scrambles
 //! of these points lie apart, since the paths of one scramble are not independent of each other.
+//!
+//! Eight values tell a variance to about half of itself. How the variance of independent paths would differ from pixel to
+//! pixel is known much better, from their squares: each pixel's variance leans on that, times what evenness saves over the
+//! whole plane.
 
 use super::accumulate::{Light, MixError};
 
@@ -9,25 +13,42 @@ pub const SCRAMBLES: usize = 8;
 /// Sums over paths of one pixel and plane, per scramble.
 pub type PerScramble = [f64; SCRAMBLES];
 
+/// How much a pixel's own scrambles count against the plane's.
+const OWN: f64 = 0.25;
+
 /// The sums of a film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scrambles {
     /// Share of the paths that each scramble has.
     shares: PerScramble,
+    planes: usize,
     /// `[pixel][plane]`: luminance.
     value: Vec<PerScramble>,
+    /// `[pixel][plane]`: squares of each path's luminance.
+    squares: Vec<f64>,
+    /// Per plane: variance by scrambles over squares; empty until it is [settled](Scrambles::settle).
+    ratios: Vec<f64>,
     /// The same with the slide open, and at C = ∞; empty if not asked for.
     open: Vec<PerScramble>,
     content: Vec<PerScramble>,
 }
 
 impl Scrambles {
-    /// `entries`: pixels times planes. Of `paths` paths in a pass, path i belongs to scramble i mod [`SCRAMBLES`].
-    pub fn new(entries: usize, paths: u64) -> Self {
+    /// Of `paths` paths in a pass, path i belongs to scramble i mod [`SCRAMBLES`].
+    pub fn new(pixels: usize, planes: usize, paths: u64) -> Self {
         let count = SCRAMBLES as u64;
         let own = |s: usize| (paths / count + u64::from((s as u64) < paths % count)) as f64;
         let shares = std::array::from_fn(|s| own(s) / paths.max(1) as f64);
-        Scrambles { shares, value: vec![[0.0; SCRAMBLES]; entries], open: Vec::new(), content: Vec::new() }
+        let entries = pixels * planes;
+        Scrambles {
+            shares,
+            planes,
+            value: vec![[0.0; SCRAMBLES]; entries],
+            squares: vec![0.0; entries],
+            ratios: Vec::new(),
+            open: Vec::new(),
+            content: Vec::new(),
+        }
     }
 
     /// Keeps what [`Scrambles::mix_error`] needs.
@@ -39,19 +60,35 @@ impl Scrambles {
     /// Adds the light of one path.
     pub fn add(&mut self, entry: usize, scramble: usize, light: Light) {
         self.value[entry][scramble] += light.value;
+        self.squares[entry] += light.value * light.value;
         if let (Some(open), Some(content)) = (self.open.get_mut(entry), self.content.get_mut(entry)) {
             open[scramble] += light.open();
             content[scramble] += light.content();
         }
     }
 
-    /// Variance of the sum over all paths of the light in these entries together.
-    pub fn variance(&self, entries: impl Iterator<Item = usize>) -> f64 {
+    /// To be called when paths have been added, before variances are asked for.
+    pub fn settle(&mut self) {
+        let of_plane = |plane: usize| {
+            let entries = || (plane..self.value.len()).step_by(self.planes);
+            let variance: f64 = entries().map(|entry| self.covariance(&self.value[entry], &self.value[entry])).sum();
+            let squares: f64 = entries().map(|entry| self.squares[entry]).sum();
+            if squares > 0.0 { variance / squares } else { 0.0 }
+        };
+        self.ratios = (0..self.planes).map(of_plane).collect();
+    }
+
+    /// Variance of the sum over all paths of the light of a pixel in these planes together.
+    pub fn variance(&self, pixel: usize, planes: impl Iterator<Item = usize>) -> f64 {
         let mut sums = [0.0; SCRAMBLES];
-        for entry in entries {
+        let mut of_plane = 0.0;
+        for plane in planes {
+            let entry = pixel * self.planes + plane;
             sums.iter_mut().zip(&self.value[entry]).for_each(|(sum, own)| *sum += own);
+            of_plane += self.ratios.get(plane).map_or(0.0, |ratio| ratio * self.squares[entry]);
         }
-        self.covariance(&sums, &sums).max(0.0)
+        let own = self.covariance(&sums, &sums).max(0.0);
+        if self.ratios.is_empty() { own } else { OWN * own + (1.0 - OWN) * of_plane }
     }
 
     /// Variances and covariance of the sums of `open` and `content`; none if they are not kept.

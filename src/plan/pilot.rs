@@ -22,7 +22,7 @@ use glam::DVec3;
 /// Paths of the first look, which knows nothing; most of them if little is found; and of each look after it.
 const WIDE: u64 = 1 << 13;
 const MOST_WIDE: u64 = 1 << 16;
-const NARROW: [u64; 2] = [1 << 11, 1 << 12];
+const NARROW: [u64; 2] = [1 << 11, 3 << 11];
 /// Paths that have to count before a look can be guided by them, in all and of each group.
 const ENOUGH: [usize; 2] = [48, 4];
 /// Pilots have a seed of their own: the plan is a function of the scene alone.

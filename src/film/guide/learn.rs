@@ -14,15 +14,19 @@ pub struct Weighted {
 /// Gain in log-likelihood that pays for a cut: the best of some hundred random cuts gains about 5.
 const GAIN: f64 = 6.0;
 /// Part of the samples that are spread evenly over the cube whatever was learned.
-pub const DEFENSIVE: f64 = 0.02;
-/// Points that are taken to lie evenly in each box before any was seen.
-const PRIOR: f64 = 1.0;
+pub const DEFENSIVE: f64 = 0.03;
+/// Points that are taken to lie on each side of a cut before any was seen.
+const PRIOR: f64 = 0.5;
 /// Effective points below which a box is left whole.
 const FEWEST: f64 = 6.0;
 /// Intervals of a box that may be cut between.
 const BINS: usize = 32;
-/// Boxes with points at one end only are cut beyond the last point by this many times the mean gap between points.
-const BEYOND: f64 = 3.0;
+/// An empty side of a cut begins beyond the last point by `BEYOND` times the distance of the last `EDGE` points, which
+/// is as large as the density fades slowly there: what is cut away and yet counts comes back as rare bright paths. Far
+/// from the points there is a first cut `SHELL` times as far, so that just beyond the last point is not as rare as far away.
+const BEYOND: f64 = 1.5;
+const EDGE: usize = 5;
+const SHELL: f64 = 4.0;
 /// Narrowest side of a cut, in widths of its box.
 const NARROWEST: f64 = 1.0 / 256.0;
 
@@ -76,7 +80,7 @@ fn split(points: &mut [Weighted], region: Region, left: &mut usize, out: &mut Ve
     let (below, above) = points.split_at_mut(middle);
     let share = (at - region.low[cut.axis]) / (region.high[cut.axis] - region.low[cut.axis]);
     let mass_below: f64 = below.iter().map(|p| p.weight).sum();
-    let q = (effective * (mass_below / mass).clamp(0.0, 1.0) + PRIOR * share) / (effective + PRIOR);
+    let q = (effective * (mass_below / mass).clamp(0.0, 1.0) + PRIOR) / (effective + 2.0 * PRIOR);
     let depth = region.depth + 1;
     let mut side = Region { depth, volume: region.volume * share, probability: region.probability * q, ..region };
     side.high[cut.axis] = at;
@@ -116,6 +120,15 @@ fn partition(points: &mut [Weighted], is: impl Fn(&Weighted) -> bool) -> usize {
     count
 }
 
+/// Keeps the extreme numbers in order.
+fn insert(extremes: &mut [f64; EDGE], x: f64, before: impl Fn(f64, f64) -> bool) {
+    let at = extremes.iter().position(|other| before(x, *other)).unwrap_or(EDGE);
+    if at < EDGE {
+        extremes[at..].rotate_right(1);
+        extremes[at] = x;
+    }
+}
+
 /// The cut that gains most, if any gains enough.
 fn best_cut(points: &[Weighted], region: &Region, mass: f64, effective: f64) -> Option<Cut> {
     let mut best: Option<Cut> = None;
@@ -123,12 +136,12 @@ fn best_cut(points: &[Weighted], region: &Region, mass: f64, effective: f64) -> 
         let (low, high) = (region.low[axis], region.high[axis]);
         let width = high - low;
         let mut bins = [0.0f64; BINS];
-        let (mut first, mut last) = (high, low);
+        let (mut first, mut last) = ([high; EDGE], [low; EDGE]);
         for p in points {
             let x = p.x[axis];
             bins[((x - low) / width * BINS as f64).clamp(0.0, (BINS - 1) as f64) as usize] += p.weight;
-            first = first.min(x);
-            last = last.max(x);
+            insert(&mut first, x, |a, b| a < b);
+            insert(&mut last, x, |a, b| a > b);
         }
         let mut consider = |at: f64, mass_below: f64| {
             // The cut that is stored decides.
@@ -148,11 +161,23 @@ fn best_cut(points: &[Weighted], region: &Region, mass: f64, effective: f64) -> 
         let mut below = 0.0;
         for (bin, in_bin) in bins.iter().enumerate().take(BINS - 1) {
             below += in_bin;
-            consider(low + width * (bin + 1) as f64 / BINS as f64, below);
+            let at = low + width * (bin + 1) as f64 / BINS as f64;
+            // Where a side is empty, the edge of the points decides.
+            if first[0] < at && at < last[0] {
+                consider(at, below);
+            }
         }
-        let margin = BEYOND * (last - first) / effective;
-        consider(first - margin, 0.0);
-        consider(last + margin, mass);
+        let beyond = |[edge, inner]: [f64; 2], bound: f64| {
+            let margin = BEYOND * (edge - inner);
+            let far = edge + SHELL * margin;
+            if (bound - far).abs() > (far - edge).abs() && (bound - edge) * (bound - far) > 0.0 {
+                far
+            } else {
+                edge + margin
+            }
+        };
+        consider(beyond([first[0], first[EDGE - 1]], low), 0.0);
+        consider(beyond([last[0], last[EDGE - 1]], high), mass);
     }
     best
 }
