@@ -7,6 +7,7 @@ use eyebox::base::ids::GroupId;
 use eyebox::check::check;
 use eyebox::estimate::emission::Starts;
 use eyebox::estimate::forward::Forward;
+use eyebox::estimate::manifold::screens::Screens;
 use eyebox::estimate::photon::PhotonMapper;
 use eyebox::estimate::route::Route;
 use eyebox::film::accumulate::{Components, Film, Sampling};
@@ -17,8 +18,9 @@ use eyebox::plan::pupil::survey;
 use eyebox::plan::{Asked, Choice, plan};
 use eyebox::scene::Scene;
 use eyebox::world::World;
-use eyebox::world::mode::Mono;
+use eyebox::world::mode::{Mode, Mono};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Processor seconds of this thread.
 fn seconds() -> f64 {
@@ -71,6 +73,7 @@ fn rel_mse(a: &Film, b: &Film, pixels: &[usize]) -> f64 {
     squares / 2.0 / pixels.len() as f64 / (mean * mean)
 }
 
+#[allow(clippy::too_many_arguments)] // what a film is made of
 fn forward_film(
     world: &World,
     plan: &Plan,
@@ -86,7 +89,7 @@ fn forward_film(
     let [width, height] = scene.eye.resolution;
     let mut film =
         Film::new(width, height, route.planes.clone(), Components::Luminance, Sampling::PerScramble { paths });
-    let forward = Forward::<Mono>::new(world, route, groups, paths, guide, seed).starting(starts);
+    let forward = Forward::<Mono>::new(world, route, groups, paths, guide, Arc::default(), seed).starting(starts);
     forward.run(&mut film, 0, passes);
     film
 }
@@ -94,7 +97,15 @@ fn forward_film(
 fn useful(world: &World, plan: &Plan, scene: &Scene, guide: Option<&Guide>) -> f64 {
     let groups = scene.groups.len();
     let paths = 1 << 15;
-    let forward = Forward::<Mono>::new(world, Route::new(plan, groups, Estimator::Forward), groups, paths, guide, 77);
+    let forward = Forward::<Mono>::new(
+        world,
+        Route::new(plan, groups, Estimator::Forward),
+        groups,
+        paths,
+        guide,
+        Arc::default(),
+        77,
+    );
     forward.probe(0, &|| false).len() as f64 / paths as f64
 }
 
@@ -154,7 +165,8 @@ fn photon_film(
     let route = Route::new(plan, groups, Estimator::Photon);
     let [width, height] = scene.eye.resolution;
     let mut film = Film::new(width, height, route.planes.clone(), Components::Luminance, Sampling::PerPass);
-    PhotonMapper::<Mono>::new(world, route, groups, photons, guide, plan.photon_radius_m, seed)
+    let screens = Arc::new(Screens::new(world, &Mono::<f64>::optics(world, seed, 0), &[]));
+    PhotonMapper::<Mono>::new(world, route, groups, photons, guide, plan.photon_radius_m, (screens, &[]), seed)
         .starting(starts)
         .run(&mut film, 0, 1);
     film

@@ -283,7 +283,7 @@ fn forward_is_backward_through_a_doublet() {
         s.eye.pupil_diameter_m = 0.04;
         s.eye.fov_deg = 16.0;
         let back = trace(&s, How::backward(2000)).expect("it is traced");
-        let forth = trace(&s, How { estimator: Estimator::Forward, ..How::backward(200) }).expect("it is traced");
+        let forth = trace(&s, How { estimator: Estimator::Forward, ..How::backward(1000) }).expect("it is traced");
         let sigma = back.sigma.hypot(forth.sigma);
         assert!(sigma < 5e-3 * back.mean, "{back:?} {forth:?}");
         assert!((back.mean - forth.mean).abs() < 4.0 * sigma, "gap {gap:e}: {back:?} {forth:?}");

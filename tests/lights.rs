@@ -146,7 +146,7 @@ fn forward_finds_the_closed_forms() {
         let mut s = screen(0.4);
         s.eye.fov_deg = 40.0;
         light(&mut s, form);
-        assert_is(&format!("{name} forward"), luminance(&s, FORWARD, 400), RHO * e / PI, 1e-2);
+        assert_is(&format!("{name} forward"), luminance(&s, FORWARD, 1600), RHO * e / PI, 1e-2);
     }
 }
 

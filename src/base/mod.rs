@@ -2,6 +2,7 @@
 //! file names, whole files.
 
 pub mod atomic;
+pub mod chain;
 pub mod colour;
 pub mod complex;
 pub mod fault;

@@ -13,6 +13,11 @@ pub enum Stream {
     Vision,
     VisionShift,
     Wavelengths,
+    Connection,
+    ConnectionShift,
+    ConnectionLook,
+    ConnectionChoice,
+    Looks,
     /// The scrambles of even points, see [`super::sobol`].
     Scramble,
 }

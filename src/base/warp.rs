@@ -70,6 +70,20 @@ impl Frame {
     }
 }
 
+/// Point `index` of a lattice of four dimensions, moved by `shift` (fractions of 2⁶⁴): each point alone is uniform where the
+/// shift is, and all points so far are spread evenly.
+///
+/// Steps g⁻ᵏ with g⁵ = g + 1, k = 1 … 4 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018), as
+/// fractions of 2⁶⁴.
+pub fn lattice(shift: [u64; 4], index: u64) -> [f64; 4] {
+    const STEPS: [u64; 4] =
+        [0xdb4f_0b91_75ae_2165, 0xbbe0_5633_03a4_615f, 0xa0f2_ec75_a1fe_1575, 0x89e1_8285_7d9e_d688];
+    std::array::from_fn(|axis| {
+        let fraction = shift[axis].wrapping_add(index.wrapping_mul(STEPS[axis]));
+        (fraction >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

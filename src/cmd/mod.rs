@@ -10,6 +10,7 @@ mod bench_curve;
 mod convert;
 mod init;
 mod inspect;
+mod plan;
 mod progress;
 mod render;
 mod view;
@@ -40,6 +41,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Show an assembly as a tree, with all that was noted on the way in.
     Inspect(inspect::InspectArgs),
+    /// Decide who computes what, and why, without rendering.
+    Plan(plan::PlanArgs),
     /// Write a sidecar to start from.
     Init(init::InitArgs),
     /// Write a copy of an asset that carries the attributes of a sidecar itself.
@@ -77,6 +80,7 @@ pub fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Render(args) => render::run(args),
         Command::Inspect(args) => inspect::run(args),
+        Command::Plan(args) => plan::run(args),
         Command::Init(args) => init::run(args),
         Command::Annotate(args) => annotate::run(args),
         Command::Convert(args) => convert::run(args),

@@ -20,6 +20,7 @@ use crate::film::pupil::Pupil;
 use crate::film::sharpness::{GroupPupil, Sharpness};
 use crate::import::{Built, ImportOptions, Set, import};
 use crate::output::exr::{COLOR_INTEROP_ID, write_exr};
+use crate::plan::frozen::Frozen;
 use crate::plan::pupil::survey;
 use crate::plan::{Asked, Choice, Polarisation, plan_unless};
 use crate::scene::assembly::LayerWish;
@@ -65,6 +66,9 @@ pub struct RenderArgs {
     /// Linear colour space of the picture: Rec.709 with D65, ACEScg (AP1), or CIE XYZ with D65.
     #[arg(long, value_enum, value_name = "SPACE", default_value_t)]
     color: ColorArg,
+    /// Render by this plan (`eyebox plan -o`) instead of making one.
+    #[arg(long, value_name = "PLAN.json")]
+    plan: Option<PathBuf>,
     /// Seed of the random numbers: the same seed gives the same bits for any number of threads.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -100,7 +104,7 @@ pub struct RenderArgs {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-enum EstimatorArg {
+pub enum EstimatorArg {
     /// The plan decides per light group and path class.
     #[default]
     Auto,
@@ -110,10 +114,12 @@ enum EstimatorArg {
     Forward,
     /// Photon map for caustic and secondary.
     Photon,
+    /// Specular connection of lamps and pupil; light tracing for what it leaves.
+    Manifold,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-enum PolarisationArg {
+pub enum PolarisationArg {
     #[default]
     Auto,
     On,
@@ -121,7 +127,7 @@ enum PolarisationArg {
 }
 
 impl PolarisationArg {
-    fn asked(self) -> Polarisation {
+    pub fn asked(self) -> Polarisation {
         match self {
             PolarisationArg::Auto => Polarisation::Auto,
             PolarisationArg::On => Polarisation::On,
@@ -158,12 +164,13 @@ enum StderrArg {
 }
 
 impl EstimatorArg {
-    fn choice(self) -> Choice {
+    pub fn choice(self) -> Choice {
         match self {
             EstimatorArg::Auto => Choice::Auto,
             EstimatorArg::Backward => Choice::Only(Estimator::Backward),
             EstimatorArg::Forward => Choice::Only(Estimator::Forward),
             EstimatorArg::Photon => Choice::Only(Estimator::Photon),
+            EstimatorArg::Manifold => Choice::Only(Estimator::Manifold),
         }
     }
 }
@@ -190,7 +197,7 @@ fn parse_error(text: &str) -> std::result::Result<f64, String> {
     }
 }
 
-pub(super) fn parse_resolution(text: &str) -> std::result::Result<[usize; 2], String> {
+pub fn parse_resolution(text: &str) -> std::result::Result<[usize; 2], String> {
     let bad = || format!("`{text}` is not a resolution; write e.g. 360x180");
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(bad)?;
     match (width.trim().parse(), height.trim().parse()) {
@@ -218,7 +225,10 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let world = World::freeze(&scene)?;
     let stop = || signals.caught().is_some();
     let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked() };
-    let plan = pool.install(|| plan_unless(&checked, &world, asked, &stop));
+    let plan = match &args.plan {
+        Some(path) => Some(Frozen::read(path, &scene, asked)?.plan),
+        None => pool.install(|| plan_unless(&checked, &world, asked, &stop)),
+    };
     let Some(mut plan) = plan else { return Ok(stopped_early(args, &signals)) };
     let pupils = pool.install(|| survey(&checked, &world, asked, &plan, &stop));
     if stop() {
@@ -226,6 +236,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     let mut sharpness = Sharpness::new(&pupils, scene.wavelengths.traced_nm(), world.eye.pixel());
     let diffraction = args.diffraction.then(|| spread_by(&scene, &checked, &world, &pupils));
+    let frozen = Frozen::new(&scene, asked, &plan).hash;
     plan.errors = args.errors();
     // What the command line asks for goes before what the asset asks for.
     let wishes: &[LayerWish] = if args.layers.is_empty() { &wishes } else { &[] };
@@ -245,6 +256,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let mut frame = finished.frame;
     add_data_layers(&mut frame, &pool.install(|| data_layers(&world, size[0], size[1])));
     frame.meta.insert(COLOR_INTEROP_ID.to_owned(), Meta::Text(args.color.space().interop_id().to_owned()));
+    frame.meta.insert("planHash".to_owned(), Meta::Text(frozen));
     add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);
     add_sharpness(&mut frame, &sharpness);
     keep_layers(&mut frame, &args.layers);

@@ -57,6 +57,11 @@ impl<'w, M: Mode> Walker<'w, M> {
         (self.optics.index_in(top), transmittance)
     }
 
+    /// The solids around a ray that leaves the face, `through` it or not.
+    pub fn interior_at(&self, vertex: &Vertex, through: bool) -> Interior {
+        if through { self.interior_beyond(vertex) } else { self.interior.clone() }
+    }
+
     /// The index behind the face: what fills the space once the ray has gone through.
     pub(super) fn index_beyond(&self, vertex: &Vertex) -> M::Lanes<f64> {
         self.index_in(&self.interior_beyond(vertex))

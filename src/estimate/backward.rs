@@ -1,5 +1,6 @@
 //! Path tracing from the eye: next-event estimation with multiple importance sampling, unbiased roulette.
 
+use super::ShouldStop;
 use super::ledger::Ledger;
 use super::pick_up::Shining;
 use super::route::{Reach, Route};
@@ -27,6 +28,8 @@ pub struct Backward<'w, M: Mode> {
     reach: Reach,
     /// Sees what lamps show through specular faces alone; the paths here leave that out.
     vision: Option<Vision<'w>>,
+    /// Share of the pixels that a pass looks at.
+    share: f64,
     seed: u64,
 }
 
@@ -52,9 +55,32 @@ struct Sent<M: Mode> {
 }
 
 impl<'w, M: Mode> Backward<'w, M> {
-    pub fn new(world: &'w World, route: Route, seed: u64) -> Self {
+    /// `share`: of the pixels that a pass looks at, chosen by chance; what is seen there counts 1/share.
+    pub fn new(world: &'w World, route: Route, share: f64, seed: u64) -> Self {
         let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, seed));
-        Backward { world, mode: PhantomData, reach, vision, route, seed }
+        Backward { world, mode: PhantomData, reach, vision, route, share, seed }
+    }
+
+    /// Looks at `count` pixels spread over the picture and tells whether any of them has light of ours. Once `stop` says
+    /// true the rest is left out, and the result is worthless.
+    pub fn finds_light(&self, count: u64, stop: &ShouldStop<'_>) -> bool {
+        let [width, height] = self.world.eye.size();
+        let pixels = (width * height) as u64;
+        let optics = M::optics(self.world, self.seed, 0);
+        (0..count).into_par_iter().any(|k| {
+            let mut ledger = Ledger::new(self.world.solids.len());
+            let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
+            let pixel = (k.wrapping_mul(pixels) / count.max(1)) as usize;
+            let (x, y) = (pixel % width, pixel / width);
+            if stop() {
+                return false;
+            }
+            self.path((k, &optics), x, y, width, &mut light, &mut ledger);
+            if let Some(vision) = &self.vision {
+                vision.look(&self.route, (k, &optics), x, y, width, &mut light, &mut ledger);
+            }
+            light.iter().any(|light| light.value != 0.0 || light.open() != 0.0)
+        })
     }
 
     /// Adds passes `first .. first + count` to the film, one eye path per pixel and pass, row by row in parallel.
@@ -79,9 +105,16 @@ impl<'w, M: Mode> Backward<'w, M> {
                     for (pass, optics) in &optics {
                         for x in 0..width {
                             light.fill(Light::default());
+                            if !self.looks(*pass, (*y * width + x) as u64) {
+                                row.add_pass(x, &light);
+                                continue;
+                            }
                             self.path((*pass, optics), x, *y, width, &mut light, &mut ledger);
                             if let Some(vision) = &self.vision {
                                 vision.look(&self.route, (*pass, optics), x, *y, width, &mut light, &mut ledger);
+                            }
+                            if self.share < 1.0 {
+                                light.iter_mut().for_each(|light| *light = light.scaled(1.0 / self.share));
                             }
                             row.add_pass(x, &light);
                         }
@@ -93,6 +126,11 @@ impl<'w, M: Mode> Backward<'w, M> {
         }
         film.passes += count;
         total
+    }
+
+    /// Whether a pass looks at a pixel.
+    fn looks(&self, pass: u64, pixel: u64) -> bool {
+        self.share >= 1.0 || Rng::new(self.seed, Stream::Looks, pass, pixel).uniform() < self.share
     }
 
     fn path(

@@ -16,6 +16,7 @@ use crate::world::geometry::{Ray, Site};
 use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -27,6 +28,18 @@ pub trait Visitor<M: Mode> {
     /// Share of the power that both ways on from an interface must carry for the path to be split there; none: it
     /// never is.
     fn split_from(&self, walker: &Walker<'_, M>) -> Option<f64>;
+    /// Most splits of a path.
+    fn most_splits(&self) -> u8 {
+        Walker::<M>::MOST_SPLITS
+    }
+    /// Least probability of either way on from an interface, see [`Walker::least_chance`].
+    fn least_chance(&self) -> f64 {
+        0.0
+    }
+    /// Paths keep the specular faces that they meet.
+    fn records(&self) -> bool {
+        false
+    }
     /// The path has arrived in the pupil and ends there.
     fn pupil(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival);
     /// The path has met a scatterer; it goes on after this.
@@ -41,6 +54,8 @@ pub struct Origin {
     pub group: GroupId,
     /// The lamp has a luminance; a point and parallel light have none, so no pixel can show them.
     pub visible: bool,
+    /// Of an emitting face: its number among the world's lamps, the point and its unit normal.
+    pub face: Option<(usize, DVec3, DVec3)>,
 }
 
 /// What the numbers are that a path starts with: its lamp, its place there and its direction. All later ones are random.
@@ -189,7 +204,7 @@ impl Emission {
                 (
                     ray,
                     world.lamp_interiors[index].clone(),
-                    Origin { group: lamp.group, visible: true },
+                    Origin { group: lamp.group, visible: true, face: Some((index, point.position, point.normal)) },
                     optics.lamp(index),
                 )
             }
@@ -197,7 +212,7 @@ impl Emission {
                 let light = &world.lights.all()[index];
                 let (origin, dir) = light.emit(place, uv);
                 let ray = Ray { origin, dir, from: None };
-                let from = Origin { group: light.group(), visible: light.is_visible() };
+                let from = Origin { group: light.group(), visible: light.is_visible(), face: None };
                 (ray, world.light_interiors[index].clone(), from, optics.light(index))
             }
         };
@@ -290,6 +305,10 @@ impl Emission {
         ledger: &mut Ledger,
     ) {
         let reach = &self.reach[from.group.index()];
+        walker.least_chance = visitor.least_chance();
+        if visitor.records() && walker.chain().is_none() {
+            walker = walker.recording();
+        }
         loop {
             let vertex = match walker.advance(ledger) {
                 Met::Sky => {
@@ -305,7 +324,7 @@ impl Emission {
                 Met::Face(vertex) => vertex,
             };
             if let Some(least) = visitor.split_from(&walker)
-                && let Some(reflected) = walker.split(&vertex, least, Walker::<M>::MOST_SPLITS, ledger)
+                && let Some(reflected) = walker.split(&vertex, least, visitor.most_splits(), ledger)
             {
                 self.walk(reflected, from, visitor, ledger);
             }

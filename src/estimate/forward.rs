@@ -5,6 +5,8 @@
 use super::ShouldStop;
 use super::emission::{Emission, Origin, Shots, Starts, Visitor};
 use super::ledger::Ledger;
+use super::manifold::connections::Connections;
+use super::manifold::solve::Target;
 use super::route::Route;
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
@@ -20,6 +22,7 @@ use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use rayon::prelude::*;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 /// A lamp path is split where reflection and transmission both carry this share: at combiners, not at lenses.
 const SPLIT_FROM: f64 = 0.1;
@@ -33,6 +36,8 @@ pub struct Forward<'w, M: Mode> {
     route: Route,
     emission: Emission,
     paths: u64,
+    /// What of the paths is not ours.
+    connections: Arc<Connections>,
     seed: u64,
     starts: Starts,
 }
@@ -50,6 +55,7 @@ struct Splat {
 struct Arrivals<'r, M: Mode> {
     route: &'r Route,
     optics: &'r Optics<M>,
+    connections: &'r Connections,
     splats: Vec<Splat>,
     /// Where the splats of the path under way begin.
     first: usize,
@@ -57,9 +63,17 @@ struct Arrivals<'r, M: Mode> {
 
 impl<'w, M: Mode> Forward<'w, M> {
     /// `paths` lamp paths per pass, for `groups` light groups.
-    pub fn new(world: &'w World, route: Route, groups: usize, paths: u64, guide: Option<&Guide>, seed: u64) -> Self {
+    pub fn new(
+        world: &'w World,
+        route: Route,
+        groups: usize,
+        paths: u64,
+        guide: Option<&Guide>,
+        connections: Arc<Connections>,
+        seed: u64,
+    ) -> Self {
         let emission = Emission::new(world, &route, groups, guide);
-        Forward { world, mode: PhantomData, route, emission, paths, seed, starts: Starts::Scrambles }
+        Forward { world, mode: PhantomData, route, emission, paths, connections, seed, starts: Starts::Scrambles }
     }
 
     /// The same with other numbers for the paths to start with.
@@ -131,7 +145,7 @@ impl<'w, M: Mode> Forward<'w, M> {
     }
 
     fn arrivals<'r>(&'r self, optics: &'r Optics<M>) -> Arrivals<'r, M> {
-        Arrivals { route: &self.route, optics, splats: Vec::new(), first: 0 }
+        Arrivals { route: &self.route, optics, connections: &self.connections, splats: Vec::new(), first: 0 }
     }
 }
 
@@ -140,8 +154,15 @@ impl<M: Mode> Visitor<M> for Arrivals<'_, M> {
         Some(if walker.was_split() { SPLIT_AGAIN_FROM } else { SPLIT_FROM })
     }
 
+    fn records(&self) -> bool {
+        !self.connections.is_empty()
+    }
+
     fn pupil(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival) {
         if !from.visible && walker.trail.class_from_lamp() == Class::Vision {
+            return;
+        }
+        if self.is_connected(walker, from, arrival) {
             return;
         }
         let plane = self.route.from_lamp(from.group, walker.trail);
@@ -160,6 +181,18 @@ impl<M: Mode> Visitor<M> for Arrivals<'_, M> {
         let scramble = (sample % SCRAMBLES as u64) as u32;
         self.splats[self.first..].iter_mut().for_each(|splat| splat.scramble = scramble);
         self.first = self.splats.len();
+    }
+}
+
+impl<M: Mode> Arrivals<'_, M> {
+    /// Whether the path is one that specular connection returns for its ends.
+    fn is_connected(&self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival) -> bool {
+        let (Some(chain), Some((lamp, point, normal))) = (walker.chain(), from.face) else { return false };
+        arrival.pixel.is_some() && walker.trail.class_from_lamp() == Class::Vision && {
+            let target = Target::new(point, normal);
+            let places = (arrival.film, arrival.pupil);
+            self.connections.owns((walker.world, self.optics), chain, (lamp, &target), places)
+        }
     }
 }
 

@@ -5,10 +5,12 @@ pub mod backward;
 pub mod beam;
 pub mod data;
 pub mod emission;
+mod follow;
 pub mod forward;
 #[cfg(test)]
 mod leak_tests;
 pub mod ledger;
+pub mod manifold;
 pub mod photon;
 pub mod photon_map;
 pub mod pick_up;

@@ -5,6 +5,8 @@
 use super::ShouldStop;
 use super::emission::{Emission, Origin, Shots, Starts, Visitor};
 use super::ledger::Ledger;
+use super::manifold::screens::Screens;
+use super::manifold::solve::Target;
 use super::photon_map::{Photon, PhotonMap};
 use super::route::{Reach, Route};
 use super::seen::Seen;
@@ -14,6 +16,7 @@ use crate::base::path::{Event, Trail};
 use crate::base::rng::{Rng, Stream};
 use crate::film::accumulate::{Film, Light};
 use crate::film::guide::{Guide, Point, Sample};
+use crate::film::train::Screen;
 use crate::world::World;
 use crate::world::eye::Arrival;
 use crate::world::geometry::Ray;
@@ -24,6 +27,7 @@ use crate::world::scatter::Scatter;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 /// The squared radius falls as (pass + 1)^(α − 1): bias and variance of the mean both vanish for 0 < α < 1.
 const ALPHA: f64 = 2.0 / 3.0;
@@ -42,22 +46,46 @@ pub struct PhotonMapper<'w, M: Mode> {
     reach_eye: Reach,
     photons: u64,
     first_radius_m: f64,
+    /// What of the paths is not ours.
+    screens: Arc<Screens<M>>,
+    plan: Vec<Screen>,
     seed: u64,
     starts: Starts,
 }
 
 /// What paths leave at broad scatterers.
-struct Stored<M: Mode> {
+struct Stored<'s, M: Mode> {
     photons: Vec<Photon<M>>,
+    screens: &'s Screens<M>,
 }
 
-impl<M: Mode> Stored<M> {
-    fn new() -> Self {
-        Stored { photons: Vec::new() }
+impl<'s, M: Mode> Stored<'s, M> {
+    fn new(screens: &'s Screens<M>) -> Self {
+        Stored { photons: Vec::new(), screens }
+    }
+
+    /// Whether the path up to here is one that specular connection returns for its ends.
+    fn is_connected(&self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex) -> bool {
+        let (Some(chain), Some((lamp, point, normal))) = (walker.chain(), from.face) else { return false };
+        !walker.trail.has_scatter() && !walker.trail.is_empty() && {
+            let target = Target::new(point, normal);
+            let arrives = (vertex.hit.point, vertex.hit.site, walker.ray.dir);
+            self.screens.owns((walker.world, walker.optics), chain, (lamp, &target), arrives)
+        }
     }
 }
 
-impl<M: Mode> Visitor<M> for Stored<M> {
+impl<M: Mode> Visitor<M> for Stored<'_, M> {
+    fn records(&self) -> bool {
+        !self.screens.is_empty()
+    }
+
+    /// What connection leaves comes by faint reflections: photons of that kind should be many and faint, not few and bright.
+    fn least_chance(&self) -> f64 {
+        const OF_THE_REST: f64 = 0.1;
+        if self.screens.is_empty() { 0.0 } else { OF_THE_REST }
+    }
+
     fn split_from(&self, _: &Walker<'_, M>) -> Option<f64> {
         None
     }
@@ -66,6 +94,7 @@ impl<M: Mode> Visitor<M> for Stored<M> {
 
     fn scatterer(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex, scatter: &Scatter) {
         if !scatter.is_narrow() {
+            let connected = self.is_connected(walker, from, vertex);
             let (flux, alone) = walker.beam.stored();
             self.photons.push(Photon {
                 position: vertex.hit.point,
@@ -74,6 +103,7 @@ impl<M: Mode> Visitor<M> for Stored<M> {
                 alone,
                 group: from.group,
                 trail: walker.trail,
+                connected,
                 site: vertex.hit.site,
                 outside: vertex.outside,
             });
@@ -84,11 +114,12 @@ impl<M: Mode> Visitor<M> for Stored<M> {
 /// Where a photon came from, local to the point that gathers it, on the side of the face at which it arrived. On a
 /// curved face the two normals differ: what grazes the face at the photon may be below the horizon here, and without it
 /// a concave wall of radius R loses the share r²/12R² of its light.
-fn on_side(dir: DVec3, through: bool) -> DVec3 {
+pub fn on_side(dir: DVec3, through: bool) -> DVec3 {
     DVec3::new(dir.x, dir.y, if through { -dir.z.abs() } else { dir.z.abs() })
 }
 
 impl<'w, M: Mode> PhotonMapper<'w, M> {
+    #[allow(clippy::too_many_arguments)] // what a plan says of photons
     pub fn new(
         world: &'w World,
         route: Route,
@@ -96,12 +127,25 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         photons: u64,
         guide: Option<&Guide>,
         first_radius_m: f64,
+        (screens, plan): (Arc<Screens<M>>, &[Screen]),
         seed: u64,
     ) -> Self {
         let emission = Emission::new(world, &route, groups, guide);
         let reach_eye = Reach::from_eye(&route);
         let starts = Starts::OfPass;
-        PhotonMapper { mode: PhantomData, world, route, emission, reach_eye, photons, first_radius_m, seed, starts }
+        PhotonMapper {
+            mode: PhantomData,
+            world,
+            route,
+            emission,
+            reach_eye,
+            photons,
+            first_radius_m,
+            screens,
+            plan: plan.to_vec(),
+            seed,
+            starts,
+        }
     }
 
     /// The same with other numbers for the photons' paths to start with.
@@ -115,7 +159,10 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         let mut total = Ledger::new(self.world.solids.len());
         for pass in first..first + count {
             let optics = M::optics(self.world, self.seed, pass);
-            let (photons, ledger) = self.emit(pass, &optics);
+            // At several wavelengths what connection finds differs from pass to pass.
+            let own = (M::LANES > 1 && !self.plan.is_empty()).then(|| Screens::new(self.world, &optics, &self.plan));
+            let screens = own.as_ref().unwrap_or(&self.screens);
+            let (photons, ledger) = self.emit(pass, &optics, screens);
             total.merge(&ledger);
             let map = PhotonMap::new(photons, radius_of_pass(self.first_radius_m, pass));
             self.gather(film, (pass, &optics), &map);
@@ -124,11 +171,11 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         total
     }
 
-    fn emit(&self, pass: u64, optics: &Optics<M>) -> (Vec<Photon<M>>, Ledger) {
+    fn emit(&self, pass: u64, optics: &Optics<M>, screens: &Screens<M>) -> (Vec<Photon<M>>, Ledger) {
         let done: Vec<(Vec<Photon<M>>, Ledger)> = (0..Shots::chunks(self.photons))
             .into_par_iter()
             .map(|chunk| {
-                let mut stored = Stored::new();
+                let mut stored = Stored::new(screens);
                 let shots = self.shots(Stream::PhotonEmission, pass);
                 let ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut stored);
                 (stored.photons, ledger)
@@ -149,10 +196,13 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
     pub fn probe(&self, pass: u64, seen: &Seen, stop: &ShouldStop<'_>) -> Vec<Sample> {
         let optics = M::optics(self.world, self.seed, pass);
         let open = |photon: &Photon<M>| -> f64 { photon.flux.as_slice().iter().map(|light| light.open()).sum() };
-        let counts = |photon: &&Photon<M>| !photon.trail.is_empty() && seen.sees(photon.site, photon.position);
-        let useful = |stored: &Stored<M>| stored.photons.iter().filter(counts).map(open).sum();
+        let counts = |photon: &&Photon<M>| {
+            !photon.trail.is_empty() && !photon.connected && seen.sees(photon.site, photon.position)
+        };
+        let useful = |stored: &Stored<'_, M>| stored.photons.iter().filter(counts).map(open).sum();
         let shots = self.shots(Stream::Pilot, pass);
-        self.emission.probe((self.world, &optics), shots, stop, Stored::new, useful)
+        let new = || Stored::new(&self.screens);
+        self.emission.probe((self.world, &optics), shots, stop, new, useful)
     }
 
     /// [`Emission::density`].
@@ -212,6 +262,10 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
                     let d_in = frame.to_local(walker.ray.dir);
                     let sides = walker.sides(&vertex, scatter);
                     map.gather(vertex.hit.point, vertex.hit.site, |photon, density| {
+                        // Of what connection has, the path over one scatterer is not ours.
+                        if photon.connected && !walker.trail.has_scatter() {
+                            return;
+                        }
                         let trail = Trail::join(walker.trail, Event::Diffuse, photon.trail);
                         let Some(plane) = self.route.from_eye(photon.group, trail) else { return };
                         let through = photon.outside != vertex.outside;

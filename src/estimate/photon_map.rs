@@ -22,6 +22,8 @@ pub struct Photon<M: Mode> {
     pub group: GroupId,
     /// From the lamp up to, but without, this vertex.
     pub trail: Trail,
+    /// Specular connection has the path from the lamp to here.
+    pub connected: bool,
     pub site: Site,
     /// It arrived at the outside of the face.
     pub outside: bool,
@@ -119,6 +121,7 @@ mod tests {
             alone: false,
             group: GroupId(0),
             trail: Trail::START,
+            connected: false,
             site: Site { part: 0, face, triangle: 0 },
             outside: true,
         }

@@ -35,6 +35,20 @@ impl<'w, M: Mode> Walker<'w, M> {
         }
     }
 
+    /// The light of a lamp that the path has met, as it arrives at the path's start: luminance per lane; whether the first
+    /// lane stands for all.
+    pub fn seen(&self, seen: &Shining<'_>) -> (M::Lanes<Light>, bool) {
+        let tint = self.optics.lamp(seen.index);
+        let index = self.index_here();
+        let beam = match seen.lamp.polarisation {
+            None => self.beam,
+            Some(light) => self.beam.polarised(light, self.ray.dir, true),
+        };
+        let (light, alone) = beam.stored();
+        let factor = |lane: usize| seen.luminance * tint[lane] / (index[lane] * index[lane]);
+        (lanes::<M, _>(|lane| light[lane].scaled(factor(lane))), alone)
+    }
+
     /// [`Walker::pick_up`] in a medium of this index.
     pub fn pick_up_in(&self, index: &M::Lanes<f64>, out: &mut [Light], amounts: &M::Lanes<f64>) {
         self.beam.deposit(self.optics, out, &lanes::<M, _>(|lane| amounts[lane] / (index[lane] * index[lane])));

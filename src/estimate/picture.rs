@@ -159,6 +159,9 @@ pub fn plan_lines(scene: &Scene, plan: &Plan) -> Vec<String> {
             let class = row.class.name();
             match &row.verdict {
                 Verdict::Own { owner, because } => format!("{group} {class}: {} because {because}", owner.name()),
+                Verdict::Connect { rest, because } => {
+                    format!("{group} {class}: manifold because {because}; the rest: {}", rest.name())
+                }
                 Verdict::Skip { because } => format!("{group} {class}: skipped because {because}"),
             }
         })

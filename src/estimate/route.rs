@@ -24,7 +24,7 @@ impl Route {
                 for broad in [false, true] {
                     // Without a scatterer there is no broad one; the plan's answer must not open a plane for it.
                     let possible = !(broad && class == Class::Vision);
-                    let plane = (possible && plan.owner(group, class, broad) == Some(estimator)).then(|| {
+                    let plane = (possible && plan.computes(estimator, group, class, broad)).then(|| {
                         let key = PlaneKey { layer: Layer::of(class, estimator), group };
                         planes.iter().position(|&plane| plane == key).unwrap_or_else(|| {
                             planes.push(key);

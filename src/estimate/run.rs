@@ -6,6 +6,9 @@
 use super::backward::Backward;
 use super::forward::Forward;
 use super::ledger::Ledger;
+use super::manifold::connections::Connections;
+use super::manifold::screens::Screens;
+use super::manifold::vision::Manifold;
 use super::photon::PhotonMapper;
 use super::route::Route;
 use crate::film::accumulate::{Film, Sampling};
@@ -15,6 +18,7 @@ use crate::world::World;
 use crate::world::mode::{Hero, Mode, Mono, Rgb, Spectral, components};
 use crate::world::stokes::Stokes;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// When to stop. The first limit that is reached counts.
@@ -100,6 +104,7 @@ enum Engine<'w, M: Mode> {
     Backward(Backward<'w, M>),
     Forward(Forward<'w, M>),
     Photon(PhotonMapper<'w, M>),
+    Manifold(Manifold<'w, M>),
 }
 
 impl<M: Mode> Engine<'_, M> {
@@ -108,6 +113,7 @@ impl<M: Mode> Engine<'_, M> {
             Engine::Backward(e) => e.run(film, first, count),
             Engine::Forward(e) => e.run(film, first, count),
             Engine::Photon(e) => e.run(film, first, count),
+            Engine::Manifold(e) => e.run(film, first, count),
         }
     }
 }
@@ -161,6 +167,8 @@ fn begin_in<'w, M: Mode + 'w>(
     size: [usize; 2],
     seed: u64,
 ) -> Box<dyn Tracing + 'w> {
+    let connections = Arc::new(Connections::new(world, &M::optics(world, seed, 0), &plan.connections));
+    let screens = Arc::new(Screens::new(world, &M::optics(world, seed, 0), &plan.screens));
     let mut engines: Vec<Engine<'_, M>> = Vec::new();
     let mut films = Films { films: Vec::new(), passes: 0 };
     for estimator in Estimator::ALL {
@@ -170,7 +178,7 @@ fn begin_in<'w, M: Mode + 'w>(
         }
         let sampling = match estimator {
             Estimator::Forward => Sampling::PerScramble { paths: plan.forward_paths },
-            Estimator::Backward | Estimator::Photon => Sampling::PerPass,
+            Estimator::Backward | Estimator::Photon | Estimator::Manifold => Sampling::PerPass,
         };
         let film = Film::new(size[0], size[1], route.planes.clone(), components::<M>(), sampling);
         let film = match plan.errors {
@@ -178,15 +186,20 @@ fn begin_in<'w, M: Mode + 'w>(
             ErrorDetail::Layers => film.with_detail(),
         };
         engines.push(match estimator {
-            Estimator::Backward => Engine::Backward(Backward::new(world, route, seed)),
+            Estimator::Backward => Engine::Backward(Backward::new(world, route, plan.backward_share, seed)),
             Estimator::Forward => Engine::Forward(Forward::new(
                 world,
                 route,
                 groups,
                 plan.forward_paths,
                 plan.forward_guide.as_ref(),
+                connections.clone(),
                 seed,
             )),
+            Estimator::Manifold => {
+                let screens = (screens.clone(), &plan.screens[..]);
+                Engine::Manifold(Manifold::new(world, route, connections.clone(), screens, seed))
+            }
             Estimator::Photon => {
                 let radius = plan.photon_radius_m;
                 Engine::Photon(PhotonMapper::new(
@@ -196,6 +209,7 @@ fn begin_in<'w, M: Mode + 'w>(
                     plan.photons,
                     plan.photon_guide.as_ref(),
                     radius,
+                    (screens.clone(), &plan.screens[..]),
                     seed,
                 ))
             }

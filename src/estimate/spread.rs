@@ -82,6 +82,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         let absorbed = 1.0 - scatter.specular() - scatter.albedo(-d_in.z);
         self.absorb(part, self.beam.carried() * absorbed, ledger);
         self.trail = self.trail.then(scatter.event());
+        self.unlink();
         let u = [self.rng.uniform(), self.rng.uniform(), self.rng.uniform()];
         let sampled = scatter.sample(d_in, sides.of(0), u)?;
         let through = sampled.dir.z < 0.0;

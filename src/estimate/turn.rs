@@ -3,6 +3,7 @@
 
 use super::ledger::Ledger;
 use super::walk::{Meeting, Travel, Vertex, Walker};
+use crate::base::chain::Step;
 #[cfg(test)]
 use crate::world::Planted;
 use crate::world::fresnel::{reflect, refract};
@@ -179,8 +180,18 @@ impl<'w, M: Mode> Walker<'w, M> {
             // The absorbed share is booked by the refracted branch alone.
             Some(Branch::Reflected) => (Branch::Reflected, 1.0, 0.0),
             Some(branch @ (Branch::Refracted | Branch::Only)) => (branch, 1.0, 1.0),
-            None if self.rng.uniform() * both >= reflected => (Branch::Refracted, both / transmitted, 1.0),
-            None => (Branch::Reflected, both / reflected, 1.0),
+            None => {
+                let share = if both > 0.0 { reflected / both } else { 0.0 };
+                // Total reflection, and nothing reflected, leave no choice.
+                let open = turn.refracts() && share > 0.0 && share < 1.0;
+                let chance = if open { share.clamp(self.least_chance, 1.0 - self.least_chance) } else { share };
+                let refracted = self.rng.uniform() >= chance;
+                if refracted {
+                    (Branch::Refracted, 1.0 / (1.0 - chance), 1.0)
+                } else {
+                    (Branch::Reflected, 1.0 / chance, 1.0)
+                }
+            }
         };
         let before = self.beam.carried();
         let absorbed = share_of_absorbed * self.beam.carried_with(&turn.absorbed);
@@ -197,10 +208,11 @@ impl<'w, M: Mode> Walker<'w, M> {
         if dir.is_some() && turn.disperses {
             self.beam.part();
         }
-        if M::LANES > 1 {
+        if M::LANES > 1 || self.least_chance > 0.0 {
             // The lanes are not alike: what one choice for all of them makes of the sum is chance.
             ledger.by_chance(self.beam.carried() - expected);
         }
+        self.link(vertex, if dir.is_some() { Step::Through } else { Step::Back });
         match dir {
             Some(dir) => self.go(vertex, dir, true, ledger),
             None => self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger),

@@ -3,6 +3,7 @@
 use super::beam::Beam;
 use super::ledger::Ledger;
 use super::turn::{Branch, Turn};
+use crate::base::chain::{Chain, Link, Step};
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Rng;
 use crate::base::warp::Frame;
@@ -56,8 +57,15 @@ pub struct Walker<'w, M: Mode> {
     pub(super) forced: Option<Branch>,
     /// What the interface ahead does with light, where it is already known.
     pub(super) ahead: Option<Turn<M>>,
+    /// Least probability of either way on from an interface: above 0, faint ways are taken more often than their share, and
+    /// count less.
+    pub least_chance: f64,
     /// How often the path was split.
     pub(super) splits: u8,
+    /// The specular faces so far, if somebody asked.
+    pub(super) chain: Option<Box<Chain>>,
+    /// The specular face that was met last.
+    pub(super) last: Option<Link>,
 }
 
 /// What a ray met.
@@ -139,8 +147,16 @@ impl<'w, M: Mode> Walker<'w, M> {
             events: 0,
             forced: None,
             ahead: None,
+            least_chance: 0.0,
             splits: 0,
+            chain: None,
+            last: None,
         }
+    }
+
+    /// Weight without slides over what the path started with.
+    pub fn share(&self) -> f64 {
+        self.beam.weight() / self.start_weight
     }
 
     /// Runs along the ray to the next thing.
@@ -241,12 +257,14 @@ impl<'w, M: Mode> Walker<'w, M> {
                 self.cross(vertex, slide, &s);
                 self.absorb(part, before - self.beam.carried(), ledger);
                 self.trail = self.trail.then(Event::Specular);
+                self.link(vertex, Step::Through);
                 self.pass_through(vertex);
                 self.roulette(ledger)
             }
             Surface::Sheet(sheet) => {
                 self.go_through(vertex, sheet, ledger);
                 self.trail = self.trail.then(Event::Specular);
+                self.link(vertex, Step::Through);
                 self.pass_through(vertex);
                 self.roulette(ledger)
             }
@@ -269,6 +287,7 @@ impl<'w, M: Mode> Walker<'w, M> {
                 }
                 let specular = scatter.specular();
                 if specular > 0.0 && self.stays_specular(vertex, scatter, specular, ledger) {
+                    self.link(vertex, Step::Back);
                     return self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger);
                 }
                 Meeting::Scatter(scatter, Frame::about(vertex.normal))

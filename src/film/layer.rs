@@ -39,7 +39,7 @@ impl Layer {
     /// The layer that a path belongs to: its class decides, and for vision who traced it.
     pub fn of(class: Class, owner: Estimator) -> Layer {
         match (class, owner) {
-            (Class::Vision, Estimator::Forward) => Layer::Forward,
+            (Class::Vision, Estimator::Forward | Estimator::Manifold) => Layer::Forward,
             (Class::Vision, Estimator::Backward | Estimator::Photon) | (Class::Primary, _) => Layer::Direct,
             (Class::Caustic, _) => Layer::Caustic,
             (Class::Secondary, _) => Layer::Secondary,

@@ -11,3 +11,4 @@ pub mod plan;
 pub mod pupil;
 pub mod scrambles;
 pub mod sharpness;
+pub mod train;

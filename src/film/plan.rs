@@ -2,6 +2,7 @@
 
 use super::detail::ErrorDetail;
 use super::guide::Guide;
+use super::train::{Connection, Screen};
 use crate::base::ids::GroupId;
 use crate::base::path::{Class, Trail};
 
@@ -15,15 +16,18 @@ pub enum Estimator {
     Forward,
     /// Photon map, gathered at the first broad scatterer seen by the eye.
     Photon,
+    /// Specular connection: paths over known trains of specular faces, solved for.
+    Manifold,
 }
 
 impl Estimator {
-    pub const ALL: [Estimator; 3] = [Estimator::Backward, Estimator::Forward, Estimator::Photon];
+    pub const ALL: [Estimator; 4] = [Estimator::Backward, Estimator::Forward, Estimator::Photon, Estimator::Manifold];
     pub fn name(self) -> &'static str {
         match self {
             Estimator::Backward => "backward",
             Estimator::Forward => "forward",
             Estimator::Photon => "photon",
+            Estimator::Manifold => "manifold",
         }
     }
 }
@@ -34,6 +38,8 @@ impl Estimator {
 pub enum Verdict {
     /// `owner` computes these paths. Where `owner` is `Photon`, paths without a broad scatterer are `Backward`'s.
     Own { owner: Estimator, because: String },
+    /// Specular connection computes those of these paths that its solver returns for their ends, `rest` all others.
+    Connect { rest: Estimator, because: String },
     /// There are no such paths, or nobody is asked for them.
     Skip { because: String },
 }
@@ -91,11 +97,17 @@ pub struct Plan {
     /// Radius of the first pass's photon gathering, m.
     pub photon_radius_m: f64,
     /// Guided emission of the forward estimator, learned by a pilot; none: lamps by flux, directions by intensity.
-    #[serde(skip)]
+    #[serde(default)]
     pub forward_guide: Option<Guide>,
     /// The same for photons.
-    #[serde(skip)]
+    #[serde(default)]
     pub photon_guide: Option<Guide>,
+    /// Share of the pixels that a pass of the backward estimator looks at: less than 1 where a pilot found no light of its.
+    pub backward_share: f64,
+    /// Trains over which lamps and eye are joined.
+    pub connections: Vec<Connection>,
+    /// Trains over which lamps and faces that scatter are joined.
+    pub screens: Vec<Screen>,
     pub mode: PathMode,
     /// Whose standard errors are kept.
     pub errors: ErrorDetail,
@@ -104,6 +116,31 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Whether the numbers of a plan from a file fit a scene with so many light groups and parts. Faults in words.
+    pub fn check(&self, groups: usize, parts: usize) -> Result<(), String> {
+        if self.rows.len() != groups * Class::ALL.len() {
+            let classes = Class::ALL.len();
+            return Err(format!("has {} rows for {} groups of {classes} classes", self.rows.len(), groups));
+        }
+        let named = self.rows.iter().map(|row| row.group);
+        let named = named.chain(self.connections.iter().map(|c| c.group)).chain(self.screens.iter().map(|s| s.group));
+        if let Some(group) = named.into_iter().find(|group| group.index() >= groups) {
+            return Err(format!("names group {} of {}", group.index(), groups));
+        }
+        let trains = self.connections.iter().map(|c| &c.train).chain(self.screens.iter().map(|s| &s.train));
+        let lenses = trains.flat_map(|train| &train.0);
+        let used = lenses.flat_map(|lens| [Some(lens.link.part), lens.before, lens.after]).flatten();
+        let used = used.chain(self.screens.iter().map(|screen| screen.part));
+        if let Some(part) = used.into_iter().find(|part| *part as usize >= parts) {
+            return Err(format!("names part {part} of {}", parts));
+        }
+        let share = self.backward_share;
+        if !(share > 0.0 && share <= 1.0 && self.photon_radius_m >= 0.0 && self.photon_radius_m.is_finite()) {
+            return Err(format!("has a share of {share} and a radius of {} m", self.photon_radius_m));
+        }
+        Ok(())
+    }
+
     pub fn row(&self, group: GroupId, class: Class) -> &Row {
         &self.rows[group.index() * Class::ALL.len() + class as usize]
     }
@@ -113,7 +150,23 @@ impl Plan {
         match &self.row(group, class).verdict {
             Verdict::Own { owner: Estimator::Photon, .. } if !has_broad => Some(Estimator::Backward),
             Verdict::Own { owner, .. } => Some(*owner),
+            // At a narrow lobe nothing is gathered, and nothing connected.
+            Verdict::Connect { rest: Estimator::Photon, .. } if !has_broad => Some(Estimator::Backward),
+            Verdict::Connect { .. } => Some(Estimator::Manifold),
             Verdict::Skip { .. } => None,
+        }
+    }
+
+    /// Whether `estimator` computes paths of this class: as their owner, or as the one that keeps what the owner's solver
+    /// does not return.
+    pub fn computes(&self, estimator: Estimator, group: GroupId, class: Class, has_broad: bool) -> bool {
+        match &self.row(group, class).verdict {
+            Verdict::Connect { rest, .. } if has_broad || *rest != Estimator::Photon => {
+                estimator == Estimator::Manifold || estimator == *rest
+            }
+            Verdict::Connect { .. } | Verdict::Own { .. } | Verdict::Skip { .. } => {
+                self.owner(group, class, has_broad) == Some(estimator)
+            }
         }
     }
 
@@ -124,6 +177,11 @@ impl Plan {
                 *owner == estimator
                     // The rest of the photon map's classes (narrow lobes only) is backward's; see `Verdict::Own`.
                     || (*owner == Estimator::Photon && estimator == Estimator::Backward)
+            }
+            Verdict::Connect { rest, .. } => {
+                estimator == Estimator::Manifold
+                    || estimator == *rest
+                    || (*rest == Estimator::Photon && estimator == Estimator::Backward)
             }
             Verdict::Skip { .. } => false,
         })

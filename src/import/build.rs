@@ -19,7 +19,7 @@ use crate::scene::{
     Absorption, Coating, Face, Finish, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Severity,
     Shape, Slide, Spectrum, Wavelengths, glass,
 };
-use glam::DAffine3;
+use glam::{DAffine3, DMat3};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -31,6 +31,9 @@ pub struct Built {
     pub explained: Explained,
     /// The layers that the asset asks for.
     pub layers: Vec<LayerWish>,
+    /// The asset's own file, and its world → the scene's world, a turn that leaves lengths.
+    pub asset: PathBuf,
+    pub axes: DMat3,
 }
 
 /// Builds the scene of `assembly`. `assembly.dependencies` (the sidecar among them, if it was a file) are hashed.
@@ -131,7 +134,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         notes: seen,
         hash,
     };
-    Ok(Built { scene, explained, layers: assembly.layers })
+    Ok(Built { scene, explained, layers: assembly.layers, asset: assembly.file, axes: assembly.axes })
 }
 
 fn no_eye(sidecar: Option<&Value>, file: &Path) -> Box<Fault> {

@@ -1,5 +1,8 @@
 //! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is.
 
+pub mod chains;
+pub mod forecast;
+pub mod frozen;
 mod mode;
 mod pilot;
 pub mod pupil;
@@ -8,12 +11,15 @@ use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
+use crate::estimate::backward::Backward;
+use crate::estimate::route::Route;
 use crate::film::detail::ErrorDetail;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use crate::world::World;
+use crate::world::mode::Mono;
 
 /// Which estimators may be used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Choice {
     #[default]
     Auto,
@@ -21,7 +27,7 @@ pub enum Choice {
 }
 
 /// Whether paths carry their polarisation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Polarisation {
     /// Where a pilot finds that it matters.
     #[default]
@@ -31,7 +37,7 @@ pub enum Polarisation {
 }
 
 /// What is asked of a plan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Asked {
     pub choice: Choice,
     pub polarisation: Polarisation,
@@ -86,6 +92,9 @@ fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -
         forward_paths: 0,
         photons: 0,
         photon_radius_m: 0.0,
+        backward_share: 1.0,
+        connections: Vec::new(),
+        screens: Vec::new(),
         forward_guide: None,
         photon_guide: None,
         mode: mode::decide(checked, world, asked.polarisation, stop),
@@ -98,14 +107,41 @@ fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -
             // The guide belongs to the lamps that are left.
             continue;
         }
+        plan.connections = chains::find(world, &plan, scene.groups.len(), Some(&pilot.guide), stop);
+        leave_unconnected(&mut plan, Class::Vision);
         plan.forward_guide = Some(pilot.guide);
-        plan.forward_paths = (4 * pixels).max(1 << 14);
+        // What specular connection leaves is little, and where it is nobody knows.
+        let only_rest =
+            plan.rows.iter().all(|row| !matches!(row.verdict, Verdict::Own { owner: Estimator::Forward, .. }));
+        plan.forward_paths = if only_rest { pixels / 4 } else { 4 * pixels }.max(1 << 12);
         break;
+    }
+    let caustics = |plan: &Plan| {
+        let connected = |row: &Row| row.class == Class::Caustic && matches!(row.verdict, Verdict::Connect { .. });
+        plan.rows.iter().any(connected)
+    };
+    if caustics(&plan) && !stop() {
+        let seen = pilot::seen_faces(world, scene.eye.resolution);
+        plan.screens = chains::screens(world, &plan, scene.groups.len(), &seen, None, stop);
+        leave_unconnected(&mut plan, Class::Caustic);
     }
     if plan.runs(Estimator::Photon) && !stop() {
         plan.photon_radius_m = pilot::photon_radius_m(world, scene.eye.resolution);
         plan.photon_guide = Some(pilot::photon(world, &plan, scene.groups.len(), plan.photon_radius_m, stop));
-        plan.photons = (4 * pixels).max(1 << 14);
+        // Photons for a little light need not be many.
+        let rest = if caustics(&plan) { pilot::rest_share(world, &plan, scene.groups.len(), stop) } else { 1.0 };
+        plan.photons = if rest < LITTLE { (pixels / 8).max(1 << 12) } else { (4 * pixels).max(1 << 14) };
+    }
+    if choice == Choice::Auto && plan.runs(Estimator::Backward) && !stop() {
+        let route = Route::new(&plan, scene.groups.len(), Estimator::Backward);
+        let backward = Backward::<Mono>::new(world, route, 1.0, pilot::SEED);
+        if !backward.finds_light(LOOKS, stop) {
+            plan.backward_share = SELDOM;
+            plan.notes.push(format!(
+                "backward looks at 1 pixel in {:.0} a pass: {LOOKS} paths of a pilot found no light of its own",
+                1.0 / SELDOM
+            ));
+        }
     }
     for estimator in Estimator::ALL {
         if !plan.runs(estimator) {
@@ -120,12 +156,38 @@ fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -
     plan
 }
 
+/// Paths of the pilot that looks whether rays from the eye find anything, and how many pixels are looked at if not.
+const LOOKS: u64 = 2048;
+const SELDOM: f64 = 1.0 / 64.0;
+
+/// Share of the photons' light below which it is little.
+const LITTLE: f64 = 0.03;
+
+/// Leaves the vision paths of groups for which no train was found to the estimator that would have kept the rest.
+fn leave_unconnected(plan: &mut Plan, class: Class) {
+    for row in plan.rows.iter_mut().filter(|row| row.class == class) {
+        let Verdict::Connect { rest, .. } = row.verdict else { continue };
+        let (found, between) = match class {
+            Class::Vision => (plan.connections.iter().any(|c| c.group == row.group), "lamp to eye"),
+            Class::Primary | Class::Caustic | Class::Secondary => {
+                (plan.screens.iter().any(|s| s.group == row.group), "lamp to scatterer")
+            }
+        };
+        if !found {
+            row.verdict = own(rest, format!("a pilot found no train of specular faces from {between}"));
+        }
+    }
+}
+
 /// Hands the vision paths of groups that no lamp path of the pilot brought over to the rays from the eye: whatever there
 /// is, they find it without bias. Returns whether the plan changed.
 fn give_up_forward(plan: &mut Plan, groups: &[GroupId], traced: u64) -> bool {
     let mut changed = false;
     for row in &mut plan.rows {
-        let forward = matches!(row.verdict, Verdict::Own { owner: Estimator::Forward, .. });
+        let forward = matches!(
+            row.verdict,
+            Verdict::Own { owner: Estimator::Forward, .. } | Verdict::Connect { rest: Estimator::Forward, .. }
+        );
         if forward && groups.contains(&row.group) {
             row.verdict =
                 own(Estimator::Backward, format!("none of {traced} paths of a pilot from the lamps found the pupil"));
@@ -145,19 +207,28 @@ fn without_area(world: &World, group: GroupId, class: Class, verdict: Verdict) -
     let disc = lights().any(|light| light.is_visible());
     match (&verdict, class) {
         (Verdict::Skip { .. }, _) => verdict,
-        (Verdict::Own { .. }, Class::Vision) if disc => {
+        (Verdict::Own { .. } | Verdict::Connect { .. }, Class::Vision) if disc => {
             own(Estimator::Backward, "its disc is at infinity: rays from the eye meet it")
         }
-        (Verdict::Own { .. }, Class::Vision) if !faces => skip("a point or parallel light has no luminance"),
+        (Verdict::Own { .. } | Verdict::Connect { .. }, Class::Vision) if !faces => {
+            skip("a point or parallel light has no luminance")
+        }
         (Verdict::Own { owner: Estimator::Backward, .. }, Class::Caustic) if !faces && !disc => {
             skip("rays from the eye can't meet a point or parallel light through specular faces")
         }
-        (Verdict::Own { .. }, Class::Vision | Class::Primary | Class::Caustic | Class::Secondary) => verdict,
+        (
+            Verdict::Own { .. } | Verdict::Connect { .. },
+            Class::Vision | Class::Primary | Class::Caustic | Class::Secondary,
+        ) => verdict,
     }
 }
 
 fn own(owner: Estimator, because: impl Into<String>) -> Verdict {
     Verdict::Own { owner, because: because.into() }
+}
+
+fn connect(because: impl Into<String>) -> Verdict {
+    Verdict::Connect { rest: Estimator::Forward, because: because.into() }
 }
 
 fn skip(because: impl Into<String>) -> Verdict {
@@ -188,10 +259,9 @@ fn auto(checked: &Checked, world: &World, group: GroupId, class: Class, is_sky: 
             // the margin is for light from the lamps that a housing stops.
             let ratio = lamps / eye;
             if ratio <= 64.0 {
-                own(
-                    Estimator::Forward,
-                    format!("the lamps' etendue is {ratio:.3} of the eye's: rays from the lamps find the pupil"),
-                )
+                connect(format!(
+                    "the lamps' etendue is {ratio:.3} of the eye's: each of their points has few ways to it"
+                ))
             } else {
                 own(
                     Estimator::Backward,
@@ -201,7 +271,10 @@ fn auto(checked: &Checked, world: &World, group: GroupId, class: Class, is_sky: 
         }
         Class::Primary => own(Estimator::Backward, "the lamp is sampled directly from the scatterer"),
         Class::Caustic if !facts.specular => skip("no face is specular"),
-        Class::Caustic => own(Estimator::Photon, "specular faces stand between lamp and scatterer"),
+        Class::Caustic => Verdict::Connect {
+            rest: Estimator::Photon,
+            because: "specular faces stand between lamp and scatterer".to_owned(),
+        },
         Class::Secondary => own(Estimator::Photon, "photons carry the light from scatterer to scatterer"),
     }
 }
@@ -218,6 +291,16 @@ fn only(checked: &Checked, estimator: Estimator, class: Class, is_sky: bool) -> 
         }
         Estimator::Forward if facts.pinhole => skip("the pupil is a point: no ray from a lamp arrives"),
         Estimator::Forward => own(Estimator::Forward, "asked for"),
+        Estimator::Manifold if is_sky => own(Estimator::Backward, "no connection leads to the sky"),
+        Estimator::Manifold => match class {
+            Class::Vision if !facts.pinhole => connect("asked for"),
+            Class::Caustic if facts.specular => {
+                Verdict::Connect { rest: Estimator::Photon, because: "asked for".to_owned() }
+            }
+            Class::Vision | Class::Primary | Class::Caustic | Class::Secondary => {
+                own(Estimator::Backward, "specular connection is for the eye and lamps")
+            }
+        },
         Estimator::Photon => match class {
             Class::Vision | Class::Primary => {
                 own(Estimator::Backward, "a photon map holds no light that comes straight from the lamp")

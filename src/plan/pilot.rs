@@ -6,18 +6,22 @@ use crate::estimate::ShouldStop;
 use crate::estimate::emission::Starts;
 use crate::estimate::forward::Forward;
 use crate::estimate::ledger::Ledger;
+use crate::estimate::manifold::screens::Screens;
 use crate::estimate::photon::PhotonMapper;
 use crate::estimate::route::Route;
 use crate::estimate::seen::Seen;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan};
+use crate::film::train::Screen;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
 use glam::DVec3;
+use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Paths of the first look, which knows nothing; most of them if little is found; and of each look after it.
 const WIDE: u64 = 1 << 13;
@@ -25,8 +29,10 @@ const MOST_WIDE: u64 = 1 << 16;
 const NARROW: [u64; 2] = [1 << 11, 3 << 11];
 /// Paths that have to count before a look can be guided by them, in all and of each group.
 const ENOUGH: [usize; 2] = [48, 4];
+/// A pass that no look has.
+const LAST: u64 = 1 << 20;
 /// Pilots have a seed of their own: the plan is a function of the scene alone.
-const SEED: u64 = 0x9107;
+pub const SEED: u64 = 0x9107;
 
 /// What a pilot of the forward estimator found.
 pub struct ForwardPilot {
@@ -150,7 +156,7 @@ fn look<L: Look>(with: impl Fn(Option<&Guide>, u64) -> L, groups: usize, stop: &
 pub fn forward(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> ForwardPilot {
     let with = |guide: Option<&Guide>, paths: u64| {
         let route = Route::new(plan, groups, Estimator::Forward);
-        Forward::<Mono>::new(world, route, groups, paths, guide, SEED).starting(Starts::OfPass)
+        Forward::<Mono>::new(world, route, groups, paths, guide, Arc::default(), SEED).starting(Starts::OfPass)
     };
     let (looks, guide) = look(with, groups, stop);
     ForwardPilot { guide, traced: looks.traced(), arrived: looks.arrived }
@@ -159,9 +165,12 @@ pub fn forward(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>)
 /// Learns where photons have to start to be stored where the eye sees them. `radius_m`: [`photon_radius_m`].
 pub fn photon(world: &World, plan: &Plan, groups: usize, radius_m: f64, stop: &ShouldStop<'_>) -> Guide {
     let seen = Seen::look(world, radius_m, stop);
+    // What specular connection owns of the paths is bright where the rest is, too: one guide for both.
+    let screens = Arc::new(Screens::new(world, &Mono::<f64>::optics(world, SEED, 0), &[]));
     let with = |guide: Option<&Guide>, paths: u64| {
         let route = Route::new(plan, groups, Estimator::Photon);
-        let mapper = PhotonMapper::new(world, route, groups, paths, guide, radius_m, SEED).starting(Starts::OfPass);
+        let mapper = PhotonMapper::new(world, route, groups, paths, guide, radius_m, (screens.clone(), &[]), SEED)
+            .starting(Starts::OfPass);
         Photons { mapper, seen: &seen }
     };
     if seen.is_empty() {
@@ -169,6 +178,26 @@ pub fn photon(world: &World, plan: &Plan, groups: usize, radius_m: f64, stop: &S
         return Guide::unguided(with(None, 1).flux());
     }
     look(with, groups, stop).1
+}
+
+/// Of the flux that photons bring by specular faces or scattering to where the eye sees it, the share that specular
+/// connection leaves to them; 1 if there is none.
+pub fn rest_share(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> f64 {
+    const PATHS: u64 = 1 << 12;
+    let radius_m = plan.photon_radius_m;
+    let seen = Seen::look(world, radius_m, stop);
+    let optics = Mono::<f64>::optics(world, SEED, 0);
+    let flux = |screens: &[Screen]| -> f64 {
+        let tables = Arc::new(Screens::new(world, &optics, screens));
+        let route = Route::new(plan, groups, Estimator::Photon);
+        let guide = plan.photon_guide.as_ref();
+        let mapper = PhotonMapper::new(world, route, groups, PATHS, guide, radius_m, (tables, screens), SEED)
+            .starting(Starts::OfPass);
+        let samples = mapper.probe(LAST, &seen, stop);
+        samples.iter().map(|sample| sample.weight / mapper.density(sample.lamp, &sample.x)).sum()
+    };
+    let (all, rest) = (flux(&[]), flux(&plan.screens));
+    if all > 0.0 { rest / all } else { 1.0 }
 }
 
 /// Groups whose light no path of a pilot brought.
@@ -208,6 +237,21 @@ pub fn photon_radius_m(world: &World, [width, height]: [usize; 2]) -> f64 {
             (high - low).length() / 500.0
         }
     }
+}
+
+/// Broad scatterers that the eye sees through specular faces and narrow lobes, as (part, face).
+pub fn seen_faces(world: &World, [width, height]: [usize; 2]) -> BTreeSet<(u32, u32)> {
+    const GRID: usize = 32;
+    let optics = Mono::<f64>::optics(world, 0, 0);
+    let mut seen = BTreeSet::new();
+    for j in 0..GRID {
+        for i in 0..GRID {
+            let at = ((2 * i + 1) * width / (2 * GRID), (2 * j + 1) * height / (2 * GRID));
+            let found = (0..4).filter_map(|salt| first_broad((world, &optics), at, salt));
+            seen.extend(found.map(|(face, _)| face));
+        }
+    }
+    seen
 }
 
 fn first_broad(

@@ -92,7 +92,8 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
             continue;
         }
         if let (
-            Verdict::Own { owner: Estimator::Backward | Estimator::Photon, because } | Verdict::Skip { because },
+            Verdict::Own { owner: Estimator::Backward | Estimator::Photon | Estimator::Manifold, because }
+            | Verdict::Skip { because },
             Some(of),
         ) = (&row.verdict, found.get_mut(row.group.index()))
         {
@@ -122,7 +123,10 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
     for (index, of) in found.iter_mut().enumerate() {
         let group = GroupId::from_index(index);
         let vision = own.row(group, Class::Vision);
-        if !matches!(vision.verdict, Verdict::Own { owner: Estimator::Forward, .. }) {
+        if !matches!(
+            vision.verdict,
+            Verdict::Own { owner: Estimator::Forward, .. } | Verdict::Connect { rest: Estimator::Forward, .. }
+        ) {
             continue;
         }
         let of_group = lamps.range((group, 0)..=(group, usize::MAX)).map(|(_, crossings)| crossings);

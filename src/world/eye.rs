@@ -33,6 +33,10 @@ pub struct Arrival {
     pub pixel: Option<usize>,
     /// What one lumen adds to the luminance of that pixel, (cd/m²)/lm.
     pub luminance_per_lumen: f64,
+    /// Place in the picture, in tangents: right and up.
+    pub film: DVec2,
+    /// Place in the pupil, m to the right and up.
+    pub pupil: DVec2,
 }
 
 impl EyeLens {
@@ -112,6 +116,44 @@ impl EyeLens {
         (origin, (self.look + self.right * a.x + self.up * a.y).normalize())
     }
 
+    /// The ray through a place of the picture (tangents) and of the pupil (m to the right and up): its origin, its
+    /// direction's length before normalisation and the unit direction, the axes that both places count along, and
+    /// 1/focus distance.
+    pub fn ray_of(&self, film: DVec2, pupil: DVec2) -> (DVec3, (f64, DVec3), [DVec3; 2], f64) {
+        let a = film - pupil * self.per_focus;
+        let origin = self.position + self.right * pupil.x + self.up * pupil.y;
+        let long = self.look + self.right * a.x + self.up * a.y;
+        let length = long.length();
+        (origin, (length, long / length), [self.right, self.up], self.per_focus)
+    }
+
+    /// The place in the picture, in tangents, of a point of a pixel (right, down from its corner).
+    pub fn film_of(&self, px: usize, py: usize, jitter: [f64; 2]) -> DVec2 {
+        let ax = self.half.x * (2.0 * (px as f64 + jitter[0]) / self.size[0] as f64 - 1.0);
+        let ay = self.half.y * (1.0 - 2.0 * (py as f64 + jitter[1]) / self.size[1] as f64);
+        DVec2::new(ax, ay)
+    }
+
+    /// Half the picture's width and height in tangents.
+    pub fn half(&self) -> DVec2 {
+        self.half
+    }
+    /// m
+    pub fn pupil_radius_m(&self) -> f64 {
+        self.radius
+    }
+
+    /// The pixel of a place in the picture; none outside of it.
+    pub fn pixel_of(&self, film: DVec2) -> Option<usize> {
+        let place = |tangent: f64, half: f64, count: usize| {
+            let x = (0.5 + 0.5 * tangent / half) * count as f64;
+            (x >= 0.0 && x < count as f64).then_some(x as usize)
+        };
+        let px = place(film.x, self.half.x, self.size[0])?;
+        let py = place(-film.y, self.half.y, self.size[1])?;
+        Some(py * self.size[0] + px)
+    }
+
     /// Where a ray crosses the pupil: distance along it and the offset from the pupil's centre. `facing` is 1 if the
     /// ray must run with the viewing direction and −1 if against it.
     fn cross(&self, origin: DVec3, dir: DVec3, t_max: f64, facing: f64) -> Option<(f64, DVec2)> {
@@ -139,15 +181,9 @@ impl EyeLens {
         let (t, offset) = self.cross(origin, dir, t_max, -1.0)?;
         let cos = -dir.dot(self.look);
         let a = DVec2::new(dir.dot(self.right), dir.dot(self.up)) / -cos + offset * self.per_focus;
-        let place = |tangent: f64, half: f64, count: usize| {
-            let x = (0.5 + 0.5 * tangent / half) * count as f64;
-            (x >= 0.0 && x < count as f64).then_some(x as usize)
-        };
-        let px = place(a.x, self.half.x, self.size[0]);
-        let py = place(-a.y, self.half.y, self.size[1]);
-        let pixel = px.zip(py).map(|(px, py)| py * self.size[0] + px);
         let cos2 = cos * cos;
-        Some(Arrival { t, pixel, luminance_per_lumen: 1.0 / (cos2 * cos2 * self.pupil_area_m2() * self.cell()) })
+        let luminance_per_lumen = 1.0 / (cos2 * cos2 * self.pupil_area_m2() * self.cell());
+        Some(Arrival { t, pixel: self.pixel_of(a), luminance_per_lumen, film: a, pupil: offset })
     }
 
     /// Whether the pupil swallows light along a ray before `t_max`, seen or not.

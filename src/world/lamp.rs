@@ -173,6 +173,11 @@ impl Lamp {
         LampPoint { position, normal: triangle.normal, triangle: triangle.index }
     }
 
+    /// Centre and radius, m, of a sphere about the face.
+    pub fn around(&self) -> (DVec3, f64) {
+        (self.centre, self.radius2.sqrt())
+    }
+
     /// A unit direction with density ∝ intensity: every path that is emitted at a sampled point carries `flux_lm`/N.
     pub fn sample_direction(&self, normal: DVec3, uv: [f64; 2]) -> DVec3 {
         self.beam.sample(normal, uv)

@@ -87,6 +87,11 @@ impl SlideMap {
         })
     }
 
+    /// The longer side, mesh units.
+    pub fn size(&self) -> f64 {
+        (1.0 / self.across.length()).max(1.0 / self.down.length())
+    }
+
     /// T_white, 0–1.
     pub fn t_white(&self) -> f64 {
         self.t_white

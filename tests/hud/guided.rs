@@ -27,7 +27,7 @@ impl Tracer<'_> {
     fn forward(&self, guide: Option<&Guide>, starts: Starts, paths: u64, seed: u64) -> Forward<'_, Mono> {
         let groups = self.ready.scene.groups.len();
         let route = Route::new(&self.ready.plan, groups, Estimator::Forward);
-        Forward::new(&self.ready.world, route, groups, paths, guide, seed).starting(starts)
+        Forward::new(&self.ready.world, route, groups, paths, guide, std::sync::Arc::default(), seed).starting(starts)
     }
 
     fn film(&self, paths: u64) -> Film {
@@ -56,7 +56,7 @@ fn of_film(film: &Film) -> (f64, f64) {
     (mean / pixels as f64, variance / pixels as f64)
 }
 
-/// Four of five paths arrive in the picture, the mean is that of plain tracing, and each path is worth 60 plain ones even
+/// Six of ten paths arrive in the picture, the mean is that of plain tracing, and each path is worth 60 plain ones even
 /// before any evenness of points counts.
 #[test]
 fn guided_paths_arrive_and_bias_nothing() {
@@ -67,7 +67,8 @@ fn guided_paths_arrive_and_bias_nothing() {
         |guide| tracer.forward(guide, Starts::Scrambles, paths, 5).probe(0, &|| false).len() as f64 / paths as f64;
     let [plain, guided] = [useful(None), useful(tracer.guide())];
     eprintln!("useful: plain {plain:.4}, guided {guided:.4}");
-    assert!(guided > 0.8, "{guided}");
+    // 0.85 with 3 % of the paths spread evenly; the 15 % and more that there are keep what the pilot missed from being rare and bright.
+    assert!(guided > 0.6, "{guided}");
     // Pixels are alike, so the relative error of the picture's mean can be taken over runs.
     let mut runs = [Moments::default(); 2];
     let (mut of_plain, mut of_guided) = (0.0, 0.0);

@@ -11,10 +11,13 @@ pub struct Weighted {
     pub weight: f64,
 }
 
+/// The even part is larger where little was learned: by `UNSURE` where nothing was, half of that with `SURE` effective points.
+const UNSURE: f64 = 0.3;
+const SURE: f64 = 100.0;
 /// Gain in log-likelihood that pays for a cut: the best of some hundred random cuts gains about 5.
 const GAIN: f64 = 6.0;
 /// Part of the samples that are spread evenly over the cube whatever was learned.
-pub const DEFENSIVE: f64 = 0.03;
+pub const DEFENSIVE: f64 = 0.15;
 /// Points that are taken to lie on each side of a cut before any was seen.
 const PRIOR: f64 = 0.5;
 /// Effective points below which a box is left whole.
@@ -37,12 +40,19 @@ struct Cut {
     gain: f64,
 }
 
+/// Number of equally heavy points that would tell as much.
+fn effective(points: &[Weighted]) -> f64 {
+    let (mass, squares) = points.iter().fold((0.0, 0.0), |(m, s), p| (m + p.weight, s + p.weight * p.weight));
+    if squares > 0.0 { mass * mass / squares } else { 0.0 }
+}
+
 /// A tree for `points`, with at most about `leaves` boxes.
 pub fn grow(points: &mut [Weighted], leaves: usize) -> Tree {
     let whole = Region { low: [0.0; AXES], high: [1.0; AXES], volume: 1.0, probability: 1.0, depth: 0 };
     let mut structure = Vec::new();
     let mut left = leaves;
-    split(points, whole, &mut left, &mut structure);
+    let defensive = DEFENSIVE + UNSURE * SURE / (SURE + effective(points));
+    split(points, whole, defensive, &mut left, &mut structure);
     // Second walk: each box's probability is mixed with the even one, which only leaves can say exactly.
     let mut grower = Grower::default();
     let mut at = 0;
@@ -65,9 +75,9 @@ struct Grown {
     cut: Option<(usize, f32, usize)>,
 }
 
-fn split(points: &mut [Weighted], region: Region, left: &mut usize, out: &mut Vec<Grown>) {
+fn split(points: &mut [Weighted], region: Region, defensive: f64, left: &mut usize, out: &mut Vec<Grown>) {
     let index = out.len();
-    out.push(Grown { probability: DEFENSIVE * region.volume + (1.0 - DEFENSIVE) * region.probability, cut: None });
+    out.push(Grown { probability: defensive * region.volume + (1.0 - defensive) * region.probability, cut: None });
     let (mass, squares) = points.iter().fold((0.0, 0.0), |(m, s), p| (m + p.weight, s + p.weight * p.weight));
     let effective = if squares > 0.0 { mass * mass / squares } else { 0.0 };
     if effective < FEWEST || region.depth >= MOST_DEPTH || *left == 0 {
@@ -84,13 +94,13 @@ fn split(points: &mut [Weighted], region: Region, left: &mut usize, out: &mut Ve
     let depth = region.depth + 1;
     let mut side = Region { depth, volume: region.volume * share, probability: region.probability * q, ..region };
     side.high[cut.axis] = at;
-    split(below, side, left, out);
+    split(below, side, defensive, left, out);
     let second = out.len();
     out[index].cut = Some((cut.axis, cut.at, second));
     let volume = region.volume * (1.0 - share);
     let mut side = Region { depth, volume, probability: region.probability * (1.0 - q), ..region };
     side.low[cut.axis] = at;
-    split(above, side, left, out);
+    split(above, side, defensive, left, out);
 }
 
 fn emit(structure: &[Grown], at: &mut usize, grower: &mut Grower) {

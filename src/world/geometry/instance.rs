@@ -104,6 +104,22 @@ impl Instance {
         Some((line, scale))
     }
 
+    /// A ray's origin and direction (about unit) in mesh units, and mesh units per metre along it.
+    pub fn to_mesh(&self, ray: &Ray) -> (DVec3, DVec3, f64) {
+        let origin = self.to_local.transform_point3(ray.origin);
+        let along = self.to_local.transform_vector3(ray.dir);
+        let [scale, metres] = self.scale.unwrap_or_else(|| {
+            let scale = along.length();
+            [scale, scale.recip()]
+        });
+        (origin, along * metres, scale)
+    }
+
+    /// Mesh normals → world directions, and world displacements → mesh units.
+    pub fn turns(&self) -> (DMat3, DMat3) {
+        (self.normals, self.to_local.matrix3)
+    }
+
     /// The nearest touch nearer than `reach` metres, and its distance in metres. `beside`: the origin lies on this
     /// surface too.
     #[inline]

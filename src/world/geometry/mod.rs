@@ -6,6 +6,7 @@
 //! absolute epsilons: a ray that starts on a plane leaves it out, one that starts on a curved exact surface divides the
 //! known root out, and only on a faceted one rounding decides how near is too near.
 
+pub mod bend;
 mod bound;
 pub mod curved;
 pub mod exact;

@@ -65,7 +65,7 @@ pub enum Surface {
 }
 
 impl Surface {
-    fn is_plane(&self) -> bool {
+    pub fn is_plane(&self) -> bool {
         match self {
             Surface::Absent | Surface::Faceted | Surface::Curved { .. } => false,
             Surface::Flat => true,

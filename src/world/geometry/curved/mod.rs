@@ -9,6 +9,7 @@ mod sag;
 #[cfg(test)]
 mod tests;
 
+use super::bend::Gradient;
 use super::bound::Bounds;
 use super::patch::Shear;
 use crate::scene::Shape;
@@ -170,6 +171,15 @@ impl Curved {
             Form::Cylinder(cylinder) => cylinder.normal(p),
             Form::Torus(torus) => torus.normal(p),
             Form::Sag(sag) => sag.normal(p),
+        }
+    }
+
+    /// A vector along the normal, and how it changes along the surface.
+    pub fn gradient(&self, p: DVec3) -> Gradient {
+        match &self.form {
+            Form::Cylinder(cylinder) => cylinder.gradient(p),
+            Form::Torus(torus) => torus.gradient(p),
+            Form::Sag(sag) => sag.bending(p),
         }
     }
 

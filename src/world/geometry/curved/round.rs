@@ -3,7 +3,8 @@
 use super::isolate::{Bent, roots};
 use super::number::{Num, Series};
 use super::sag::Frame;
-use glam::DVec3;
+use crate::world::geometry::bend::Gradient;
+use glam::{DMat3, DVec3};
 use std::ops::ControlFlow;
 
 /// A cylinder through the vertex, straight along the frame's x: c (y² + z²) − 2 z = 0.
@@ -51,6 +52,15 @@ impl Cylinder {
         let q = self.frame.local(p);
         let n = DVec3::new(0.0, -self.curvature * q.y, 1.0 - self.curvature * q.z);
         self.frame.back(n).normalize_or(self.frame.axis)
+    }
+
+    /// (0, −c y, 1 − c z) in the frame, which changes by −c (0, dy, dz).
+    pub fn gradient(&self, p: DVec3) -> Gradient {
+        let q = self.frame.local(p);
+        let c = self.curvature;
+        let vector = self.frame.back(DVec3::new(0.0, -c * q.y, 1.0 - c * q.z));
+        let turn = self.frame.turn();
+        Gradient { vector, change: turn * DMat3::from_diagonal(DVec3::new(0.0, -c, -c)) * turn.transpose() }
     }
 
     pub fn settle(&self, p: DVec3) -> DVec3 {
@@ -128,6 +138,21 @@ impl Torus {
     /// Unit normal away from the tube's middle, turned so that it is `axis` at the vertex.
     pub fn normal(&self, p: DVec3) -> DVec3 {
         (p - self.foot(p)).normalize_or(self.frame.axis) * -self.tube.signum()
+    }
+
+    /// The way from the tube's middle, which moves with the point around the ring.
+    pub fn gradient(&self, p: DVec3) -> Gradient {
+        let q = self.central(p);
+        let across = q.y.hypot(q.z);
+        let around = DVec3::new(0.0, q.y, q.z) / across;
+        // Along the ring's tangent alone the middle moves, by ring/across of what the point does.
+        let tangent = DVec3::new(0.0, -around.z, around.y);
+        let share = self.ring() / across;
+        let moves = DMat3::from_cols(tangent * tangent.x, tangent * tangent.y, tangent * tangent.z) * share;
+        let sign = -self.tube.signum();
+        let turn = self.frame.turn();
+        let change = turn * (DMat3::IDENTITY - moves) * turn.transpose() * sign;
+        Gradient { vector: (p - self.foot(p)) * sign, change }
     }
 
     pub fn settle(&self, p: DVec3) -> DVec3 {

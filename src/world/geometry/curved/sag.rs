@@ -3,8 +3,9 @@
 use super::height::Height;
 use super::isolate::{Bent, roots};
 use super::number::{Interval, Num, Series, Slope};
+use crate::world::geometry::bend::Gradient;
 use crate::world::geometry::bound::Bounds;
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
@@ -32,6 +33,10 @@ impl Frame {
     }
     pub fn turned(&self, v: DVec3) -> DVec3 {
         DVec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.axis))
+    }
+    /// Frame → mesh directions.
+    pub fn turn(&self) -> DMat3 {
+        DMat3::from_cols(self.x, self.y, self.axis)
     }
     pub fn back(&self, v: DVec3) -> DVec3 {
         v.x * self.x + v.y * self.y + v.z * self.axis
@@ -93,6 +98,20 @@ impl Sag {
         let [z, along_x] = self.height.at(Series([q.x, 1.0]), Series([q.y, 0.0])).0;
         let [_, along_y] = self.height.at(Series([q.x, 0.0]), Series([q.y, 1.0])).0;
         (z, along_x, along_y)
+    }
+
+    /// (−h_x, −h_y, 1), and by how much it changes: minus the second derivatives of the height.
+    pub fn bending(&self, p: DVec3) -> Gradient {
+        let q = self.frame.local(p);
+        let along =
+            |dx: f64, dy: f64| self.height.at(Series::<f64, 3>::line(q.x, dx), Series::<f64, 3>::line(q.y, dy)).0;
+        let ([_, x, xx], [_, y, yy], [_, _, both]) = (along(1.0, 0.0), along(0.0, 1.0), along(1.0, 1.0));
+        // The second coefficient along (1, 1) is (h_xx + 2 h_xy + h_yy)/2.
+        let mixed = both - xx - yy;
+        let change =
+            DMat3::from_cols(DVec3::new(-2.0 * xx, -mixed, 0.0), DVec3::new(-mixed, -2.0 * yy, 0.0), DVec3::ZERO);
+        let turn = self.frame.turn();
+        Gradient { vector: self.frame.back(DVec3::new(-x, -y, 1.0)), change: turn * change * turn.transpose() }
     }
 
     /// Unit normal at a point of the surface, on the side of the axis.

@@ -1,0 +1,100 @@
+//! `eyebox plan`: what would be traced how, and why.
+
+use super::render::{EstimatorArg, PolarisationArg, parse_resolution};
+use super::{Format, print};
+use crate::base::atomic::write_atomic;
+use crate::base::{Fault, Result, Where};
+use crate::check::check;
+use crate::estimate::picture::plan_lines;
+use crate::import::{ImportOptions, Set, import};
+use crate::plan::forecast::{Forecast, forecast};
+use crate::plan::frozen::Frozen;
+use crate::plan::{Asked, plan};
+use crate::scene::Scene;
+use crate::world::World;
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Decide who computes what, and why, without rendering.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+The plan is a function of the scene, the resolution and the request: no clock and no thread count is in it. With -o it is \
+written as JSON with its hash; render --plan takes it as it is, and refuses it for another scene.
+
+Examples:
+  eyebox plan samples/hud-direct/hud.optics.toml
+  eyebox plan hud.optics.toml -o plan.json
+  eyebox plan hud.optics.toml --resolution 1024x768 --format json
+  eyebox render hud.optics.toml --plan plan.json -o hud.exr")]
+pub struct PlanArgs {
+    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
+    asset: PathBuf,
+    /// Write the plan to this JSON file.
+    #[arg(short, long, value_name = "PLAN.json")]
+    output: Option<PathBuf>,
+    /// Which estimator may be used.
+    #[arg(long, value_enum, default_value_t)]
+    estimator: EstimatorArg,
+    /// Trace the polarisation of light.
+    #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
+    polarisation: PolarisationArg,
+    /// Width and height in pixels, instead of the eye's.
+    #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
+    resolution: Option<[usize; 2]>,
+    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5.
+    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
+    sets: Vec<String>,
+    /// The time code at which a USD asset is taken.
+    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
+    frame: Option<f64>,
+    /// How the result is printed.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Runs the command.
+pub fn run(args: &PlanArgs) -> Result<ExitCode> {
+    let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
+    let mut scene = import(&args.asset, &ImportOptions { sets, frame: args.frame })?.scene;
+    if let Some(resolution) = args.resolution {
+        scene.eye.resolution = resolution;
+    }
+    let checked = check(&scene)?;
+    let world = World::freeze(&scene)?;
+    let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked() };
+    let plan = plan(&checked, &world, asked);
+    let frozen = Frozen::new(&scene, asked, &plan);
+    let forecast = forecast(&scene, &frozen.plan)?;
+    if let Some(path) = &args.output {
+        let bytes = serde_json::to_vec_pretty(&frozen)
+            .map_err(|error| Fault::new(Where::file(path), format!("cannot be written: {error}")))?;
+        write_atomic(path, &bytes)?;
+    }
+    print(
+        args.format,
+        || text(&scene, &frozen, &forecast),
+        || serde_json::json!({ "frozen": frozen, "forecast": forecast }),
+    )?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn text(scene: &Scene, frozen: &Frozen, forecast: &Forecast) -> String {
+    let mut lines = plan_lines(scene, &frozen.plan);
+    let plan = &frozen.plan;
+    for connection in &plan.connections {
+        let seeds = connection.seeds.len();
+        let (share, faces) = (100.0 * connection.share, connection.train.0.len());
+        let group = &scene.group(connection.group).name;
+        lines.push(format!("connection: {group}, {faces} faces, {share:.3} % of its vision light, {seeds} seeds"));
+    }
+    for screen in &plan.screens {
+        let (share, faces) = (100.0 * screen.share, screen.train.0.len());
+        let path = scene.parts.get(screen.part as usize).map_or("?", |part| part.path.as_str());
+        let group = &scene.group(screen.group).name;
+        lines.push(format!("connection: {group} to {path} face {}, {faces} faces, {share:.3} % of it", screen.face));
+    }
+    lines.push(forecast.line());
+    lines.push(format!("plan {}", frozen.hash));
+    lines.join("\n")
+}

@@ -1,0 +1,97 @@
+//! Paths along a known chain of faces, and the record of the chain of any path.
+
+use super::ledger::Ledger;
+use super::pick_up::Shining;
+use super::turn::Branch;
+use super::walk::{Meeting, Met, Vertex, Walker};
+use crate::base::chain::{Chain, Link, Step};
+use crate::world::mode::Mode;
+use crate::world::surface::Surface;
+
+impl<'w, M: Mode> Walker<'w, M> {
+    /// Keeps the specular faces that the path meets from now on.
+    #[must_use]
+    pub fn recording(mut self) -> Self {
+        self.chain = Some(Box::default());
+        self
+    }
+
+    /// The specular faces so far, since the start or the last scatterer; none if nobody asked.
+    pub fn chain(&self) -> Option<&Chain> {
+        self.chain.as_deref()
+    }
+
+    pub(super) fn link(&mut self, vertex: &Vertex, step: Step) {
+        let site = vertex.hit.site;
+        let link = Link { part: site.part, face: site.face, step };
+        self.last = Some(link);
+        if let Some(chain) = &mut self.chain {
+            chain.0.push(link);
+        }
+    }
+
+    /// A scatterer ends one chain and starts another.
+    pub(super) fn unlink(&mut self) {
+        if let Some(chain) = &mut self.chain {
+            chain.0.clear();
+        }
+    }
+
+    /// The part that fills the space around the ray; none: air.
+    pub fn part_around(&self) -> Option<u32> {
+        self.interior.top(&self.world.solids).map(|(part, _)| part)
+    }
+
+    /// Follows the faces of a chain and leaves nothing to chance; `each` sees the part around the ray before and behind
+    /// a face, and where it was met. False where the ray meets another face, or cannot do what the chain says.
+    pub fn follow(
+        &mut self,
+        links: impl Iterator<Item = Link>,
+        ledger: &mut Ledger,
+        mut each: impl FnMut(Option<u32>, &Vertex, Option<u32>),
+    ) -> bool {
+        for link in links {
+            loop {
+                let Met::Face(vertex) = self.advance(ledger) else { return false };
+                let before = self.part_around();
+                let site = vertex.hit.site;
+                self.last = None;
+                if (site.part, site.face) == (link.part, link.face)
+                    && matches!(self.face(&vertex).surface, Surface::Interface(_))
+                {
+                    self.forced = Some(match link.step {
+                        Step::Through => Branch::Refracted,
+                        Step::Back => Branch::Reflected,
+                    });
+                }
+                if !matches!(self.meet(&vertex, ledger), Meeting::Went) {
+                    return false;
+                }
+                match self.last {
+                    // A face that is not there.
+                    None => self.forced = None,
+                    Some(met) if met == link => {
+                        each(before, &vertex, self.part_around());
+                        break;
+                    }
+                    Some(_) => return false,
+                }
+            }
+        }
+        true
+    }
+
+    /// Goes on to what shines next on the way; none if something else is there.
+    pub fn reach_lamp(&mut self, ledger: &mut Ledger) -> Option<Shining<'w>> {
+        loop {
+            let Met::Face(vertex) = self.advance(ledger) else { return None };
+            if let Some(seen) = self.lamp_at(&vertex) {
+                return Some(seen);
+            }
+            self.last = None;
+            if !matches!(self.meet(&vertex, ledger), Meeting::Went) || self.last.is_some() {
+                return None;
+            }
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! A ray with its derivatives by two parameters, followed through a train of faces.
+//!
+//! The derivatives of reflection and refraction are those of the laws of `design/formulas.md` section 4, differentiated
+//! (the ray differentials of H. Igehy, SIGGRAPH 1999, with the exact change of the normal along the surface).
+
+use crate::base::chain::Step;
+use crate::film::train::{Lens, Train};
+use crate::world::World;
+use crate::world::fresnel::{reflect, refract};
+use crate::world::geometry::bend::{Meet, site_of};
+use crate::world::geometry::{Ray, Site};
+use glam::DVec3;
+
+/// A ray and how its origin and direction change with two parameters.
+#[derive(Debug, Clone, Copy)]
+pub struct Bundle {
+    pub ray: Ray,
+    /// Per parameter.
+    pub origin: [DVec3; 2],
+    pub dir: [DVec3; 2],
+}
+
+/// A place on a plane, with derivatives.
+#[derive(Debug, Clone, Copy)]
+pub struct Landing {
+    pub point: DVec3,
+    pub by: [DVec3; 2],
+}
+
+impl Bundle {
+    /// Follows the train; `index` is that of the medium of a part, or of air. None where the ray misses a face or is
+    /// totally reflected where it should go through.
+    pub fn through(mut self, world: &World, train: &Train, index: &impl Fn(Option<u32>) -> f64) -> Option<Bundle> {
+        for lens in &train.0 {
+            if lens.link.step == Step::Through && lens.before == lens.after {
+                // A slide or a sheet, which bends nothing.
+                continue;
+            }
+            let meet = world.geometry.meet(lens.link.part, lens.link.face, &self.ray, DVec3::from_array(lens.about))?;
+            self = self.at(lens, &meet, index)?;
+        }
+        Some(self)
+    }
+
+    fn at(&self, lens: &Lens, meet: &Meet, index: &impl Fn(Option<u32>) -> f64) -> Option<Bundle> {
+        let dir = self.ray.dir;
+        let along = meet.normal.dot(dir);
+        let landed = std::array::from_fn(|k| {
+            let moved = self.origin[k] + meet.t * self.dir[k];
+            moved - dir * (meet.normal.dot(moved) / along)
+        });
+        let site: Site = site_of(lens.link.part, lens.link.face, meet);
+        let ray = |dir: DVec3| Ray { origin: meet.point, dir, from: Some(site) };
+        // The normal on the side where the ray arrives.
+        let side = if dir.dot(meet.shading) > 0.0 { -1.0 } else { 1.0 };
+        let n = side * meet.shading;
+        let bent = |k: usize| side * meet.turn(landed[k]);
+        let cos = -dir.dot(n);
+        let turned = |k: usize, dn: DVec3| self.dir[k].dot(n) + dir.dot(dn);
+        match lens.link.step {
+            Step::Back => {
+                let by = std::array::from_fn(|k| {
+                    let dn = bent(k);
+                    self.dir[k] - 2.0 * (turned(k, dn) * n - cos * dn)
+                });
+                Some(Bundle { ray: ray(reflect(dir, n)), origin: landed, dir: by })
+            }
+            Step::Through => {
+                let (n1, n2) = (index(lens.before), index(lens.after));
+                if n1 == n2 {
+                    return Some(Bundle { ray: ray(dir), origin: landed, dir: self.dir });
+                }
+                let eta = n1 / n2;
+                let onward = refract(dir, n, eta)?;
+                // d' = η d + m n with m = η c₁ − c₂ and c₂² = 1 − η² + η² c₁².
+                let cos2 = -onward.dot(n);
+                let m = eta * cos - cos2;
+                let by = std::array::from_fn(|k| {
+                    let dn = bent(k);
+                    let dcos = -turned(k, dn);
+                    let dm = eta * dcos - eta * eta * cos * dcos / cos2;
+                    eta * self.dir[k] + dm * n + m * dn
+                });
+                Some(Bundle { ray: ray(onward), origin: landed, dir: by })
+            }
+        }
+    }
+
+    /// Where the ray meets the plane through `point` with this normal, ahead of it.
+    pub fn land(&self, point: DVec3, normal: DVec3) -> Option<Landing> {
+        let along = normal.dot(self.ray.dir);
+        let t = normal.dot(point - self.ray.origin) / along;
+        if !(t > 0.0 && t.is_finite()) {
+            return None;
+        }
+        let by = std::array::from_fn(|k| {
+            let moved = self.origin[k] + t * self.dir[k];
+            moved - self.ray.dir * (normal.dot(moved) / along)
+        });
+        Some(Landing { point: self.ray.origin + t * self.ray.dir, by })
+    }
+}

@@ -1,0 +1,118 @@
+//! All specular connections of a plan, ready to be asked: which solutions there are for a place in the picture and a
+//! point of a lamp, and whether a path is one of them.
+
+use super::sheet::{Builder, Grid, SAME, Starts};
+use super::solve::{Root, Target};
+use crate::base::chain::Chain;
+use crate::film::train::{Connection, Train};
+use crate::world::World;
+use crate::world::mode::Mode;
+use crate::world::optics::Optics;
+use glam::DVec2;
+use std::collections::HashMap;
+
+/// A train with this share of its group's light is followed in every pixel and pass, a fainter one with a probability in
+/// proportion, but not less than [`SELDOM`].
+const FULL: f64 = 1e-4;
+const SELDOM: f64 = 1.0 / 32.0;
+
+/// A train with its starts for one lamp.
+#[derive(Debug)]
+pub struct Entry {
+    pub train: usize,
+    pub starts: Starts,
+}
+
+/// The connections of a plan.
+#[derive(Debug, Default)]
+pub struct Connections {
+    pub trains: Vec<Train>,
+    /// Per train: the probability with which a pixel is joined over it in a pass. Faint ones are left out now and then.
+    chances: Vec<f64>,
+    pub entries: Vec<Entry>,
+    /// Per cell of the picture: the entries whose light may arrive there.
+    by_cell: Vec<Vec<u32>>,
+    /// Train from the lamp to the eye → its number.
+    known: HashMap<Chain, usize>,
+    grid: Option<Grid>,
+}
+
+impl Connections {
+    /// Solves for the starts, at the wavelengths of `optics`.
+    pub fn new<M: Mode>(world: &World, optics: &Optics<M>, connections: &[Connection]) -> Connections {
+        if connections.is_empty() {
+            return Connections::default();
+        }
+        let grid = Grid::of(world);
+        let mut out =
+            Connections { grid: Some(grid), by_cell: vec![Vec::new(); grid.cells()], ..Connections::default() };
+        let index = index_of(optics);
+        for connection in connections {
+            let known = out.known.entry(connection.train.chain().reversed()).or_insert(out.trains.len());
+            let train = *known;
+            if train == out.trains.len() {
+                out.trains.push(connection.train.clone());
+                out.chances.push(0.0);
+            }
+            out.chances[train] = out.chances[train].max((connection.share / FULL).clamp(SELDOM, 1.0));
+            let builder = Builder { world, index: &index, train: &connection.train };
+            for starts in builder.starts(connection) {
+                let entry = out.entries.len() as u32;
+                (0..grid.cells()).filter(|cell| starts.has(*cell)).for_each(|cell| out.by_cell[cell].push(entry));
+                out.entries.push(Entry { train, starts });
+            }
+        }
+        out
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// What may bring light to a place in the picture.
+    pub fn at(&self, film: DVec2) -> impl Iterator<Item = &Entry> {
+        let cell = self.grid.map(|grid| grid.cell(film));
+        let entries = cell.and_then(|cell| self.by_cell.get(cell)).map_or(&[][..], Vec::as_slice);
+        entries.iter().filter_map(|index| self.entries.get(*index as usize))
+    }
+
+    /// The probability with which an entry is tried.
+    pub fn chance(&self, entry: &Entry) -> f64 {
+        self.chances[entry.train]
+    }
+
+    /// The solutions of an entry for a place in the picture and a point of its lamp.
+    pub fn roots<M: Mode>(
+        &self,
+        (world, optics): (&World, &Optics<M>),
+        entry: &Entry,
+        film: DVec2,
+        target: &Target,
+        out: &mut Vec<Root>,
+    ) {
+        entry.starts.roots(world, &index_of(optics), &self.trains[entry.train], film, target, out);
+    }
+
+    /// Whether a path from a point of `lamp` over `chain` (from the lamp) that crosses picture and pupil at these places is
+    /// one that the solver returns.
+    pub fn owns<M: Mode>(
+        &self,
+        tracing: (&World, &Optics<M>),
+        chain: &Chain,
+        (lamp, target): (usize, &Target),
+        (film, pupil): (DVec2, DVec2),
+    ) -> bool {
+        let Some(train) = self.known.get(chain) else { return false };
+        let same = SAME * tracing.0.eye.pupil_radius_m();
+        let mut roots = Vec::new();
+        for entry in self.at(film).filter(|entry| entry.train == *train && entry.starts.lamp == lamp) {
+            self.roots(tracing, entry, film, target, &mut roots);
+        }
+        roots.iter().any(|root| root.u.distance(pupil) <= same)
+    }
+}
+
+/// Refractive index of what fills a part's space, or of air, for the wavelength that decides where paths go.
+pub fn index_of<M: Mode>(optics: &Optics<M>) -> impl Fn(Option<u32>) -> f64 + use<'_, M> {
+    |part| optics.index_in(part)[0]
+}

@@ -1,0 +1,95 @@
+//! What the eye sees of faces that are joined with lamps: paths from the eye over specular faces to the first scatterer, in
+//! pairs whose points of the pupil and of the pixel lie opposite each other, so that what is linear in them is exact.
+
+use super::screens::{Incoming, Screens};
+use super::vision::{Manifold, Pixel};
+use crate::base::path::{Event, Trail};
+use crate::base::rng::{Rng, Stream};
+use crate::base::warp::{disk, lattice};
+use crate::estimate::ledger::Ledger;
+use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Walker};
+use crate::film::accumulate::Light;
+use crate::world::geometry::Ray;
+use crate::world::interior::Interior;
+use crate::world::mode::{Mode, lanes, plane_of};
+use crate::world::optics::Optics;
+use glam::DVec2;
+
+/// Adds what one pass sees in a pixel.
+pub(super) fn look<M: Mode>(
+    manifold: &Manifold<'_, M>,
+    (optics, screens): (&Optics<M>, &Screens<M>),
+    pixel: Pixel,
+    out: &mut [Light],
+    (ledger, scratch): (&mut Ledger, &mut Ledger),
+) {
+    const PAIR: f64 = 2.0;
+    let world = manifold.world;
+    let mut fixed = Rng::new(manifold.seed, Stream::ConnectionShift, 1, pixel.index);
+    let shift = [fixed.next_u64(), fixed.next_u64(), fixed.next_u64(), fixed.next_u64()];
+    let [x, y, u, v] = lattice(shift, pixel.pass);
+    let mut rng = Rng::new(manifold.seed, Stream::ConnectionLook, pixel.pass, pixel.index);
+    let pupil = disk([u, v]) * world.eye.pupil_radius_m();
+    for (jitter, pupil) in [([x, y], pupil), ([1.0 - x, 1.0 - y], -pupil)] {
+        let film = world.eye.film_of(pixel.x, pixel.y, jitter);
+        let (origin, (_, dir), ..) = world.eye.ray_of(film, DVec2::new(pupil.x, pupil.y));
+        let ray = Ray { origin, dir, from: None };
+        let walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0 / PAIR, Interior::default(), rng.fork());
+        let balance = ledger.imbalance();
+        ledger.paths += 1;
+        ledger.emitted += 1.0 / PAIR;
+        follow(manifold, walker, screens, out, (ledger, scratch));
+        ledger.close_path(balance);
+    }
+}
+
+fn follow<M: Mode>(
+    manifold: &Manifold<'_, M>,
+    mut walker: Walker<'_, M>,
+    screens: &Screens<M>,
+    out: &mut [Light],
+    (ledger, scratch): (&mut Ledger, &mut Ledger),
+) {
+    loop {
+        let vertex = match walker.advance(ledger) {
+            Met::Sky => return walker.escape(ledger),
+            Met::Pupil(_) | Met::Ended => return,
+            Met::Face(vertex) => vertex,
+        };
+        if walker.events < SPLIT_FIRST_EVENTS
+            && let Some(reflected) = walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
+        {
+            follow(manifold, reflected, screens, out, (ledger, scratch));
+        }
+        match walker.meet(&vertex, ledger) {
+            Meeting::Ended => return,
+            Meeting::Went => {}
+            // Narrow lobes are left to rays from the eye.
+            Meeting::Scatter(scatter, _) if scatter.is_narrow() => {
+                ledger.not_owned += walker.beam.carried();
+                return;
+            }
+            Meeting::Scatter(scatter, frame) => {
+                let d_in = frame.to_local(walker.ray.dir);
+                let sides = walker.sides(&vertex, scatter);
+                let uv = walker.rng.pair();
+                let mut rng = walker.rng.fork();
+                let tracing = (manifold.world, walker.optics);
+                let interior = |dir: glam::DVec3| walker.interior_at(&vertex, frame.to_local(dir).z < 0.0);
+                let trail = Trail::join(walker.trail, scatter.event(), Trail::START.then(Event::Specular));
+                let at = (vertex.hit.point, vertex.hit.site);
+                screens.gather(tracing, at, &interior, uv, &mut rng, scratch, |incoming: Incoming<M>| {
+                    let Some(lamp) = manifold.world.lamps.get(incoming.lamp) else { return };
+                    let Some(plane) = manifold.route.from_eye(lamp.group, trail) else { return };
+                    let d_out = frame.to_local(incoming.dir);
+                    let (values, alone) = sides.eval(scatter, d_in, d_out);
+                    let factors = lanes::<M, _>(|lane| values[lane] * d_out.z.abs());
+                    let light = (&incoming.light, incoming.alone || alone);
+                    walker.beam.join(walker.optics, plane_of::<M>(out, plane), light, &factors);
+                });
+                ledger.not_owned += walker.beam.carried();
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! Specular connection: paths whose ends are chosen and whose specular faces between them are solved for.
+
+pub mod bundle;
+pub mod connections;
+pub mod face_map;
+mod look;
+pub mod screens;
+pub mod sheet;
+pub mod solve;
+pub mod vision;

@@ -1,0 +1,172 @@
+//! The estimator that owns vision paths with known trains: per pixel and pass, one point of each lamp whose light may come
+//! over a train is joined with a point of the pixel, by solving for the point of the pupil between them.
+//!
+//! With J the derivative of the place on the lamp by the place in the pupil, the pixel's mean over the pupil is
+//! ∫ L T dA_pupil/A = ∫ L T |det J|⁻¹ dA_lamp/A: what is left to chance is the point of the lamp and of the pixel, over
+//! which the integrand is smooth but for the slide's picture.
+
+use super::connections::{Connections, Entry};
+use super::look;
+use super::screens::Screens;
+use super::solve::{Root, Target};
+use crate::base::rng::{Rng, Stream};
+use crate::base::warp::lattice;
+use crate::estimate::ledger::Ledger;
+use crate::estimate::route::Route;
+use crate::estimate::walk::{Travel, Walker};
+use crate::film::accumulate::{Film, Light};
+use crate::film::train::Screen;
+use crate::world::World;
+use crate::world::geometry::Ray;
+use crate::world::interior::Interior;
+use crate::world::mode::{Mode, plane_of};
+use crate::world::optics::Optics;
+use glam::DVec2;
+use rayon::prelude::*;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+/// The estimator, ready to run passes.
+pub struct Manifold<'w, M: Mode> {
+    mode: PhantomData<M>,
+    pub(super) world: &'w World,
+    pub(super) route: Route,
+    connections: Arc<Connections>,
+    screens: Arc<Screens<M>>,
+    plan: Vec<Screen>,
+    pub(super) seed: u64,
+}
+
+impl<'w, M: Mode> Manifold<'w, M> {
+    pub fn new(
+        world: &'w World,
+        route: Route,
+        connections: Arc<Connections>,
+        (screens, plan): (Arc<Screens<M>>, &[Screen]),
+        seed: u64,
+    ) -> Self {
+        Manifold { mode: PhantomData, world, route, connections, screens, plan: plan.to_vec(), seed }
+    }
+
+    /// Adds passes `first .. first + count` to the film. The ledger counts connections as paths, and what they bring, in
+    /// units of importance, as emitted and arrived: they lose nothing by chance.
+    pub fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
+        let mut total = Ledger::new(self.world.solids.len());
+        if M::LANES == 1 {
+            self.block(film, first, count, self.screens.clone(), &mut total);
+        } else {
+            // Each pass has wavelengths of its own, and faces lit at them.
+            for pass in first..first + count {
+                let optics = M::optics(self.world, self.seed, pass);
+                let screens = Arc::new(Screens::new(self.world, &optics, &self.plan));
+                self.block(film, pass, 1, screens, &mut total);
+            }
+        }
+        film.passes += count;
+        total
+    }
+
+    fn block(&self, film: &mut Film, first: u64, count: u64, screens: Arc<Screens<M>>, total: &mut Ledger) {
+        let width = film.width;
+        let parts = self.world.solids.len();
+        let optics: Vec<(u64, Optics<M>)> =
+            (first..first + count).map(|pass| (pass, M::optics(self.world, self.seed, pass))).collect();
+        let mut rows: Vec<_> = film.rows().collect();
+        let ledgers: Vec<Ledger> = rows
+            .par_iter_mut()
+            .map(|(y, row)| {
+                let mut ledger = Ledger::new(parts);
+                let mut scratch = Ledger::new(parts);
+                let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
+                let mut roots = Vec::new();
+                for (pass, optics) in &optics {
+                    for x in 0..width {
+                        light.fill(Light::default());
+                        let pixel = Pixel { x, y: *y, index: (*y * width + x) as u64, pass: *pass };
+                        self.pixel(optics, pixel, &mut light, &mut roots, (&mut ledger, &mut scratch));
+                        if !screens.is_empty() {
+                            look::look(self, (optics, &screens), pixel, &mut light, (&mut ledger, &mut scratch));
+                        }
+                        row.add_pass(x, &light);
+                    }
+                }
+                ledger.vertex_error = scratch.vertex_error;
+                ledger
+            })
+            .collect();
+        ledgers.iter().for_each(|ledger| total.merge(ledger));
+    }
+
+    fn pixel(
+        &self,
+        optics: &Optics<M>,
+        pixel: Pixel,
+        out: &mut [Light],
+        roots: &mut Vec<Root>,
+        (ledger, scratch): (&mut Ledger, &mut Ledger),
+    ) {
+        let mut fixed = Rng::new(self.seed, Stream::ConnectionShift, 0, pixel.index);
+        let shift = [fixed.next_u64(), fixed.next_u64(), fixed.next_u64(), fixed.next_u64()];
+        let at = lattice(shift, pixel.pass);
+        let film = self.world.eye.film_of(pixel.x, pixel.y, [at[0], at[1]]);
+        let mut choices = Rng::new(self.seed, Stream::ConnectionChoice, pixel.pass, pixel.index);
+        for entry in self.connections.at(film) {
+            let Some(lamp) = self.world.lamps.get(entry.starts.lamp) else { continue };
+            let chance = self.connections.chance(entry);
+            if chance < 1.0 && choices.uniform() >= chance {
+                continue;
+            }
+            let point = lamp.sample_point([at[2], at[3]]);
+            let target = Target::new(point.position, point.normal);
+            roots.clear();
+            self.connections.roots((self.world, optics), entry, film, &target, roots);
+            for root in roots.iter().filter(|root| root.u.length() <= self.world.eye.pupil_radius_m()) {
+                ledger.paths += 1;
+                let brought = self.connect((optics, entry), film, root, lamp.area_m2, pixel, out, scratch);
+                ledger.emitted += brought;
+                ledger.arrived += brought;
+            }
+        }
+    }
+
+    /// Follows the solution as any path is followed, and adds what it sees. Returns its share of a unit of importance.
+    #[allow(clippy::too_many_arguments)]
+    fn connect(
+        &self,
+        (optics, entry): (&Optics<M>, &Entry),
+        film: DVec2,
+        root: &Root,
+        area_m2: f64,
+        pixel: Pixel,
+        out: &mut [Light],
+        ledger: &mut Ledger,
+    ) -> f64 {
+        let (origin, (_, dir), ..) = self.world.eye.ray_of(film, root.u);
+        let ray = Ray { origin, dir, from: None };
+        // Roulette comes only to the longest trains.
+        let rng = Rng::new(self.seed, Stream::Connection, pixel.pass, pixel.index);
+        let mut walker = Walker::new((self.world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
+        let train = &self.connections.trains[entry.train];
+        if !walker.follow(train.0.iter().map(|lens| lens.link), ledger, |_, _, _| {}) {
+            return 0.0;
+        }
+        let Some(seen) = walker.reach_lamp(ledger).filter(|seen| seen.index == entry.starts.lamp) else { return 0.0 };
+        let Some(plane) = self.route.from_eye(seen.lamp.group, walker.trail) else { return 0.0 };
+        let chance = self.connections.chance(entry);
+        let factor = area_m2 / (root.slope.determinant().abs() * self.world.eye.pupil_area_m2() * chance);
+        if !factor.is_finite() {
+            return 0.0;
+        }
+        walker.see(plane_of::<M>(out, plane), &seen, factor);
+        walker.beam.carried() * factor
+    }
+}
+
+/// Which pixel in which pass.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pixel {
+    pub x: usize,
+    pub y: usize,
+    pub index: u64,
+    pub pass: u64,
+}

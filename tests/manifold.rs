@@ -1,0 +1,163 @@
+//! Specular connection: derivatives against differences, the solver's answers against light tracing path by path, and
+//! its share and the rest's against the estimators that do without.
+
+mod common;
+
+use common::render;
+use eyebox::base::stats::Moments;
+use eyebox::check::check;
+use eyebox::estimate::manifold::solve::{Family, Target, newton, trace};
+use eyebox::estimate::run::Films;
+use eyebox::film::plan::{Estimator, Plan};
+use eyebox::import::{ImportOptions, import};
+use eyebox::plan::{Asked, Choice, Polarisation, plan};
+use eyebox::scene::Scene;
+use eyebox::world::World;
+use eyebox::world::mode::{Mode, Mono};
+use glam::{DVec2, DVec3};
+use std::path::Path;
+
+fn sample(path: &str, size: [usize; 2]) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(path);
+    let mut scene = import(&path, &ImportOptions::default()).expect("the sample imports").scene;
+    scene.eye.resolution = size;
+    scene.sky = None;
+    scene
+}
+
+fn asked(choice: Choice) -> Asked {
+    Asked { choice, polarisation: Polarisation::Off }
+}
+
+fn planned(scene: &Scene, choice: Choice) -> (World, Plan) {
+    let checked = check(scene).expect("the sample is sound");
+    let world = World::freeze(scene).expect("the sample can be traced");
+    let plan = plan(&checked, &world, asked(choice));
+    (world, plan)
+}
+
+/// On every train of both HUDs and of a ball the derivatives are those of central differences, and Newton's iteration
+/// comes back to a place from which it was sent away.
+#[test]
+fn derivatives_and_roots() {
+    let mut trains = 0;
+    for (path, size) in [
+        ("hud-direct/hud.optics.toml", [60, 30]),
+        ("hud-diffuse/hud.optics.toml", [60, 30]),
+        ("peers/a1/a1.optics.toml", [32, 32]),
+    ] {
+        let (world, plan) = planned(&sample(path, size), Choice::Auto);
+        let optics = Mono::<f64>::optics(&world, 0, 0);
+        let index = |part: Option<u32>| optics.index_in(part)[0];
+        let mut check = |family: Family, train, target: Target, reach: f64, scale: f64| {
+            let at = |u: DVec2| trace(&world, &index, &family, u, train, &target);
+            let Some(end) = at(DVec2::ZERO) else { return };
+            let h = 1e-4 * scale;
+            for (axis, got) in [(DVec2::X, end.slope.x_axis), (DVec2::Y, end.slope.y_axis)] {
+                let off = |k: f64| at(axis * (k * h)).expect("a neighbouring ray goes the same way").off;
+                let want = (8.0 * (off(1.0) - off(-1.0)) - (off(2.0) - off(-2.0))) / (12.0 * h);
+                assert!((got - want).length() < 1e-6 * want.length(), "{path}: {got} {want}");
+            }
+            // The lamp's point that the middle ray meets, from a start that is off by a tenth.
+            let middle =
+                Target { point: target.point + target.across[0] * end.off.x + target.across[1] * end.off.y, ..target };
+            let root = newton(&world, &index, &family, DVec2::new(0.05, -0.08) * scale, train, &middle, reach);
+            let root = root.expect("the solver comes back");
+            assert!(root.u.length() < 1e-7 * scale, "{path}: {}", root.u);
+            trains += 1;
+        };
+        for connection in &plan.connections {
+            for seed in connection.seeds.iter().take(4) {
+                let lamp = &world.lamps.all()[seed.lamp as usize];
+                let (centre, radius) = lamp.around();
+                let target = Target::new(centre, lamp.sample_point([0.5, 0.5]).normal);
+                let (origin, (_, dir), across, _) =
+                    world.eye.ray_of(DVec2::from_array(seed.film), DVec2::from_array(seed.pupil));
+                let family = Family::Shifted { origin, from: None, dir, across };
+                check(family, &connection.train, target, radius, world.eye.pupil_radius_m());
+            }
+        }
+        for screen in &plan.screens {
+            for seed in screen.seeds.iter().take(4) {
+                let lamp = &world.lamps.all()[seed.lamp as usize];
+                let (centre, radius) = lamp.around();
+                let target = Target::new(centre, lamp.sample_point([0.5, 0.5]).normal);
+                let axis = DVec3::from_array(seed.dir);
+                let (a, b) = axis.any_orthonormal_pair();
+                let site = eyebox::world::geometry::Site { part: screen.part, face: screen.face, triangle: u32::MAX };
+                let family =
+                    Family::Point { origin: DVec3::from_array(seed.place), from: Some(site), axis, across: [a, b] };
+                check(family, &screen.train, target, radius, 1e-3);
+            }
+        }
+    }
+    assert!(trains > 20, "{trains}");
+}
+
+/// Sum over the picture of what each estimator brought, cd/m².
+fn total(films: &Films, only: Option<Estimator>) -> f64 {
+    let own = films.films.iter().filter(|(estimator, ..)| only.is_none_or(|only| only == *estimator));
+    own.map(|(_, film, _)| {
+        let planes = film.planes.len();
+        (0..film.width * film.height)
+            .flat_map(|p| (0..planes).map(move |k| (p, k)))
+            .map(|(p, k)| film.mean(p, k).value)
+            .sum::<f64>()
+    })
+    .sum()
+}
+
+fn moments(scene: &Scene, choice: Choice, passes: u64, seeds: u64, only: Option<Estimator>) -> Moments {
+    let mut out = Moments::default();
+    for seed in 0..seeds {
+        let (films, _) = render(scene, asked(choice), passes, seed);
+        out.add(total(&films, only));
+    }
+    out
+}
+
+/// Connection and what light tracing keeps are together what light tracing alone finds; what it keeps is little, so a path
+/// that both had would show.
+#[test]
+fn what_connection_leaves_is_kept_by_light_tracing() {
+    for (path, passes) in [("hud-direct/hud.optics.toml", 8), ("peers/b/b.optics.toml", 8)] {
+        let scene = sample(path, [48, 24]);
+        let all = moments(&scene, Choice::Only(Estimator::Manifold), 2, 6, None);
+        let rest = moments(&scene, Choice::Only(Estimator::Manifold), 2, 6, Some(Estimator::Forward));
+        let forward = moments(&scene, Choice::Only(Estimator::Forward), passes, 6, None);
+        let z = (all.mean - forward.mean) / all.stderr().hypot(forward.stderr());
+        println!(
+            "{path}: {} ± {}, of which rest {}; forward {} ± {}",
+            all.mean,
+            all.stderr(),
+            rest.mean,
+            forward.mean,
+            forward.stderr()
+        );
+        assert!(z.abs() < 4.0, "{path}: z = {z}");
+        assert!(forward.stderr() < 0.02 * forward.mean, "{path}: too noisy to tell");
+        assert!(rest.mean < 0.02 * all.mean, "{path}: {} of {}", rest.mean, all.mean);
+    }
+}
+
+/// Faces joined with lamps, and the photons that they leave, are together what photons alone bring.
+#[test]
+fn what_connection_leaves_is_kept_by_photons() {
+    for (path, size) in [("hud-diffuse/hud.optics.toml", [48, 24]), ("peers/a1/a1.optics.toml", [48, 48])] {
+        let scene = sample(path, size);
+        let all = moments(&scene, Choice::Only(Estimator::Manifold), 4, 4, None);
+        let rest = moments(&scene, Choice::Only(Estimator::Manifold), 4, 4, Some(Estimator::Photon));
+        let photon = moments(&scene, Choice::Only(Estimator::Photon), 10, 4, None);
+        let z = (all.mean - photon.mean) / all.stderr().hypot(photon.stderr());
+        println!(
+            "{path}: {} ± {}, of which rest {}; photons {} ± {}",
+            all.mean,
+            all.stderr(),
+            rest.mean,
+            photon.mean,
+            photon.stderr()
+        );
+        assert!(z.abs() < 4.0, "{path}: z = {z}");
+        assert!(photon.stderr() < 0.02 * photon.mean, "{path}: too noisy to tell");
+    }
+}
