@@ -166,7 +166,7 @@ fn photon_film(
     let [width, height] = scene.eye.resolution;
     let mut film = Film::new(width, height, route.planes.clone(), Components::Luminance, Sampling::PerPass);
     let screens = Arc::new(Screens::new(world, &Mono::<f64>::optics(world, seed, 0), &[]));
-    PhotonMapper::<Mono>::new(world, route, groups, photons, guide, plan.photon_radius_m, (screens, &[]), seed)
+    PhotonMapper::<Mono>::new(world, route, groups, photons, guide, plan.photon_radii_m, screens, seed)
         .starting(starts)
         .run(&mut film, 0, 1);
     film

@@ -11,10 +11,10 @@ pub enum Stream {
     Pilot,
     Check,
     Vision,
-    VisionShift,
+    /// Of the lattice on which paths from the eye start, see `estimate::pixel`.
+    PixelShift,
     Wavelengths,
     Connection,
-    ConnectionShift,
     ConnectionLook,
     ConnectionChoice,
     Looks,

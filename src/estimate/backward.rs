@@ -3,10 +3,11 @@
 use super::ShouldStop;
 use super::ledger::Ledger;
 use super::pick_up::Shining;
+use super::pixel::Pixel;
 use super::route::{Reach, Route};
 use super::vision::Vision;
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
-use crate::base::rng::{Rng, Stream};
+use crate::base::rng::Stream;
 use crate::base::warp::Frame;
 use crate::film::accumulate::{Film, Light};
 use crate::world::World;
@@ -28,6 +29,8 @@ pub struct Backward<'w, M: Mode> {
     reach: Reach,
     /// Sees what lamps show through specular faces alone; the paths here leave that out.
     vision: Option<Vision<'w>>,
+    /// Per pixel that a pass looks at.
+    paths: u32,
     /// Share of the pixels that a pass looks at.
     share: f64,
     seed: u64,
@@ -55,10 +58,11 @@ struct Sent<M: Mode> {
 }
 
 impl<'w, M: Mode> Backward<'w, M> {
-    /// `share`: of the pixels that a pass looks at, chosen by chance; what is seen there counts 1/share.
-    pub fn new(world: &'w World, route: Route, share: f64, seed: u64) -> Self {
+    /// `paths`: per pixel that a pass looks at. `share`: of the pixels, chosen by chance; what is seen there counts
+    /// 1/share.
+    pub fn new(world: &'w World, route: Route, (paths, share): (u32, f64), seed: u64) -> Self {
         let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, seed));
-        Backward { world, mode: PhantomData, reach, vision, route, share, seed }
+        Backward { world, mode: PhantomData, reach, vision, route, paths, share, seed }
     }
 
     /// Looks at `count` pixels spread over the picture and tells whether any of them has light of ours. Once `stop` says
@@ -71,14 +75,11 @@ impl<'w, M: Mode> Backward<'w, M> {
             let mut ledger = Ledger::new(self.world.solids.len());
             let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
             let pixel = (k.wrapping_mul(pixels) / count.max(1)) as usize;
-            let (x, y) = (pixel % width, pixel / width);
             if stop() {
                 return false;
             }
-            self.path((k, &optics), x, y, width, &mut light, &mut ledger);
-            if let Some(vision) = &self.vision {
-                vision.look(&self.route, (k, &optics), x, y, width, &mut light, &mut ledger);
-            }
+            let pixel = Pixel::new((pixel % width, pixel / width), width, k);
+            self.pixel(&optics, pixel, &mut light, &mut ledger);
             light.iter().any(|light| light.value != 0.0 || light.open() != 0.0)
         })
     }
@@ -105,13 +106,9 @@ impl<'w, M: Mode> Backward<'w, M> {
                     for (pass, optics) in &optics {
                         for x in 0..width {
                             light.fill(Light::default());
-                            if !self.looks(*pass, (*y * width + x) as u64) {
-                                row.add_pass(x, &light);
-                                continue;
-                            }
-                            self.path((*pass, optics), x, *y, width, &mut light, &mut ledger);
-                            if let Some(vision) = &self.vision {
-                                vision.look(&self.route, (*pass, optics), x, *y, width, &mut light, &mut ledger);
+                            let pixel = Pixel::new((x, *y), width, *pass);
+                            if self.looks(pixel) {
+                                self.pixel(optics, pixel, &mut light, &mut ledger);
                             }
                             if self.share < 1.0 {
                                 light.iter_mut().for_each(|light| *light = light.scaled(1.0 / self.share));
@@ -129,26 +126,32 @@ impl<'w, M: Mode> Backward<'w, M> {
     }
 
     /// Whether a pass looks at a pixel.
-    fn looks(&self, pass: u64, pixel: u64) -> bool {
-        self.share >= 1.0 || Rng::new(self.seed, Stream::Looks, pass, pixel).uniform() < self.share
+    fn looks(&self, pixel: Pixel) -> bool {
+        self.share >= 1.0 || pixel.rng(self.seed, Stream::Looks).uniform() < self.share
     }
 
-    fn path(
-        &self,
-        (pass, optics): (u64, &Optics<M>),
-        x: usize,
-        y: usize,
-        width: usize,
-        out: &mut [Light],
-        ledger: &mut Ledger,
-    ) {
-        let mut rng = Rng::new(self.seed, Stream::Backward, pass, (y * width + x) as u64);
-        let (origin, dir) = self.world.eye.ray(x, y, rng.pair(), rng.pair());
-        let ray = Ray { origin, dir, from: None };
-        let mut walker = Walker::new((self.world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
+    /// What is seen in a pixel.
+    fn pixel(&self, optics: &Optics<M>, pixel: Pixel, out: &mut [Light], ledger: &mut Ledger) {
+        let mut rng = pixel.rng(self.seed, Stream::Backward);
+        let (paths, first) = (u64::from(self.paths), pixel.pass.wrapping_mul(u64::from(self.paths)));
+        for path in 0..paths {
+            let [x, y, u, v] = pixel.start(self.seed, Stream::Backward, first.wrapping_add(path));
+            let (origin, dir) = self.world.eye.ray(pixel.x, pixel.y, [x, y], [u, v]);
+            let ray = Ray { origin, dir, from: None };
+            let weight = 1.0 / paths as f64;
+            let walker =
+                Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
+            self.path(walker, weight, out, ledger);
+        }
+        if let Some(vision) = &self.vision {
+            vision.look(&self.route, optics, pixel, out, ledger);
+        }
+    }
+
+    fn path(&self, mut walker: Walker<'_, M>, weight: f64, out: &mut [Light], ledger: &mut Ledger) {
         let balance = ledger.imbalance();
         ledger.paths += 1;
-        ledger.emitted += 1.0;
+        ledger.emitted += weight;
         self.follow(&mut walker, out, ledger);
         ledger.close_path(balance);
     }

@@ -131,10 +131,8 @@ impl<M: Mode> Beam<M> {
             let to = across.unwrap_or_else(|| dir.any_orthonormal_vector());
             *self = self.polarised((to, slide.polarisation_degree()), dir, from_eye);
         }
-        let dark = 1.0 / slide.contrast();
         for lane in 0..M::LANES {
-            let value = slide.t_white() * (dark + s[lane] * (1.0 - dark));
-            self.slides[lane].cross(slide.t_white(), value, s[lane]);
+            self.slides[lane].cross(slide.t_white(), slide.transmittance(s[lane]), s[lane]);
         }
     }
 

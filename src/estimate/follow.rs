@@ -81,6 +81,18 @@ impl<'w, M: Mode> Walker<'w, M> {
         true
     }
 
+    /// Follows the faces of a chain and what lies between them and a lamp; none where there is something else.
+    pub fn follow_to(
+        &mut self,
+        links: impl Iterator<Item = Link>,
+        lamp: usize,
+        ledger: &mut Ledger,
+        each: impl FnMut(Option<u32>, &Vertex, Option<u32>),
+    ) -> Option<Shining<'w>> {
+        let whole = self.follow(links, ledger, each);
+        whole.then(|| self.reach_lamp(ledger)).flatten().filter(|seen| seen.index == lamp)
+    }
+
     /// Goes on to what shines next on the way; none if something else is there.
     pub fn reach_lamp(&mut self, ledger: &mut Ledger) -> Option<Shining<'w>> {
         loop {

@@ -4,8 +4,7 @@ use super::ledger::Ledger;
 use super::run::{Films, Limits, Observer, Status, run};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
-use crate::film::detail::ErrorDetail;
-use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
+use crate::film::plan::{Estimator, PathMode, Plan, Radii, Row, Verdict};
 use crate::scene::{Absorption, Dispersion, Face, Finish, Group, Medium, Scene, Shape, Sky};
 use crate::world::geometry::scenes::{self, Builder};
 use crate::world::{Planted, World};
@@ -63,18 +62,10 @@ fn trace(scene: &Scene, planted: Planted, estimator: Estimator, passes: u64) -> 
     let own = Verdict::Own { owner: estimator, because: "test".to_owned() };
     let row = |class| Row { group: GroupId(0), class, verdict: own.clone() };
     let plan = Plan {
-        rows: Class::ALL.map(row).to_vec(),
         forward_paths: 4096,
         photons: 4096,
-        photon_radius_m: 1e-3,
-        backward_share: 1.0,
-        connections: Vec::new(),
-        screens: Vec::new(),
-        forward_guide: None,
-        photon_guide: None,
-        mode: PathMode::default(),
-        errors: ErrorDetail::Picture,
-        notes: Vec::new(),
+        photon_radii_m: Radii { caustic: 1e-3, secondary: 1e-3 },
+        ..Plan::of(Class::ALL.map(row).to_vec(), PathMode::default())
     };
     let limits = Limits { passes: Some(passes), ..Limits::default() };
     run(&world, &plan, 1, scene.eye.resolution, 7, &limits, &mut Nobody).films

@@ -15,6 +15,7 @@ pub mod photon;
 pub mod photon_map;
 pub mod pick_up;
 pub mod picture;
+mod pixel;
 pub mod route;
 pub mod run;
 pub mod seen;

@@ -8,18 +8,19 @@ use super::ledger::Ledger;
 use super::manifold::screens::Screens;
 use super::manifold::solve::Target;
 use super::photon_map::{Photon, PhotonMap};
+use super::pixel::Pixel;
 use super::route::{Reach, Route};
 use super::seen::Seen;
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::path::{Event, Trail};
-use crate::base::rng::{Rng, Stream};
+use crate::base::rng::Stream;
 use crate::film::accumulate::{Film, Light};
 use crate::film::guide::{Guide, Point, Sample};
-use crate::film::train::Screen;
+use crate::film::plan::Radii;
 use crate::world::World;
 use crate::world::eye::Arrival;
-use crate::world::geometry::Ray;
+use crate::world::geometry::{Hit, Site};
 use crate::world::interior::Interior;
 use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
 use crate::world::optics::Optics;
@@ -32,9 +33,9 @@ use std::sync::Arc;
 /// The squared radius falls as (pass + 1)^(α − 1): bias and variance of the mean both vanish for 0 < α < 1.
 const ALPHA: f64 = 2.0 / 3.0;
 
-/// Radius of pass `pass` (from 0) when pass 0 has `first`.
-pub fn radius_of_pass(first: f64, pass: u64) -> f64 {
-    first * ((pass + 1) as f64).powf((ALPHA - 1.0) / 2.0)
+/// Radii of pass `pass` (from 0) when pass 0 has `first`.
+pub fn radii_of_pass(first: Radii, pass: u64) -> Radii {
+    first.scaled(((pass + 1) as f64).powf((ALPHA - 1.0) / 2.0))
 }
 
 /// The photon estimator, ready to run passes.
@@ -45,12 +46,48 @@ pub struct PhotonMapper<'w, M: Mode> {
     emission: Emission,
     reach_eye: Reach,
     photons: u64,
-    first_radius_m: f64,
+    first_radii_m: Radii,
     /// What of the paths is not ours.
     screens: Arc<Screens<M>>,
-    plan: Vec<Screen>,
     seed: u64,
     starts: Starts,
+}
+
+/// The photons of a pass.
+struct Maps<M: Mode> {
+    caustic: PhotonMap<M>,
+    secondary: PhotonMap<M>,
+}
+
+impl<M: Mode> Maps<M> {
+    fn new(photons: Vec<Photon<M>>, radii: Radii) -> Self {
+        let (secondary, caustic) = photons.into_iter().partition(|photon| photon.trail.has_scatter());
+        Maps { caustic: PhotonMap::new(caustic, radii.caustic), secondary: PhotonMap::new(secondary, radii.secondary) }
+    }
+
+    /// Calls `visit` with each photon near a vertex and the kernel's density there, 1/m².
+    fn each(&self, world: &World, vertex: &Vertex, mut visit: impl FnMut(&Photon<M>, f64)) {
+        let Hit { point, site, normal, .. } = vertex.hit;
+        for map in [&self.caustic, &self.secondary] {
+            // What of the kernel lies beside the face is made up for by what lies on it.
+            let share = world.rims.share(site, point, normal, map.radius());
+            map.gather(point, site, |photon, density| visit(photon, density / share));
+        }
+    }
+}
+
+/// A photon as a pilot sees it.
+#[derive(Debug, Clone, Copy)]
+pub struct Landing {
+    pub site: Site,
+    /// Recentred world, m.
+    pub position: DVec3,
+    /// With the slides open.
+    pub lumens: f64,
+    /// Specular connection has its path.
+    pub connected: bool,
+    /// A scatterer has sent it.
+    pub scattered: bool,
 }
 
 /// What paths leave at broad scatterers.
@@ -126,8 +163,8 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         groups: usize,
         photons: u64,
         guide: Option<&Guide>,
-        first_radius_m: f64,
-        (screens, plan): (Arc<Screens<M>>, &[Screen]),
+        first_radii_m: Radii,
+        screens: Arc<Screens<M>>,
         seed: u64,
     ) -> Self {
         let emission = Emission::new(world, &route, groups, guide);
@@ -140,9 +177,8 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             emission,
             reach_eye,
             photons,
-            first_radius_m,
+            first_radii_m,
             screens,
-            plan: plan.to_vec(),
             seed,
             starts,
         }
@@ -159,24 +195,21 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         let mut total = Ledger::new(self.world.solids.len());
         for pass in first..first + count {
             let optics = M::optics(self.world, self.seed, pass);
-            // At several wavelengths what connection finds differs from pass to pass.
-            let own = (M::LANES > 1 && !self.plan.is_empty()).then(|| Screens::new(self.world, &optics, &self.plan));
-            let screens = own.as_ref().unwrap_or(&self.screens);
-            let (photons, ledger) = self.emit(pass, &optics, screens);
+            let screens = self.screens.of_pass(self.world, &optics);
+            let (photons, ledger) = self.emit(self.shots(Stream::PhotonEmission, pass), &optics, &screens);
             total.merge(&ledger);
-            let map = PhotonMap::new(photons, radius_of_pass(self.first_radius_m, pass));
-            self.gather(film, (pass, &optics), &map);
+            let maps = Maps::new(photons, radii_of_pass(self.first_radii_m, pass));
+            self.gather(film, (pass, &optics), &maps);
             film.passes += 1;
         }
         total
     }
 
-    fn emit(&self, pass: u64, optics: &Optics<M>, screens: &Screens<M>) -> (Vec<Photon<M>>, Ledger) {
+    fn emit(&self, shots: Shots, optics: &Optics<M>, screens: &Screens<M>) -> (Vec<Photon<M>>, Ledger) {
         let done: Vec<(Vec<Photon<M>>, Ledger)> = (0..Shots::chunks(self.photons))
             .into_par_iter()
             .map(|chunk| {
                 let mut stored = Stored::new(screens);
-                let shots = self.shots(Stream::PhotonEmission, pass);
                 let ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut stored);
                 (stored.photons, ledger)
             })
@@ -205,6 +238,20 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         self.emission.probe((self.world, &optics), shots, stop, new, useful)
     }
 
+    /// Traces one pass for a pilot: where photons land that did not come straight from the lamp.
+    pub fn landings(&self, pass: u64) -> Vec<Landing> {
+        let optics = M::optics(self.world, self.seed, pass);
+        let (photons, _) = self.emit(self.shots(Stream::Pilot, pass), &optics, &self.screens);
+        let landed = photons.iter().filter(|photon| !photon.trail.is_empty()).map(|photon| Landing {
+            site: photon.site,
+            position: photon.position,
+            lumens: photon.flux.as_slice().iter().map(|light| light.open()).sum(),
+            connected: photon.connected,
+            scattered: photon.trail.has_scatter(),
+        });
+        landed.collect()
+    }
+
     /// [`Emission::density`].
     pub fn density(&self, lamp: usize, x: &Point) -> f64 {
         self.emission.density(lamp, x)
@@ -224,7 +271,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         Shots { seed: self.seed, stream, pass, paths: self.photons, starts: self.starts }
     }
 
-    fn gather(&self, film: &mut Film, (pass, optics): (u64, &Optics<M>), map: &PhotonMap<M>) {
+    fn gather(&self, film: &mut Film, (pass, optics): (u64, &Optics<M>), maps: &Maps<M>) {
         let width = film.width;
         let mut rows: Vec<_> = film.rows().collect();
         rows.par_iter_mut().for_each(|(y, row)| {
@@ -232,23 +279,23 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             let mut ledger = Ledger::new(self.world.solids.len());
             for x in 0..width {
                 light.fill(Light::default());
-                let mut rng = Rng::new(self.seed, Stream::PhotonGather, pass, (*y * width + x) as u64);
-                let (origin, dir) = self.world.eye.ray(x, *y, rng.pair(), rng.pair());
-                let ray = Ray { origin, dir, from: None };
+                let pixel = Pixel::new((x, *y), width, pass);
+                let rng = pixel.rng(self.seed, Stream::PhotonGather);
+                let ray = pixel.ray(&self.world.eye, self.seed, Stream::PhotonGather);
                 let walker = Walker::new((self.world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
-                self.eye_path(walker, map, &mut light, &mut ledger);
+                self.eye_path(walker, maps, &mut light, &mut ledger);
                 row.add_pass(x, &light);
             }
         });
     }
 
-    fn eye_path(&self, mut walker: Walker<'_, M>, map: &PhotonMap<M>, out: &mut [Light], ledger: &mut Ledger) {
+    fn eye_path(&self, mut walker: Walker<'_, M>, maps: &Maps<M>, out: &mut [Light], ledger: &mut Ledger) {
         loop {
             let Met::Face(vertex) = walker.advance(ledger) else { return };
             if walker.events < SPLIT_FIRST_EVENTS
                 && let Some(reflected) = walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
             {
-                self.eye_path(reflected, map, out, ledger);
+                self.eye_path(reflected, maps, out, ledger);
             }
             match walker.meet(&vertex, ledger) {
                 Meeting::Ended => return,
@@ -261,7 +308,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
                 Meeting::Scatter(scatter, frame) => {
                     let d_in = frame.to_local(walker.ray.dir);
                     let sides = walker.sides(&vertex, scatter);
-                    map.gather(vertex.hit.point, vertex.hit.site, |photon, density| {
+                    let visit = |photon: &Photon<M>, density: f64| {
                         // Of what connection has, the path over one scatterer is not ours.
                         if photon.connected && !walker.trail.has_scatter() {
                             return;
@@ -275,7 +322,8 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
                         let factors = lanes::<M, _>(|lane| values[lane] * density / (index[lane] * index[lane]));
                         let out = plane_of::<M>(out, plane);
                         walker.beam.join(walker.optics, out, (&photon.flux, photon.alone || alone), &factors);
-                    });
+                    };
+                    maps.each(self.world, &vertex, visit);
                     return;
                 }
             }

@@ -61,6 +61,10 @@ impl<M: Mode> PhotonMap<M> {
         PhotonMap { photons, starts, cell, radius }
     }
 
+    /// m
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
     pub fn len(&self) -> usize {
         self.photons.len()
     }

@@ -167,8 +167,9 @@ fn begin_in<'w, M: Mode + 'w>(
     size: [usize; 2],
     seed: u64,
 ) -> Box<dyn Tracing + 'w> {
-    let connections = Arc::new(Connections::new(world, &M::optics(world, seed, 0), &plan.connections));
-    let screens = Arc::new(Screens::new(world, &M::optics(world, seed, 0), &plan.screens));
+    let optics = M::optics(world, seed, 0);
+    let connections = Arc::new(Connections::new(world, &optics, &plan.connections));
+    let screens = Arc::new(Screens::new(world, &optics, &plan.screens));
     let mut engines: Vec<Engine<'_, M>> = Vec::new();
     let mut films = Films { films: Vec::new(), passes: 0 };
     for estimator in Estimator::ALL {
@@ -186,7 +187,9 @@ fn begin_in<'w, M: Mode + 'w>(
             ErrorDetail::Layers => film.with_detail(),
         };
         engines.push(match estimator {
-            Estimator::Backward => Engine::Backward(Backward::new(world, route, plan.backward_share, seed)),
+            Estimator::Backward => {
+                Engine::Backward(Backward::new(world, route, (plan.backward_paths, plan.backward_share), seed))
+            }
             Estimator::Forward => Engine::Forward(Forward::new(
                 world,
                 route,
@@ -197,22 +200,18 @@ fn begin_in<'w, M: Mode + 'w>(
                 seed,
             )),
             Estimator::Manifold => {
-                let screens = (screens.clone(), &plan.screens[..]);
-                Engine::Manifold(Manifold::new(world, route, connections.clone(), screens, seed))
+                Engine::Manifold(Manifold::new(world, route, connections.clone(), screens.clone(), seed))
             }
-            Estimator::Photon => {
-                let radius = plan.photon_radius_m;
-                Engine::Photon(PhotonMapper::new(
-                    world,
-                    route,
-                    groups,
-                    plan.photons,
-                    plan.photon_guide.as_ref(),
-                    radius,
-                    (screens.clone(), &plan.screens[..]),
-                    seed,
-                ))
-            }
+            Estimator::Photon => Engine::Photon(PhotonMapper::new(
+                world,
+                route,
+                groups,
+                plan.photons,
+                plan.photon_guide.as_ref(),
+                plan.photon_radii_m,
+                screens.clone(),
+                seed,
+            )),
         });
         films.films.push((estimator, film, Ledger::new(world.solids.len())));
     }

@@ -12,7 +12,7 @@ use crate::world::interior::Interior;
 use crate::world::mode::{Mode, Mono};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 /// Rays from the eye.
 const RAYS: u64 = 1 << 11;
@@ -24,6 +24,8 @@ const MOST_EVENTS: u32 = 64;
 pub struct Seen {
     cell_m: f64,
     cells: HashSet<(u32, u32, [i64; 3])>,
+    /// What was met.
+    points: Vec<(Site, DVec3)>,
 }
 
 impl Seen {
@@ -49,9 +51,9 @@ impl Seen {
             follow(walker, &mut found);
             found
         };
-        let all: Vec<_> = (0..RAYS).into_par_iter().flat_map_iter(one).collect();
-        let cells = all.into_iter().map(|(site, point)| (site.part, site.face, cell_of(point, cell_m))).collect();
-        Seen { cell_m, cells }
+        let points: Vec<_> = (0..RAYS).into_par_iter().flat_map_iter(one).collect();
+        let cells = points.iter().map(|(site, point)| (site.part, site.face, cell_of(*point, cell_m))).collect();
+        Seen { cell_m, cells, points }
     }
 
     /// Whether the eye sees something within half a cell of a point of a face.
@@ -61,6 +63,16 @@ impl Seen {
             let offset = DVec3::new(side(0), side(1), side(2)) * self.cell_m;
             self.cells.contains(&(site.part, site.face, cell_of(point + offset, self.cell_m)))
         })
+    }
+
+    /// Points that the eye sees, spread over the picture.
+    pub fn points(&self) -> &[(Site, DVec3)] {
+        &self.points
+    }
+
+    /// The faces that it sees, as (part, face).
+    pub fn faces(&self) -> BTreeSet<(u32, u32)> {
+        self.points.iter().map(|(site, _)| (site.part, site.face)).collect()
     }
 
     pub fn is_empty(&self) -> bool {

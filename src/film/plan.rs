@@ -85,6 +85,29 @@ pub struct Row {
     pub verdict: Verdict,
 }
 
+/// Most paths of a pixel in one pass.
+const MOST_PATHS: u32 = 64;
+
+/// Radii within which photons are gathered, m.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+pub struct Radii {
+    /// Light straight from specular faces, which may be as sharp as the picture.
+    pub caustic: f64,
+    /// Light that a scatterer has sent, which is soft.
+    pub secondary: f64,
+}
+
+impl Radii {
+    fn is_valid(self) -> bool {
+        [self.caustic, self.secondary].iter().all(|radius| *radius >= 0.0 && radius.is_finite())
+    }
+    /// Both times a factor.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Radii {
+        Radii { caustic: self.caustic * factor, secondary: self.secondary * factor }
+    }
+}
+
 /// Everything that was decided before pass 0.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Plan {
@@ -94,14 +117,16 @@ pub struct Plan {
     pub forward_paths: u64,
     /// Photons emitted per pass of the photon estimator; 0 if it does not run.
     pub photons: u64,
-    /// Radius of the first pass's photon gathering, m.
-    pub photon_radius_m: f64,
+    /// Radii of the first pass's photon gathering, m.
+    pub photon_radii_m: Radii,
     /// Guided emission of the forward estimator, learned by a pilot; none: lamps by flux, directions by intensity.
     #[serde(default)]
     pub forward_guide: Option<Guide>,
     /// The same for photons.
     #[serde(default)]
     pub photon_guide: Option<Guide>,
+    /// Paths per pixel and pass of the backward estimator.
+    pub backward_paths: u32,
     /// Share of the pixels that a pass of the backward estimator looks at: less than 1 where a pilot found no light of its.
     pub backward_share: f64,
     /// Trains over which lamps and eye are joined.
@@ -135,10 +160,35 @@ impl Plan {
             return Err(format!("names part {part} of {}", parts));
         }
         let share = self.backward_share;
-        if !(share > 0.0 && share <= 1.0 && self.photon_radius_m >= 0.0 && self.photon_radius_m.is_finite()) {
-            return Err(format!("has a share of {share} and a radius of {} m", self.photon_radius_m));
+        if !(1..=MOST_PATHS).contains(&self.backward_paths) {
+            return Err(format!(
+                "has {} backward paths per pixel and pass, not 1 to {MOST_PATHS}",
+                self.backward_paths
+            ));
+        }
+        if !(share > 0.0 && share <= 1.0 && self.photon_radii_m.is_valid()) {
+            return Err(format!("has a share of {share} and radii of {:?} m", self.photon_radii_m));
         }
         Ok(())
+    }
+
+    /// A plan of these rows alone: no pilot has said anything yet.
+    pub fn of(rows: Vec<Row>, mode: PathMode) -> Plan {
+        Plan {
+            rows,
+            forward_paths: 0,
+            photons: 0,
+            photon_radii_m: Radii::default(),
+            backward_share: 1.0,
+            backward_paths: 1,
+            connections: Vec::new(),
+            screens: Vec::new(),
+            forward_guide: None,
+            photon_guide: None,
+            mode,
+            errors: ErrorDetail::default(),
+            notes: Vec::new(),
+        }
     }
 
     pub fn row(&self, group: GroupId, class: Class) -> &Row {

@@ -13,7 +13,7 @@ use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::estimate::backward::Backward;
 use crate::estimate::route::Route;
-use crate::film::detail::ErrorDetail;
+use crate::estimate::seen::Seen;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use crate::world::World;
 use crate::world::mode::Mono;
@@ -49,7 +49,7 @@ impl From<Choice> for Asked {
     }
 }
 
-/// Makes the plan: facts decide who owns what; pilots only set the photons' first radius.
+/// Makes the plan: facts decide who owns what, and pilots where facts do not tell.
 pub fn plan(checked: &Checked, world: &World, asked: impl Into<Asked>) -> Plan {
     make(checked, world, asked.into(), &|| false)
 }
@@ -87,20 +87,8 @@ fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -
             scene.group(group).name
         ));
     }
-    let mut plan = Plan {
-        rows,
-        forward_paths: 0,
-        photons: 0,
-        photon_radius_m: 0.0,
-        backward_share: 1.0,
-        connections: Vec::new(),
-        screens: Vec::new(),
-        forward_guide: None,
-        photon_guide: None,
-        mode: mode::decide(checked, world, asked.polarisation, stop),
-        errors: ErrorDetail::default(),
-        notes,
-    };
+    let mut plan = Plan::of(rows, mode::decide(checked, world, asked.polarisation, stop));
+    plan.notes = notes;
     while plan.runs(Estimator::Forward) && !stop() {
         let pilot = pilot::forward(world, &plan, scene.groups.len(), stop);
         if choice == Choice::Auto && give_up_forward(&mut plan, &pilot::without_arrivals(&pilot), pilot.traced) {
@@ -120,21 +108,27 @@ fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -
         let connected = |row: &Row| row.class == Class::Caustic && matches!(row.verdict, Verdict::Connect { .. });
         plan.rows.iter().any(connected)
     };
-    if caustics(&plan) && !stop() {
-        let seen = pilot::seen_faces(world, scene.eye.resolution);
-        plan.screens = chains::screens(world, &plan, scene.groups.len(), &seen, None, stop);
-        leave_unconnected(&mut plan, Class::Caustic);
+    if (caustics(&plan) || plan.runs(Estimator::Photon)) && !stop() {
+        let pixel_m = pilot::pixel_m(world, scene.eye.resolution);
+        let seen = Seen::look(world, pixel_m, stop);
+        if caustics(&plan) {
+            plan.screens = chains::screens(world, &plan, scene.groups.len(), &seen.faces(), None, stop);
+            leave_unconnected(&mut plan, Class::Caustic);
+        }
+        if plan.runs(Estimator::Photon) {
+            let pilot = pilot::photon(world, &plan, scene.groups.len(), (pixel_m, &seen), stop);
+            plan.photons = pilot.photons;
+            plan.photon_radii_m = pilot.radii_m;
+            plan.photon_guide = Some(pilot.guide);
+        }
     }
-    if plan.runs(Estimator::Photon) && !stop() {
-        plan.photon_radius_m = pilot::photon_radius_m(world, scene.eye.resolution);
-        plan.photon_guide = Some(pilot::photon(world, &plan, scene.groups.len(), plan.photon_radius_m, stop));
-        // Photons for a little light need not be many.
-        let rest = if caustics(&plan) { pilot::rest_share(world, &plan, scene.groups.len(), stop) } else { 1.0 };
-        plan.photons = if rest < LITTLE { (pixels / 8).max(1 << 12) } else { (4 * pixels).max(1 << 14) };
+    if plan.runs(Estimator::Photon) || plan.runs(Estimator::Manifold) {
+        // Connections and photons cost some tens of times as much as a path from the eye, which is all that edges need.
+        plan.backward_paths = AMONG_OTHERS;
     }
     if choice == Choice::Auto && plan.runs(Estimator::Backward) && !stop() {
         let route = Route::new(&plan, scene.groups.len(), Estimator::Backward);
-        let backward = Backward::<Mono>::new(world, route, 1.0, pilot::SEED);
+        let backward = Backward::<Mono>::new(world, route, (1, 1.0), pilot::SEED);
         if !backward.finds_light(LOOKS, stop) {
             plan.backward_share = SELDOM;
             plan.notes.push(format!(
@@ -160,8 +154,8 @@ fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -
 const LOOKS: u64 = 2048;
 const SELDOM: f64 = 1.0 / 64.0;
 
-/// Share of the photons' light below which it is little.
-const LITTLE: f64 = 0.03;
+/// Backward paths per pixel and pass beside dearer estimators.
+const AMONG_OTHERS: u32 = 4;
 
 /// Leaves the vision paths of groups for which no train was found to the estimator that would have kept the rest.
 fn leave_unconnected(plan: &mut Plan, class: Class) {

@@ -14,6 +14,7 @@ pub mod lamp;
 pub mod light;
 pub mod mode;
 pub mod optics;
+pub mod rim;
 pub mod scatter;
 pub mod sky;
 pub mod slide;
@@ -31,6 +32,7 @@ use geometry::Geometry;
 use interior::{Interior, Solid};
 use lamp::Lamps;
 use light::Lights;
+use rim::Rims;
 use sky::SkyLight;
 use slide::SlideMap;
 use surface::FaceOptics;
@@ -44,6 +46,8 @@ pub struct World {
     pub faces: Vec<Vec<FaceOptics>>,
     /// Per part: where it stands among nested ones, if it is a solid.
     pub solids: Vec<Option<Solid>>,
+    /// Where faces that scatter end.
+    pub rims: Rims,
     /// Faces of solids that touch.
     pub contacts: Contacts,
     /// Per part: the medium it is filled with, if it is a solid.
@@ -126,6 +130,7 @@ impl World {
             })
             .collect();
         Ok(World {
+            rims: Rims::find(scene, &geometry, &faces),
             faces,
             solids,
             contacts,

@@ -101,6 +101,11 @@ impl SlideMap {
         self.t_white / self.contrast
     }
     /// C = T_white/T_black, at least 1; may be infinite.
+    /// What the slide lets through where its picture is `s`, 0–1.
+    pub fn transmittance(&self, s: f64) -> f64 {
+        let dark = 1.0 / self.contrast;
+        self.t_white * (dark + s * (1.0 - dark))
+    }
     pub fn contrast(&self) -> f64 {
         self.contrast
     }

@@ -147,7 +147,7 @@ fn diffuse_centre() {
 
 #[test]
 fn diffuse_off_axis() {
-    assert_close("diffuse, 5.2° right", diffuse(&[], [5.2, 0.0], 8, 2), 532.0 * GHOST, 0.035);
+    assert_close("diffuse, 5.2° right", diffuse(&[], [5.2, 0.0], 8, 4), 532.0 * GHOST, 0.035);
 }
 
 #[test]

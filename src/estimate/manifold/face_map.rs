@@ -5,8 +5,6 @@ use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use glam::{DVec2, DVec3};
 
-/// Cells along the longer side.
-const CELLS: usize = 14;
 /// The box of what a pilot found is a little smaller than what is lit; the grid stays this share inside of it, so that
 /// its outer nodes have solutions.
 const INSIDE: f64 = 2e-3;
@@ -32,20 +30,21 @@ pub struct FaceMap {
 /// Where something lies among the nodes, and the weights of the sixteen about it.
 #[derive(Debug, Clone, Copy)]
 pub struct Spot {
+    /// In cells, from the first node.
+    pub at: DVec2,
     pub cell: usize,
     /// The first of four nodes along both axes.
     first: [usize; 2],
     weights: [[f64; 4]; 2],
     columns: usize,
-    /// From the middle of the cell, m along both axes.
-    pub off: DVec2,
     /// Beyond the outer nodes.
     pub outside: bool,
 }
 
 impl FaceMap {
-    /// Over the box of a screen's places. None where the face can't be met along its own normal.
-    pub fn new(world: &World, screen: &Screen) -> Option<FaceMap> {
+    /// Over the box of a screen's places, with so many cells along its longer side. None where the face can't be met along
+    /// its own normal.
+    pub fn new(world: &World, screen: &Screen, cells: usize) -> Option<FaceMap> {
         let [lo, hi] = screen.bounds.map(DVec3::from_array);
         let seed = screen.seeds.first()?;
         let (place, dir) = (DVec3::from_array(seed.place), DVec3::from_array(seed.dir));
@@ -69,7 +68,7 @@ impl FaceMap {
         (low, high) = (low + INSIDE * longer, high - INSIDE * longer);
         let size = (high - low).max(DVec2::splat(INSIDE * longer));
         // At least four nodes, for cubics.
-        let nodes = |length: f64| ((CELLS as f64 * length / longer).ceil() as usize).clamp(3, CELLS) + 1;
+        let nodes = |length: f64| ((cells as f64 * length / longer).ceil() as usize).clamp(3, cells.max(3)) + 1;
         let count = [nodes(size.x), nodes(size.y)];
         let cell = size / DVec2::new((count[0] - 1) as f64, (count[1] - 1) as f64);
         let corner = place + a * low.x + b * low.y + normal * (2.0 * longer);
@@ -140,7 +139,12 @@ impl FaceMap {
 
     /// From a node to a spot, m along both axes.
     pub fn from_node(&self, node: usize, spot: &Spot) -> DVec2 {
-        self.step(node, spot.cell) + spot.off + 0.5 * self.cell
+        (spot.at - self.at_node(node)) * self.cell
+    }
+
+    /// The four nodes of a cell.
+    pub fn corners(&self, cell: usize) -> [usize; 4] {
+        [cell, cell + 1, cell + self.count[0], cell + self.count[0] + 1]
     }
 
     /// Where a point of the face lies; none farther than [`BEYOND`] the outer nodes.
@@ -161,14 +165,13 @@ impl FaceMap {
         };
         let (x, first_x, tx) = along(at.x, self.count[0])?;
         let (y, first_y, ty) = along(at.y, self.count[1])?;
-        let middle = DVec2::new(x as f64, y as f64) + 0.5;
         let (last_x, last_y) = ((self.count[0] - 1) as f64, (self.count[1] - 1) as f64);
         Some(Spot {
+            at,
             cell: y * self.count[0] + x,
             first: [first_x, first_y],
             weights: [cubic(tx), cubic(ty)],
             columns: self.count[0],
-            off: (at - middle) * self.cell,
             outside: at.x < 0.0 || at.y < 0.0 || at.x > last_x || at.y > last_y,
         })
     }

@@ -2,11 +2,12 @@
 //! pairs whose points of the pupil and of the pixel lie opposite each other, so that what is linear in them is exact.
 
 use super::screens::{Incoming, Screens};
-use super::vision::{Manifold, Pixel};
+use super::vision::Manifold;
 use crate::base::path::{Event, Trail};
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp::{disk, lattice};
+use crate::base::rng::Stream;
+use crate::base::warp::disk;
 use crate::estimate::ledger::Ledger;
+use crate::estimate::pixel::Pixel;
 use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Walker};
 use crate::film::accumulate::Light;
 use crate::world::geometry::Ray;
@@ -25,12 +26,10 @@ pub(super) fn look<M: Mode>(
 ) {
     const PAIR: f64 = 2.0;
     let world = manifold.world;
-    let mut fixed = Rng::new(manifold.seed, Stream::ConnectionShift, 1, pixel.index);
-    let shift = [fixed.next_u64(), fixed.next_u64(), fixed.next_u64(), fixed.next_u64()];
-    let [x, y, u, v] = lattice(shift, pixel.pass);
-    let mut rng = Rng::new(manifold.seed, Stream::ConnectionLook, pixel.pass, pixel.index);
+    let [x, y, u, v, s, t] = pixel.start(manifold.seed, Stream::ConnectionLook, pixel.pass);
+    let mut rng = pixel.rng(manifold.seed, Stream::ConnectionLook);
     let pupil = disk([u, v]) * world.eye.pupil_radius_m();
-    for (jitter, pupil) in [([x, y], pupil), ([1.0 - x, 1.0 - y], -pupil)] {
+    for (jitter, pupil, lamp) in [([x, y], pupil, [s, t]), ([1.0 - x, 1.0 - y], -pupil, [1.0 - s, 1.0 - t])] {
         let film = world.eye.film_of(pixel.x, pixel.y, jitter);
         let (origin, (_, dir), ..) = world.eye.ray_of(film, DVec2::new(pupil.x, pupil.y));
         let ray = Ray { origin, dir, from: None };
@@ -38,7 +37,7 @@ pub(super) fn look<M: Mode>(
         let balance = ledger.imbalance();
         ledger.paths += 1;
         ledger.emitted += 1.0 / PAIR;
-        follow(manifold, walker, screens, out, (ledger, scratch));
+        follow(manifold, walker, (screens, lamp), out, (ledger, scratch));
         ledger.close_path(balance);
     }
 }
@@ -46,7 +45,7 @@ pub(super) fn look<M: Mode>(
 fn follow<M: Mode>(
     manifold: &Manifold<'_, M>,
     mut walker: Walker<'_, M>,
-    screens: &Screens<M>,
+    (screens, lamp): (&Screens<M>, [f64; 2]),
     out: &mut [Light],
     (ledger, scratch): (&mut Ledger, &mut Ledger),
 ) {
@@ -59,7 +58,7 @@ fn follow<M: Mode>(
         if walker.events < SPLIT_FIRST_EVENTS
             && let Some(reflected) = walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
         {
-            follow(manifold, reflected, screens, out, (ledger, scratch));
+            follow(manifold, reflected, (screens, lamp), out, (ledger, scratch));
         }
         match walker.meet(&vertex, ledger) {
             Meeting::Ended => return,
@@ -72,13 +71,12 @@ fn follow<M: Mode>(
             Meeting::Scatter(scatter, frame) => {
                 let d_in = frame.to_local(walker.ray.dir);
                 let sides = walker.sides(&vertex, scatter);
-                let uv = walker.rng.pair();
                 let mut rng = walker.rng.fork();
                 let tracing = (manifold.world, walker.optics);
                 let interior = |dir: glam::DVec3| walker.interior_at(&vertex, frame.to_local(dir).z < 0.0);
                 let trail = Trail::join(walker.trail, scatter.event(), Trail::START.then(Event::Specular));
                 let at = (vertex.hit.point, vertex.hit.site);
-                screens.gather(tracing, at, &interior, uv, &mut rng, scratch, |incoming: Incoming<M>| {
+                screens.gather(tracing, at, &interior, lamp, &mut rng, scratch, |incoming: Incoming<M>| {
                     let Some(lamp) = manifold.world.lamps.get(incoming.lamp) else { return };
                     let Some(plane) = manifold.route.from_eye(lamp.group, trail) else { return };
                     let d_out = frame.to_local(incoming.dir);

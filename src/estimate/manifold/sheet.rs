@@ -13,7 +13,7 @@ const CELLS: usize = 24;
 /// Sheets of one train and lamp; further branches stay with the estimator that owns the rest.
 const MOST_SHEETS: usize = 4;
 /// How far from its middle, in radii of the pupil, the solver looks for solutions.
-const FAR: f64 = 1.2;
+const FAR: f64 = 1.05;
 /// Roots nearer to each other than this share of the pupil's radius are one.
 pub const SAME: f64 = 1e-6;
 
@@ -23,6 +23,9 @@ struct Node {
     pupil: DVec2,
     by_film: DMat2,
     by_lamp: DMat2,
+    /// How both change with the place in the picture, by its two coordinates.
+    bend: [DMat2; 2],
+    twist: [DMat2; 2],
     /// Light of the cell may cross the pupil.
     useful: bool,
 }
@@ -77,6 +80,12 @@ impl Grid {
     }
     fn half_cell(&self) -> DVec2 {
         self.half / DVec2::new(self.count[0] as f64, self.count[1] as f64)
+    }
+    /// The cells before and after one along an axis.
+    fn beside(&self, cell: usize, axis: usize) -> [Option<usize>; 2] {
+        let step = if axis == 0 { 1 } else { self.count[0] };
+        let at = if axis == 0 { cell % self.count[0] } else { cell / self.count[0] };
+        [(at > 0).then(|| cell - step), (at + 1 < self.count[axis]).then(|| cell + step)]
     }
     fn neighbours(&self, cell: usize) -> impl Iterator<Item = usize> + use<> {
         let [nx, ny] = self.count;
@@ -179,6 +188,7 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
             }
             sheet.nodes[cell] = Some(node);
         }
+        sheet.curve(&grid);
         if sheet.nodes.iter().flatten().any(|node| node.useful) {
             starts.sheets.push(sheet);
         }
@@ -195,7 +205,40 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
         let moves = (by_film.x_axis * half.x).length() + (by_film.y_axis * half.y).length();
         let size = starts.size * (by_lamp.x_axis.length() + by_lamp.y_axis.length());
         let useful = root.u.length() <= 1.1 * radius + 1.2 * (moves + size);
-        (by_lamp.is_finite() && by_film.is_finite()).then_some(Node { pupil: root.u, by_film, by_lamp, useful })
+        let flat = [DMat2::ZERO; 2];
+        let node = Node { pupil: root.u, by_film, by_lamp, bend: flat, twist: flat, useful };
+        (by_lamp.is_finite() && by_film.is_finite()).then_some(node)
+    }
+}
+
+impl Sheet {
+    /// Takes how derivatives change from the nodes beside each other.
+    fn curve(&mut self, grid: &Grid) {
+        let at = |nodes: &[Option<Node>], cell: usize| nodes[cell].map(|node| (node.by_film, node.by_lamp));
+        for cell in 0..self.nodes.len() {
+            let Some(here) = at(&self.nodes, cell) else { continue };
+            let change = [0, 1].map(|axis| {
+                let [low, high] = grid
+                    .beside(cell, axis)
+                    .map(|next| next.and_then(|next| Some((at(&self.nodes, next)?, grid.middle(next)[axis]))));
+                let own = (here, grid.middle(cell)[axis]);
+                let ((low, from), (high, to)) = (low.unwrap_or(own), high.unwrap_or(own));
+                let step = (to - from).recip();
+                if step.is_finite() { [(high.0 - low.0) * step, (high.1 - low.1) * step] } else { [DMat2::ZERO; 2] }
+            });
+            if let Some(node) = &mut self.nodes[cell] {
+                (node.bend, node.twist) = (change.map(|[bend, _]| bend), change.map(|[_, twist]| twist));
+            }
+        }
+    }
+}
+
+impl Node {
+    /// The place in the pupil for a place in the picture and on the lamp, from the node's own.
+    fn predict(&self, film: DVec2, lamp: DVec2) -> DVec2 {
+        let by_film = self.by_film + (self.bend[0] * film.x + self.bend[1] * film.y) * 0.5;
+        let by_lamp = self.by_lamp + self.twist[0] * film.x + self.twist[1] * film.y;
+        self.pupil + by_film * film + by_lamp * lamp
     }
 }
 
@@ -227,7 +270,7 @@ impl Starts {
         let off = self.middle.local(target.point - self.middle.point);
         for sheet in &self.sheets {
             let Some(node) = sheet.nodes[cell].filter(|node| node.useful) else { continue };
-            let start = node.pupil + node.by_film * (film - self.grid.middle(cell)) + node.by_lamp * off;
+            let start = node.predict(film - self.grid.middle(cell), off);
             // A start so far outside of the pupil leads to nothing: the solver says so without trying.
             if start.length() > FAR * world.eye.pupil_radius_m() {
                 continue;

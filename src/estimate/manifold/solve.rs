@@ -134,7 +134,12 @@ pub fn newton(
 ) -> Option<Root> {
     // Quadratic: from 1e-5 of the lamp the next step lands at its rounding.
     const NEAR: f64 = 1e-7;
+    // What a step leaves is to the offset before it as that is to the one before, squared: where that is this little, the
+    // last step need not be looked at, and the slope differs from the root's by less than twice the square.
+    const LEFT: f64 = 1e-8;
+    const SHRUNK: f64 = 3e-3;
     let mut u = start;
+    let mut before = 0.0;
     let mut end = trace(world, index, family, u, train, target)?;
     for _ in 0..STEPS {
         let inverse = end.slope.inverse();
@@ -142,7 +147,13 @@ pub fn newton(
             return None;
         }
         let step = inverse * end.off;
-        let near = end.off.length() <= NEAR * size;
+        let length = end.off.length();
+        let near = length <= NEAR * size;
+        let shrunk = length / before;
+        if shrunk <= SHRUNK && length * shrunk * shrunk <= LEFT * size {
+            return Some(Root { u: u - step, slope: end.slope, dir: end.dir });
+        }
+        before = length;
         let mut share = 1.0;
         let mut next = None;
         for _ in 0..HALVINGS {

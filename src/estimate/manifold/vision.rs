@@ -9,13 +9,12 @@ use super::connections::{Connections, Entry};
 use super::look;
 use super::screens::Screens;
 use super::solve::{Root, Target};
-use crate::base::rng::{Rng, Stream};
-use crate::base::warp::lattice;
+use crate::base::rng::Stream;
 use crate::estimate::ledger::Ledger;
+use crate::estimate::pixel::Pixel;
 use crate::estimate::route::Route;
 use crate::estimate::walk::{Travel, Walker};
 use crate::film::accumulate::{Film, Light};
-use crate::film::train::Screen;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -33,7 +32,6 @@ pub struct Manifold<'w, M: Mode> {
     pub(super) route: Route,
     connections: Arc<Connections>,
     screens: Arc<Screens<M>>,
-    plan: Vec<Screen>,
     pub(super) seed: u64,
 }
 
@@ -42,10 +40,10 @@ impl<'w, M: Mode> Manifold<'w, M> {
         world: &'w World,
         route: Route,
         connections: Arc<Connections>,
-        (screens, plan): (Arc<Screens<M>>, &[Screen]),
+        screens: Arc<Screens<M>>,
         seed: u64,
     ) -> Self {
-        Manifold { mode: PhantomData, world, route, connections, screens, plan: plan.to_vec(), seed }
+        Manifold { mode: PhantomData, world, route, connections, screens, seed }
     }
 
     /// Adds passes `first .. first + count` to the film. The ledger counts connections as paths, and what they bring, in
@@ -53,20 +51,20 @@ impl<'w, M: Mode> Manifold<'w, M> {
     pub fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
         let mut total = Ledger::new(self.world.solids.len());
         if M::LANES == 1 {
-            self.block(film, first, count, self.screens.clone(), &mut total);
+            self.block(film, first, count, &self.screens, &mut total);
         } else {
             // Each pass has wavelengths of its own, and faces lit at them.
             for pass in first..first + count {
                 let optics = M::optics(self.world, self.seed, pass);
-                let screens = Arc::new(Screens::new(self.world, &optics, &self.plan));
-                self.block(film, pass, 1, screens, &mut total);
+                let screens = self.screens.of_pass(self.world, &optics);
+                self.block(film, pass, 1, &screens, &mut total);
             }
         }
         film.passes += count;
         total
     }
 
-    fn block(&self, film: &mut Film, first: u64, count: u64, screens: Arc<Screens<M>>, total: &mut Ledger) {
+    fn block(&self, film: &mut Film, first: u64, count: u64, screens: &Screens<M>, total: &mut Ledger) {
         let width = film.width;
         let parts = self.world.solids.len();
         let optics: Vec<(u64, Optics<M>)> =
@@ -82,10 +80,10 @@ impl<'w, M: Mode> Manifold<'w, M> {
                 for (pass, optics) in &optics {
                     for x in 0..width {
                         light.fill(Light::default());
-                        let pixel = Pixel { x, y: *y, index: (*y * width + x) as u64, pass: *pass };
+                        let pixel = Pixel::new((x, *y), width, *pass);
                         self.pixel(optics, pixel, &mut light, &mut roots, (&mut ledger, &mut scratch));
                         if !screens.is_empty() {
-                            look::look(self, (optics, &screens), pixel, &mut light, (&mut ledger, &mut scratch));
+                            look::look(self, (optics, screens), pixel, &mut light, (&mut ledger, &mut scratch));
                         }
                         row.add_pass(x, &light);
                     }
@@ -105,11 +103,9 @@ impl<'w, M: Mode> Manifold<'w, M> {
         roots: &mut Vec<Root>,
         (ledger, scratch): (&mut Ledger, &mut Ledger),
     ) {
-        let mut fixed = Rng::new(self.seed, Stream::ConnectionShift, 0, pixel.index);
-        let shift = [fixed.next_u64(), fixed.next_u64(), fixed.next_u64(), fixed.next_u64()];
-        let at = lattice(shift, pixel.pass);
+        let at: [f64; 4] = pixel.start(self.seed, Stream::Connection, pixel.pass);
         let film = self.world.eye.film_of(pixel.x, pixel.y, [at[0], at[1]]);
-        let mut choices = Rng::new(self.seed, Stream::ConnectionChoice, pixel.pass, pixel.index);
+        let mut choices = pixel.rng(self.seed, Stream::ConnectionChoice);
         for entry in self.connections.at(film) {
             let Some(lamp) = self.world.lamps.get(entry.starts.lamp) else { continue };
             let chance = self.connections.chance(entry);
@@ -144,13 +140,11 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let (origin, (_, dir), ..) = self.world.eye.ray_of(film, root.u);
         let ray = Ray { origin, dir, from: None };
         // Roulette comes only to the longest trains.
-        let rng = Rng::new(self.seed, Stream::Connection, pixel.pass, pixel.index);
+        let rng = pixel.rng(self.seed, Stream::Connection);
         let mut walker = Walker::new((self.world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
         let train = &self.connections.trains[entry.train];
-        if !walker.follow(train.0.iter().map(|lens| lens.link), ledger, |_, _, _| {}) {
-            return 0.0;
-        }
-        let Some(seen) = walker.reach_lamp(ledger).filter(|seen| seen.index == entry.starts.lamp) else { return 0.0 };
+        let links = train.0.iter().map(|lens| lens.link);
+        let Some(seen) = walker.follow_to(links, entry.starts.lamp, ledger, |_, _, _| {}) else { return 0.0 };
         let Some(plane) = self.route.from_eye(seen.lamp.group, walker.trail) else { return 0.0 };
         let chance = self.connections.chance(entry);
         let factor = area_m2 / (root.slope.determinant().abs() * self.world.eye.pupil_area_m2() * chance);
@@ -160,13 +154,4 @@ impl<'w, M: Mode> Manifold<'w, M> {
         walker.see(plane_of::<M>(out, plane), &seen, factor);
         walker.beam.carried() * factor
     }
-}
-
-/// Which pixel in which pass.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Pixel {
-    pub x: usize,
-    pub y: usize,
-    pub index: u64,
-    pub pass: u64,
 }

@@ -1,0 +1,227 @@
+//! How the tables of a face are filled: from what a pilot found, node by node, and cell by cell on trial.
+
+use super::lit::{Entry, Lit, Solution};
+use super::sheet::{Cell, Crossing, Node, Sheet, beyond};
+use super::{MOST_SHEETS, SAME, TOLERANCE};
+use crate::estimate::manifold::face_map::FaceMap;
+use crate::estimate::manifold::solve::Target;
+use crate::film::train::Screen;
+use crate::world::World;
+use crate::world::geometry::Site;
+use crate::world::lamp::Lamp;
+use crate::world::mode::Mode;
+use crate::world::optics::Optics;
+use arrayvec::ArrayVec;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::collections::VecDeque;
+
+/// Cells along the longer side of a face's map: the next where the one before has more than [`FEW`] cells that can't be
+/// interpolated.
+const CELLS: [usize; 2] = [16, 48];
+const FEW: f64 = 0.2;
+/// Of a pilot.
+pub(super) const COARSE: usize = 8;
+/// Largest difference of the mean over a lamp from its middle, as a share, that is let pass.
+const EVEN: f64 = 2e-3;
+/// Of the change of direction over a cell, how much a neighbour's solution may differ from the foretold one.
+const FORETOLD: f64 = 0.5;
+
+impl<M: Mode> Lit<M> {
+    /// With the coarsest map that does for most of the face.
+    pub(super) fn new(world: &World, optics: &Optics<M>, screen: &Screen) -> Option<Lit<M>> {
+        let [coarse @ .., finest] = CELLS;
+        let good = coarse.into_iter().find_map(|cells| {
+            let lit = Lit::with_cells(world, optics, screen, cells)?;
+            (lit.solved_share() <= FEW).then_some(lit)
+        });
+        good.or_else(|| Lit::with_cells(world, optics, screen, finest))
+    }
+
+    /// Of the cells with solutions, the share in which each connection is solved for.
+    pub(super) fn solved_share(&self) -> f64 {
+        let cells = || self.entries.iter().flat_map(|entry| &entry.sheets).flat_map(|sheet| &sheet.cells);
+        let count = |wanted: Cell| cells().filter(|cell| **cell == wanted).count() as f64;
+        let (solved, interpolated) = (count(Cell::Solved), count(Cell::Interpolated));
+        if solved > 0.0 { solved / (solved + interpolated) } else { 0.0 }
+    }
+
+    pub(super) fn with_cells(world: &World, optics: &Optics<M>, screen: &Screen, cells: usize) -> Option<Lit<M>> {
+        let map = FaceMap::new(world, screen, cells)?;
+        let chain = screen.train.chain().reversed();
+        let mut lit = Lit { map, train: screen.train.clone(), chain, entries: Vec::new() };
+        let lamps = world.lamps.all().iter().enumerate();
+        let lamps: Vec<(usize, &Lamp)> =
+            lamps.filter(|(_, lamp)| lamp.group == screen.group && lamp.flux_lm > 0.0).collect();
+        let entries: Vec<Entry<M>> = lamps
+            .par_iter()
+            .map(|(index, lamp)| {
+                let (centre, radius) = lamp.around();
+                let middle = Target::new(centre, lamp.sample_point([0.5, 0.5]).normal);
+                let mut entry = Entry { lamp: *index, middle, size: radius, sheets: Vec::new() };
+                // A lamp that the pilot found no path from starts with its neighbours' directions.
+                let own = screen.seeds.iter().filter(|seed| seed.lamp as usize == *index);
+                let rest = screen.seeds.iter().filter(|seed| seed.lamp as usize != *index);
+                for seed in own.chain(rest) {
+                    lit.grow((world, optics), &mut entry, DVec3::from_array(seed.place), DVec3::from_array(seed.dir));
+                }
+                entry
+            })
+            .collect();
+        lit.entries = entries.into_iter().filter(|entry| !entry.sheets.is_empty()).collect();
+        (!lit.entries.is_empty()).then_some(lit)
+    }
+
+    /// Adds the branch that has a solution near this one, unless it is known.
+    pub(super) fn grow(&self, (world, optics): (&World, &Optics<M>), entry: &mut Entry<M>, place: DVec3, dir: DVec3) {
+        if entry.sheets.len() >= MOST_SHEETS {
+            return;
+        }
+        let Some(spot) = self.map.spot(place) else { return };
+        let site = Site { part: self.map.part, face: self.map.face, triangle: u32::MAX };
+        let middle = entry.middle;
+        let Some(seed) = self.node((world, optics), entry, spot.at, dir) else { return };
+        let known = entry.sheets.iter().any(|sheet| {
+            // From afar the solver may fall into a branch that the sheet does not have.
+            let near = |(dir, change): (DVec3, f64)| dir.distance(seed.dir) <= FORETOLD * change;
+            self.foretell(entry, sheet, &spot, &middle).is_some_and(near)
+                && self
+                    .solve((world, optics), entry, sheet, &spot, (place, site), &middle)
+                    .is_some_and(|other| other.dir.distance(seed.dir) <= SAME)
+        });
+        if known {
+            return;
+        }
+        let mut sheet = Sheet { nodes: vec![None; self.map.nodes()], cells: vec![Cell::Nothing; self.map.nodes()] };
+        let mut tried = vec![false; self.map.nodes()];
+        let from_seed = |at: usize| {
+            let step = -self.map.from_node(at, &spot);
+            (at, seed.dir + seed.by_place[0] * step.x + seed.by_place[1] * step.y)
+        };
+        let mut open: VecDeque<(usize, DVec3)> = self.map.corners(spot.cell).map(from_seed).into();
+        while let Some((at, start)) = open.pop_front() {
+            if std::mem::replace(&mut tried[at], true) {
+                continue;
+            }
+            let Some(node) = self.node((world, optics), entry, self.map.at_node(at), start) else { continue };
+            // A solution elsewhere than foretold belongs to another branch.
+            if node.dir.distance(start) > FORETOLD * self.map.cell_size() * node.by_place_size() {
+                continue;
+            }
+            for next in self.map.neighbours(at).filter(|next| !tried[*next]) {
+                let step = self.map.step(at, next);
+                open.push_back((next, node.dir + node.by_place[0] * step.x + node.by_place[1] * step.y));
+            }
+            sheet.nodes[at] = Some(node);
+        }
+        if !self.is_small((world, optics), entry, &sheet) {
+            return;
+        }
+        self.complete((world, optics), &mut sheet);
+        for cell in self.map.cells() {
+            sheet.cells[cell] = self.judge((world, optics), entry, &sheet, cell);
+        }
+        if sheet.cells.iter().any(|cell| *cell != Cell::Nothing) {
+            entry.sheets.push(sheet);
+        }
+    }
+
+    /// Whether a few nodes see most of the lamp over this train: of a large lamp, or of one with a narrow beam, the middle tells
+    /// nothing, and its points would be joined for nothing most of the time. Photons do better there.
+    pub(super) fn is_small(&self, tracing: (&World, &Optics<M>), entry: &Entry<M>, sheet: &Sheet<M>) -> bool {
+        const LOOKS: usize = 16;
+        let known: Vec<usize> = (0..sheet.nodes.len()).filter(|node| sheet.nodes[*node].is_some()).collect();
+        let step = known.len().div_ceil(LOOKS).max(1);
+        let looks =
+            || known.iter().skip(step / 2).step_by(step).filter_map(|at| Some((*at, sheet.nodes[*at].as_ref()?)));
+        let whole = looks().filter(|(at, node)| {
+            self.aside(tracing, entry, node, self.map.at_node(*at), |from, found| {
+                let (light, ..) = self.probe(tracing, entry.lamp, from, found.dir)?;
+                Some((light[0] * found.factor - node.strength[0]).abs() <= 0.5 * node.strength[0])
+            })
+            .is_some_and(|alike| alike.into_iter().all(|alike| alike))
+        });
+        // Near folds and rims it never is; a good part of the face has to be.
+        3 * whole.count() >= looks().count().max(1)
+    }
+
+    /// What `of` makes of the solutions for four points about the lamp's middle, near the rim of a square one; none where
+    /// one is missing.
+    pub(super) fn aside<T>(
+        &self,
+        tracing: (&World, &Optics<M>),
+        entry: &Entry<M>,
+        node: &Node<M>,
+        at: DVec2,
+        of: impl Fn((DVec3, Site), &Solution) -> Option<T>,
+    ) -> Option<ArrayVec<T, 4>> {
+        // Of the lamp's radius: corners of a square are a little farther out.
+        const ASIDE: f64 = 0.7;
+        let [a, b] = entry.middle.across.map(|axis| axis * (ASIDE * entry.size));
+        let from = self.map.place(tracing.0, at)?;
+        let point = |off: DVec3| {
+            let target = Target { point: entry.middle.point + off, ..entry.middle };
+            let moved = entry.middle.local(off);
+            let start = node.dir + node.by_lamp[0] * moved.x + node.by_lamp[1] * moved.y;
+            of(from, &self.newton(tracing, entry, from, start, &target)?)
+        };
+        [a, -a, b, -b].into_iter().map(point).collect()
+    }
+
+    /// Adds nodes just beyond what is lit, by cubics through the four nodes next to them along a row or a column: where
+    /// the edge is that of a slide's picture, cells on it can be interpolated, and the picture itself says where it ends.
+    pub(super) fn complete(&self, (world, optics): (&World, &Optics<M>), sheet: &mut Sheet<M>) {
+        let missing = (0..self.map.nodes()).filter(|node| sheet.nodes[*node].is_none());
+        let added: Vec<(usize, Node<M>)> = missing
+            .filter_map(|node| {
+                let lines = self.map.lines(node);
+                let found = lines.into_iter().flatten().find_map(|line| {
+                    let [a, b, c, d] = line.map(|node| sheet.nodes[node].as_ref());
+                    beyond([a?, b?, c?, d?])
+                })?;
+                let outside =
+                    |crossing: &Crossing| optics.slide(&world.slides[crossing.slide], crossing.local).is_none();
+                found.slides.iter().any(outside).then_some((node, found))
+            })
+            .collect();
+        for (node, found) in added {
+            sheet.nodes[node] = Some(found);
+        }
+    }
+
+    /// Whether a cell can be interpolated: by a solution in its middle.
+    pub(super) fn judge(&self, tracing: (&World, &Optics<M>), entry: &Entry<M>, sheet: &Sheet<M>, cell: usize) -> Cell {
+        let at = self.map.middle(cell);
+        let Some(spot) = self.map.spot_at(at) else { return Cell::Nothing };
+        let nodes = || spot.nodes().map(|(node, _)| sheet.nodes[node].as_ref());
+        if nodes().all(|node| node.is_none()) {
+            return Cell::Nothing;
+        }
+        if !nodes().all(|node| node.is_some_and(|node| !node.exact_only)) {
+            return Cell::Solved;
+        }
+        let near = sheet.nodes[cell].as_ref();
+        let Some(found) = near.and_then(|near| self.node(tracing, entry, at, near.dir)) else { return Cell::Solved };
+        let Some(blend) = sheet.blend(&spot, DVec2::ZERO) else { return Cell::Solved };
+        if blend.slides.len() != found.slides.len() || blend.alone != found.alone {
+            return Cell::Solved;
+        }
+        let errs =
+            |lane: usize| (blend.strength[lane] - found.strength[lane]).abs() > TOLERANCE * found.strength[lane].abs();
+        let moved = |((_, at), crossing): (&(usize, DVec3), &Crossing)| {
+            at.distance(crossing.local) > TOLERANCE * tracing.0.slides[crossing.slide].size()
+        };
+        let turned = blend.dir.distance(found.dir) > TOLERANCE;
+        let wrong = turned || (0..M::LANES).any(errs) || blend.slides.iter().zip(&found.slides).any(moved);
+        if wrong {
+            return Cell::Solved;
+        }
+        // The middle of the lamp has to stand for all of it.
+        let factors = self.aside(tracing, entry, &found, at, |_, found| Some(found.factor));
+        let even = factors.is_some_and(|factors| {
+            let mean = factors.iter().sum::<f64>() / factors.len() as f64;
+            (mean - found.factor).abs() <= EVEN * found.factor
+        });
+        if even { Cell::Interpolated } else { Cell::Solved }
+    }
+}

@@ -1,0 +1,206 @@
+//! A face and a train: the solver for points of the face, and what a solution brings.
+
+use super::sheet::{Crossing, Node, SLIDES, Sheet};
+use crate::base::chain::Chain;
+use crate::base::rng::{Rng, Stream};
+use crate::estimate::ledger::Ledger;
+use crate::estimate::manifold::connections::index_of;
+use crate::estimate::manifold::face_map::{FaceMap, Spot};
+use crate::estimate::manifold::solve::{Family, Target, newton, trace};
+use crate::estimate::walk::{Travel, Vertex, Walker};
+use crate::film::accumulate::Light;
+use crate::film::train::Train;
+use crate::world::World;
+use crate::world::geometry::{Ray, Site};
+use crate::world::interior::Interior;
+use crate::world::mode::{LaneArray, Mode, lanes};
+use crate::world::optics::Optics;
+use crate::world::surface::Surface;
+use arrayvec::ArrayVec;
+use glam::{DMat2, DVec2, DVec3};
+
+/// What the solver finds for a point of a face and a point of a lamp.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Solution {
+    /// Unit, from the face.
+    pub(super) dir: DVec3,
+    /// Solid angle that the whole lamp would fill if all of it were as here, sr.
+    pub(super) factor: f64,
+}
+
+/// All branches of a train for one lamp.
+#[derive(Debug)]
+pub(super) struct Entry<M: Mode> {
+    pub(super) lamp: usize,
+    pub(super) middle: Target,
+    pub(super) size: f64,
+    pub(super) sheets: Vec<Sheet<M>>,
+}
+
+/// A face that a train leads to, and what it brings from each lamp.
+#[derive(Debug)]
+pub(super) struct Lit<M: Mode> {
+    pub(super) map: FaceMap,
+    pub(super) train: Train,
+    /// From the lamp.
+    pub(super) chain: Chain,
+    pub(super) entries: Vec<Entry<M>>,
+}
+
+/// How far a probe went aside on the lamp, m, and where it crossed slides.
+pub(super) type Aside = (f64, Vec<(usize, DVec3)>);
+
+impl<M: Mode> Lit<M> {
+    /// Solves from a start for the direction to the target.
+    pub(super) fn newton(
+        &self,
+        (world, optics): (&World, &Optics<M>),
+        entry: &Entry<M>,
+        (point, site): (DVec3, Site),
+        axis: DVec3,
+        target: &Target,
+    ) -> Option<Solution> {
+        let axis = axis.try_normalize()?;
+        let (a, b) = axis.any_orthonormal_pair();
+        let family = Family::Point { origin: point, from: Some(site), axis, across: [a, b] };
+        let root = newton(world, &index_of(optics), &family, DVec2::ZERO, &self.train, target, entry.size)?;
+        let long = axis + a * root.u.x + b * root.u.y;
+        let length = long.length();
+        let area_m2 = world.lamps.get(entry.lamp)?.area_m2;
+        // Steradian per unit of the parameters, over the lamp's area per unit of them.
+        let factor = area_m2 / (length.powi(3) * root.slope.determinant().abs());
+        factor.is_finite().then_some(Solution { dir: long / length, factor })
+    }
+
+    /// Solves for a point in a cell of a sheet.
+    pub(super) fn solve(
+        &self,
+        tracing: (&World, &Optics<M>),
+        entry: &Entry<M>,
+        sheet: &Sheet<M>,
+        spot: &Spot,
+        from: (DVec3, Site),
+        target: &Target,
+    ) -> Option<Solution> {
+        let (start, _) = self.foretell(entry, sheet, spot, target)?;
+        self.newton(tracing, entry, from, start, target)
+    }
+
+    /// The direction that the nearest node of a sheet foretells, and how much it changes over a cell.
+    pub(super) fn foretell(
+        &self,
+        entry: &Entry<M>,
+        sheet: &Sheet<M>,
+        spot: &Spot,
+        target: &Target,
+    ) -> Option<(DVec3, f64)> {
+        let known = spot.nodes().filter(|(node, _)| sheet.nodes[*node].is_some());
+        let (first, _) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let node = sheet.nodes[first].as_ref()?;
+        let off = entry.middle.local(target.point - entry.middle.point);
+        let at = self.map.from_node(first, spot);
+        let by_place = node.by_place[0] * at.x + node.by_place[1] * at.y;
+        let by_lamp = node.by_lamp[0] * off.x + node.by_lamp[1] * off.y;
+        Some((node.dir + by_place + by_lamp, self.map.cell_size() * node.by_place_size()))
+    }
+
+    /// Follows a solution as any path is followed; `each` sees the faces. Returns the lamp's luminance as it arrives, per
+    /// lane.
+    pub(super) fn follow(
+        &self,
+        (world, optics): (&World, &Optics<M>),
+        lamp: usize,
+        (point, site, interior, rng): (DVec3, Site, Interior, Rng),
+        dir: DVec3,
+        ledger: &mut Ledger,
+        mut each: impl FnMut(&Vertex),
+    ) -> Option<(M::Lanes<Light>, bool)> {
+        let ray = Ray { origin: point, dir, from: Some(site) };
+        let mut walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0, interior, rng);
+        // The point is no pupil: what falls into the eye on the way is stopped there.
+        walker.events = 1;
+        let links = self.train.0.iter().map(|lens| lens.link);
+        let seen = walker.follow_to(links, lamp, ledger, |_, vertex, _| each(vertex))?;
+        Some(walker.seen(&seen))
+    }
+
+    /// The solution for the middle of the lamp at fractional node coordinates.
+    pub(super) fn node(
+        &self,
+        (world, optics): (&World, &Optics<M>),
+        entry: &Entry<M>,
+        at: DVec2,
+        start: DVec3,
+    ) -> Option<Node<M>> {
+        let index = index_of(optics);
+        let (point, site) = self.map.place(world, at)?;
+        let (target, from) = (&entry.middle, (point, site));
+        let Solution { dir, factor } = self.newton((world, optics), entry, from, start, target)?;
+        let (light, alone, slides) = self.probe((world, optics), entry.lamp, from, dir)?;
+        let strength = lanes::<M, _>(|lane| light[lane] * factor);
+        let (a, b) = dir.any_orthonormal_pair();
+        let family = Family::Point { origin: point, from: Some(site), axis: dir, across: [a, b] };
+        let straight = trace(world, &index, &family, DVec2::ZERO, &self.train, target)?;
+        let inverse: DMat2 = straight.slope.inverse();
+        let shifted = Family::Shifted { origin: point, from: Some(site), dir, across: self.map.across() };
+        let moved = trace(world, &index, &shifted, DVec2::ZERO, &self.train, target)?;
+        let turn = |by: DVec2| a * by.x + b * by.y;
+        let by_lamp = [turn(inverse.x_axis), turn(inverse.y_axis)];
+        let by_place = -(inverse * moved.slope);
+        let by_place = [turn(by_place.x_axis), turn(by_place.y_axis)];
+        // How the places on slides move with the place on the lamp: by the derivative of the direction.
+        let step = 0.25 * entry.size;
+        let mut crossings: ArrayVec<Crossing, SLIDES> = ArrayVec::new();
+        let mut exact_only = slides.len() > SLIDES;
+        let aside: [Option<Aside>; 2] = if slides.is_empty() {
+            [None, None]
+        } else {
+            // To the one side or to the other: on one of them the slide's picture may have ended.
+            [0, 1].map(|k| {
+                [step, -step].into_iter().find_map(|step| {
+                    let (_, _, slides) =
+                        self.probe((world, optics), entry.lamp, from, (dir + by_lamp[k] * step).normalize())?;
+                    Some((step, slides))
+                })
+            })
+        };
+        for (k, (slide, local)) in slides.iter().enumerate().take(SLIDES) {
+            let by = |axis: usize| -> Option<DVec3> {
+                let (step, places) = aside[axis].as_ref()?;
+                let other = places.get(k)?;
+                (other.0 == *slide).then(|| (other.1 - *local) / *step)
+            };
+            match (by(0), by(1)) {
+                (Some(x), Some(y)) => crossings.push(Crossing { slide: *slide, local: *local, by_lamp: [x, y] }),
+                _ => exact_only = true,
+            }
+        }
+        let finite =
+            strength.as_slice().iter().all(|s| s.is_finite()) && by_lamp.iter().chain(&by_place).all(|v| v.is_finite());
+        finite.then_some(Node { dir, by_lamp, by_place, factor, strength, alone, slides: crossings, exact_only })
+    }
+
+    /// What arrives along a direction from the lamp, with the slides open, and where it crosses them.
+    #[allow(clippy::type_complexity)]
+    pub(super) fn probe(
+        &self,
+        (world, optics): (&World, &Optics<M>),
+        lamp: usize,
+        (point, site): (DVec3, Site),
+        dir: DVec3,
+    ) -> Option<(M::Lanes<f64>, bool, Vec<(usize, DVec3)>)> {
+        let mut ledger = Ledger::new(world.solids.len());
+        let interior = Interior::of(world.geometry.solids_containing(point + dir * (1e-6 * self.map.cell_size())));
+        let start = (point, site, interior, Rng::new(0, Stream::Pilot, 3, 0));
+        let mut slides = Vec::new();
+        let (light, alone) = self.follow((world, optics), lamp, start, dir, &mut ledger, |vertex| {
+            let face = &world.faces[vertex.hit.site.part as usize][vertex.hit.site.face as usize];
+            if let Surface::Slide(index) = face.surface {
+                slides.push((index, vertex.hit.local));
+            }
+        })?;
+        // The slides' share at full opening is the leading coefficient over what they let through when open.
+        let open: f64 = slides.iter().map(|(index, _)| world.slides[*index].t_white()).product();
+        Some((lanes::<M, _>(|lane| if open > 0.0 { light[lane].open() / open } else { 0.0 }), alone, slides))
+    }
+}
