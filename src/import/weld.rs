@@ -19,7 +19,9 @@ pub(crate) fn weld(points: &[[f32; 3]], reach: f64) -> Vec<usize> {
     // reach 0.
     let cell = if reach > 0.0 { 16.0 * reach } else { 1.0 };
     let key = |p: DVec3| (p / cell).floor().to_array().map(|x| x as i64);
-    let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    // The latest point of each cell, and for each point the one before it in its cell: no list per cell.
+    let mut cells: HashMap<[i64; 3], usize> = HashMap::with_capacity(points.len());
+    let mut before = vec![usize::MAX; points.len()];
     let mut first = Vec::with_capacity(points.len());
     for (index, point) in points.iter().enumerate() {
         let p = DVec3::from_array(point.map(f64::from));
@@ -34,16 +36,18 @@ pub(crate) fn weld(points: &[[f32; 3]], reach: f64) -> Vec<usize> {
             if (0..3).any(|axis| corner >> axis & 1 == 1 && low[axis] == high[axis]) {
                 continue; // the same cell again
             }
-            for &other in cells.get(&[pick(0), pick(1), pick(2)]).into_iter().flatten() {
-                let near = points.get(other).is_some_and(|o| DVec3::from_array(o.map(f64::from)).distance(p) <= reach);
+            let mut next = cells.get(&[pick(0), pick(1), pick(2)]).copied();
+            while let Some((other, o)) = next.and_then(|other| Some((other, points.get(other)?))) {
+                let near = DVec3::from_array(o.map(f64::from)).distance_squared(p) <= reach * reach;
                 if near && found.is_none_or(|f| other < f) {
                     found = Some(other);
                 }
+                next = before.get(other).copied();
             }
         }
         first.push(found.unwrap_or(index));
         if found.is_none() {
-            cells.entry(key(p)).or_default().push(index);
+            before[index] = cells.insert(key(p), index).unwrap_or(usize::MAX);
         }
     }
     first

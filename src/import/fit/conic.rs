@@ -1,6 +1,7 @@
 //! A surface of revolution of second order, the nearest point on it, and how the distance to it answers to its
 //! parameters.
 
+use super::linalg::length;
 use glam::DVec3;
 
 /// c·(ρ² + (1+k)·z²) = 2z in the frame of `vertex` and unit `axis`: curvature c = 1/R at the vertex (signed, zero is a
@@ -33,7 +34,7 @@ impl Conic {
         let (u, v) = self.across();
         let q = p - self.vertex;
         let (x, y, z) = (q.dot(u), q.dot(v), q.dot(self.axis));
-        let lambda = match self.foot(x.hypot(y), z) {
+        let lambda = match self.foot(x * x + y * y, z) {
             Some(lambda) => lambda,
             // Beyond the centre plane of a hyperboloid: the vertex is an upper bound of the distance to the right
             // sheet.
@@ -43,7 +44,7 @@ impl Conic {
         let (x, y, z) = (x / (1.0 + lambda * c), y / (1.0 + lambda * c), (z + lambda) / (1.0 + lambda * k));
         // Half the gradient at the foot; a displacement V of the surface there changes the distance by −n·V.
         let (gx, gy, gz) = (c * x, c * y, k * z - 1.0);
-        let length = gx.hypot(gy).hypot(gz);
+        let length = length(length(gx, gy), gz);
         let per = 1.0 / length;
         [
             -(gx * z - gz * x) * per,
@@ -61,37 +62,44 @@ impl Conic {
     pub fn distance(&self, p: DVec3) -> f64 {
         let q = p - self.vertex;
         let z = q.dot(self.axis);
-        let rho = (q - z * self.axis).length();
-        let Some(lambda) = self.foot(rho, z) else { return q.length() };
-        let k = self.c * (1.0 + self.k);
-        let (rho, z) = (rho / (1.0 + lambda * self.c), (z + lambda) / (1.0 + lambda * k));
-        lambda * (self.c * rho).hypot(k * z - 1.0)
+        let square = (q - z * self.axis).length_squared();
+        let Some(lambda) = self.foot(square, z) else { return q.length() };
+        let (across, along) = (1.0 + lambda * self.c, 1.0 + lambda * self.c * (1.0 + self.k));
+        let (rho, tilt) = (square.sqrt() / across, (self.c * (1.0 + self.k) * z - 1.0) / along);
+        lambda * length(self.c * rho, tilt)
     }
 
     /// The multiplier λ for which the foot (ρ/(1+λc), (z+λ)/(1+λK)), K = c(1+k), lies on the surface: point − foot is
-    /// then λ times half the gradient there. Newton's method on a function that falls monotonically between its poles,
-    /// which bound the near foot. None on the far side of a hyperboloid's centre plane.
-    fn foot(&self, rho: f64, z: f64) -> Option<f64> {
+    /// then λ times half the gradient there. `square` is ρ². On a sphere half the gradient is a unit vector, so that λ
+    /// is the distance. Else Newton's method on a function that falls monotonically between its poles, which bound the
+    /// near foot. None on the far side of a hyperboloid's centre plane.
+    fn foot(&self, square: f64, z: f64) -> Option<f64> {
         let (c, k) = (self.c, self.c * (1.0 + self.k));
+        if self.k == 0.0 {
+            let miss = c * (square + z * z) - 2.0 * z;
+            let lambda = miss / (1.0 + (1.0 + c * miss).max(0.0).sqrt());
+            return lambda.is_finite().then_some(lambda);
+        }
         if self.k < -1.0 && k * z - 1.0 >= 0.0 {
             return None;
         }
         let mut lambda = 0.0;
         for _ in 0..60 {
-            let (across, along) = (1.0 + lambda * c, 1.0 + lambda * k);
-            let (r, h) = (rho / across, (z + lambda) / along);
-            let value = c * r * r + k * h * h - 2.0 * h;
-            let slope = -2.0 * ((c * r).powi(2) / across + (k * h - 1.0).powi(2) / along);
-            let mut step = -value / slope;
+            let (across, along) = (1.0 / (1.0 + lambda * c), 1.0 / (1.0 + lambda * k));
+            let (square, h) = (square * across * across, (z + lambda) * along);
+            let value = c * square + h * (k * h - 2.0);
+            let half = c * c * square * across + (k * h - 1.0).powi(2) * along;
+            let mut step = 0.5 * value / half;
             if !step.is_finite() {
                 return None;
             }
             while 1.0 + (lambda + step) * c <= 0.0 || 1.0 + (lambda + step) * k <= 0.0 {
                 step *= 0.5;
             }
-            let before = lambda;
             lambda += step;
-            if (lambda - before).abs() <= f64::EPSILON * lambda.abs() || lambda == before {
+            // A step leaves 3/2·|c or K, over its factor|·step² at most, and rounding of z hides as much in λ.
+            let bend = (c * across).abs().max((k * along).abs());
+            if 1.5 * bend * step * step <= f64::EPSILON * (lambda.abs() + z.abs()) && bend * step.abs() <= 0.1 {
                 break;
             }
         }

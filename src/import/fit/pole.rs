@@ -3,14 +3,20 @@
 use super::conic::Conic;
 use super::plane::plane;
 use glam::DVec3;
+use std::cell::OnceCell;
 
 /// A face in centred and scaled coordinates, with coincident vertices welded.
 pub(super) struct Face {
     pub points: Vec<DVec3>,
     pub triangles: Vec<[usize; 3]>,
+    edge: OnceCell<Vec<usize>>,
 }
 
 impl Face {
+    pub fn new(points: Vec<DVec3>, triangles: Vec<[usize; 3]>) -> Face {
+        Face { points, triangles, edge: OnceCell::new() }
+    }
+
     fn corners(&self) -> impl Iterator<Item = [DVec3; 3]> {
         self.triangles.iter().map(|t| t.map(|i| self.points.get(i).copied().unwrap_or_default()))
     }
@@ -39,16 +45,33 @@ impl Face {
     }
 
     /// Indices of the points on edges that belong to one triangle only.
-    pub fn edge(&self) -> Vec<usize> {
-        let sound = self.triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a);
-        let mut edges: Vec<(usize, usize)> =
-            sound.flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)].map(|(p, q)| (p.min(q), p.max(q)))).collect();
-        edges.sort_unstable();
-        let single = edges.chunk_by(|x, y| x == y).filter(|uses| uses.len() == 1);
-        let mut out: Vec<usize> = single.flatten().flat_map(|e| [e.0, e.1]).collect();
-        out.sort_unstable();
-        out.dedup();
-        out
+    pub fn edge(&self) -> &[usize] {
+        self.edge.get_or_init(|| self.find_edge())
+    }
+
+    fn find_edge(&self) -> Vec<usize> {
+        let sound = || self.triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a);
+        let edges = || sound().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)].map(|(p, q)| (p.min(q), p.max(q))));
+        // Bucketed by the lower point; the few of a bucket are sorted by the higher.
+        let mut ends = vec![0; self.points.len() + 1];
+        edges().for_each(|(low, _)| ends[low + 1] += 1);
+        (0..self.points.len()).for_each(|i| ends[i + 1] += ends[i]);
+        let mut highs = vec![0; ends.last().copied().unwrap_or(0)];
+        // Each bucket is filled from its start, which so becomes the next one's.
+        for (low, high) in edges() {
+            highs[ends[low]] = high;
+            ends[low] += 1;
+        }
+        let mut on_edge = vec![false; self.points.len()];
+        let mut from = 0;
+        for (low, &to) in ends.iter().enumerate().take(self.points.len()) {
+            highs[from..to].sort_unstable();
+            for uses in highs[from..to].chunk_by(|p, q| p == q).filter(|uses| uses.len() == 1) {
+                (on_edge[low], on_edge[uses[0]]) = (true, true);
+            }
+            from = to;
+        }
+        (0..self.points.len()).filter(|&i| on_edge[i]).collect()
     }
 
     /// The same sphere with its pole amid the face: under the middle of its edge where that lies in a plane (a revolved
@@ -57,7 +80,7 @@ impl Face {
         let radius = 1.0 / sphere.c;
         let centre = sphere.vertex + radius * sphere.axis;
         let towards = self.middle() - centre;
-        let edge: Vec<DVec3> = self.edge().into_iter().filter_map(|i| self.points.get(i).copied()).collect();
+        let edge: Vec<DVec3> = self.edge().iter().filter_map(|i| self.points.get(*i).copied()).collect();
         let flat = plane(&edge);
         let is_flat = edge.len() >= 3
             && flat.spread[1] > tolerance

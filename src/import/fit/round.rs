@@ -1,7 +1,7 @@
 //! A torus by its two curvatures at a vertex, or a cylinder where the one along x is zero: distances, how they answer to
 //! its parameters, and starts for the least squares.
 
-use super::linalg::{Triangle, singular};
+use super::linalg::{self, Triangle, singular};
 use super::plane::plane;
 use super::pole::Face;
 use super::refine::Model;
@@ -28,8 +28,13 @@ const TWIST: usize = 4;
 pub(super) const CURVE: usize = 5;
 pub(super) const TUBE: usize = 6;
 
-pub(super) const CYLINDER: [bool; 8] = [true, false, true, true, true, true, false, false];
-pub(super) const TOROID: [bool; 8] = [true, true, true, true, true, true, true, false];
+const CYLINDER: [bool; 8] = [true, false, true, true, true, true, false, false];
+const TOROID: [bool; 8] = [true, true, true, true, true, true, true, false];
+
+/// What moves.
+pub(super) fn free(toroid: bool) -> &'static [bool; 8] {
+    if toroid { &TOROID } else { &CYLINDER }
+}
 
 /// Signed distance of (y, z) from the circle of curvature c that touches z = 0 at the origin, positive towards +z: no
 /// cancellation where the radius is long.
@@ -40,7 +45,7 @@ fn circle(c: f64, y: f64, z: f64) -> f64 {
 
 /// Distance from the circle's centre over its radius.
 fn length(c: f64, y: f64, z: f64) -> f64 {
-    (1.0 - c * z).hypot(c * y)
+    linalg::length(1.0 - c * z, c * y)
 }
 
 /// Derivatives of [`circle`] by y, z and c.
@@ -183,7 +188,7 @@ fn osculating(face: &Face, points: &[DVec3], toroid: bool) -> [Option<Round>; 2]
 
 /// Middles and area-weighted normals of the triangles, a part of very many.
 fn patches(face: &Face) -> Vec<(DVec3, DVec3)> {
-    let stride = face.triangles.len().div_ceil(4000).max(1);
+    let stride = face.triangles.len().div_ceil(1000).max(1);
     let corner = |i: usize| face.points.get(i).copied().unwrap_or_default();
     let patch = |t: &[usize; 3]| {
         let [a, b, c] = t.map(corner);
