@@ -69,3 +69,37 @@ pub fn glare_spread(theta_deg: f64, age: f64, pigment: f64) -> f64 {
 pub fn veil(sources: &[(f64, f64)], age: f64, pigment: f64) -> f64 {
     sources.iter().map(|(illuminance, theta_deg)| illuminance * glare_general(*theta_deg, age, pigment)).sum()
 }
+
+/// The smallest difference of luminance that cones see against a field of `adaptation`, cd/m² (Ferwerda, Pattanaik,
+/// Shirley and Greenberg, "A model of visual adaptation for realistic image synthesis", SIGGRAPH 1996, photopic
+/// threshold against intensity).
+pub fn threshold_ferwerda(adaptation: f64) -> f64 {
+    let log = adaptation.max(f64::MIN_POSITIVE).log10();
+    let threshold = if log <= -2.6 {
+        -0.72
+    } else if log >= 1.9 {
+        log - 1.255
+    } else {
+        (0.249 * log + 0.65).powf(2.7) - 0.72
+    };
+    10f64.powf(threshold)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::threshold_ferwerda;
+
+    /// By hand from the three pieces; they meet to within a percent.
+    #[test]
+    fn thresholds_of_cones() {
+        assert!((threshold_ferwerda(234.0) - 234.0 * 0.055_590_4).abs() < 1e-3);
+        assert_eq!(threshold_ferwerda(0.0), threshold_ferwerda(1e-6));
+        // log La = 0: 0.65^2.7 − 0.72 = −0.407 48.
+        assert!((threshold_ferwerda(1.0).log10() + 0.407_48).abs() < 1e-4, "{}", threshold_ferwerda(1.0).log10());
+        for knee in [-2.6f64, 1.9] {
+            let (below, above) =
+                (threshold_ferwerda(10f64.powf(knee - 1e-9)), threshold_ferwerda(10f64.powf(knee + 1e-9)));
+            assert!((below / above - 1.0).abs() < 0.02, "{knee}: {below} {above}");
+        }
+    }
+}

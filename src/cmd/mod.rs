@@ -10,6 +10,7 @@ mod bench_curve;
 mod convert;
 mod init;
 mod inspect;
+mod mix;
 mod plan;
 mod progress;
 mod render;
@@ -28,7 +29,7 @@ use std::process::ExitCode;
     name = "eyebox",
     version,
     propagate_version = true,
-    after_help = "Examples:\n  eyebox init hud.glb -o hud.optics.toml\n  eyebox inspect hud.optics.toml\n  eyebox render samples/hud-direct/hud.optics.toml -o hud.exr\n  eyebox view hud.exr -o hud.png"
+    after_help = "Examples:\n  eyebox init hud.glb -o hud.optics.toml\n  eyebox inspect hud.optics.toml\n  eyebox render samples/hud-direct/hud.optics.toml -o hud.exr\n  eyebox view hud.exr -o hud.png\n  eyebox mix hud.exr --gain led=0.5 -o dim.exr"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -49,6 +50,8 @@ enum Command {
     Annotate(annotate::AnnotateArgs),
     /// Write an assembly in another format, with all its optical attributes.
     Convert(convert::ConvertArgs),
+    /// Change lamp levels, contrast and background of a rendered frame.
+    Mix(mix::MixArgs),
     /// Turn a layer of an EXR into a PNG for a display.
     View(view::ViewArgs),
     /// Measure the program: time against error, and answers that are known.
@@ -84,6 +87,7 @@ pub fn main() -> ExitCode {
         Command::Init(args) => init::run(args),
         Command::Annotate(args) => annotate::run(args),
         Command::Convert(args) => convert::run(args),
+        Command::Mix(args) => mix::run(args),
         Command::View(args) => view::run(args),
         Command::Bench(args) => bench::run(args),
     };

@@ -1,7 +1,16 @@
-//! Floor 2: what leaves the program: layered EXR and pictures to look at.
+//! Floor 2: what leaves the program: layered EXR and pictures to look at, and what is made of a rendered frame.
 
 pub mod assembly_tree;
 pub mod exr;
+pub mod field;
 pub mod geometry;
+mod mix_errors;
+pub mod join;
+pub mod leak;
+pub mod luminance;
+pub mod mix;
+pub mod plate;
+pub mod shares;
+pub mod solve;
 pub mod tone;
 pub mod view;

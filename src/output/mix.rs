@@ -1,0 +1,213 @@
+//! One rendering, recombined: gains per light group, another contrast of the slide, standard errors carried along.
+//! `docs/mix.md` has the formulas.
+
+use super::shares::{PLATE, Rendering, Share};
+use crate::base::fault::{Fault, Result, Where};
+use crate::film::frame::{Frame, Meta, split_name};
+use crate::film::layer::Layer;
+
+/// What is to be changed.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Recipe {
+    /// Factors of light groups; a group that is named twice gets both.
+    pub gains: Vec<(String, f64)>,
+    /// T_white/T_black of the slide, 1 to ∞; as it was rendered if none.
+    pub contrast: Option<f64>,
+}
+
+/// How the standard errors of the mixed frame are known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Errors {
+    /// Nothing was changed that they depend on, or everything by the same factor, or at most two shares: exact.
+    Exact,
+    /// From the errors of the shares; how the shares lean on each other is taken to be the same for all pairs.
+    FromShares,
+    /// The rendered errors times the largest gain of the light in each pixel: not less than the truth unless shares
+    /// lean against each other.
+    AtMost,
+    /// The file doesn't hold what they need: `stderr` was left out.
+    Unknown,
+    /// The frame had none.
+    Absent,
+}
+
+impl Errors {
+    /// For people.
+    pub fn said(self) -> &'static str {
+        match self {
+            Errors::Exact => "stderr scaled with the light",
+            Errors::FromShares => "stderr from the errors of the shares",
+            Errors::AtMost => "stderr is an upper bound; render with --stderr layers for a closer one",
+            Errors::Unknown => "stderr left out: for another contrast it needs a frame rendered with --stderr layers",
+            Errors::Absent => "no stderr, as in the frame",
+        }
+    }
+}
+
+/// The recombined frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mixed {
+    pub frame: Frame,
+    pub errors: Errors,
+}
+
+/// One step of what was done to a frame, for its header (`eyebox.mix`, a JSON list, oldest first).
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Record {
+    pub frames: Vec<String>,
+    /// Group and gain, those of 1 left out.
+    pub gains: Vec<(String, f64)>,
+    /// Before and after; infinite is null.
+    pub contrast: Option<[f64; 2]>,
+    pub plate: Option<String>,
+    pub solved: Option<super::solve::Solved>,
+    pub errors: Errors,
+}
+
+impl Recipe {
+    /// The factor of a group: the product of its gains.
+    pub fn gain(&self, group: &str) -> f64 {
+        self.gains.iter().filter(|(name, _)| name == group).map(|(_, gain)| *gain).product()
+    }
+
+    /// Errors: a gain that is negative or not finite, an unknown group (with the nearest), a contrast below 1 or without
+    /// a slide.
+    pub fn check(&self, rendering: &Rendering) -> Result<()> {
+        for (group, gain) in &self.gains {
+            let at = || Where::Option(format!("--gain {group}={gain}"));
+            if !rendering.groups.contains(group) {
+                return Err(Fault::new(at(), format!("the frame has no light group `{group}`"))
+                    .expected(format!("one of {}", rendering.groups.join(", ")))
+                    .nearest(group, rendering.groups.iter().map(String::as_str)));
+            }
+            if !(*gain >= 0.0 && gain.is_finite()) {
+                return Err(Fault::new(at(), format!("{gain} is no gain")).expected("0 or more, finite"));
+            }
+        }
+        let Some(contrast) = self.contrast else { return Ok(()) };
+        let at = || Where::Option(format!("--contrast {contrast}"));
+        if contrast.is_nan() || contrast < 1.0 {
+            return Err(Fault::new(at(), format!("{contrast} is no contrast")).expected("1 or more; `inf` is allowed"));
+        }
+        let Some(rendered) = rendering.contrast else {
+            return Err(Fault::new(at(), "the frame has no slide whose contrast could be changed")
+                .expected("a scene with one slide"));
+        };
+        let refused = rendering.shares.iter().find_map(|share| Some((share, share.refused.as_ref()?)));
+        match refused {
+            Some((share, because)) if contrast != rendered => {
+                Err(Fault::new(at(), format!("`{}` is not split by contrast: {because}", share.name))
+                    .expected(format!("`{}_open` and `{}_content` in the frame", share.name, share.name)))
+            }
+            Some(_) | None => Ok(()),
+        }
+    }
+}
+
+/// Recombines a frame. What is not changed keeps its bits.
+///
+/// The channels of the result are those of the frame (less errors that cannot be known): shares, their splits and errors
+/// times their gains, layers, `hybrid` and the default image as f32 sums of what is stored, `contrast` in the header.
+///
+/// Errors: those of [`Recipe::check`].
+pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
+    recipe.check(rendering)?;
+    let frame = rendering.frame;
+    let pixels = frame.width * frame.height;
+    let mut out = frame.clone();
+    let contrast = recipe.contrast.filter(|contrast| Some(*contrast) != rendering.contrast);
+    let mut changed = Vec::new();
+    for share in &rendering.shares {
+        let (gain, new_contrast) = (recipe.gain(&share.group), contrast.filter(|_| share.split.is_some()));
+        if gain == 1.0 && new_contrast.is_none() {
+            continue;
+        }
+        let value = |channel: usize, pixel: usize| match (&share.split, new_contrast) {
+            (Some(split), Some(contrast)) => split.value(contrast, channel, pixel),
+            (_, _) => share.picture[channel].get(pixel).map_or(0.0, |value| f64::from(*value)),
+        };
+        let picture: [Vec<f32>; 3] =
+            [0, 1, 2].map(|c| (0..pixels).map(|pixel| (gain * value(c, pixel)) as f32).collect());
+        set_layer(&mut out, &share.name, &picture);
+        for suffix in ["_open", "_content", "_cross", "_cross2", "_cross3", "_open_stderr", "_content_stderr"] {
+            scale_layer(&mut out, &format!("{}{suffix}", share.name), gain);
+        }
+        scale_layer(&mut out, &format!("{}_covariance", share.name), gain * gain);
+        changed.push(share.layer);
+    }
+    let mut errors = if frame.rgb("stderr").is_some() { Errors::Exact } else { Errors::Absent };
+    if !changed.is_empty() {
+        errors = super::mix_errors::carry(rendering, recipe, contrast, &mut out);
+        sum_up(&mut out, rendering, &changed);
+    }
+    if let Some(contrast) = contrast {
+        out.meta.insert("contrast".to_owned(), Meta::Number(contrast));
+    }
+    Ok(Mixed { frame: out, errors })
+}
+
+/// Adds a record to the header.
+pub fn add_record(frame: &mut Frame, record: &Record) {
+    let before = frame.text("mix").and_then(|json| serde_json::from_str(json).ok());
+    let mut records: Vec<serde_json::Value> = before.unwrap_or_default();
+    records.extend(serde_json::to_value(record));
+    frame.meta.insert("mix".to_owned(), Meta::Text(serde_json::Value::from(records).to_string()));
+}
+
+/// The sums of what is stored: the changed layers of their shares, and the pictures of all layers.
+fn sum_up(out: &mut Frame, rendering: &Rendering, changed: &[&str]) {
+    let pixels = out.width * out.height;
+    let sum = |out: &Frame, names: &[String]| {
+        let mut sum: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0.0; pixels]);
+        for picture in names.iter().filter_map(|name| out.rgb(name)) {
+            for (sum, data) in sum.iter_mut().zip(picture) {
+                sum.iter_mut().zip(data).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        sum
+    };
+    let shares = |layer: &str| -> Vec<String> { rendering.of_layer(layer).map(|share| share.name.clone()).collect() };
+    for layer in Layer::SUM_ORDER.map(Layer::name).into_iter().filter(|layer| changed.contains(layer)) {
+        let picture = sum(out, &shares(layer));
+        set_layer(out, layer, &picture);
+    }
+    // A layer that was left out is the sum of its shares all the same.
+    let layers = Layer::SUM_ORDER.map(Layer::name).into_iter().chain([PLATE]);
+    let terms: Vec<String> = layers
+        .flat_map(|layer| if out.rgb(layer).is_some() { vec![layer.to_owned()] } else { shares(layer) })
+        .collect();
+    let picture = sum(out, &terms);
+    set_layer(out, "hybrid", &picture);
+    set_layer(out, "", &picture);
+}
+
+/// Replaces the colours of a layer, where it is there.
+pub fn set_layer(frame: &mut Frame, layer: &str, picture: &[Vec<f32>; 3]) {
+    for channel in &mut frame.channels {
+        let (own, component) = split_name(&channel.name);
+        if own != layer {
+            continue;
+        }
+        match component {
+            "R" | "Y" => channel.data.clone_from(&picture[0]),
+            "G" => channel.data.clone_from(&picture[1]),
+            "B" => channel.data.clone_from(&picture[2]),
+            _ => {}
+        }
+    }
+}
+
+fn scale_layer(frame: &mut Frame, layer: &str, factor: f64) {
+    for channel in frame.channels.iter_mut().filter(|channel| channel.layer() == layer) {
+        channel.data.iter_mut().for_each(|value| *value = (f64::from(*value) * factor) as f32);
+    }
+}
+
+/// Whether a share has any light.
+pub fn is_lit(share: &Share) -> bool {
+    share.picture.iter().any(|data| data.iter().any(|value| *value != 0.0))
+}
+
+#[cfg(test)]
+mod tests;

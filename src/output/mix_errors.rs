@@ -1,0 +1,122 @@
+//! Standard errors of a mixed frame.
+//!
+//! A sum of shares with gains gᵢ has the variance Σᵢⱼ gᵢgⱼ·covᵢⱼ. A frame holds the variances of the shares and of their
+//! sum, so the sum of all covariances is known, and for two shares that is the only one. For more it is spread over the
+//! pairs as one correlation ρ = (V − Σσᵢ²)/Σᵢ≠ⱼ σᵢσⱼ: exact for two shares, and where all gains are alike.
+
+use super::mix::{Errors, Recipe, is_lit, set_layer};
+use super::shares::{PLATE, Rendering, Share};
+use crate::film::frame::Frame;
+use crate::film::layer::Layer;
+
+/// Sets the errors in `out`, the frame with the new light; removes those that cannot be known. `contrast`: the new one,
+/// if it changes.
+pub fn carry(rendering: &Rendering, recipe: &Recipe, contrast: Option<f64>, out: &mut Frame) -> Errors {
+    let frame = rendering.frame;
+    let pixels = frame.width * frame.height;
+    let lit: Vec<&Share> = rendering.shares.iter().filter(|share| share.layer != PLATE && is_lit(share)).collect();
+    for share in &rendering.shares {
+        let name = format!("{}_stderr", share.name);
+        match Terms::of(share, recipe, contrast) {
+            Some(terms) => {
+                let sigma = (0..pixels).map(|pixel| terms.after(pixel) as f32).collect();
+                set_layer(out, &name, &same(sigma));
+            }
+            None => out.channels.retain(|channel| channel.layer() != name),
+        }
+    }
+    for layer in Layer::SUM_ORDER.map(Layer::name) {
+        let own: Vec<&Share> = lit.iter().copied().filter(|share| share.layer == layer).collect();
+        sum(frame, recipe, contrast, &own, &format!("{layer}_stderr"), out);
+    }
+    sum(frame, recipe, contrast, &lit, "stderr", out)
+}
+
+/// The errors of a sum of shares, whose rendered ones are the layer `name`.
+fn sum(
+    frame: &Frame,
+    recipe: &Recipe,
+    contrast: Option<f64>,
+    shares: &[&Share],
+    name: &str,
+    out: &mut Frame,
+) -> Errors {
+    let Some([stored, ..]) = frame.rgb(name) else { return Errors::Absent };
+    let new_contrast = |share: &Share| contrast.is_some() && share.split.is_some();
+    let gains: Vec<f64> = shares.iter().map(|share| recipe.gain(&share.group)).collect();
+    let [first, ..] = gains.as_slice() else { return Errors::Exact };
+    let alike = gains.iter().all(|gain| gain == first) && !shares.iter().any(|share| new_contrast(share));
+    let terms: Option<Vec<Terms>> = shares.iter().map(|share| Terms::of(share, recipe, contrast)).collect();
+    let (sigma, errors): (Vec<f32>, Errors) = if alike {
+        (stored.iter().map(|sigma| (f64::from(*sigma) * first) as f32).collect(), Errors::Exact)
+    } else if let Some(terms) = terms {
+        let at = |(pixel, sigma): (usize, &f32)| combined(f64::from(*sigma).powi(2), &terms, pixel).sqrt() as f32;
+        let exact = terms.len() <= 2 && contrast.is_none();
+        (stored.iter().enumerate().map(at).collect(), if exact { Errors::Exact } else { Errors::FromShares })
+    } else if !shares.iter().any(|share| new_contrast(share)) {
+        let largest = |pixel: usize| {
+            let own = shares.iter().zip(&gains).filter(|(share, _)| {
+                share.picture.iter().any(|data| data.get(pixel).is_some_and(|value| *value != 0.0))
+            });
+            let largest = own.map(|(_, gain)| *gain).fold(f64::NEG_INFINITY, f64::max);
+            if largest.is_finite() { largest } else { gains.iter().copied().fold(0.0, f64::max) }
+        };
+        let at = |(pixel, sigma): (usize, &f32)| (f64::from(*sigma) * largest(pixel)) as f32;
+        (stored.iter().enumerate().map(at).collect(), Errors::AtMost)
+    } else {
+        out.channels.retain(|channel| channel.layer() != name);
+        return Errors::Unknown;
+    };
+    set_layer(out, name, &same(sigma));
+    errors
+}
+
+/// The variance after of a sum that had the variance `before`.
+fn combined(before: f64, terms: &[Terms], pixel: usize) -> f64 {
+    let moments = |sigma: &dyn Fn(&Terms) -> f64| {
+        let (sum, squares) = terms.iter().fold((0.0, 0.0), |(sum, squares), term| {
+            let sigma = sigma(term);
+            (sum + sigma, squares + sigma * sigma)
+        });
+        // Σ over pairs i ≠ j of σᵢσⱼ.
+        (squares, (sum * sum - squares).max(0.0))
+    };
+    let (squares, pairs) = moments(&|term| term.before(pixel));
+    let correlation = if pairs > 0.0 { ((before - squares) / pairs).clamp(-1.0, 1.0) } else { 0.0 };
+    let (squares, pairs) = moments(&|term| term.after(pixel));
+    (squares + correlation * pairs).max(0.0)
+}
+
+/// What the error of one share is made of.
+struct Terms<'s, 'f> {
+    share: &'s Share<'f>,
+    before: &'f [f32],
+    gain: f64,
+    /// The new one, if it changes this share.
+    contrast: Option<f64>,
+}
+
+impl<'s, 'f> Terms<'s, 'f> {
+    /// None if the frame doesn't hold them.
+    fn of(share: &'s Share<'f>, recipe: &Recipe, contrast: Option<f64>) -> Option<Self> {
+        let contrast = contrast.filter(|_| share.split.is_some());
+        if contrast.is_some() && share.split.as_ref().is_none_or(|split| split.errors.is_none()) {
+            return None;
+        }
+        Some(Terms { share, before: share.error?, gain: recipe.gain(&share.group), contrast })
+    }
+
+    fn before(&self, pixel: usize) -> f64 {
+        self.before.get(pixel).map_or(0.0, |sigma| f64::from(*sigma))
+    }
+
+    fn after(&self, pixel: usize) -> f64 {
+        let split = self.share.split.as_ref();
+        let variance = self.contrast.and_then(|contrast| split?.variance(contrast, pixel));
+        self.gain * variance.map_or(self.before(pixel), f64::sqrt)
+    }
+}
+
+fn same(data: Vec<f32>) -> [Vec<f32>; 3] {
+    [data.clone(), data.clone(), data]
+}

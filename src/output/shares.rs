@@ -1,0 +1,266 @@
+//! A rendering as the shares that it is the sum of: one per layer and light group, with what tells its dependence on the
+//! slide's contrast and its standard error. Names and formulas: `docs/layers.md`.
+
+use super::luminance::Luminance;
+use crate::base::fault::{Fault, Result, Where};
+use crate::film::frame::Frame;
+use crate::film::layer::Layer;
+
+/// Three channels of a layer, `width × height` each, in the frame's colour space, cd/m².
+pub type Picture<'f> = [&'f [f32]; 3];
+
+/// The layer of an artist's plate as it is seen behind the optics; it counts as a light group of this name.
+pub const PLATE: &str = "plate";
+/// A sum of stored layers may miss the stored sum by this share of its peak: f32 sums of a few terms.
+const SUM_TOLERANCE: f64 = 1e-5;
+/// Suffixes of the corrections for light that crosses the slide more than once, in their order.
+const CROSSES: [&str; 3] = ["_cross", "_cross2", "_cross3"];
+
+/// The pictures that give a share for every contrast.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Split<'f> {
+    pub open: Picture<'f>,
+    pub content: Picture<'f>,
+    /// `_cross`, `_cross2`, `_cross3`; what is not stored is black.
+    pub cross: [Option<Picture<'f>>; 3],
+    /// One-sigma errors of `open` and `content`, and their covariance in (cd/m²)²; kept by `--stderr layers`.
+    pub errors: Option<[&'f [f32]; 3]>,
+}
+
+/// One light group's share of a layer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Share<'f> {
+    /// `direct`, `caustic`, `secondary`, `forward` or `plate`.
+    pub layer: &'static str,
+    pub group: String,
+    /// `forward_led`; the plate's is `plate`.
+    pub name: String,
+    pub picture: Picture<'f>,
+    /// None: the light does not depend on the slide, or the split was refused.
+    pub split: Option<Split<'f>>,
+    /// Why the split was refused.
+    pub refused: Option<String>,
+    /// One-sigma standard error of its luminance.
+    pub error: Option<&'f [f32]>,
+}
+
+/// A frame with its shares.
+#[derive(Debug, Clone)]
+pub struct Rendering<'f> {
+    pub frame: &'f Frame,
+    /// Light groups in the order in which their shares are added up, the plate's last.
+    pub groups: Vec<String>,
+    pub shares: Vec<Share<'f>>,
+    /// Contrast of the only slide.
+    pub contrast: Option<f64>,
+}
+
+/// Reads the list of light groups that a frame's header has.
+/// Errors: no list, or none that can be read.
+pub fn groups_of(frame: &Frame) -> Result<Vec<String>> {
+    let listed = frame.text("groups").and_then(|json| serde_json::from_str(json).ok());
+    listed.ok_or_else(|| {
+        Fault::new(Where::Nowhere, "the header has no list of light groups (`eyebox.groups`)")
+            .expected("a frame that `eyebox render` wrote")
+    })
+}
+
+impl<'f> Rendering<'f> {
+    /// Takes a frame apart.
+    ///
+    /// Errors: a frame without list of light groups, channels of another size, a value that is not finite, shares that
+    /// do not add up to their layer or layers to the picture (some were left out by `--layers`), a split that does not
+    /// give its share at the rendered contrast.
+    pub fn of(frame: &'f Frame) -> Result<Rendering<'f>> {
+        check_data(frame)?;
+        let mut groups = groups_of(frame)?;
+        let contrast = frame.number("contrast");
+        let splits = refusals(frame);
+        let mut shares = Vec::new();
+        for layer in Layer::SUM_ORDER {
+            let layer = layer.name();
+            for group in &groups {
+                let name = format!("{layer}_{group}");
+                let Some(picture) = frame.rgb(&name) else { continue };
+                let split = Split::of(frame, &name);
+                if let (Some(split), Some(contrast)) = (&split, contrast) {
+                    split.check(&name, contrast, picture)?;
+                }
+                let refused = |(of, by, _): &&(String, String, String)| of == layer && by == group;
+                shares.push(Share {
+                    layer,
+                    group: group.clone(),
+                    picture,
+                    split,
+                    refused: splits.iter().find(refused).map(|(_, _, because)| because.clone()),
+                    error: grey(frame, &format!("{name}_stderr")),
+                    name,
+                });
+            }
+        }
+        if let Some(picture) = frame.rgb(PLATE) {
+            let (group, name) = (PLATE.to_owned(), PLATE.to_owned());
+            groups.push(group.clone());
+            shares.push(Share { layer: PLATE, group, name, picture, split: None, refused: None, error: None });
+        }
+        let rendering = Rendering { frame, groups, shares, contrast };
+        rendering.check_sums()?;
+        Ok(rendering)
+    }
+
+    /// Shares of one layer, in the order in which they are added up.
+    pub fn of_layer<'r>(&'r self, layer: &'r str) -> impl Iterator<Item = &'r Share<'f>> {
+        self.shares.iter().filter(move |share| share.layer == layer)
+    }
+
+    fn check_sums(&self) -> Result<()> {
+        let frame = self.frame;
+        let incomplete = |what: String, missing: String| {
+            Fault::new(Where::Nowhere, what).expected(format!(
+                "all shares of the light, of which {missing} is missing or damaged: render without --layers"
+            ))
+        };
+        for layer in Layer::SUM_ORDER.map(Layer::name) {
+            let Some(picture) = frame.rgb(layer) else { continue };
+            if !adds_up(picture, self.of_layer(layer).map(|share| share.picture)) {
+                let there: Vec<&str> = self.of_layer(layer).map(|share| share.group.as_str()).collect();
+                let missing = self.groups.iter().filter(|group| *group != PLATE && !there.contains(&group.as_str()));
+                let missing: Vec<String> = missing.map(|group| format!("`{layer}_{group}`")).collect();
+                let missing = if missing.is_empty() { format!("`{layer}`") } else { missing.join(" or ") };
+                return Err(incomplete(format!("the shares of the light groups do not add up to `{layer}`"), missing));
+            }
+        }
+        let Some(picture) = frame.rgb("") else {
+            return Err(Fault::new(Where::Nowhere, "the frame has no default image").expected("channels R, G and B"));
+        };
+        if !adds_up(picture, self.shares.iter().map(|share| share.picture)) {
+            let missing = Layer::SUM_ORDER.map(Layer::name).into_iter().filter(|layer| frame.rgb(layer).is_none());
+            let missing: Vec<String> = missing.map(|layer| format!("`{layer}_GROUP`")).collect();
+            let missing = if missing.is_empty() { "the default image".to_owned() } else { missing.join(" or ") };
+            return Err(incomplete("the layers do not add up to the default image".to_owned(), missing));
+        }
+        Ok(())
+    }
+}
+
+impl<'f> Split<'f> {
+    fn of(frame: &'f Frame, name: &str) -> Option<Split<'f>> {
+        let one = |suffix: &str| frame.rgb(&format!("{name}{suffix}"));
+        let error = |suffix: &str| grey(frame, &format!("{name}{suffix}"));
+        let errors = (error("_open_stderr"), error("_content_stderr"), error("_covariance"));
+        Some(Split {
+            open: one("_open")?,
+            content: one("_content")?,
+            cross: CROSSES.map(one),
+            errors: match errors {
+                (Some(open), Some(content), Some(covariance)) => Some([open, content, covariance]),
+                (_, _, _) => None,
+            },
+        })
+    }
+
+    /// One channel of the share for a contrast, at one pixel.
+    pub fn value(&self, contrast: f64, channel: usize, pixel: usize) -> f64 {
+        let at = |picture: Picture| picture[channel].get(pixel).map_or(0.0, |value| f64::from(*value));
+        let (u, v) = (1.0 - 1.0 / contrast, 1.0 / contrast);
+        let crossings = self.cross.iter().rev().fold(0.0, |sum, cross| sum * u + cross.map_or(0.0, at));
+        at(self.content) * u + at(self.open) * v + crossings * u * v
+    }
+
+    /// Variance of the share's luminance for a contrast, if its errors were kept. Light that crosses the slide more than
+    /// once has no part in it.
+    pub fn variance(&self, contrast: f64, pixel: usize) -> Option<f64> {
+        let [open, content, covariance] =
+            self.errors?.map(|data| data.get(pixel).map_or(0.0, |value| f64::from(*value)));
+        let (u, v) = (1.0 - 1.0 / contrast, 1.0 / contrast);
+        Some(((u * content).powi(2) + (v * open).powi(2) + 2.0 * u * v * covariance).max(0.0))
+    }
+
+    /// The split at the rendered contrast is the share as it was rendered.
+    fn check(&self, name: &str, contrast: f64, picture: Picture) -> Result<()> {
+        for (channel, stored) in picture.into_iter().enumerate() {
+            let peak = peak(stored).max(peak(self.open[channel]));
+            let miss = |(pixel, stored): (usize, &f32)| {
+                (self.value(contrast, channel, pixel) - f64::from(*stored)).abs() > SUM_TOLERANCE * peak
+            };
+            if stored.iter().enumerate().any(miss) {
+                return Err(Fault::new(
+                    Where::Nowhere,
+                    format!(
+                        "`{name}_open` and `{name}_content` do not give `{name}` at the rendered contrast {contrast}"
+                    ),
+                )
+                .expected(format!("all of `{name}_open`, `_content`, `_cross`, … as they were rendered")));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One channel of a layer that is the same in all, such as a standard error.
+fn grey<'f>(frame: &'f Frame, layer: &str) -> Option<&'f [f32]> {
+    frame.rgb(layer).map(|[first, _, _]| first)
+}
+
+/// (layer, group, reason) of splits that were refused.
+fn refusals(frame: &Frame) -> Vec<(String, String, String)> {
+    #[derive(serde::Deserialize)]
+    struct Record {
+        layer: String,
+        group: String,
+        written: bool,
+        because: String,
+    }
+    let records: Vec<Record> =
+        frame.text("splits").and_then(|json| serde_json::from_str(json).ok()).unwrap_or_default();
+    // What was written once and is not there any more was left out.
+    let gone = |record: &Record| frame.rgb(&format!("{}_{}_open", record.layer, record.group)).is_none();
+    let because =
+        |record: &Record| if record.written { "its layers were left out".to_owned() } else { record.because.clone() };
+    let refused = records.into_iter().filter(|record| !record.written || gone(record));
+    refused.map(|record| (record.layer.clone(), record.group.clone(), because(&record))).collect()
+}
+
+/// Channels fill the frame and hold finite values.
+pub fn check_data(frame: &Frame) -> Result<()> {
+    let pixels = frame.width.checked_mul(frame.height).filter(|pixels| *pixels > 0);
+    for channel in &frame.channels {
+        let name = &channel.name;
+        if Some(channel.data.len()) != pixels {
+            return Err(Fault::new(Where::Nowhere, format!("channel `{name}` has {} values", channel.data.len()))
+                .expected(format!("{} × {}", frame.width, frame.height)));
+        }
+        if let Some(pixel) = channel.data.iter().position(|value| !value.is_finite()) {
+            let (x, y) = (pixel % frame.width, pixel / frame.width);
+            let value = channel.data.get(pixel).copied().unwrap_or(f32::NAN);
+            return Err(Fault::new(Where::Nowhere, format!("channel `{name}` is {value} at pixel ({x}, {y})"))
+                .expected("finite values"));
+        }
+    }
+    Ok(())
+}
+
+fn peak(data: &[f32]) -> f64 {
+    data.iter().fold(0.0, |peak, value| peak.max(f64::from(value.abs())))
+}
+
+/// Whether pictures add up to another, as far as f32 can tell.
+fn adds_up<'f>(sum: Picture<'f>, terms: impl Iterator<Item = Picture<'f>>) -> bool {
+    let terms: Vec<Picture> = terms.collect();
+    (0..3).all(|channel| {
+        let largest = terms.iter().fold(peak(sum[channel]), |largest, term| largest.max(peak(term[channel])));
+        sum[channel].iter().enumerate().all(|(pixel, want)| {
+            let got: f64 = terms.iter().filter_map(|term| term[channel].get(pixel)).map(|v| f64::from(*v)).sum();
+            (got - f64::from(*want)).abs() <= SUM_TOLERANCE * largest
+        })
+    })
+}
+
+/// The luminance of a share for a contrast, as it was rendered if none is given, pixel by pixel, cd/m².
+pub fn luminance_of(share: &Share, contrast: Option<f64>, weigh: &Luminance, pixels: usize) -> Vec<f64> {
+    let value = |channel: usize, pixel: usize| match (&share.split, contrast) {
+        (Some(split), Some(contrast)) => split.value(contrast, channel, pixel),
+        (_, _) => share.picture[channel].get(pixel).map_or(0.0, |value| f64::from(*value)),
+    };
+    (0..pixels).map(|pixel| weigh.of([0, 1, 2].map(|channel| value(channel, pixel)))).collect()
+}
