@@ -13,6 +13,7 @@ pub mod relative;
 pub mod rng;
 pub mod sobol;
 pub mod stats;
+pub mod student;
 pub mod units;
 pub mod vision; // the eye as formulas
 pub mod warp;

@@ -8,6 +8,7 @@ mod bench;
 mod bench_choice;
 mod bench_curve;
 mod convert;
+mod diff;
 mod init;
 mod inspect;
 mod mix;
@@ -29,7 +30,7 @@ use std::process::ExitCode;
     name = "eyebox",
     version,
     propagate_version = true,
-    after_help = "Examples:\n  eyebox init hud.glb -o hud.optics.toml\n  eyebox inspect hud.optics.toml\n  eyebox render samples/hud-direct/hud.optics.toml -o hud.exr\n  eyebox view hud.exr -o hud.png\n  eyebox mix hud.exr --gain led=0.5 -o dim.exr"
+    after_help = "Examples:\n  eyebox init hud.glb -o hud.optics.toml\n  eyebox inspect hud.optics.toml\n  eyebox render samples/hud-direct/hud.optics.toml -o hud.exr\n  eyebox view hud.exr -o hud.png\n  eyebox mix hud.exr --gain led=0.5 -o dim.exr\n  eyebox diff a.exr b.exr"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -52,6 +53,8 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Change lamp levels, contrast and background of a rendered frame.
     Mix(mix::MixArgs),
+    /// Compare two frames by their standard errors.
+    Diff(diff::DiffArgs),
     /// Turn a layer of an EXR into a PNG for a display.
     View(view::ViewArgs),
     /// Measure the program: time against error, and answers that are known.
@@ -88,6 +91,7 @@ pub fn main() -> ExitCode {
         Command::Annotate(args) => annotate::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Mix(args) => mix::run(args),
+        Command::Diff(args) => diff::run(args),
         Command::View(args) => view::run(args),
         Command::Bench(args) => bench::run(args),
     };

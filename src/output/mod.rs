@@ -1,6 +1,7 @@
 //! Floor 2: what leaves the program: layered EXR and pictures to look at, and what is made of a rendered frame.
 
 pub mod assembly_tree;
+pub mod compare;
 pub mod exr;
 pub mod field;
 pub mod geometry;

@@ -1,0 +1,413 @@
+//! Two frames compared by their standard errors: what differs by more than noise. `docs/diff.md` says what is claimed.
+
+use super::luminance::Luminance;
+use crate::base::stats::normal_tail;
+use crate::base::student::{two_sided, welch};
+use crate::film::frame::{Channel, Frame};
+use crate::film::layer::Layer;
+use crate::film::plan::Estimator;
+use crate::output::exr::{COLOR_INTEROP_ID, WHITE_LUMINANCE};
+
+/// Independent scrambles that light tracing learns its error from; see `film::scrambles`.
+const SCRAMBLES: f64 = crate::film::scrambles::SCRAMBLES as f64;
+/// Layers without error may differ by this share of their range: f32 rounding after different orders of sums.
+const ROUNDING: f64 = 1e-5;
+/// Relative f32 rounding of one value, twice.
+const VALUE_ROUNDING: f64 = 2.4e-7;
+
+/// What was found for one layer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Every bit.
+    Identical,
+    /// Within the errors (or within rounding, for layers that have none).
+    Same,
+    Different,
+    /// Not judged, see `because`.
+    Unjudged,
+}
+
+/// A pixel of two frames.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Pair {
+    pub x: usize,
+    pub y: usize,
+    /// Values in A and B, cd/m² of luminance for pictures.
+    pub a: f64,
+    pub b: f64,
+    /// Difference over its standard error; infinite where there is none.
+    pub z: f64,
+    /// Probability of one this large in any of the pixels that were judged (Šidák).
+    pub p: f64,
+}
+
+/// The comparison of one layer.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct LayerDifference {
+    /// Empty for the default image.
+    pub layer: String,
+    pub verdict: Verdict,
+    pub because: String,
+    /// Pixels with a standard error in either frame.
+    pub judged_pixels: usize,
+    pub largest: Option<Pair>,
+    /// Mean of z² over the judged pixels, and what noise alone gives with so few samples (ν/(ν − 2)).
+    pub mean_z2: Option<[f64; 2]>,
+    /// Means of both, cd/m² of luminance for pictures.
+    pub mean: [f64; 2],
+    /// B − A.
+    pub difference: f64,
+    /// Standard error of the difference if pixels were independent: too small where they share paths.
+    pub error_if_independent: Option<f64>,
+    /// It cannot be larger than this, however pixels lean on each other.
+    pub error_at_most: Option<f64>,
+    /// Mean of (A − B)²/(B² + (0.01·mean B)²), and how much of that the stated noise accounts for.
+    pub relative_mse: f64,
+    pub relative_mse_of_noise: Option<f64>,
+}
+
+/// The comparison of two frames.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Comparison {
+    pub different: bool,
+    /// Two-sided quantile of the normal distribution that all tests together must not exceed.
+    pub sigma: f64,
+    /// Why the frames cannot be compared at all; then nothing below was compared.
+    pub incomparable: Vec<String>,
+    /// Layers that only one has, with whose it is.
+    pub only_in: Vec<(String, char)>,
+    /// What else differs in the headers: no verdict depends on it.
+    pub notes: Vec<String>,
+    pub layers: Vec<LayerDifference>,
+}
+
+/// Compares the layers of two frames. `sigma`: how rare a difference must be among all that are tested: 3 is a chance of
+/// 0.27 % that frames of one scene with independent seeds are called different.
+pub fn compare(a: &Frame, b: &Frame, sigma: f64) -> Comparison {
+    let mut found = Comparison {
+        different: false,
+        sigma,
+        incomparable: incomparable(a, b),
+        only_in: Vec::new(),
+        notes: notes(a, b),
+        layers: Vec::new(),
+    };
+    if !found.incomparable.is_empty() {
+        found.different = true;
+        return found;
+    }
+    let names = |frame: &Frame| -> Vec<String> {
+        let bare = |channel: &&Channel| channel.layer().is_empty() && !["R", "G", "B"].contains(&channel.component());
+        let lone = frame.channels.iter().filter(bare).map(|channel| channel.name.clone());
+        frame.layer_names().into_iter().map(str::to_owned).chain(lone).filter(|name| !is_error(name)).collect()
+    };
+    let (of_a, of_b) = (names(a), names(b));
+    // A share without light is not written, so where only one frame has it the other is black.
+    let light = |name: &str| is_light(name);
+    let only = |own: &[String], other: &[String], which: char| -> Vec<(String, char)> {
+        own.iter().filter(|name| !other.contains(name) && !light(name)).map(|name| (name.clone(), which)).collect()
+    };
+    found.only_in = only(&of_a, &of_b, 'A').into_iter().chain(only(&of_b, &of_a, 'B')).collect();
+    let mut all: Vec<&String> = of_a.iter().filter(|name| of_b.contains(name) || light(name)).collect();
+    all.extend(of_b.iter().filter(|name| !of_a.contains(name) && light(name)));
+    let mut layers: Vec<Layered> = all.into_iter().map(|name| Layered::of(a, b, name)).collect();
+    // The default image and `hybrid` are the same picture: one test.
+    let hybrid = layers.iter().position(|layer| layer.name == "hybrid");
+    let default = layers.iter().position(|layer| layer.name.is_empty());
+    if let (Some(hybrid), Some(default)) = (hybrid, default)
+        && layers[hybrid].values == layers[default].values
+    {
+        layers.remove(hybrid);
+    }
+    let tests: usize = layers.iter().map(Layered::tests).sum();
+    let rate = 2.0 * normal_tail(sigma);
+    let freedoms = [freedom(a), freedom(b)];
+    let independent = [a, b].into_iter().all(pixels_are_independent);
+    found.layers = layers.iter().map(|layer| layer.judge(a.width, tests, rate, freedoms, independent)).collect();
+    let differs = |layer: &LayerDifference| layer.verdict == Verdict::Different;
+    found.different = !found.only_in.is_empty() || found.layers.iter().any(differs);
+    found
+}
+
+/// Layers that tell errors of others are used, not compared.
+fn is_error(name: &str) -> bool {
+    name == "stderr" || name.ends_with("_stderr") || name.ends_with("_covariance")
+}
+
+/// Light: layers and shares. Not the data.
+fn is_light(name: &str) -> bool {
+    Layer::SUM_ORDER
+        .iter()
+        .any(|layer| name.strip_prefix(layer.name()).is_some_and(|rest| rest.is_empty() || rest.starts_with('_')))
+}
+
+/// Samples behind a frame's errors, less one: none known counts as many.
+fn freedom(frame: &Frame) -> f64 {
+    let passes = frame.integer("passes").filter(|passes| *passes > 0).map_or(f64::INFINITY, |passes| passes as f64);
+    // Light tracing has one value per scramble, however many the passes.
+    let forward = frame.meta.contains_key(&format!("passes.{}", Estimator::Forward.name()));
+    if forward { (passes - 1.0).min(SCRAMBLES - 1.0) } else { passes - 1.0 }
+}
+
+/// Only path tracing from the eye draws every pixel by itself.
+fn pixels_are_independent(frame: &Frame) -> bool {
+    let used = |estimator: &Estimator| frame.meta.contains_key(&format!("passes.{}", estimator.name()));
+    Estimator::ALL.iter().filter(|estimator| used(estimator)).all(|estimator| *estimator == Estimator::Backward)
+        && used(&Estimator::Backward)
+}
+
+fn incomparable(a: &Frame, b: &Frame) -> Vec<String> {
+    let mut why = Vec::new();
+    if (a.width, a.height) != (b.width, b.height) {
+        why.push(format!("size: {} × {} and {} × {}", a.width, a.height, b.width, b.height));
+    }
+    let space = |frame: &Frame| frame.text(COLOR_INTEROP_ID).unwrap_or("none").to_owned();
+    if space(a) != space(b) {
+        why.push(format!("colour space: {} and {}", space(a), space(b)));
+    }
+    let white = |frame: &Frame| frame.number(WHITE_LUMINANCE).unwrap_or(1.0);
+    if white(a) != white(b) {
+        why.push(format!("unit: whiteLuminance {} and {} cd/m²", white(a), white(b)));
+    }
+    let filled =
+        |frame: &Frame| frame.channels.iter().all(|c| Some(c.data.len()) == frame.width.checked_mul(frame.height));
+    for (frame, name) in [(a, 'A'), (b, 'B')] {
+        if !filled(frame) || frame.width == 0 || frame.height == 0 {
+            why.push(format!("{name} has channels that do not fill it"));
+        }
+    }
+    why
+}
+
+fn notes(a: &Frame, b: &Frame) -> Vec<String> {
+    let mut notes = Vec::new();
+    let said = |frame: &Frame, key: &str| {
+        let text = frame.text(key).map(str::to_owned);
+        text.or_else(|| frame.number(key).map(|n| n.to_string())).unwrap_or_else(|| "none".to_owned())
+    };
+    for key in ["scene", "sceneHash", "version", "eye", "contrast", "passes", "mix"] {
+        if a.meta.get(key) != b.meta.get(key) {
+            notes.push(format!("{key}: {} and {}", short(&said(a, key)), short(&said(b, key))));
+        }
+    }
+    let seed = a.meta.get("seed");
+    if seed.is_some() && seed == b.meta.get("seed") {
+        notes.push(
+            "same seed: noise is shared, so differences come out smaller than the errors allow; a test of two scenes \
+             is sharper with two seeds"
+                .to_owned(),
+        );
+    }
+    notes
+}
+
+fn short(text: &str) -> String {
+    const MOST: usize = 60;
+    if text.chars().count() <= MOST { text.to_owned() } else { text.chars().take(MOST).chain(['…']).collect() }
+}
+
+/// One layer of both frames, ready to be judged.
+struct Layered {
+    name: String,
+    pixels: usize,
+    picture: bool,
+    identical: bool,
+    /// Per pixel: luminance for pictures, else every component in turn.
+    values: [Vec<f64>; 2],
+    /// One-sigma errors.
+    errors: Option<[Vec<f64>; 2]>,
+}
+
+impl Layered {
+    fn of(a: &Frame, b: &Frame, name: &str) -> Layered {
+        let picture = name.is_empty() || name == "hybrid" || is_light(name) || name == "plate";
+        let error_name =
+            if name.is_empty() || name == "hybrid" { "stderr".to_owned() } else { format!("{name}_stderr") };
+        let values = [a, b].map(|frame| values(frame, name, picture));
+        let errors = [a, b].map(|frame| {
+            let missing = || frame.rgb(name).is_none().then(|| vec![0.0; frame.width * frame.height]);
+            let stored = frame.rgb(&error_name).map(|[error, ..]| error.iter().map(|e| f64::from(*e)).collect());
+            stored.or_else(missing)
+        });
+        let bits = |frame: &Frame| -> Vec<u32> {
+            frame
+                .channels
+                .iter()
+                .filter(|c| belongs(c, name))
+                .flat_map(|c| c.data.iter().map(|v| v.to_bits()))
+                .collect()
+        };
+        let identical = bits(a) == bits(b);
+        let [error_a, error_b] = errors;
+        // A single pass has no errors: all zero beside light.
+        let known =
+            |errors: &[f64], values: &[f64]| errors.iter().any(|e| *e > 0.0) || values.iter().all(|v| *v == 0.0);
+        let errors = error_a.zip(error_b).map(|(a, b)| [a, b]);
+        let errors = errors.filter(|[a, b]| picture && known(a, &values[0]) && known(b, &values[1]));
+        Layered { name: name.to_owned(), pixels: a.width * a.height, picture, identical, values, errors }
+    }
+
+    /// Every pixel, and the mean.
+    fn tests(&self) -> usize {
+        if self.identical || self.errors.is_none() { 0 } else { self.values[0].len() + 1 }
+    }
+
+    fn judge(&self, width: usize, tests: usize, rate: f64, freedoms: [f64; 2], independent: bool) -> LayerDifference {
+        let [a, b] = &self.values;
+        let count = a.len().max(1) as f64;
+        let mean = [a, b].map(|values| values.iter().sum::<f64>() / count);
+        let floor = (0.01 * mean[1]).powi(2);
+        // Where both are black nothing differs.
+        let relative = |square: f64, b: f64| if square > 0.0 { square / (b * b + floor) } else { 0.0 };
+        let pairs = || a.iter().zip(b);
+        let mut found = LayerDifference {
+            layer: self.name.clone(),
+            verdict: Verdict::Identical,
+            because: "every bit is the same".to_owned(),
+            judged_pixels: 0,
+            largest: None,
+            mean_z2: None,
+            mean,
+            difference: pairs().map(|(a, b)| b - a).sum::<f64>() / count,
+            error_if_independent: None,
+            error_at_most: None,
+            relative_mse: pairs().map(|(a, b)| relative((a - b).powi(2), *b)).sum::<f64>() / count,
+            relative_mse_of_noise: None,
+        };
+        if self.identical {
+            return found;
+        }
+        if pairs().any(|(a, b)| !a.is_finite() || !b.is_finite()) {
+            let alike = pairs().all(|(a, b)| a.is_finite() && b.is_finite() || a.to_bits() == b.to_bits());
+            found.verdict = if alike { Verdict::Unjudged } else { Verdict::Different };
+            found.because = "there are values that are not numbers".to_owned();
+            return found;
+        }
+        match &self.errors {
+            Some([error_a, error_b]) => {
+                self.judge_by_errors(&mut found, width, tests, rate, freedoms, independent, [error_a, error_b]);
+            }
+            None if self.picture => {
+                found.verdict = Verdict::Unjudged;
+                found.because = "no standard error of it in both files: render with --stderr layers".to_owned();
+            }
+            None => self.judge_by_range(&mut found, width),
+        }
+        found
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "one caller, which has them all")]
+    fn judge_by_errors(
+        &self,
+        found: &mut LayerDifference,
+        width: usize,
+        tests: usize,
+        rate: f64,
+        freedoms: [f64; 2],
+        independent: bool,
+        [error_a, error_b]: [&[f64]; 2],
+    ) {
+        let [a, b] = &self.values;
+        let count = a.len().max(1) as f64;
+        let floor = (0.01 * found.mean[1]).powi(2);
+        let (mut squares, mut expected, mut variance, mut at_most, mut noise) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let mut least = (1.0f64, None::<Pair>);
+        for (pixel, (((a, b), error_a), error_b)) in a.iter().zip(b).zip(error_a).zip(error_b).enumerate() {
+            let rounding = VALUE_ROUNDING * a.abs().max(b.abs());
+            let variances = [error_a * error_a, error_b * error_b];
+            let sum = variances[0] + variances[1];
+            let sigma = (sum + rounding * rounding).sqrt();
+            let z = if a == b { 0.0 } else { (b - a) / sigma };
+            let freedom = welch([variances[0], freedoms[0]], [variances[1], freedoms[1]]);
+            let p = two_sided(z, freedom);
+            if least.1.is_none() || p < least.0 {
+                least = (p, Some(Pair { x: pixel % width, y: pixel / width, a: *a, b: *b, z, p: sidak(p, tests) }));
+            }
+            if sum > 0.0 {
+                found.judged_pixels += 1;
+                squares += z * z;
+                expected += if freedom > 2.0 { freedom / (freedom - 2.0) } else { f64::INFINITY };
+                noise += sum / (b * b + floor).max(f64::MIN_POSITIVE);
+            }
+            variance += sum;
+            at_most += sum.sqrt();
+        }
+        let judged = found.judged_pixels as f64;
+        found.largest = least.1;
+        found.mean_z2 = (judged > 0.0 && expected.is_finite()).then_some([squares / judged, expected / judged]);
+        let error = variance.sqrt() / count;
+        found.error_if_independent = Some(error);
+        found.error_at_most = Some(at_most / count);
+        found.relative_mse_of_noise = Some(noise / count);
+        let error = if independent { error } else { at_most / count };
+        let rounding = VALUE_ROUNDING * found.mean[0].abs().max(found.mean[1].abs());
+        let z_of_mean = found.difference / error.hypot(rounding);
+        // The mean of many pixels has many degrees of freedom.
+        let p_of_mean = sidak(two_sided(if z_of_mean.is_nan() { 0.0 } else { z_of_mean }, f64::INFINITY), tests);
+        let pixel = found.largest.filter(|pair| pair.p < rate);
+        (found.verdict, found.because) = match pixel {
+            Some(pair) => {
+                (Verdict::Different, format!("pixel ({}, {}) is {:.2} standard errors off", pair.x, pair.y, pair.z))
+            }
+            None if p_of_mean < rate => {
+                let kind = if independent { "" } else { " at least" };
+                (Verdict::Different, format!("the mean is{kind} {:.2} standard errors off", z_of_mean.abs()))
+            }
+            None => (Verdict::Same, "within the standard errors".to_owned()),
+        };
+    }
+
+    fn judge_by_range(&self, found: &mut LayerDifference, width: usize) {
+        let [a, b] = &self.values;
+        // Depth is 1e10 m where nothing is hit: that is no range.
+        let usual = |v: &&f64| v.abs() < 1e10;
+        let range = a.iter().chain(b).filter(usual).fold(0.0f64, |range, v| range.max(v.abs()));
+        let off = |(_, (a, b)): &(usize, (&f64, &f64))| (*a - *b).abs() > ROUNDING * range;
+        let differing = a.iter().zip(b).enumerate().filter(off).count();
+        let worst =
+            a.iter().zip(b).enumerate().max_by(|(_, (a, b)), (_, (c, d))| (*a - *b).abs().total_cmp(&(*c - *d).abs()));
+        found.largest = worst.map(|(index, (a, b))| {
+            // Components stand one after the other.
+            let pixel = index % self.pixels.max(1);
+            let z = if differing > 0 { f64::INFINITY } else { 0.0 };
+            let p = if differing > 0 { 0.0 } else { 1.0 };
+            Pair { x: pixel % width, y: pixel / width, a: *a, b: *b, z, p }
+        });
+        (found.verdict, found.because) = if differing > 0 {
+            (Verdict::Different, format!("{differing} values differ, and they have no noise"))
+        } else {
+            (Verdict::Same, "within rounding".to_owned())
+        };
+    }
+}
+
+fn values(frame: &Frame, name: &str, picture: bool) -> Vec<f64> {
+    let pixels = frame.width * frame.height;
+    match frame.rgb(name) {
+        Some(channels) if picture => Luminance::in_frame(frame).image(channels),
+        None if picture => vec![0.0; pixels],
+        Some(_) | None => {
+            let own = frame.channels.iter().filter(|channel| belongs(channel, name));
+            own.flat_map(|channel| channel.data.iter().map(|value| f64::from(*value))).collect()
+        }
+    }
+}
+
+/// Whether a channel is one of a layer's; a lone channel such as `Z` is a layer of its own.
+fn belongs(channel: &Channel, name: &str) -> bool {
+    if name.is_empty() {
+        ["R", "G", "B"].contains(&channel.name.as_str())
+    } else {
+        channel.layer() == name || channel.name == name
+    }
+}
+
+/// Probability of one result of `p` or rarer among `tests` (Šidák; an upper bound for normal deviates however they lean
+/// on each other).
+fn sidak(p: f64, tests: usize) -> f64 {
+    -(tests.max(1) as f64 * f64::ln_1p(-p.min(1.0 - f64::EPSILON))).exp_m1()
+}
+
+#[cfg(test)]
+mod tests;

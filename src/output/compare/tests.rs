@@ -1,0 +1,137 @@
+use super::*;
+use crate::base::rng::{Rng, Stream};
+use crate::film::frame::Meta;
+
+const WIDTH: usize = 64;
+const HEIGHT: usize = 32;
+
+/// A frame whose pixels are means of `passes` normal samples about `mean` with the standard deviation `sigma`, with the
+/// errors that these samples show.
+fn sampled(seed: u64, mean: impl Fn(usize) -> f64, sigma: f64, passes: usize) -> Frame {
+    let mut frame = Frame::new(WIDTH, HEIGHT);
+    let (mut light, mut error) = (Vec::new(), Vec::new());
+    for pixel in 0..WIDTH * HEIGHT {
+        let mut rng = Rng::new(seed, Stream::Check, 0, pixel as u64);
+        let mut moments = crate::base::stats::Moments::default();
+        for _ in 0..passes {
+            // Box and Muller.
+            let (a, b) = (1.0 - rng.uniform(), rng.uniform());
+            moments.add(mean(pixel) + sigma * (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos());
+        }
+        light.push(moments.mean as f32);
+        error.push(moments.stderr() as f32);
+    }
+    for (layer, data) in [("", light), ("stderr.", error)] {
+        ["R", "G", "B"].iter().for_each(|c| frame.push(format!("{layer}{c}"), data.clone()));
+    }
+    frame.meta.insert("passes".into(), Meta::Text(passes.to_string()));
+    frame.meta.insert("passes.backward".into(), Meta::Text(passes.to_string()));
+    frame.meta.insert("seed".into(), Meta::Text(seed.to_string()));
+    frame
+}
+
+/// Noise of few samples has the tails of Student's t: with them accounted for, noise alone is called different about as
+/// rarely as it is said to be.
+#[test]
+fn noise_is_no_difference() {
+    for passes in [4, 8, 64] {
+        let mut alarms = 0;
+        for seed in 0..20 {
+            let found =
+                compare(&sampled(2 * seed, |_| 10.0, 1.0, passes), &sampled(2 * seed + 1, |_| 10.0, 1.0, passes), 2.0);
+            alarms += u32::from(found.different);
+            let layer = &found.layers[0];
+            if let Some([mean, expected]) = layer.mean_z2.filter(|_| passes > 4) {
+                assert!((mean / expected - 1.0).abs() < 0.2, "{passes} passes: {mean} {expected}");
+            }
+            assert!((layer.relative_mse / layer.relative_mse_of_noise.unwrap() - 1.0).abs() < 0.25);
+        }
+        // 4.55 % each: of 20, more than 5 with a probability of 1e-4.
+        assert!(alarms <= 5, "{passes} passes: {alarms} of 20");
+    }
+}
+
+#[test]
+fn a_bias_and_a_lone_pixel_are_found() {
+    let reference = sampled(1, |_| 10.0, 1.0, 16);
+    // 2 % everywhere: each pixel is within 0.6 sigma, the mean is 20 off.
+    let found = compare(&reference, &sampled(2, |_| 10.2, 1.0, 16), 3.0);
+    assert!(found.different && found.layers[0].because.contains("mean"), "{:?}", found.layers[0]);
+    let layer = &found.layers[0];
+    // The mean of 2048 pixels with √2·¼ each.
+    assert!((layer.error_if_independent.unwrap() - 0.25 * (2.0f64 / 2048.0).sqrt()).abs() < 2e-4);
+    assert!(layer.error_at_most.unwrap() > 40.0 * layer.error_if_independent.unwrap());
+    let lone = |pixel: usize| if pixel == 777 { 15.0 } else { 10.0 };
+    let found = compare(&reference, &sampled(3, lone, 1.0, 16), 3.0);
+    let pair = found.layers[0].largest.unwrap();
+    assert!(found.different && (pair.x, pair.y) == (777 % WIDTH, 777 / WIDTH), "{pair:?}");
+
+    // Photons are shared by pixels: then the bias of the mean cannot be told from a common error, and isn't claimed.
+    let shared = |seed: u64, mean: f64| {
+        let mut frame = sampled(seed, |_| mean, 1.0, 16);
+        frame.meta.insert("passes.photon".into(), Meta::Text("16".into()));
+        frame
+    };
+    assert!(!compare(&shared(1, 10.0), &shared(2, 10.2), 3.0).different);
+    assert!(compare(&shared(1, 10.0), &shared(2, 13.0), 3.0).different);
+}
+
+#[test]
+fn frames_that_cannot_be_compared_say_why() {
+    let frame = sampled(1, |_| 10.0, 1.0, 4);
+    let with = |key: &str, value: Meta| {
+        let mut other = frame.clone();
+        other.meta.insert(key.into(), value);
+        compare(&frame, &other, 3.0)
+    };
+    let space = with(COLOR_INTEROP_ID, Meta::Text("lin_ap1_scene".into()));
+    assert_eq!(space.incomparable, ["colour space: none and lin_ap1_scene"]);
+    assert!(space.different && space.layers.is_empty());
+    assert!(with(WHITE_LUMINANCE, Meta::Number(100.0)).incomparable[0].contains("unit: whiteLuminance 1 and 100"));
+    assert!(compare(&frame, &Frame::new(3, 3), 3.0).incomparable[0].contains("64 × 32 and 3 × 3"));
+    let mut cut = frame.clone();
+    cut.channels[0].data.pop();
+    assert!(compare(&frame, &cut, 3.0).incomparable[0].contains("B has channels that do not fill it"));
+    let seeds = with("seed", Meta::Text("5".into()));
+    assert!(!seeds.different && seeds.notes.is_empty() && seeds.layers[0].verdict == Verdict::Identical);
+    assert!(with("sceneHash", Meta::Text("x".into())).notes.iter().any(|note| note.contains("sceneHash: none and x")));
+}
+
+#[test]
+fn layers_by_their_kind() {
+    let mut a = sampled(1, |_| 10.0, 1.0, 8);
+    let mut b = sampled(2, |_| 10.0, 1.0, 8);
+    let put = |frame: &mut Frame, name: &str, value: f32| frame.push(name, vec![value; WIDTH * HEIGHT]);
+    for (frame, value) in [(&mut a, 1.0), (&mut b, 1.1)] {
+        ["R", "G", "B"].iter().for_each(|c| put(frame, &format!("direct_sky.{c}"), value));
+        put(frame, "Z", 2.0);
+    }
+    // Light without errors is not judged; a share that only one has is compared with black.
+    ["R", "G", "B"].iter().for_each(|c| put(&mut b, &format!("caustic_led.{c}"), 1.0));
+    let of = |found: &Comparison, name: &str| found.layers.iter().find(|layer| layer.layer == name).unwrap().clone();
+    let found = compare(&a, &b, 3.0);
+    assert_eq!(of(&found, "direct_sky").verdict, Verdict::Unjudged);
+    assert_eq!(of(&found, "caustic_led").verdict, Verdict::Unjudged);
+    assert_eq!(of(&found, "Z").verdict, Verdict::Identical);
+    assert!(!found.different);
+    // With errors it is: 1 ± 0.1 against nothing.
+    ["R", "G", "B"].iter().for_each(|c| put(&mut b, &format!("caustic_led_stderr.{c}"), 0.01));
+    assert_eq!(of(&compare(&a, &b, 3.0), "caustic_led").verdict, Verdict::Different);
+    // Data have no noise.
+    b.channels.iter_mut().find(|channel| channel.name == "Z").unwrap().data[70] = 2.1;
+    let found = compare(&a, &b, 3.0);
+    let depth = of(&found, "Z");
+    assert_eq!((depth.verdict, depth.largest.map(|pair| (pair.x, pair.y))), (Verdict::Different, Some((6, 1))));
+    put(&mut b, "id.part", 1.0);
+    assert_eq!(compare(&a, &b, 3.0).only_in, [("id".to_owned(), 'B')]);
+    // Values that are no numbers.
+    a.channels[0].data[3] = f32::NAN;
+    assert_eq!(of(&compare(&a, &b, 3.0), "").verdict, Verdict::Different);
+    // One pass has no errors to judge by.
+    let one = |seed| {
+        let mut frame = sampled(seed, |_| 10.0, 1.0, 2);
+        frame.channels.iter_mut().filter(|c| c.layer() == "stderr").for_each(|c| c.data.fill(0.0));
+        frame
+    };
+    assert_eq!(of(&compare(&one(1), &one(2), 3.0), "").verdict, Verdict::Unjudged);
+}
