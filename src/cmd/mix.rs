@@ -142,6 +142,9 @@ fn text(args: &MixArgs, record: &Record, warnings: &[String]) -> String {
             solved.groups.join(", "),
             solved.gain
         ));
+        if solved.at_every_level {
+            lines.push("it holds at every lamp level: the lamps are left as they are".to_owned());
+        }
         let seen = if visibility.visible { "visible" } else { "hidden" };
         lines.push(format!(
             "leak: brightest patch {leak_spot_cd_m2:.4} cd/m², {:.3} of the threshold of {:.4} cd/m² at an adaptation to \

@@ -41,6 +41,8 @@ pub struct Solved {
     pub groups: Vec<String>,
     /// Factor of these groups, on top of the gains that were asked for.
     pub gain: f64,
+    /// The goal holds at every level, so nothing was changed.
+    pub at_every_level: bool,
     /// Of the lit part of the picture, without background.
     pub picture_cd_m2: f64,
     /// Of all other light, over the same pixels.
@@ -72,6 +74,7 @@ impl Levels {
             goal,
             groups,
             gain,
+            at_every_level: false,
             picture_cd_m2,
             background_cd_m2: self.background,
             leak_cd_m2,
@@ -85,8 +88,10 @@ impl Levels {
 /// The gain of `groups` (of the group that the slide modulates most, if none are named) that reaches the goal, with the
 /// gains and the contrast of `recipe`.
 ///
+/// A leak that no level makes visible leaves the lamps as they are.
+///
 /// Errors: unknown groups, a slide that modulates several groups alike, a picture without light, a contrast that no gain
-/// reaches, a leak that no gain makes visible.
+/// reaches.
 pub fn solve(rendering: &Rendering, recipe: &Recipe, groups: &[String], goal: Goal) -> Result<Solved> {
     recipe.check(rendering)?;
     let groups = chosen(rendering, groups)?;
@@ -107,9 +112,10 @@ pub fn solve(rendering: &Rendering, recipe: &Recipe, groups: &[String], goal: Go
             }
             (contrast - 1.0) * levels.background / slope
         }
-        Goal::LeakHidden => {
-            brightest_hidden(&levels).ok_or_else(|| unreached("the leak is hidden at every lamp level".to_owned()))?
-        }
+        Goal::LeakHidden => match brightest_hidden(&levels) {
+            Some(gain) => gain,
+            None => return Ok(Solved { at_every_level: true, ..levels.at(said, groups, 1.0) }),
+        },
     };
     if !(gain > 0.0 && gain < MOST_GAIN) {
         return Err(unreached(format!("it would need a gain of {gain:.3e}"))
