@@ -7,7 +7,9 @@ use super::{Format, print};
 use crate::base::atomic::check_writable;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::sharpness::Sharpness;
+use crate::output::contact_sheet::write_contact_sheet;
 use crate::output::exr::read_exr;
+use crate::output::tone::Adaptation;
 use crate::output::view::{Shown, ViewInfo, ViewOptions, write_view};
 
 /// Show a layer of an EXR as an 8-bit sRGB PNG.
@@ -18,8 +20,14 @@ see is just visible on a display of 100 cd/m² (Ward 1994). The exposure this am
 frame to compare the two. Data layers (Z, normal, position) are scaled to their range; pixels that are not a number \
 are magenta.
 
+--glare adds the light that the eye scatters (CIE 135/1:1999, the age of the eye in the header). --false-colour shows \
+luminances on a logarithmic scale of four decades, with a legend.
+
 Examples:
   eyebox view frame.exr -o view.png
+  eyebox view frame.exr -o seen.png --adaptation foveal --glare
+  eyebox view frame.exr -o scale.png --layer forward_led --false-colour
+  eyebox view frame.exr -o sheet.png --contact-sheet
   eyebox view frame.exr -o forward.png --layer forward --exposure -3.5")]
 pub struct ViewArgs {
     /// The frame to show
@@ -34,9 +42,42 @@ pub struct ViewArgs {
     /// Stops; 0 shows luminances as they are on a display of 100 cd/m² [default: Ward's visibility matching]
     #[arg(long, allow_negative_numbers = true, value_name = "STOPS")]
     pub exposure: Option<f64>,
+    /// Which mean luminance of the default image the eye is adapted to
+    #[arg(long, value_enum, value_name = "MEAN", default_value_t)]
+    pub adaptation: AdaptationArg,
+    /// Show pictures as they fall on the retina, with the light that is scattered in the eye
+    #[arg(long)]
+    pub glare: bool,
+    /// Show luminances as colours on a scale, with a legend
+    #[arg(long, conflicts_with_all = ["exposure", "adaptation"])]
+    pub false_colour: bool,
+    /// Show all layers side by side
+    #[arg(long, conflicts_with_all = ["layer", "false_colour"])]
+    pub contact_sheet: bool,
     /// How to print what was done
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum AdaptationArg {
+    /// Of all pixels
+    #[default]
+    Arithmetic,
+    /// Of the logarithms of all pixels above 0
+    Log,
+    /// Within 1° of the middle
+    Foveal,
+}
+
+impl AdaptationArg {
+    fn kind(self) -> Adaptation {
+        match self {
+            AdaptationArg::Arithmetic => Adaptation::Arithmetic,
+            AdaptationArg::Log => Adaptation::Log,
+            AdaptationArg::Foveal => Adaptation::Foveal,
+        }
+    }
 }
 
 /// Runs the command.
@@ -56,7 +97,25 @@ fn view(args: &ViewArgs) -> Result<(serde_json::Value, String)> {
     check_writable(&args.output)?;
     let frame = read_exr(&args.frame)?;
     let defaults = ViewOptions::default();
-    let options = ViewOptions { layer: args.layer.clone(), exposure: args.exposure, ..defaults };
+    let options = ViewOptions {
+        layer: args.layer.clone(),
+        exposure: args.exposure,
+        adaptation: args.adaptation.kind(),
+        glare: args.glare,
+        false_colour: args.false_colour,
+        ..defaults
+    };
+    if args.contact_sheet {
+        let [width, height] = write_contact_sheet(&args.output, &frame, &options)?;
+        let json = serde_json::json!({
+            "frame": args.frame.display().to_string(),
+            "output": args.output.display().to_string(),
+            "layers": frame.layer_names(),
+            "contact_sheet": [width, height],
+        });
+        let count = frame.layer_names().len();
+        return Ok((json, format!("{}: contact sheet of {count} layers, {width} × {height}", args.output.display())));
+    }
     let info = write_view(&args.output, &frame, &options)?;
     let json = serde_json::json!({
         "frame": args.frame.display().to_string(),
@@ -79,6 +138,9 @@ fn text(args: &ViewArgs, info: &ViewInfo) -> String {
             }
             if let Some(stops) = info.exposure_stops {
                 text += &format!(", --exposure {stops:.4}");
+            }
+            if let Some([low, high]) = info.range {
+                text += &format!(", false colours from {low} to {high} cd/m²");
             }
             if let Some(sharpness) = &info.diffraction {
                 text += &limit(sharpness);
@@ -178,6 +240,44 @@ mod tests {
         let (layers, stderr) = (Vec::new(), String::new());
         sharpness.applied = Some(Applied { wavelengths_nm: [550.0; 3], layers, stderr });
         assert!(shown(&sharpness).1.ends_with(", applied"));
+    }
+
+    #[test]
+    fn adaptation_glare_false_colours_and_the_sheet() {
+        use crate::film::frame::Meta;
+        let directory = tempfile::tempdir().unwrap();
+        let (exr, png) = (directory.path().join("f.exr"), directory.path().join("v.png"));
+        let words = |more: &[&str]| -> Vec<String> {
+            let all = ["view", exr.to_str().unwrap(), "-o", png.to_str().unwrap()];
+            all.iter().chain(more).map(|word| (*word).to_owned()).collect()
+        };
+        let run = |more: &[&str]| {
+            let words = words(more);
+            view(&parse(&words.iter().map(String::as_str).collect::<Vec<_>>()))
+        };
+        let mut frame = Frame::new(33, 1);
+        let spike: Vec<f32> = (0..33).map(|x| if x == 16 { 10_000.0 } else { 1.0 }).collect();
+        ["R", "G", "B"].iter().for_each(|c| frame.push(*c, spike.clone()));
+        write_exr(&exr, &frame).unwrap();
+        assert!(run(&["--glare"]).unwrap_err().to_string().contains("how wide the eye looks"));
+        assert!(run(&["--adaptation", "foveal"]).is_err());
+        frame.meta.insert("eye".into(), Meta::Text("{\"fov_deg\":33.0,\"age\":30}".into()));
+        write_exr(&exr, &frame).unwrap();
+        let adapted =
+            |mean: &str| run(&["--adaptation", mean]).unwrap().0["view"]["adaptation_cd_m2"].as_f64().unwrap();
+        assert!((adapted("log") - 10_000f64.powf(1.0 / 33.0)).abs() < 1e-9);
+        assert!(adapted("foveal") > 3000.0 && (adapted("arithmetic") - 10_032.0 / 33.0).abs() < 1e-9);
+        // The neighbours of the bright pixel are veiled.
+        let pixel = |more: &[&str], x: u32| {
+            run(more).unwrap();
+            image::open(&png).unwrap().into_rgb8().get_pixel(x, 0).0[0]
+        };
+        assert!(pixel(&["--exposure", "2", "--glare"], 15) > pixel(&["--exposure", "2"], 15) + 20);
+        let (json, text) = run(&["--false-colour"]).unwrap();
+        assert_eq!(json["view"]["range"], serde_json::json!([1.0, 10_000.0]));
+        assert!(text.contains("false colours from 1 to 10000 cd/m²"), "{text}");
+        assert!(image::open(&png).unwrap().width() > 33);
+        assert!(run(&["--contact-sheet"]).unwrap().1.contains("contact sheet of 1 layers"));
     }
 
     #[test]

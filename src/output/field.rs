@@ -59,6 +59,11 @@ impl Field {
         [direction.x, direction.y].map(|part| part.atan2(direction.z).to_degrees())
     }
 
+    /// Width and height of a pixel in tangents.
+    pub fn pixel_tangent(&self) -> [f64; 2] {
+        [0, 1].map(|axis| 2.0 * self.half[axis] / self.size[axis])
+    }
+
     /// Width of a pixel in the middle of the picture, degrees.
     pub fn pixel_deg(&self) -> f64 {
         (2.0 * self.half[0] / self.size[0]).atan().to_degrees()

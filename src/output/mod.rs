@@ -2,15 +2,19 @@
 
 pub mod assembly_tree;
 pub mod compare;
+pub mod contact_sheet;
 pub mod exr;
+pub mod false_colour;
 pub mod field;
 pub mod geometry;
 mod mix_errors;
+pub mod glare;
 pub mod join;
 pub mod leak;
 pub mod luminance;
 pub mod mix;
 pub mod plate;
+pub mod raster;
 pub mod shares;
 pub mod solve;
 pub mod tone;

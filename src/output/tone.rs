@@ -1,12 +1,74 @@
 //! From cd/m² to what a display shows: the adaptation luminance, Ward's visibility matching, sRGB codes.
 
-/// The adaptation luminance, cd/m²: the arithmetic mean of the pixels' luminances (`design/eye.md`). Values that are
-/// not finite are left out; 0 if none is left.
-pub fn adaptation(luminances: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = luminances
-        .filter(|luminance| luminance.is_finite())
-        .fold((0.0, 0_u64), |(sum, count), luminance| (sum + luminance, count + 1));
-    if count == 0 { 0.0 } else { sum / count as f64 }
+use super::field::Field;
+use crate::film::frame::Frame;
+
+/// Radius of the part of the field that the fovea sees, degrees: the 2° field of CIE 1931.
+const FOVEA_DEG: f64 = 1.0;
+
+/// What an eye that looks at a picture is taken to be adapted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Adaptation {
+    /// The mean luminance of the picture.
+    #[default]
+    Arithmetic,
+    /// The mean of its logarithms (Ward 1994).
+    Log,
+    /// The mean around the line of sight.
+    Foveal,
+}
+
+impl Adaptation {
+    pub const ALL: [Adaptation; 3] = [Adaptation::Arithmetic, Adaptation::Log, Adaptation::Foveal];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Adaptation::Arithmetic => "arithmetic",
+            Adaptation::Log => "log",
+            Adaptation::Foveal => "foveal",
+        }
+    }
+
+    pub fn doc(self) -> &'static str {
+        match self {
+            Adaptation::Arithmetic => "mean of all pixels",
+            Adaptation::Log => "exponential of the mean logarithm of the pixels above 0",
+            Adaptation::Foveal => "mean within 1° of the middle",
+        }
+    }
+}
+
+/// The adaptation luminance of a picture, cd/m², and what each pixel adds to it when it changes (pixel, derivative).
+/// Pixels that are not finite are left out. None for `Foveal` without the eye in the header, and where no pixel counts.
+pub fn adaptation_luminance(kind: Adaptation, luminance: &[f64], frame: &Frame) -> Option<(f64, Vec<(usize, f64)>)> {
+    let field = Field::of(frame);
+    let middle = [0.5 * frame.width as f64, 0.5 * frame.height as f64];
+    let counts = |pixel: usize, value: f64| match kind {
+        Adaptation::Arithmetic => true,
+        Adaptation::Log => value > 0.0,
+        Adaptation::Foveal => field.is_some_and(|field| {
+            let place = [(pixel % frame.width.max(1)) as f64 + 0.5, (pixel / frame.width.max(1)) as f64 + 0.5];
+            field.angle_deg(middle, place) <= FOVEA_DEG.max(0.75 * field.pixel_deg())
+        }),
+    };
+    let finite = luminance.iter().copied().enumerate().filter(|(_, value)| value.is_finite());
+    let used: Vec<(usize, f64)> = finite.filter(|(pixel, value)| counts(*pixel, *value)).collect();
+    if used.is_empty() {
+        return None;
+    }
+    let weight = 1.0 / used.len() as f64;
+    Some(match kind {
+        Adaptation::Arithmetic | Adaptation::Foveal => {
+            let sum: f64 = used.iter().map(|(_, value)| value).sum();
+            (sum * weight, used.iter().map(|(pixel, _)| (*pixel, weight)).collect())
+        }
+        Adaptation::Log => {
+            let mean = (used.iter().map(|(_, value)| value.ln()).sum::<f64>() * weight).exp();
+            (mean, used.iter().map(|(pixel, value)| (*pixel, mean * weight / value)).collect())
+        }
+    })
 }
 
 /// Display value (0 to 1) per cd/m² of the scene, so that what is just visible there is just visible here:
@@ -47,15 +109,27 @@ mod tests {
     }
 
     #[test]
+    fn three_kinds_of_adaptation() {
+        use crate::film::frame::Meta;
+        let mut frame = Frame::new(9, 1);
+        // 9 pixels over 18°: the middle one is the fovea's.
+        frame.meta.insert("eye".into(), Meta::Text("{\"fov_deg\":18.0}".into()));
+        let luminance = [1.0, 1.0, 1.0, 1.0, 100.0, 1.0, 1.0, 0.0, f64::NAN];
+        let of = |kind| adaptation_luminance(kind, &luminance, &frame).unwrap();
+        assert_eq!(of(Adaptation::Arithmetic).0, 106.0 / 8.0);
+        let (log, weights) = of(Adaptation::Log);
+        assert!((log - 100f64.powf(1.0 / 7.0)).abs() < 1e-12);
+        // dM/dL = M/(n·L).
+        assert_eq!(weights[4], (4, log / 7.0 / 100.0));
+        assert_eq!(of(Adaptation::Foveal), (100.0, vec![(4, 1.0)]));
+        assert_eq!(adaptation_luminance(Adaptation::Foveal, &luminance, &Frame::new(9, 1)), None);
+        assert_eq!(adaptation_luminance(Adaptation::Log, &[0.0], &frame), None);
+    }
+
+    #[test]
     fn srgb_codes() {
         // 0.5 → 187.5, 0.18 → 117.6, the knee → 10.3: from the formula of the standard.
         assert_eq!([0.0, 0.003_130_8, 0.18, 0.5, 1.0, 7.0, -1.0].map(srgb_code), [0, 10, 118, 188, 255, 255, 0]);
         assert_eq!([srgb_code(f64::NAN), code(0.5)], [0, 128]);
-    }
-
-    #[test]
-    fn adaptation_is_the_mean_of_finite_values() {
-        assert_eq!(adaptation([1.0, f64::NAN, 3.0, f64::INFINITY].into_iter()), 2.0);
-        assert_eq!(adaptation(std::iter::empty()), 0.0);
     }
 }

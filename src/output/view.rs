@@ -2,17 +2,18 @@
 
 use std::path::Path;
 
-use glam::DVec3;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
-
-use crate::base::atomic::write_atomic;
 use crate::base::colour::ColourSpace;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::{Channel, Frame};
 use crate::film::sharpness::Sharpness;
 use crate::output::exr::COLOR_INTEROP_ID;
-use crate::output::tone::{adaptation, code, srgb_code, ward_scale};
+use crate::output::false_colour::{draw, scale};
+use crate::output::field::Field;
+use crate::output::glare::{PIGMENT, spread};
+use crate::output::luminance::Luminance;
+use crate::output::raster::Raster;
+use crate::output::tone::{Adaptation, adaptation_luminance, code, srgb_code, ward_scale};
+use glam::DVec3;
 
 /// The pixel where a value is not a number or infinite: a colour that no luminance gets by accident.
 const NOT_FINITE: [u8; 3] = [255, 0, 255];
@@ -29,11 +30,24 @@ pub struct ViewOptions {
     pub exposure: Option<f64>,
     /// Luminance of the display's white, cd/m².
     pub ldmax_cd_m2: f64,
+    /// Which mean the eye is adapted to.
+    pub adaptation: Adaptation,
+    /// Pictures as they fall on the retina: with the light that the eye scatters.
+    pub glare: bool,
+    /// Pictures as colours on a scale of luminance, with its legend.
+    pub false_colour: bool,
 }
 
 impl Default for ViewOptions {
     fn default() -> Self {
-        ViewOptions { layer: None, exposure: None, ldmax_cd_m2: 100.0 }
+        ViewOptions {
+            layer: None,
+            exposure: None,
+            ldmax_cd_m2: 100.0,
+            adaptation: Adaptation::Arithmetic,
+            glare: false,
+            false_colour: false,
+        }
     }
 }
 
@@ -59,13 +73,14 @@ pub struct ViewInfo {
     pub shown: Shown,
     pub width: usize,
     pub height: usize,
-    /// Arithmetic mean luminance of the default image (of this layer if there is none), cd/m²; for pictures.
+    /// Mean luminance of the default image (of this layer if there is none), cd/m²; for toned pictures.
     pub adaptation_cd_m2: Option<f64>,
     /// For pictures, if the header says it: how sharp diffraction lets the picture be.
     pub diffraction: Option<Sharpness>,
     /// For pictures and fractions: giving this number as the exposure shows the same picture again.
     pub exposure_stops: Option<f64>,
-    /// For data: the smallest and the largest value (for `Vector` of all components).
+    /// For data: the smallest and the largest value (for `Vector` of all components). For false colours: the ends of the
+    /// scale, cd/m².
     pub range: Option<[f64; 2]>,
     /// Pixels with a value that is not finite, shown magenta.
     pub nonfinite_pixels: usize,
@@ -74,15 +89,55 @@ pub struct ViewInfo {
 /// Writes the layer as an 8-bit sRGB PNG, completely or not at all.
 /// Errors: those of [`render_view`], and a place that cannot be written.
 pub fn write_view(path: &Path, frame: &Frame, options: &ViewOptions) -> Result<ViewInfo> {
-    let (pixels, info) = render_view(frame, options)?;
-    let unencodable = |why: String| Fault::new(Where::file(path), format!("cannot be encoded as PNG: {why}"));
-    let side = |length: usize| u32::try_from(length).map_err(|_| unencodable(format!("{length} pixels wide or high")));
-    let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
-        .write_image(&pixels, side(frame.width)?, side(frame.height)?, ExtendedColorType::Rgb8)
-        .map_err(|error| unencodable(error.to_string()))?;
-    write_atomic(path, &bytes)?;
+    let (raster, info) = shown(frame, options)?;
+    raster.write_png(path)?;
     Ok(info)
+}
+
+/// The layer as it is written: with the legend, if there is one.
+/// Errors: those of [`render_view`]; false colours of what is no luminance.
+pub fn shown(frame: &Frame, options: &ViewOptions) -> Result<(Raster, ViewInfo)> {
+    if !options.false_colour {
+        let (bytes, info) = render_view(frame, options)?;
+        return Ok((Raster { width: frame.width, height: frame.height, bytes }, info));
+    }
+    check(frame, options)?;
+    let (layer, kind, channels) = choose(frame, options.layer.as_deref())?;
+    if kind != Shown::Picture {
+        return Err(Fault::new(Where::Option("--false-colour".to_owned()), format!("`{layer}` is no luminance"))
+            .expected("a picture layer"));
+    }
+    let glared = glared(frame, options, channels)?;
+    let channels = glared.as_ref().map_or(channels, |planes| planes.each_ref().map(Vec::as_slice));
+    let luminance = Luminance::in_frame(frame).image(channels);
+    let info = ViewInfo {
+        layer,
+        shown: kind,
+        width: frame.width,
+        height: frame.height,
+        adaptation_cd_m2: None,
+        diffraction: None,
+        exposure_stops: None,
+        range: Some(scale(&luminance)),
+        nonfinite_pixels: luminance.iter().filter(|value| !value.is_finite()).count(),
+    };
+    Ok((draw(&luminance, frame.width, frame.height), info))
+}
+
+/// The channels with the light that the eye scatters, if that is asked for.
+/// Errors: a frame that does not say how wide the eye looks.
+fn glared(frame: &Frame, options: &ViewOptions, channels: [&[f32]; 3]) -> Result<Option<[Vec<f32>; 3]>> {
+    if !options.glare {
+        return Ok(None);
+    }
+    let field = Field::of(frame).ok_or_else(|| no_eye("--glare"))?;
+    let planes = spread(channels, [frame.width, frame.height], &field, PIGMENT);
+    Ok(Some(planes.map(|plane| plane.into_iter().map(|value| value as f32).collect())))
+}
+
+fn no_eye(option: &str) -> Box<Fault> {
+    Fault::new(Where::Option(option.to_owned()), "the header does not say how wide the eye looks (`eyebox.eye`)")
+        .expected("a frame that `eyebox render` wrote")
 }
 
 /// The layer as 8-bit sRGB, three bytes a pixel, row by row from the top left.
@@ -92,6 +147,10 @@ pub fn write_view(path: &Path, frame: &Frame, options: &ViewOptions) -> Result<V
 pub fn render_view(frame: &Frame, options: &ViewOptions) -> Result<(Vec<u8>, ViewInfo)> {
     check(frame, options)?;
     let (layer, shown, channels) = choose(frame, options.layer.as_deref())?;
+    // One channel shown three times is a luminance: no colour space applies to it.
+    let grey = std::ptr::eq(channels[0], channels[1]);
+    let glared = if shown == Shown::Picture { glared(frame, options, channels)? } else { None };
+    let seen = glared.as_ref().map_or(channels, |planes| planes.each_ref().map(Vec::as_slice));
     let mut info = ViewInfo {
         layer,
         shown,
@@ -107,12 +166,18 @@ pub fn render_view(frame: &Frame, options: &ViewOptions) -> Result<(Vec<u8>, Vie
         Shown::Picture => {
             let space = ColourSpace::from_interop_id(frame.text(COLOR_INTEROP_ID));
             let adapted = frame.rgb("").unwrap_or(channels);
-            let mean = adaptation(triples(adapted).map(|color| space.luminance(color.to_array())));
+            let luminance = Luminance { space, white_cd_m2: 1.0 }.image(adapted);
+            let mean = match adaptation_luminance(options.adaptation, &luminance, frame) {
+                Some((mean, _)) => mean,
+                None if options.adaptation == Adaptation::Foveal && Field::of(frame).is_none() => {
+                    return Err(no_eye("--adaptation foveal"));
+                }
+                // Nothing that can be seen.
+                None => 0.0,
+            };
             let stops = options
                 .exposure
                 .unwrap_or_else(|| (ward_scale(mean, options.ldmax_cd_m2) * options.ldmax_cd_m2).log2());
-            // One channel shown three times is a luminance: no colour space applies to it.
-            let grey = std::ptr::eq(channels[0], channels[1]);
             let scale = stops.exp2() / options.ldmax_cd_m2;
             (info.adaptation_cd_m2, info.exposure_stops) = (Some(mean), Some(stops));
             // A header of another version, or of another program, says nothing.
@@ -146,7 +211,7 @@ pub fn render_view(frame: &Frame, options: &ViewOptions) -> Result<(Vec<u8>, Vie
         }
     };
     let mut bytes = Vec::with_capacity(channels[0].len().saturating_mul(3));
-    for color in triples(channels) {
+    for color in triples(seen) {
         if color.is_finite() {
             bytes.extend(pixel(color));
         } else {
