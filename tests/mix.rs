@@ -19,7 +19,7 @@ use eyebox::world::World;
 use glam::DVec3;
 use std::sync::Arc;
 
-const PASSES: u64 = 32;
+const PASSES: u64 = 64;
 
 /// A slide before a lamp, and a second lamp beside it whose light never meets the slide, behind a diffuser.
 fn lamps_and_slide(contrast: f64, luminance: f64) -> Scene {
@@ -84,25 +84,13 @@ fn a_mixture_is_a_new_rendering() {
         let recipe = Recipe { gains: vec![("panel".to_owned(), gain)], contrast: Some(contrast) };
         let mixed = mix(&taken, &recipe).expect("it has a slide");
         assert!(mixed.errors != Errors::Unknown && mixed.errors != Errors::Absent);
-        // Another seed: the same but for noise. The same seed: the same paths, whose light is weighed alike.
+        // Another seed: the same but for noise, in every layer, and in the split that the mixture still has.
         let scene = lamps_and_slide(contrast, 1000.0 * gain);
         let found = compare(&mixed.frame, &rendered(&scene, 2), 3.0);
         assert!(!found.different, "C = {contrast}, gain {gain}: {:?}", found.layers);
         assert!(found.layers.iter().any(|layer| layer.verdict == Verdict::Same && layer.layer.is_empty()));
-        let again = rendered(&scene, 1);
-        for layer in
-            ["", "direct_panel", "caustic_panel", "caustic_side", "direct_side", "stderr", "caustic_panel_stderr"]
-        {
-            let (Some([mixed, ..]), Some([again, ..])) = (mixed.frame.rgb(layer), again.rgb(layer)) else { continue };
-            let peak = again.iter().fold(0.0f32, |peak, value| peak.max(value.abs()));
-            for (pixel, (mixed, again)) in mixed.iter().zip(again).enumerate() {
-                // Errors of two shares at another contrast are taken to lean on each other as before.
-                let tolerance = if layer == "stderr" { 0.05 } else { 1e-5 } * peak;
-                assert!((mixed - again).abs() <= tolerance, "{layer} {pixel} at {contrast}, {gain}: {mixed} {again}");
-            }
-        }
     }
     // What a wrong mixture looks like.
-    let wrong = mix(&taken, &Recipe { contrast: Some(4.0), ..Recipe::default() }).expect("it has a slide").frame;
-    assert!(compare(&wrong, &rendered(&lamps_and_slide(8.0, 1000.0), 2), 3.0).different);
+    let wrong = mix(&taken, &Recipe { contrast: Some(2.0), ..Recipe::default() }).expect("it has a slide").frame;
+    assert!(compare(&wrong, &rendered(&lamps_and_slide(50.0, 1000.0), 2), 3.0).different);
 }

@@ -11,6 +11,7 @@ mod convert;
 mod diff;
 mod init;
 mod inspect;
+mod measure;
 mod mix;
 mod plan;
 mod progress;
@@ -30,7 +31,7 @@ use std::process::ExitCode;
     name = "eyebox",
     version,
     propagate_version = true,
-    after_help = "Examples:\n  eyebox init hud.glb -o hud.optics.toml\n  eyebox inspect hud.optics.toml\n  eyebox render samples/hud-direct/hud.optics.toml -o hud.exr\n  eyebox view hud.exr -o hud.png\n  eyebox mix hud.exr --gain led=0.5 -o dim.exr\n  eyebox diff a.exr b.exr"
+    after_help = "Examples:\n  eyebox init hud.glb -o hud.optics.toml\n  eyebox inspect hud.optics.toml\n  eyebox render samples/hud-direct/hud.optics.toml -o hud.exr\n  eyebox view hud.exr -o hud.png\n  eyebox mix hud.exr --gain led=0.5 -o dim.exr\n  eyebox diff a.exr b.exr\n  eyebox measure hud.exr"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -55,6 +56,8 @@ enum Command {
     Mix(mix::MixArgs),
     /// Compare two frames by their standard errors.
     Diff(diff::DiffArgs),
+    /// Measure a frame as a display.
+    Measure(measure::MeasureArgs),
     /// Turn a layer of an EXR into a PNG for a display.
     View(view::ViewArgs),
     /// Measure the program: time against error, and answers that are known.
@@ -92,6 +95,7 @@ pub fn main() -> ExitCode {
         Command::Convert(args) => convert::run(args),
         Command::Mix(args) => mix::run(args),
         Command::Diff(args) => diff::run(args),
+        Command::Measure(args) => measure::run(args),
         Command::View(args) => view::run(args),
         Command::Bench(args) => bench::run(args),
     };

@@ -1,5 +1,6 @@
 //! Two frames compared by their standard errors: what differs by more than noise. `docs/diff.md` says what is claimed.
 
+use super::average::pixels_are_independent;
 use super::luminance::Luminance;
 use crate::base::stats::normal_tail;
 use crate::base::student::{two_sided, welch};
@@ -14,6 +15,9 @@ const SCRAMBLES: f64 = crate::film::scrambles::SCRAMBLES as f64;
 const ROUNDING: f64 = 1e-5;
 /// Relative f32 rounding of one value, twice.
 const VALUE_ROUNDING: f64 = 2.4e-7;
+/// Share of the brightest pixel's light below which all is the rounding of f64 sums: pictures taken apart by the slide's
+/// contrast are differences of large numbers.
+const DARK: f64 = 1e-12;
 
 /// What was found for one layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -111,7 +115,9 @@ pub fn compare(a: &Frame, b: &Frame, sigma: f64) -> Comparison {
     found.only_in = only(&of_a, &of_b, 'A').into_iter().chain(only(&of_b, &of_a, 'B')).collect();
     let mut all: Vec<&String> = of_a.iter().filter(|name| of_b.contains(name) || light(name)).collect();
     all.extend(of_b.iter().filter(|name| !of_a.contains(name) && light(name)));
-    let mut layers: Vec<Layered> = all.into_iter().map(|name| Layered::of(a, b, name)).collect();
+    let brightest = [a, b].into_iter().filter_map(|frame| super::luminance::layer_luminance(frame, ""));
+    let dark = DARK * brightest.flatten().filter(|value| value.is_finite()).fold(0.0, f64::max);
+    let mut layers: Vec<Layered> = all.into_iter().map(|name| Layered { dark, ..Layered::of(a, b, name) }).collect();
     // The default image and `hybrid` are the same picture: one test.
     let hybrid = layers.iter().position(|layer| layer.name == "hybrid");
     let default = layers.iter().position(|layer| layer.name.is_empty());
@@ -148,13 +154,6 @@ fn freedom(frame: &Frame) -> f64 {
     // Light tracing has one value per scramble, however many the passes.
     let forward = frame.meta.contains_key(&format!("passes.{}", Estimator::Forward.name()));
     if forward { (passes - 1.0).min(SCRAMBLES - 1.0) } else { passes - 1.0 }
-}
-
-/// Only path tracing from the eye draws every pixel by itself.
-fn pixels_are_independent(frame: &Frame) -> bool {
-    let used = |estimator: &Estimator| frame.meta.contains_key(&format!("passes.{}", estimator.name()));
-    Estimator::ALL.iter().filter(|estimator| used(estimator)).all(|estimator| *estimator == Estimator::Backward)
-        && used(&Estimator::Backward)
 }
 
 fn incomparable(a: &Frame, b: &Frame) -> Vec<String> {
@@ -217,6 +216,8 @@ struct Layered {
     values: [Vec<f64>; 2],
     /// One-sigma errors.
     errors: Option<[Vec<f64>; 2]>,
+    /// Rounding of what is black, cd/m².
+    dark: f64,
 }
 
 impl Layered {
@@ -245,7 +246,7 @@ impl Layered {
             |errors: &[f64], values: &[f64]| errors.iter().any(|e| *e > 0.0) || values.iter().all(|v| *v == 0.0);
         let errors = error_a.zip(error_b).map(|(a, b)| [a, b]);
         let errors = errors.filter(|[a, b]| picture && known(a, &values[0]) && known(b, &values[1]));
-        Layered { name: name.to_owned(), pixels: a.width * a.height, picture, identical, values, errors }
+        Layered { name: name.to_owned(), pixels: a.width * a.height, picture, identical, values, errors, dark: 0.0 }
     }
 
     /// Every pixel, and the mean.
@@ -314,7 +315,7 @@ impl Layered {
         let (mut squares, mut expected, mut variance, mut at_most, mut noise) = (0.0, 0.0, 0.0, 0.0, 0.0);
         let mut least = (1.0f64, None::<Pair>);
         for (pixel, (((a, b), error_a), error_b)) in a.iter().zip(b).zip(error_a).zip(error_b).enumerate() {
-            let rounding = VALUE_ROUNDING * a.abs().max(b.abs());
+            let rounding = VALUE_ROUNDING * a.abs().max(b.abs()) + self.dark;
             let variances = [error_a * error_a, error_b * error_b];
             let sum = variances[0] + variances[1];
             let sigma = (sum + rounding * rounding).sqrt();
@@ -341,7 +342,7 @@ impl Layered {
         found.error_at_most = Some(at_most / count);
         found.relative_mse_of_noise = Some(noise / count);
         let error = if independent { error } else { at_most / count };
-        let rounding = VALUE_ROUNDING * found.mean[0].abs().max(found.mean[1].abs());
+        let rounding = VALUE_ROUNDING * found.mean[0].abs().max(found.mean[1].abs()) + self.dark;
         let z_of_mean = found.difference / error.hypot(rounding);
         // The mean of many pixels has many degrees of freedom.
         let p_of_mean = sidak(two_sided(if z_of_mean.is_nan() { 0.0 } else { z_of_mean }, f64::INFINITY), tests);

@@ -1,6 +1,7 @@
 //! Floor 2: what leaves the program: layered EXR and pictures to look at, and what is made of a rendered frame.
 
 pub mod assembly_tree;
+pub mod average;
 pub mod compare;
 pub mod contact_sheet;
 pub mod exr;
@@ -12,6 +13,7 @@ pub mod glare;
 pub mod join;
 pub mod leak;
 pub mod luminance;
+pub mod measure;
 pub mod mix;
 pub mod plate;
 pub mod raster;
