@@ -101,6 +101,8 @@ fn mixed(args: &MixArgs) -> Result<(serde_json::Value, String)> {
     };
     record.gains.retain(|(_, gain)| *gain != 1.0);
     record.contrast = frame.number("contrast").zip(mixed.frame.number("contrast")).map(|(a, b)| [a, b]);
+    let chain = |layer: &String| format!("`{layer}` was left out: a chain's layer does not say whose light it is");
+    warnings.extend(mixed.left_out.iter().map(chain));
     let mut out = mixed.frame;
     add_record(&mut out, &record);
     let mut json = serde_json::json!({ "output": args.output.display().to_string(), "mix": record });

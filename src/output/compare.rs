@@ -148,6 +148,15 @@ fn is_light(name: &str) -> bool {
         .any(|layer| name.strip_prefix(layer.name()).is_some_and(|rest| rest.is_empty() || rest.starts_with('_')))
 }
 
+/// What has no noise: the data layers, also behind specular faces, with any prefix. All other layers with colours are
+/// pictures, whatever they are called.
+fn is_data(name: &str) -> bool {
+    let base = name.strip_suffix("_seen").unwrap_or(name);
+    ["Z", "normal", "position", "albedo", "id", "seethrough"]
+        .iter()
+        .any(|data| base.strip_suffix(data).is_some_and(|before| before.is_empty() || before.ends_with('_')))
+}
+
 /// Samples behind a frame's errors, less one: none known counts as many.
 fn freedom(frame: &Frame) -> f64 {
     let passes = frame.integer("passes").filter(|passes| *passes > 0).map_or(f64::INFINITY, |passes| passes as f64);
@@ -222,7 +231,8 @@ struct Layered {
 
 impl Layered {
     fn of(a: &Frame, b: &Frame, name: &str) -> Layered {
-        let picture = name.is_empty() || name == "hybrid" || is_light(name) || name == "plate";
+        let coloured = a.rgb(name).is_some() || b.rgb(name).is_some();
+        let picture = is_light(name) || coloured && !is_data(name);
         let error_name =
             if name.is_empty() || name == "hybrid" { "stderr".to_owned() } else { format!("{name}_stderr") };
         let values = [a, b].map(|frame| values(frame, name, picture));

@@ -6,6 +6,9 @@ use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::{Frame, Meta, split_name};
 use crate::film::layer::Layer;
 
+/// What the header's entries about layers of `render --chain` begin with.
+const CHAIN: &str = "chain.";
+
 /// What is to be changed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recipe {
@@ -50,6 +53,8 @@ impl Errors {
 pub struct Mixed {
     pub frame: Frame,
     pub errors: Errors,
+    /// Layers that were left out, since how they depend on what was changed is not in the file: those of `render --chain`.
+    pub left_out: Vec<String>,
 }
 
 /// One step of what was done to a frame, for its header (`eyebox.mix`, a JSON list, oldest first).
@@ -144,7 +149,18 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
     if let Some(contrast) = contrast {
         out.meta.insert("contrast".to_owned(), Meta::Number(contrast));
     }
-    Ok(Mixed { frame: out, errors })
+    let left_out = if changed.is_empty() { Vec::new() } else { leave_out_chains(&mut out) };
+    Ok(Mixed { frame: out, errors, left_out })
+}
+
+/// Takes the layers of `render --chain` out, which the header names as `chain.NAME`: they hold light of any group at the
+/// contrast that was rendered.
+fn leave_out_chains(out: &mut Frame) -> Vec<String> {
+    let named = |key: &String| key.strip_prefix(CHAIN).map(str::to_owned);
+    let names: Vec<String> = out.meta.keys().filter_map(named).collect();
+    out.channels.retain(|channel| !names.iter().any(|name| name == channel.layer()));
+    out.meta.retain(|key, _| !key.starts_with(CHAIN));
+    names
 }
 
 /// Adds a record to the header.

@@ -81,6 +81,16 @@ fn gains_act_on_shares_and_sums() {
 }
 
 #[test]
+fn layers_of_chains_are_left_out_when_light_changes() {
+    let mut frame = frame();
+    ["R", "G", "B"].iter().for_each(|c| frame.push(format!("ghost.{c}"), vec![1.0; 2]));
+    frame.meta.insert("chain.ghost".into(), Meta::Text("row 3".into()));
+    assert_eq!(mixed(&frame, &Recipe::default()).frame, frame);
+    let Mixed { frame: out, left_out, .. } = mixed(&frame, &gains(&[("led", 0.5)]));
+    assert_eq!((left_out, out.rgb("ghost"), out.text("chain.ghost")), (vec!["ghost".to_owned()], None, None));
+}
+
+#[test]
 fn contrast_is_the_polynomial_of_the_layers() {
     for (contrast, want) in
         [(f64::INFINITY, [64.0, 0.0]), (1.0, [64.0, 32.0]), (2.0, [64.0 - 4.0, 16.0 - 4.0]), (4.0, [61.0, 5.0])]
@@ -99,16 +109,16 @@ fn contrast_is_the_polynomial_of_the_layers() {
 fn errors_are_carried_where_they_are_known() {
     let after = |recipe: &Recipe| mixed(&with_errors(), recipe);
     // All light by one factor.
-    let Mixed { frame, errors } = after(&gains(&[("led", 3.0), ("sky", 3.0)]));
+    let Mixed { frame, errors, .. } = after(&gains(&[("led", 3.0), ("sky", 3.0)]));
     assert_eq!((red(&frame, "stderr")[0], errors), (21.0, Errors::Exact));
     // Two shares: √(9·2² + 16 + 2·2·12) = 10; in the second pixel √(0.25·4 + 1).
-    let Mixed { frame, errors } = after(&gains(&[("led", 2.0)]));
+    let Mixed { frame, errors, .. } = after(&gains(&[("led", 2.0)]));
     assert_eq!((red(&frame, "stderr")[0], errors), (10.0, Errors::Exact));
     assert!((red(&frame, "stderr")[1] - 2f32.sqrt()).abs() < 1e-6);
     assert_eq!(red(&frame, "forward_led_covariance"), [24.0, 0.0], "a covariance has the square of the gain");
     assert_eq!((red(&frame, "forward_stderr"), red(&frame, "direct_stderr")), (&[6.0, 1.0][..], &[4.0, 1.0][..]));
     // C = 2: (3/2)² + (4/2)² + 2·6/4 = 9.25 for the LED, whose correlation with the sky stays 1.
-    let Mixed { frame, errors } = after(&Recipe { contrast: Some(2.0), ..Recipe::default() });
+    let Mixed { frame, errors, .. } = after(&Recipe { contrast: Some(2.0), ..Recipe::default() });
     assert_eq!(errors, Errors::FromShares);
     assert!((red(&frame, "forward_led_stderr")[0] - 9.25f32.sqrt()).abs() < 1e-6);
     assert!((red(&frame, "stderr")[0] - (9.25f32.sqrt() + 4.0)).abs() < 1e-5);
@@ -118,9 +128,9 @@ fn errors_are_carried_where_they_are_known() {
 fn errors_that_are_not_known_are_bounded_or_left_out() {
     let mut frame = frame();
     ["R", "G", "B"].iter().for_each(|c| frame.push(format!("stderr.{c}"), vec![2.0, 1.0]));
-    let Mixed { frame: out, errors } = mixed(&frame, &gains(&[("led", 3.0)]));
+    let Mixed { frame: out, errors, .. } = mixed(&frame, &gains(&[("led", 3.0)]));
     assert_eq!((red(&out, "stderr"), errors), (&[6.0, 3.0][..], Errors::AtMost));
-    let Mixed { frame: out, errors } = mixed(&frame, &Recipe { contrast: Some(9.0), ..Recipe::default() });
+    let Mixed { frame: out, errors, .. } = mixed(&frame, &Recipe { contrast: Some(9.0), ..Recipe::default() });
     assert_eq!((out.rgb("stderr"), errors), (None, Errors::Unknown));
     assert_eq!(mixed(&frame, &gains(&[("led", 2.0), ("sky", 2.0)])).errors, Errors::Exact);
 }
