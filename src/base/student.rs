@@ -92,7 +92,7 @@ mod tests {
         for t in [0.1, 1.0, 3.0, 40.0, 1e4] {
             let cauchy = 2.0 / std::f64::consts::PI * (1.0f64 / t).atan();
             assert!((two_sided(t, 1.0) / cauchy - 1.0).abs() < 1e-9, "{t}");
-            let root = (2.0 + t * t as f64).sqrt();
+            let root = (2.0f64 + t * t).sqrt();
             let two = 2.0 / (root * (root + t));
             assert!((two_sided(-t, 2.0) / two - 1.0).abs() < 1e-8, "{t}: {} {two}", two_sided(t, 2.0));
         }

@@ -1,16 +1,15 @@
 //! Two frames compared by their standard errors: what differs by more than noise. `docs/diff.md` says what is claimed.
 
+mod header;
+
 use super::average::pixels_are_independent;
 use super::luminance::Luminance;
 use crate::base::stats::normal_tail;
 use crate::base::student::{two_sided, welch};
 use crate::film::frame::{Channel, Frame};
 use crate::film::layer::Layer;
-use crate::film::plan::Estimator;
-use crate::output::exr::{COLOR_INTEROP_ID, WHITE_LUMINANCE};
+use header::{freedom, incomparable, notes};
 
-/// Independent scrambles that light tracing learns its error from; see `film::scrambles`.
-const SCRAMBLES: f64 = crate::film::scrambles::SCRAMBLES as f64;
 /// Layers without error may differ by this share of their range: f32 rounding after different orders of sums.
 const ROUNDING: f64 = 1e-5;
 /// Relative f32 rounding of one value, twice.
@@ -155,64 +154,6 @@ fn is_data(name: &str) -> bool {
     ["Z", "normal", "position", "albedo", "id", "seethrough"]
         .iter()
         .any(|data| base.strip_suffix(data).is_some_and(|before| before.is_empty() || before.ends_with('_')))
-}
-
-/// Samples behind a frame's errors, less one: none known counts as many.
-fn freedom(frame: &Frame) -> f64 {
-    let passes = frame.integer("passes").filter(|passes| *passes > 0).map_or(f64::INFINITY, |passes| passes as f64);
-    // Light tracing has one value per scramble, however many the passes.
-    let forward = frame.meta.contains_key(&format!("passes.{}", Estimator::Forward.name()));
-    if forward { (passes - 1.0).min(SCRAMBLES - 1.0) } else { passes - 1.0 }
-}
-
-fn incomparable(a: &Frame, b: &Frame) -> Vec<String> {
-    let mut why = Vec::new();
-    if (a.width, a.height) != (b.width, b.height) {
-        why.push(format!("size: {} × {} and {} × {}", a.width, a.height, b.width, b.height));
-    }
-    let space = |frame: &Frame| frame.text(COLOR_INTEROP_ID).unwrap_or("none").to_owned();
-    if space(a) != space(b) {
-        why.push(format!("colour space: {} and {}", space(a), space(b)));
-    }
-    let white = |frame: &Frame| frame.number(WHITE_LUMINANCE).unwrap_or(1.0);
-    if white(a) != white(b) {
-        why.push(format!("unit: whiteLuminance {} and {} cd/m²", white(a), white(b)));
-    }
-    let filled =
-        |frame: &Frame| frame.channels.iter().all(|c| Some(c.data.len()) == frame.width.checked_mul(frame.height));
-    for (frame, name) in [(a, 'A'), (b, 'B')] {
-        if !filled(frame) || frame.width == 0 || frame.height == 0 {
-            why.push(format!("{name} has channels that do not fill it"));
-        }
-    }
-    why
-}
-
-fn notes(a: &Frame, b: &Frame) -> Vec<String> {
-    let mut notes = Vec::new();
-    let said = |frame: &Frame, key: &str| {
-        let text = frame.text(key).map(str::to_owned);
-        text.or_else(|| frame.number(key).map(|n| n.to_string())).unwrap_or_else(|| "none".to_owned())
-    };
-    for key in ["scene", "sceneHash", "version", "eye", "contrast", "passes", "mix"] {
-        if a.meta.get(key) != b.meta.get(key) {
-            notes.push(format!("{key}: {} and {}", short(&said(a, key)), short(&said(b, key))));
-        }
-    }
-    let seed = a.meta.get("seed");
-    if seed.is_some() && seed == b.meta.get("seed") {
-        notes.push(
-            "same seed: noise is shared, so differences come out smaller than the errors allow; a test of two scenes \
-             is sharper with two seeds"
-                .to_owned(),
-        );
-    }
-    notes
-}
-
-fn short(text: &str) -> String {
-    const MOST: usize = 60;
-    if text.chars().count() <= MOST { text.to_owned() } else { text.chars().take(MOST).chain(['…']).collect() }
 }
 
 /// One layer of both frames, ready to be judged.

@@ -1,6 +1,7 @@
 use super::*;
 use crate::base::rng::{Rng, Stream};
 use crate::film::frame::Meta;
+use crate::output::exr::{COLOR_INTEROP_ID, WHITE_LUMINANCE};
 
 const WIDTH: usize = 32;
 const HEIGHT: usize = 32;

@@ -84,10 +84,10 @@ mod tests {
         let (width, height) = (96usize, 64usize);
         let mut rng = Rng::new(3, Stream::Check, 0, 0);
         let mut picture = vec![0.0; width * height];
-        for pixel in 0..width * height {
+        for (pixel, to) in picture.iter_mut().enumerate() {
             let (x, y) = (pixel % width, pixel / width);
             if (8..80).contains(&x) && (8..56).contains(&y) && rng.uniform() < 0.3 {
-                picture[pixel] = 100.0 * rng.uniform();
+                *to = 100.0 * rng.uniform();
             }
         }
         let ghosted = |ratio: f64| -> Vec<f64> {

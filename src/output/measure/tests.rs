@@ -1,3 +1,4 @@
+use super::points::uv;
 use super::*;
 use crate::film::frame::Meta;
 
