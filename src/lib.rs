@@ -16,4 +16,5 @@ pub mod import; // floor 2: glTF, sidecar → Scene
 pub mod output; // floor 2: EXR, view
 pub mod plan; // floor 5: who owns which paths
 pub mod scene; // floor 1: plain scene data
+pub mod validate; // floor 6: the rules over an asset, and reports of what they find
 pub mod world; // floor 3: what is traced

@@ -4,6 +4,7 @@
 use eyebox::film::layer::Layer;
 use eyebox::scene::attribute::{Form, Kind, Noun, Range, Row, Support, kinds, named, rows};
 use eyebox::scene::attribute::{KINDS, ROWS};
+use eyebox::validate::{page, rules};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -136,7 +137,7 @@ fn attributes() -> String {
 #[test]
 fn the_attribute_reference_is_up_to_date() {
     let (path, fresh) = (root().join("docs/attributes.md"), attributes());
-    if std::env::var_os("EYEBOX_BLESS").is_some_and(|value| value == "1") {
+    if blessing() {
         fs::write(&path, &fresh).expect("docs/attributes.md can be written");
     }
     let stored = fs::read_to_string(&path).unwrap_or_default();
@@ -147,6 +148,38 @@ fn the_attribute_reference_is_up_to_date() {
         "docs/attributes.md is stale from line {}; EYEBOX_BLESS=1 cargo verify --test docs rewrites it",
         line + 1
     );
+}
+
+fn blessing() -> bool {
+    std::env::var_os("EYEBOX_BLESS").is_some_and(|value| value == "1")
+}
+
+/// Each rule has its page, and no page is without a rule; the table of all rules stands in `docs/validate.md`.
+#[test]
+fn the_pages_of_the_rules_are_up_to_date() {
+    let mut stale = Vec::new();
+    let mut expect = |path: PathBuf, fresh: &str| {
+        if blessing() {
+            fs::write(&path, fresh).expect("docs can be written");
+        }
+        if fs::read_to_string(&path).unwrap_or_default() != fresh {
+            stale.push(path.display().to_string());
+        }
+    };
+    for rule in rules::all() {
+        expect(root().join(format!("docs/rules/{}.md", rule.code)), &page::page(rule));
+    }
+    let index = read("docs/validate.md");
+    let (before, rest) = index.split_once("<!-- rules -->\n").expect("the table's begin");
+    let (_, after) = rest.split_once("<!-- /rules -->").expect("the table's end");
+    let table = page::table("rules/");
+    expect(root().join("docs/validate.md"), &format!("{before}<!-- rules -->\n\n{table}\n<!-- /rules -->{after}"));
+    let pages = fs::read_dir(root().join("docs/rules")).expect("docs/rules is readable");
+    let names = pages.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned());
+    let orphans: Vec<String> =
+        names.filter(|name| name.strip_suffix(".md").is_none_or(|code| rules::find(code).is_none())).collect();
+    assert!(orphans.is_empty(), "pages without a rule: {orphans:?}");
+    assert!(stale.is_empty(), "stale; EYEBOX_BLESS=1 cargo verify --test docs rewrites {stale:?}");
 }
 
 #[test]

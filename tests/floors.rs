@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 
-const FLOORS: [(&str, u32); 13] = [
+const FLOORS: [(&str, u32); 14] = [
     ("base", 0),
     ("scene", 1),
     ("film", 1),
@@ -17,6 +17,7 @@ const FLOORS: [(&str, u32); 13] = [
     ("estimate", 4),
     ("plan", 5),
     ("bench", 6),
+    ("validate", 6),
     ("cmd", 7),
     // The crate's own name stands for an import from outside, which the program's `main` may do.
     ("eyebox", 8),

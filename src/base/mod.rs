@@ -17,6 +17,7 @@ pub mod student;
 pub mod units;
 pub mod vision; // the eye as formulas
 pub mod warp;
+pub mod weld; // which vertices are one point
 
 pub use complex::Complex;
 pub use fault::{Fault, Result, Where, nearest_name};

@@ -1,4 +1,12 @@
-//! Floor 2: the proof that a scene can be planned and traced, and the facts that the plan decides by.
+//! Floor 2: the proof that a scene can be planned and traced, and the facts that the plan decides by; and the rules that
+//! an asset is validated by.
+
+pub mod finding;
+pub mod geometry; // what rules measure on meshes
+pub mod lamps; // what rules measure on lamps
+pub mod rule;
+pub mod rules; // one file each
+pub mod subject; // what rules look at
 
 use crate::base::{Fault, Result, Where};
 use crate::scene::{AbgLaw, Finish, Scene};

@@ -16,6 +16,7 @@ mod mix;
 mod plan;
 mod progress;
 mod render;
+mod validate;
 mod view;
 
 use crate::author::Written;
@@ -60,6 +61,8 @@ enum Command {
     Measure(measure::MeasureArgs),
     /// Turn a layer of an EXR into a PNG for a display.
     View(view::ViewArgs),
+    /// Check assets by rules, for CI: findings with their lines, in text, JSON, SARIF, JUnit or GitHub's form.
+    Validate(validate::ValidateArgs),
     /// Measure the program: time against error, and answers that are known.
     Bench(bench::BenchArgs),
 }
@@ -97,6 +100,7 @@ pub fn main() -> ExitCode {
         Command::Diff(args) => diff::run(args),
         Command::Measure(args) => measure::run(args),
         Command::View(args) => view::run(args),
+        Command::Validate(args) => validate::run(args),
         Command::Bench(args) => bench::run(args),
     };
     match result {

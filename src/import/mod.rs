@@ -34,7 +34,6 @@ pub mod testing;
 mod tests;
 pub mod toml; // sidecars
 pub mod usd; // .usda, .usdc and .usdz
-mod weld; // which vertices are one point
 
 pub use crate::scene::assembly::{self, Assembly};
 pub use crate::scene::value::{self, Data, Value};
@@ -46,7 +45,7 @@ pub use outline::{geometry, outline};
 pub use set::Set;
 
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Fault, Where, weld};
 use crate::scene::{Note, Severity};
 use std::path::{Path, PathBuf};
 

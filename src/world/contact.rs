@@ -127,6 +127,14 @@ impl Contacts {
         [&self.faces, &self.covers].map(|table| table.iter().flatten().map(Vec::len).sum::<usize>() / 2)
     }
 
+    /// Every polished face that touches one of another solid, as [part, face] and [part, face], from both sides.
+    pub fn touching(&self) -> impl Iterator<Item = ([usize; 2], [usize; 2])> {
+        let faces = self.faces.iter().enumerate().flat_map(|(part, faces)| {
+            faces.iter().enumerate().flat_map(move |(face, near)| near.iter().map(move |other| ([part, face], other)))
+        });
+        faces.map(|(own, other)| (own, [other.part as usize, other.face as usize]))
+    }
+
     /// The interface of two solids that `hit` is a part of, if another face touches there.
     #[inline]
     pub fn joint(&self, geometry: &Geometry, solids: &[Option<Solid>], hit: &Hit) -> Option<Joint> {

@@ -6,14 +6,14 @@ use std::collections::HashMap;
 
 /// Half a unit in the last place of the largest coordinate, as a distance: √3 · 2⁻²⁴ · max|x|, the farthest that
 /// rounding to f32 can move a point. Points that are not finite are passed over.
-pub(crate) fn rounding(points: &[[f32; 3]]) -> f64 {
+pub fn rounding(points: &[[f32; 3]]) -> f64 {
     let largest = points.iter().flatten().filter(|x| x.is_finite()).fold(0.0f64, |m, &x| m.max(f64::from(x).abs()));
     3f64.sqrt() * 2f64.powi(-24) * largest
 }
 
 /// For each vertex, the index of the first vertex that lies within `reach` (mesh units) of it, itself if it is the
 /// first. A vertex that is not finite stays alone.
-pub(crate) fn weld(points: &[[f32; 3]], reach: f64) -> Vec<usize> {
+pub fn weld(points: &[[f32; 3]], reach: f64) -> Vec<usize> {
     // Cells are much wider than `reach`, so that a point meets more than one cell only near their walls; all eight
     // corners of its reach are looked up, so that a wall never separates two points. A face that is a single point has
     // reach 0.

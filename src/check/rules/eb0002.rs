@@ -1,0 +1,17 @@
+//! The sidecar is not TOML.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0002",
+    name: "sidecar-unreadable",
+    level: Level::Error,
+    title: "The sidecar is not TOML",
+    why: "Without it the asset has no optics. The line is where the TOML reader stopped.",
+    bad: Example::Code("toml", "schema 1"),
+    good: Example::Code("toml", "schema = 1"),
+    claims: &["sidecar "],
+    find: nothing,
+    grade: kept,
+};

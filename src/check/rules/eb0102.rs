@@ -1,0 +1,32 @@
+//! A solid with a medium is not closed.
+
+use crate::check::finding::{Finding, Level};
+use crate::check::geometry;
+use crate::check::rule::{Example, Rule, kept};
+use crate::check::subject::{Subject, is_solid};
+use crate::scene::Part;
+use std::collections::HashMap;
+
+pub const RULE: Rule = Rule {
+    code: "EB0102",
+    name: "solid-open",
+    level: Level::Error,
+    title: "A solid with a medium is not closed",
+    why: "A ray that enters through a face and leaves through a hole never finds out that it left: from there on it travels in glass, and every later refraction is wrong.",
+    bad: Example::Words("A lens whose rim was left out of the export: two caps and nothing between them."),
+    good: Example::Words(r#"The same lens with its rim, which may be black (`finish = "absorber"`)."#),
+    claims: &[],
+    find,
+    grade: kept,
+};
+
+fn find(subject: &Subject<'_>) -> Vec<Finding> {
+    // Once per mesh: many parts may share one.
+    let mut known = HashMap::new();
+    let open = |part: &Part| {
+        let edges = *known.entry(part.mesh.index()).or_insert_with(|| geometry::edges(subject.scene.mesh(part.mesh)));
+        let text = format!("{} of {} edges have one triangle only: the solid is open", edges.open, edges.all);
+        (edges.open > 0).then(|| RULE.at(subject.part(&part.path, None), text))
+    };
+    subject.scene.parts.iter().filter(|part| is_solid(part)).filter_map(open).collect()
+}

@@ -1,0 +1,35 @@
+//! A solid is inside out.
+
+use crate::check::finding::{Finding, Level};
+use crate::check::geometry;
+use crate::check::rule::{Example, Rule, kept};
+use crate::check::subject::{Subject, is_solid};
+use crate::scene::Part;
+use std::collections::HashMap;
+
+pub const RULE: Rule = Rule {
+    code: "EB0103",
+    name: "solid-inverted",
+    level: Level::Error,
+    title: "A solid is inside out",
+    why: "The winding of its triangles says which side is the inside. Turned round, air is glass and glass is air: a positive lens becomes a negative one.",
+    bad: Example::Words("A mirrored copy (scale −1) whose triangles were not turned back by the exporter."),
+    good: Example::Words("Triangles counter-clockwise as seen from outside."),
+    claims: &[],
+    find,
+    grade: kept,
+};
+
+fn find(subject: &Subject<'_>) -> Vec<Finding> {
+    // Once per mesh: many parts may share one.
+    let mut known = HashMap::new();
+    let inverted = |part: &Part| {
+        let mesh = subject.scene.mesh(part.mesh);
+        // Of an open or crossed solid the sign says nothing.
+        let (edges, volume) =
+            *known.entry(part.mesh.index()).or_insert_with(|| (geometry::edges(mesh), geometry::volume(mesh)));
+        let text = format!("its triangles enclose {volume:.3e} cubic mesh units: they look inwards");
+        (edges.open == 0 && volume < 0.0).then(|| RULE.at(subject.part(&part.path, None), text))
+    };
+    subject.scene.parts.iter().filter(|part| is_solid(part)).filter_map(inverted).collect()
+}

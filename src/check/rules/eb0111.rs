@@ -1,0 +1,17 @@
+//! An exact shape is scaled unevenly.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0111",
+    name: "uneven-scale",
+    level: Level::Error,
+    title: "An exact shape is scaled unevenly",
+    why: "A sphere that is stretched along one axis is none.",
+    bad: Example::Code("json", r#"{ "name": "LENS", "scale": [1, 1, 2] }   // with a fitted sphere"#),
+    good: Example::Code("json", r#"{ "name": "LENS", "scale": [2, 2, 2] }"#),
+    claims: &["has an exact shape but its node is not scaled uniformly", "its exact shape would be distorted"],
+    find: nothing,
+    grade: kept,
+};

@@ -1,0 +1,17 @@
+//! A transform flattens a part.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0112",
+    name: "part-flattened",
+    level: Level::Warning,
+    title: "A transform flattens a part",
+    why: "A scale of 0 along an axis leaves a sheet without an inside.",
+    bad: Example::Code("json", r#"{ "scale": [1, 1, 0] }"#),
+    good: Example::Code("json", r#"{ "scale": [1, 1, 1] }"#),
+    claims: &["warning …a singular transform", "not finite or flattens it"],
+    find: nothing,
+    grade: kept,
+};

@@ -1,0 +1,17 @@
+//! All normals of a face point to the inside.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0113",
+    name: "normals-inside-out",
+    level: Level::Warning,
+    title: "All normals of a face point to the inside",
+    why: "Winding and normals disagree on what is outside. eyebox follows the winding for what is inside and the normals for nothing but their bend; another program may do the opposite.",
+    bad: Example::Words("Normals negated, triangles not."),
+    good: Example::Words("Normals that point to where the triangles are counter-clockwise."),
+    claims: &["warning …point into the side that its winding calls the inside"],
+    find: nothing,
+    grade: kept,
+};

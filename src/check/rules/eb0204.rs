@@ -1,0 +1,25 @@
+//! A coating gives back more light than it gets.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0204",
+    name: "coating-gains-energy",
+    level: Level::Error,
+    title: "A coating gives back more light than it gets",
+    why: "R + T above 1 makes light out of nothing, and between two such faces the picture grows without end.",
+    bad: Example::Code(
+        "toml",
+        r#"[coating.mirror]
+ideal = { R = 0.6, T = 0.6 }"#,
+    ),
+    good: Example::Code(
+        "toml",
+        r#"[coating.mirror]
+ideal = { R = 0.6, T = 0.4 }"#,
+    ),
+    claims: &["of an ideal coating is above 1", "R_…+ T_… is … in line"],
+    find: nothing,
+    grade: kept,
+};

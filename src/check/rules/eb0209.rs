@@ -1,0 +1,17 @@
+//! A glass, medium or coating of this name does not exist.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0209",
+    name: "name-unknown",
+    level: Level::Error,
+    title: "A glass, medium or coating of this name does not exist",
+    why: "A misspelt glass is not air and not BK7. The finding names the nearest name of the catalogue.",
+    bad: Example::Code("toml", r#"glass = "N-BK8""#),
+    good: Example::Code("toml", r#"glass = "N-BK7""#),
+    claims: &["unknown glass", "unknown medium", "unknown coating", "unknown spectrum"],
+    find: nothing,
+    grade: kept,
+};

@@ -1,0 +1,17 @@
+//! An emitter has no photometry.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0301",
+    name: "emitter-without-strength",
+    level: Level::Error,
+    title: "An emitter has no photometry",
+    why: "Without lumens, candela or cd/m² the picture has no absolute scale. Nothing is assumed.",
+    bad: Example::Code("toml", r#"emitter = { group = "led" }"#),
+    good: Example::Code("toml", r#"emitter = { group = "led", flux_lm = 0.45 }"#),
+    claims: &["the emitter has no strength"],
+    find: nothing,
+    grade: kept,
+};

@@ -1,0 +1,17 @@
+//! A photometric file is missing.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0304",
+    name: "profile-missing",
+    level: Level::Error,
+    title: "A photometric file is missing",
+    why: "The lamp's distribution is not known without it.",
+    bad: Example::Code("toml", r#"angular = { profile = { file = "led.ies" } }   # not beside the sidecar"#),
+    good: Example::Code("toml", r#"angular = { profile = { file = "photometry/led.ies" } }"#),
+    claims: &["build …can't read the light profile", "build …can't read the light profile …there is no such file"],
+    find: nothing,
+    grade: kept,
+};

@@ -1,0 +1,21 @@
+//! The picture of a slide is missing or unreadable.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0402",
+    name: "slide-image-missing",
+    level: Level::Error,
+    title: "The picture of a slide is missing or unreadable",
+    why: "A display without its picture is a lamp.",
+    bad: Example::Code("toml", r#"slide = { image = "spede.png", … }"#),
+    good: Example::Code("toml", r#"slide = { image = "speed.png", … }"#),
+    claims: &[
+        "build …can't read the slide image",
+        "build …can't read the slide image …there is no such file",
+        "build …can't read the picture",
+    ],
+    find: nothing,
+    grade: kept,
+};

@@ -1,0 +1,40 @@
+//! The eye cannot be one.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0503",
+    name: "eye-impossible",
+    level: Level::Error,
+    title: "The eye cannot be one",
+    why: "Directions at right angles, a field of view below 180°, a pupil of 0 mm or more, some pixels.",
+    bad: Example::Code(
+        "toml",
+        r#"look = [0, 0, -1]
+up = [0, 0, 1]"#,
+    ),
+    good: Example::Code(
+        "toml",
+        r#"look = [0, 0, -1]
+up = [0, 1, 0]"#,
+    ),
+    claims: &[
+        "build …`up` of eye",
+        "build …of eye is the zero vector",
+        "freeze …the eye's",
+        "build …`fov_deg`",
+        "build …eye has no",
+        "freeze …fov_deg",
+        "freeze …pupil diameter",
+        "freeze …focus distance",
+        "freeze …resolution",
+        "build …`resolution` is",
+        "build …`look` of",
+        "build …`pupil_diameter`",
+        "build …`focus_distance`",
+        "build …`age`",
+    ],
+    find: nothing,
+    grade: kept,
+};

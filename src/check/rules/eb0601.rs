@@ -1,0 +1,25 @@
+//! A part is bound by no rule.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0601",
+    name: "part-unbound",
+    level: Level::Error,
+    title: "A part is bound by no rule",
+    why: "It has no finish, so it is not known what it does with light. Nothing is assumed: not even black.",
+    bad: Example::Code(
+        "toml",
+        r#"[[bind]]
+path = "LENS"          # and no [default]"#,
+    ),
+    good: Example::Code(
+        "toml",
+        r#"[default]
+finish = "absorber""#,
+    ),
+    claims: &["no optical attributes bind", "no finish binds"],
+    find: nothing,
+    grade: kept,
+};

@@ -1,0 +1,35 @@
+//! A rule matches nothing.
+
+use crate::check::finding::Level;
+use crate::check::rule::{Example, Rule, kept, nothing};
+
+pub const RULE: Rule = Rule {
+    code: "EB0602",
+    name: "rule-matches-nothing",
+    level: Level::Error,
+    title: "A rule matches nothing",
+    why: "A `[[bind]]` whose selector fits no part or no face was meant for one: a part was renamed, or the name is misspelt.",
+    bad: Example::Code(
+        "toml",
+        r#"[[bind]]
+path = "LENZ_01""#,
+    ),
+    good: Example::Code(
+        "toml",
+        r#"[[bind]]
+path = "LENS_01""#,
+    ),
+    claims: &[
+        "matches no part",
+        "no part matches both",
+        "no face of",
+        "no face looks along",
+        "has no face",
+        "is a node without geometry",
+        "this `[[bind]]` selects no parts",
+        "has no faces",
+        "is no node of the asset",
+    ],
+    find: nothing,
+    grade: kept,
+};

@@ -1,0 +1,251 @@
+//! Floor 6: `eyebox validate`: the rules over an asset, and reports of what they find.
+//!
+//! `path ─read→ Examined ─rules→ Finding… ─locate→ Located… ─config, baseline→ Report ─report→ text`. Rules that only look
+//! stand in `check/rules`, those that trace in `validate/rules`.
+
+pub mod baseline; // findings that are known
+pub mod config; // eyebox.toml
+pub mod fingerprint; // what makes a finding the same one tomorrow
+mod heal; // going on past a fault
+pub mod locate; // lines and columns
+pub mod page; // the documentation of a rule
+mod read; // an asset as far as it can be read
+pub mod report; // the formats
+pub mod rules; // the registry of all rules
+
+use crate::base::Result;
+use crate::base::fault::Where;
+use crate::base::relative::{relative, slashed};
+use crate::check::finding::{Finding, Level};
+use crate::check::rule::Rule;
+use crate::check::subject::{Refusal, Stage, Subject};
+use crate::scene::{Note, Severity};
+use crate::world::World;
+use config::Config;
+use locate::{Locator, Place};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// A finding with its place in a file, as reports show it.
+#[derive(Debug, Clone)]
+pub struct Located {
+    /// Index of the asset in which it was found first.
+    pub asset: usize,
+    pub rule: &'static Rule,
+    pub level: Level,
+    pub text: String,
+    pub place: Place,
+    /// Hex; the same for the same finding in a later version of the asset, whatever lines were added above it.
+    pub fingerprint: String,
+}
+
+/// What validation found.
+#[derive(Debug, Clone, Default)]
+pub struct Report {
+    /// What was validated, as it was named.
+    pub assets: Vec<PathBuf>,
+    /// By asset, file, line and code.
+    pub findings: Vec<Located>,
+    /// Findings that the baseline knows.
+    pub known: usize,
+    /// Findings beyond `max_findings`.
+    pub cut: usize,
+}
+
+impl Report {
+    /// Errors, warnings and notes.
+    pub fn counts(&self) -> [usize; 3] {
+        [Level::Error, Level::Warning, Level::Note]
+            .map(|level| self.findings.iter().filter(|f| f.level == level).count())
+    }
+    /// Whether there is nothing worse than a note.
+    pub fn is_clean(&self) -> bool {
+        self.cut == 0 && self.findings.iter().all(|finding| finding.level == Level::Note)
+    }
+}
+
+/// Validates `assets`. `known`: fingerprints of the baseline.
+///
+/// # Errors
+/// An asset that is not there or no regular file. Whatever is wrong inside one is a finding.
+pub fn validate(assets: &[PathBuf], config: &Config, known: &BTreeSet<String>) -> Result<Report> {
+    for asset in assets {
+        read::check_there(asset)?;
+    }
+    let mut report = Report { assets: assets.to_vec(), ..Report::default() };
+    for (index, asset) in assets.iter().enumerate() {
+        for mut finding in located(asset, config) {
+            finding.asset = index;
+            // Two sidecars over one asset find the same in it.
+            if report.findings.iter().any(|other| other.fingerprint == finding.fingerprint) {
+                continue;
+            }
+            report.findings.push(finding);
+        }
+    }
+    let before = report.findings.len();
+    report.findings.retain(|finding| !known.contains(&finding.fingerprint));
+    report.known = before - report.findings.len();
+    if let Some(most) = config.max_findings {
+        report.cut = report.findings.len().saturating_sub(most);
+        report.findings.truncate(most);
+    }
+    Ok(report)
+}
+
+/// The findings about one asset that the configuration lets through, each at its place.
+fn located(asset: &Path, config: &Config) -> Vec<Located> {
+    let examined = read::examine(asset);
+    let mut found = examined.findings();
+    let mut locator = Locator::new(asset, examined.assembly.as_ref());
+    // A place is looked up once for a finding, so that sorting is by what is shown.
+    let mut all: Vec<Located> = Vec::new();
+    let mut seen = BTreeSet::new();
+    found.retain(|finding| seen.insert((finding.code, finding.at.to_string(), finding.text.clone())));
+    for finding in found {
+        let Some(rule) = rules::find(finding.code) else { continue };
+        let place = locator.place(&finding.at, &finding.text);
+        let Some(level) = config.level(rule, &place.file, finding.level) else { continue };
+        let text = printable(&finding.text);
+        all.push(Located { asset: 0, rule, level, text, place, fingerprint: String::new() });
+    }
+    all.sort_by(|a, b| {
+        let key =
+            |f: &Located| (f.place.file.clone(), f.place.line, f.rule.code, f.place.logical.clone(), f.text.clone());
+        key(a).cmp(&key(b))
+    });
+    fingerprint::stamp(&mut all);
+    all
+}
+
+/// The findings about one asset as rules make them, in the order of the registry; no configuration, no places in text.
+pub fn findings(asset: &Path) -> Vec<Finding> {
+    read::examine(asset).findings()
+}
+
+impl read::Examined {
+    fn findings(&self) -> Vec<Finding> {
+        let mut found = Vec::new();
+        let empty = crate::scene::assembly::Assembly { file: self.file.clone(), ..Default::default() };
+        let assembly = self.assembly.as_ref().unwrap_or(&empty);
+        // Without a scene, rules that look at the asset's own lists still can.
+        let nothing = read::no_scene();
+        let subject = Subject {
+            file: &self.file,
+            assembly,
+            sheet: self.sheet.as_ref(),
+            scene: self.scene.as_ref().unwrap_or(&nothing),
+            whole: self.scene.is_some() && self.refusals.is_empty(),
+            needed: &self.needed,
+        };
+        for refusal in &self.refusals {
+            found.extend(refused(refusal));
+        }
+        let notes = self.scene.as_ref().map_or(&assembly.notes, |scene| &scene.notes);
+        for note in notes {
+            let Some((rule, mut finding)) = noted(note) else { continue };
+            finding.level = (rule.grade)(&subject, &finding);
+            found.push(finding);
+        }
+        for rule in crate::check::rules::RULES {
+            found.extend((rule.find)(&subject));
+        }
+        if subject.whole {
+            found.extend(traced(&subject));
+        }
+        found
+    }
+}
+
+/// What the rules that trace find, or why nothing can be traced.
+fn traced(subject: &Subject<'_>) -> Vec<Finding> {
+    let refuse = |fault| refused(&Refusal { stage: Stage::Freeze, fault }).into_iter().collect();
+    let checked = match crate::check::check(subject.scene) {
+        Ok(checked) => checked,
+        Err(fault) => return refuse(fault),
+    };
+    let world = match World::freeze(subject.scene) {
+        Ok(world) => world,
+        Err(fault) => return refuse(fault),
+    };
+    let frozen = rules::Frozen { subject, checked: &checked, world: &world };
+    rules::TRACED.iter().flat_map(|traced| (traced.find)(&frozen)).collect()
+}
+
+/// The finding of a fault of the importer.
+fn refused(refusal: &Refusal) -> Option<Finding> {
+    let fault = &refusal.fault;
+    let stage = match refusal.stage {
+        Stage::Read => "read",
+        Stage::Sidecar => "sidecar",
+        Stage::Build => "build",
+        Stage::Freeze => "freeze",
+    };
+    let message = format!("{stage} {}: {}{}", extension(&fault.at), fault.what, pointed(&fault.at));
+    let rule = claimant(&message)?;
+    let mut text = fault.what.clone();
+    if let Some(expected) = &fault.expected {
+        text += &format!("; expected {expected}");
+    }
+    if let Some(nearest) = &fault.nearest {
+        text += &format!("; did you mean `{nearest}`?");
+    }
+    Some(rule.at(fault.at.clone(), text))
+}
+
+/// The finding of a note of the importer; most notes are none.
+fn noted(note: &Note) -> Option<(&'static Rule, Finding)> {
+    let severity = match note.severity {
+        Severity::Warning => "warning",
+        Severity::Info => "note",
+    };
+    let rule = claimant(&format!("{severity} {}: {}", extension(&note.at), note.text))?;
+    Some((rule, rule.at(note.at.clone(), note.text.clone())))
+}
+
+/// The rule with the longest claim to a message.
+fn claimant(message: &str) -> Option<&'static Rule> {
+    let claims = rules::all().filter_map(|rule| Some((rule.claim(message)?, rule)));
+    // The first of equals.
+    claims
+        .fold(
+            None,
+            |best: Option<(usize, &Rule)>, next| {
+                if best.is_some_and(|best| best.0 >= next.0) { best } else { Some(next) }
+            },
+        )
+        .map(|(_, rule)| rule)
+}
+
+/// `.ies`, `.toml`, … of the file that a place lies in.
+fn extension(at: &Where) -> String {
+    let file = match at {
+        Where::File(file) | Where::Line { file, .. } | Where::Pointer { file, .. } | Where::Prim { file, .. } => file,
+        Where::Nowhere | Where::Part { .. } | Where::Option(_) => return String::new(),
+    };
+    file.extension().map_or_else(String::new, |extension| format!(".{}", extension.to_string_lossy().to_lowercase()))
+}
+
+/// The pointer of a place, so that a claim may ask for it.
+fn pointed(at: &Where) -> String {
+    match at {
+        Where::Pointer { pointer, .. } => format!(" at {pointer}"),
+        Where::Nowhere
+        | Where::File(_)
+        | Where::Line { .. }
+        | Where::Prim { .. }
+        | Where::Part { .. }
+        | Where::Option(_) => String::new(),
+    }
+}
+
+/// Text without control characters, which a hostile name may have.
+fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+/// A file as reports name it: relative to the working directory, with forward slashes.
+pub fn shown(file: &Path) -> String {
+    let relative = relative(Path::new("."), file);
+    printable(&if relative.as_os_str().is_empty() { slashed(file) } else { slashed(&relative) })
+}

@@ -1,0 +1,31 @@
+//! One JSON document.
+
+use crate::validate::Report;
+use serde_json::json;
+
+pub fn render(report: &Report) -> String {
+    let finding = |finding: &crate::validate::Located| {
+        json!({
+            "code": finding.rule.code,
+            "name": finding.rule.name,
+            "level": finding.level,
+            "text": finding.text,
+            "place": finding.place,
+            "fingerprint": finding.fingerprint,
+        })
+    };
+    let [errors, warnings, notes] = report.counts();
+    let assets: Vec<String> = report.assets.iter().map(|asset| crate::validate::shown(asset)).collect();
+    let all = json!({
+        "version": 1,
+        "assets": assets,
+        "errors": errors,
+        "warnings": warnings,
+        "notes": notes,
+        "known": report.known,
+        "cut": report.cut,
+        "findings": report.findings.iter().map(finding).collect::<Vec<_>>(),
+    });
+    // Texts and numbers always serialize.
+    serde_json::to_string_pretty(&all).unwrap_or_default() + "\n"
+}

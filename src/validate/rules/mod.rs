@@ -1,0 +1,60 @@
+//! The registry of all rules: those that look (`check/rules`) and those that trace. A new tracing rule is a file and two
+//! lines here.
+
+mod eb0104;
+mod eb0105;
+mod eb0504;
+mod eb0505;
+
+use crate::check::Checked;
+use crate::check::finding::Finding;
+use crate::check::rule::Rule;
+use crate::check::rules::RULES;
+use crate::check::subject::Subject;
+use crate::world::World;
+
+/// A scene that can be traced.
+#[derive(Clone, Copy)]
+pub struct Frozen<'a> {
+    pub subject: &'a Subject<'a>,
+    pub checked: &'a Checked<'a>,
+    pub world: &'a World,
+}
+
+/// A rule that traces.
+pub struct Traced {
+    pub rule: &'static Rule,
+    pub find: fn(&Frozen<'_>) -> Vec<Finding>,
+}
+
+/// By code.
+pub const TRACED: &[Traced] = &[
+    Traced { rule: &eb0104::RULE, find: eb0104::find },
+    Traced { rule: &eb0105::RULE, find: eb0105::find },
+    Traced { rule: &eb0504::RULE, find: eb0504::find },
+    Traced { rule: &eb0505::RULE, find: eb0505::find },
+];
+
+/// Every rule, by code.
+pub fn all() -> impl Iterator<Item = &'static Rule> {
+    let mut all: Vec<&'static Rule> = RULES.iter().copied().chain(TRACED.iter().map(|traced| traced.rule)).collect();
+    all.sort_by_key(|rule| rule.code);
+    all.into_iter()
+}
+
+/// The rule with this code or name.
+pub fn find(code: &str) -> Option<&'static Rule> {
+    all().find(|rule| rule.code.eq_ignore_ascii_case(code) || rule.name == code)
+}
+
+/// Codes and names, for messages.
+pub fn words() -> Vec<&'static str> {
+    all().flat_map(|rule| [rule.code, rule.name]).collect()
+}
+
+/// Where the eye is said: in the sidecar, else in the asset's own attributes, else the asset.
+fn place_of_eye(subject: &Subject<'_>) -> crate::base::Where {
+    let said = subject.sheet.and_then(|sheet| sheet.get("eye"));
+    let said = said.or_else(|| subject.assembly.optics.as_ref().and_then(|optics| optics.get("eye")));
+    said.map_or_else(|| crate::base::Where::file(&subject.assembly.file), |eye| eye.at.clone())
+}

@@ -1,0 +1,7 @@
+//! `eyebox validate`: every rule set off by planting its fault into one good asset, and reports that other programs take.
+
+mod validate {
+    mod bench;
+    mod mutations;
+    mod reports;
+}
