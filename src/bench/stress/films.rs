@@ -53,7 +53,7 @@ pub fn modes() -> Vec<Case> {
         let plain = 1000.0 * closed::plates_unpolarised(&[1.0, 1.5, 1.0], 0.5f64.sqrt());
         let want = if polarised { want } else { plain };
         let name = format!("plate at 45° from the lamp{}", if polarised { ", polarised" } else { "" });
-        let how = How { estimator: Estimator::Forward, polarised, ..How::backward(400) };
+        let how = How { estimator: Estimator::Forward, polarised, ..How::backward(900) };
         // The field is not a single angle.
         cases.push(Case { noise: 5e-2, rounding: 2e-3, ..Case::new(name, s, how, want) });
     }

@@ -24,6 +24,8 @@ const FEW: f64 = 0.2;
 pub(super) const COARSE: usize = 8;
 /// Largest difference of the mean over a lamp from its middle, as a share, that is let pass.
 const EVEN: f64 = 2e-3;
+/// The same of any of its points from its middle; beyond it photons do better.
+const UNEVEN: f64 = 0.25;
 /// Of the change of direction over a cell, how much a neighbour's solution may differ from the foretold one.
 const FORETOLD: f64 = 0.5;
 
@@ -135,35 +137,33 @@ impl<M: Mode> Lit<M> {
         let looks =
             || known.iter().skip(step / 2).step_by(step).filter_map(|at| Some((*at, sheet.nodes[*at].as_ref()?)));
         let whole = looks().filter(|(at, node)| {
-            self.aside(tracing, entry, node, self.map.at_node(*at), |from, found| {
+            let strength = |from: (DVec3, Site), found: &Solution| {
                 let (light, ..) = self.probe(tracing, entry.lamp, from, found.dir)?;
-                Some((light[0] * found.factor - node.strength[0]).abs() <= 0.5 * node.strength[0])
-            })
-            .is_some_and(|alike| alike.into_iter().all(|alike| alike))
+                Some(light[0] * found.factor)
+            };
+            let from = self.map.place(tracing.0, self.map.at_node(*at));
+            let all = from.and_then(|from| self.aside(tracing, entry, (from, node.dir), strength));
+            all.is_some_and(|all| all.iter().all(|s| (s - node.strength[0]).abs() <= 0.5 * node.strength[0]))
         });
         // Near folds and rims it never is; a good part of the face has to be.
         3 * whole.count() >= looks().count().max(1)
     }
 
-    /// What `of` makes of the solutions for four points about the lamp's middle, near the rim of a square one; none where
-    /// one is missing.
+    /// What `of` makes of the solutions for four points about the lamp's middle, near the rim of a square one; `middle`: the
+    /// direction towards that. None where one is missing.
     pub(super) fn aside<T>(
         &self,
         tracing: (&World, &Optics<M>),
         entry: &Entry<M>,
-        node: &Node<M>,
-        at: DVec2,
+        (from, middle): ((DVec3, Site), DVec3),
         of: impl Fn((DVec3, Site), &Solution) -> Option<T>,
     ) -> Option<ArrayVec<T, 4>> {
         // Of the lamp's radius: corners of a square are a little farther out.
         const ASIDE: f64 = 0.7;
         let [a, b] = entry.middle.across.map(|axis| axis * (ASIDE * entry.size));
-        let from = self.map.place(tracing.0, at)?;
         let point = |off: DVec3| {
             let target = Target { point: entry.middle.point + off, ..entry.middle };
-            let moved = entry.middle.local(off);
-            let start = node.dir + node.by_lamp[0] * moved.x + node.by_lamp[1] * moved.y;
-            of(from, &self.newton(tracing, entry, from, start, &target)?)
+            of(from, &self.newton(tracing, entry, from, middle, &target)?)
         };
         [a, -a, b, -b].into_iter().map(point).collect()
     }
@@ -197,11 +197,17 @@ impl<M: Mode> Lit<M> {
         if nodes().all(|node| node.is_none()) {
             return Cell::Nothing;
         }
+        let start = self.foretell(entry, sheet, &spot, &entry.middle).map(|(dir, _)| dir);
+        let Some((start, from)) = start.zip(self.map.place(tracing.0, at)) else { return Cell::Nothing };
+        // Near a fold the lamp's points have solutions of very different strength, or none: few would bring much.
+        let Some(middle) = self.newton(tracing, entry, from, start, &entry.middle) else { return Cell::Nothing };
+        let factors = self.aside(tracing, entry, (from, middle.dir), |_, found| Some(found.factor));
+        let alike = |factor: &f64| (factor - middle.factor).abs() <= UNEVEN * middle.factor;
+        let Some(factors) = factors.filter(|factors| factors.iter().all(alike)) else { return Cell::Nothing };
         if !nodes().all(|node| node.is_some_and(|node| !node.exact_only)) {
             return Cell::Solved;
         }
-        let near = sheet.nodes[cell].as_ref();
-        let Some(found) = near.and_then(|near| self.node(tracing, entry, at, near.dir)) else { return Cell::Solved };
+        let Some(found) = self.node(tracing, entry, at, middle.dir) else { return Cell::Solved };
         let Some(blend) = sheet.blend(&spot, DVec2::ZERO) else { return Cell::Solved };
         if blend.slides.len() != found.slides.len() || blend.alone != found.alone {
             return Cell::Solved;
@@ -217,11 +223,8 @@ impl<M: Mode> Lit<M> {
             return Cell::Solved;
         }
         // The middle of the lamp has to stand for all of it.
-        let factors = self.aside(tracing, entry, &found, at, |_, found| Some(found.factor));
-        let even = factors.is_some_and(|factors| {
-            let mean = factors.iter().sum::<f64>() / factors.len() as f64;
-            (mean - found.factor).abs() <= EVEN * found.factor
-        });
+        let mean = factors.iter().sum::<f64>() / factors.len() as f64;
+        let even = (mean - middle.factor).abs() <= EVEN * middle.factor;
         if even { Cell::Interpolated } else { Cell::Solved }
     }
 }

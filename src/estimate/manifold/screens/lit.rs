@@ -177,7 +177,7 @@ impl<M: Mode> Lit<M> {
         }
         let finite =
             strength.as_slice().iter().all(|s| s.is_finite()) && by_lamp.iter().chain(&by_place).all(|v| v.is_finite());
-        finite.then_some(Node { dir, by_lamp, by_place, factor, strength, alone, slides: crossings, exact_only })
+        finite.then_some(Node { dir, by_lamp, by_place, strength, alone, slides: crossings, exact_only })
     }
 
     /// What arrives along a direction from the lamp, with the slides open, and where it crosses them.

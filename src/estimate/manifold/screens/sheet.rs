@@ -26,8 +26,6 @@ pub(super) struct Node<M: Mode> {
     pub(super) dir: DVec3,
     pub(super) by_lamp: [DVec3; 2],
     pub(super) by_place: [DVec3; 2],
-    /// See [`Solution`].
-    pub(super) factor: f64,
     /// What the whole lamp sends this way, per lane: luminance × solid angle, cd/m²·sr, with the slides open.
     pub(super) strength: M::Lanes<f64>,
     pub(super) alone: bool,
