@@ -5,7 +5,7 @@
 //! instructions (`valgrind --tool=callgrind`); docs/colour.md has the figures.
 
 use eyebox::check::check;
-use eyebox::estimate::run::{Limits, Observer, Status, run};
+use eyebox::estimate::run::{Limits, run};
 use eyebox::film::plan::{Estimator, Plan, Spectral};
 use eyebox::import::{ImportOptions, import};
 use eyebox::plan::{Choice, plan};
@@ -13,13 +13,6 @@ use eyebox::scene::{Scene, Wavelengths};
 use eyebox::world::World;
 use std::path::Path;
 use std::time::Instant;
-
-struct Nobody;
-impl Observer for Nobody {
-    fn block(&mut self, _: &Status) -> bool {
-        true
-    }
-}
 
 const MODES: [(&str, Spectral, bool); 6] = [
     ("mono", Spectral::Mono, false),
@@ -35,7 +28,7 @@ fn trace(scene: &Scene, world: &World, plan: &Plan, passes: u64, seed: u64) -> f
     let limits = Limits { passes: Some(passes), ..Limits::default() };
     let (groups, size) = (scene.groups.len(), scene.eye.resolution);
     let start = Instant::now();
-    let outcome = run(world, plan, groups, size, seed, &limits, &mut Nobody);
+    let outcome = run(world, plan, groups, size, seed, &limits, &mut ());
     let paths: u64 = outcome.films.films.iter().map(|(_, _, ledger)| ledger.paths).sum();
     start.elapsed().as_secs_f64() * 1e6 / paths as f64
 }

@@ -2,20 +2,13 @@
 //! in turn so that a busy machine slows all alike. Run with `cargo bench --ignore-rust-version`.
 
 use eyebox::check::check;
-use eyebox::estimate::run::{Limits, Observer, Status, run};
+use eyebox::estimate::run::{Limits, run};
 use eyebox::film::plan::Estimator;
 use eyebox::import::{ImportOptions, import};
 use eyebox::plan::{Choice, plan};
 use eyebox::world::World;
 use std::path::Path;
 use std::time::Instant;
-
-struct Nobody;
-impl Observer for Nobody {
-    fn block(&mut self, _: &Status) -> bool {
-        true
-    }
-}
 
 fn main() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool of one thread");
@@ -36,7 +29,7 @@ fn main() {
                     let limits = Limits { passes: Some(2), ..Limits::default() };
                     let (groups, size) = (scene.groups.len(), scene.eye.resolution);
                     let start = Instant::now();
-                    let outcome = run(&world, plan, groups, size, round, &limits, &mut Nobody);
+                    let outcome = run(&world, plan, groups, size, round, &limits, &mut ());
                     let paths: u64 = outcome.films.films.iter().map(|(_, _, ledger)| ledger.paths).sum();
                     *best = best.min(start.elapsed().as_secs_f64() * 1e6 / paths as f64);
                 }

@@ -18,7 +18,6 @@ use eyebox::plan::{Choice, plan};
 use eyebox::scene::*;
 use eyebox::world::World;
 use glam::DVec3;
-use std::sync::Arc;
 
 /// A diffuser before a slide before a lamp: every path has its own share of lamp and of picture.
 fn diffuser_and_slide() -> Scene {
@@ -29,22 +28,7 @@ fn diffuser_and_slide() -> Scene {
     let square = |half: f64| mesh(&[quad(DVec3::ZERO, DVec3::X * half, DVec3::Y * half)]);
     let screen = face(Finish::Lambert { reflectance: 0.0, transmittance: 0.8 });
     add_part(&mut s, "screen", square(0.1), DVec3::NEG_Z * 0.5, None, vec![screen]);
-    let side = 16;
-    s.slides.push(Slide {
-        name: "slide".to_owned(),
-        file: "none".to_owned(),
-        width: side,
-        height: side,
-        pixels: Arc::new((0..side * side).map(|i| ((i * 37 + 11) % 101) as f32 / 100.0).collect()),
-        rgb: None,
-        centre: DVec3::ZERO,
-        u: DVec3::X,
-        v: DVec3::Y,
-        size: [0.2, 0.2],
-        transmittance: 0.9,
-        contrast: 50.0,
-        polarisation: None,
-    });
+    s.slides.push(mottled_slide(50.0));
     let mut slide = face(Finish::None);
     slide.slide = Some(SlideId::from_index(0));
     add_part(&mut s, "slide", square(0.1), DVec3::NEG_Z * 0.55, None, vec![slide]);
@@ -74,7 +58,7 @@ fn the_error_of_a_mixture_is_the_scatter_of_seeds() {
     let mut seen = vec![[Moments::default(); 5]; pixels];
     let (mut predicted, mut without_covariance, mut of_layer) = ([0.0; 5], [0.0; 5], 0.0);
     for seed in 0..seeds {
-        let outcome = run(&world, &plan, 1, s.eye.resolution, seed, &limits, &mut Nobody);
+        let outcome = run(&world, &plan, 1, s.eye.resolution, seed, &limits, &mut ());
         let films: Vec<&Film> = outcome.films.films.iter().map(|(_, film, _)| film).collect();
         let frame = finish(s.eye.resolution, &films, std::slice::from_ref(&group), &[], ColourSpace::Rec709).frame;
         let of = |suffix: &str| channel(&frame, &format!("caustic_panel_{suffix}"));

@@ -166,7 +166,7 @@ fn without_light_the_picture_is_black() {
         let plan = plan(&checked, &world, choice);
         assert!(plan.notes.iter().any(|note| note.contains(said)), "{:?}", plan.notes);
         // No limit is needed where nothing changes.
-        let outcome = run(&world, &plan, s.groups.len(), [2, 2], 1, &Limits::default(), &mut Nobody);
+        let outcome = run(&world, &plan, s.groups.len(), [2, 2], 1, &Limits::default(), &mut ());
         let frame = picture(s, &plan, &outcome, Default::default()).expect("a picture").frame;
         assert_eq!((frame.width, frame.height), (2, 2));
         assert!(frame.channels.iter().any(|channel| channel.name == "hybrid.R"));

@@ -17,7 +17,6 @@ use eyebox::plan::{Choice, plan};
 use eyebox::scene::*;
 use eyebox::world::World;
 use glam::DVec3;
-use std::sync::Arc;
 
 const PASSES: u64 = 64;
 
@@ -30,22 +29,7 @@ fn lamps_and_slide(contrast: f64, luminance: f64) -> Scene {
     let square = |half: f64| mesh(&[quad(DVec3::ZERO, DVec3::X * half, DVec3::Y * half)]);
     let screen = face(Finish::Lambert { reflectance: 0.4, transmittance: 0.5 });
     add_part(&mut s, "screen", square(0.05), DVec3::NEG_Z * 0.5, None, vec![screen]);
-    let pixels = 16;
-    s.slides.push(Slide {
-        name: "slide".to_owned(),
-        file: "none".to_owned(),
-        width: pixels,
-        height: pixels,
-        pixels: Arc::new((0..pixels * pixels).map(|i| ((i * 37 + 11) % 101) as f32 / 100.0).collect()),
-        rgb: None,
-        centre: DVec3::ZERO,
-        u: DVec3::X,
-        v: DVec3::Y,
-        size: [0.2, 0.2],
-        transmittance: 0.9,
-        contrast,
-        polarisation: None,
-    });
+    s.slides.push(mottled_slide(contrast));
     let mut slide = face(Finish::None);
     slide.slide = Some(SlideId::from_index(0));
     add_part(&mut s, "slide", square(0.1), DVec3::NEG_Z * 0.55, None, vec![slide]);
@@ -68,7 +52,7 @@ fn rendered(s: &Scene, seed: u64) -> Frame {
     let mut plan = plan(&checked, &world, Choice::Only(Estimator::Backward));
     plan.errors = ErrorDetail::Layers;
     let limits = Limits { passes: Some(PASSES), ..Limits::default() };
-    let outcome = run(&world, &plan, s.groups.len(), s.eye.resolution, seed, &limits, &mut Nobody);
+    let outcome = run(&world, &plan, s.groups.len(), s.eye.resolution, seed, &limits, &mut ());
     let finished = picture(s, &plan, &outcome, Default::default()).expect("finite light");
     let mut frame = finished.frame;
     add_meta(&mut frame, s, &plan, &outcome, seed, &finished.splits);

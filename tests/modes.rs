@@ -31,7 +31,7 @@ fn colour_of(scene: &Scene, asked: impl Into<Asked>, force: &Force, passes: u64)
     let limits = Limits { passes: Some(passes), ..Limits::default() };
     let mut seeds = [Moments::default(); 3];
     for seed in 0..SEEDS {
-        let outcome = run(&world, &plan, scene.groups.len(), scene.eye.resolution, seed, &limits, &mut Nobody);
+        let outcome = run(&world, &plan, scene.groups.len(), scene.eye.resolution, seed, &limits, &mut ());
         for (_, _, ledger) in &outcome.films.films {
             assert!(ledger.vertex_error < 1e-12, "R + T + A misses 1 by {}", ledger.vertex_error);
             assert_eq!(ledger.invalid_paths, 0);

@@ -2,7 +2,7 @@
 
 use crate::base::Result;
 use crate::check::check;
-use crate::estimate::run::{Limits, Observer, Status, run};
+use crate::estimate::run::{Limits, run};
 use crate::film::plan::{Estimator, Spectral};
 use crate::plan::{Asked, Choice, Polarisation, plan};
 use crate::scene::Scene;
@@ -51,13 +51,6 @@ pub struct Measured {
     pub vertex_error: f64,
 }
 
-struct Nobody;
-impl Observer for Nobody {
-    fn block(&mut self, _: &Status) -> bool {
-        true
-    }
-}
-
 /// Traces a scene. Faults: those of checking it and of preparing it for rays.
 pub fn trace(scene: &Scene, how: How) -> Result<Measured> {
     let checked = check(scene)?;
@@ -68,7 +61,7 @@ pub fn trace(scene: &Scene, how: How) -> Result<Measured> {
         plan.mode.spectral = spectral;
     }
     let limits = Limits { passes: Some(how.passes), ..Limits::default() };
-    let films = run(&world, &plan, scene.groups.len(), scene.eye.resolution, how.seed, &limits, &mut Nobody).films;
+    let films = run(&world, &plan, scene.groups.len(), scene.eye.resolution, how.seed, &limits, &mut ()).films;
     let pixels = scene.eye.resolution[0] * scene.eye.resolution[1];
     let (mut sum, mut variance, mut nan) = (0.0, 0.0, 0);
     for (_, film, _) in &films.films {

@@ -1,7 +1,7 @@
 //! The energy balance finds what is planted in the walk: a face that loses light, and fates that nobody counts.
 
 use super::ledger::Ledger;
-use super::run::{Films, Limits, Observer, Status, run};
+use super::run::{Films, Limits, run};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::film::plan::{Estimator, PathMode, Plan, Radii, Row, Verdict};
@@ -10,13 +10,6 @@ use crate::world::geometry::scenes::{self, Builder};
 use crate::world::{Planted, World};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
-
-struct Nobody;
-impl Observer for Nobody {
-    fn block(&mut self, _: &Status) -> bool {
-        true
-    }
-}
 
 const BALL: u32 = 0;
 const SCREEN: u32 = 1;
@@ -68,7 +61,7 @@ fn trace(scene: &Scene, planted: Planted, estimator: Estimator, passes: u64) -> 
         ..Plan::of(Class::ALL.map(row).to_vec(), PathMode::default())
     };
     let limits = Limits { passes: Some(passes), ..Limits::default() };
-    run(&world, &plan, 1, scene.eye.resolution, 7, &limits, &mut Nobody).films
+    run(&world, &plan, 1, scene.eye.resolution, 7, &limits, &mut ()).films
 }
 
 /// emitted = Σ fates within 3σ with σ ≤ 1e-4.

@@ -58,6 +58,13 @@ pub trait Observer {
     fn block(&mut self, status: &Status) -> bool;
 }
 
+/// Nobody watches.
+impl Observer for () {
+    fn block(&mut self, _: &Status) -> bool {
+        true
+    }
+}
+
 /// Films and ledgers of the estimators that ran.
 pub struct Films {
     pub films: Vec<(Estimator, Film, Ledger)>,

@@ -222,19 +222,9 @@ impl Plan {
 
     /// Whether `estimator` owns any path at all.
     pub fn runs(&self, estimator: Estimator) -> bool {
-        self.rows.iter().any(|row| match &row.verdict {
-            Verdict::Own { owner, .. } => {
-                *owner == estimator
-                    // The rest of the photon map's classes (narrow lobes only) is backward's; see `Verdict::Own`.
-                    || (*owner == Estimator::Photon && estimator == Estimator::Backward)
-            }
-            Verdict::Connect { rest, .. } => {
-                estimator == Estimator::Manifold
-                    || estimator == *rest
-                    || (*rest == Estimator::Photon && estimator == Estimator::Backward)
-            }
-            Verdict::Skip { .. } => false,
-        })
+        // With and without a broad scatterer the owners differ; see `Verdict::Own`.
+        let any = |row: &Row| [false, true].map(|has_broad| self.computes(estimator, row.group, row.class, has_broad));
+        self.rows.iter().any(|row| any(row).contains(&true))
     }
 
     /// [`Plan::owner`] of the path whose trail was walked from the eye.

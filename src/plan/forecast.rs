@@ -1,7 +1,7 @@
 //! How much work a relative error takes: a few passes of a small picture, and the square root law.
 
 use crate::base::Result;
-use crate::estimate::run::{Limits, Observer, Status, run};
+use crate::estimate::run::begin;
 use crate::film::plan::Plan;
 use crate::scene::Scene;
 use crate::world::World;
@@ -22,13 +22,6 @@ const PASSES: u64 = 6;
 /// Longer side of its picture, pixels.
 const SIDE: usize = 64;
 
-struct Nobody;
-impl Observer for Nobody {
-    fn block(&mut self, _: &Status) -> bool {
-        true
-    }
-}
-
 /// Runs the pilot. Errors: as [`World::freeze`].
 pub fn forecast(scene: &Scene, plan: &Plan) -> Result<Forecast> {
     let mut small = scene.clone();
@@ -41,10 +34,11 @@ pub fn forecast(scene: &Scene, plan: &Plan) -> Result<Forecast> {
     let fewer = |paths: u64| if paths == 0 { 0 } else { ((paths as f64 * share) as u64).max(1 << 10) };
     (own.forward_paths, own.photons) = (fewer(plan.forward_paths), fewer(plan.photons));
     let world = World::freeze(&small)?;
-    let limits = Limits { passes: Some(PASSES), ..Limits::default() };
-    let outcome = run(&world, &own, scene.groups.len(), small.eye.resolution, 0, &limits, &mut Nobody);
-    let paths: u64 = outcome.films.films.iter().map(|(_, _, ledger)| ledger.paths).sum();
-    let error = outcome.films.relative_error().map(|error| error * (PASSES as f64).sqrt());
+    let mut tracing = begin(&world, &own, scene.groups.len(), small.eye.resolution, 0);
+    tracing.step(PASSES);
+    let films = tracing.films();
+    let paths: u64 = films.films.iter().map(|(_, _, ledger)| ledger.paths).sum();
+    let error = films.relative_error().map(|error| error * (PASSES as f64).sqrt());
     Ok(Forecast {
         error_of_a_pass: error,
         paths_of_a_pass: paths as f64 / PASSES as f64 / share,

@@ -17,6 +17,7 @@ use crate::estimate::seen::Seen;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use crate::world::World;
 use crate::world::mode::Mono;
+use std::collections::BTreeSet;
 
 /// Which estimators may be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -61,93 +62,128 @@ pub fn plan_unless(checked: &Checked, world: &World, asked: Asked, stop: &Should
 }
 
 fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -> Plan {
-    let choice = asked.choice;
+    let mut plan = Plan::of(rows(checked, world, asked.choice), mode::decide(checked, world, asked.polarisation, stop));
+    let making = Making { checked, world, choice: asked.choice, stop };
+    making.light_paths(&mut plan);
+    making.photons(&mut plan);
+    making.eye_paths(&mut plan);
+    making.remarks(&mut plan);
+    plan
+}
+
+/// What facts say of every pair of light group and class.
+fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row> {
     let scene = checked.scene();
-    let facts = checked.facts();
-    let pixels = (scene.eye.resolution[0] * scene.eye.resolution[1]) as u64;
-    let mut notes = Vec::new();
-    let mut rows = Vec::new();
-    for index in 0..scene.groups.len() {
-        let group = GroupId::from_index(index);
+    let row = |group: GroupId, class: Class| {
         let is_sky = scene.sky.as_ref().is_some_and(|sky| sky.group == group);
-        for class in Class::ALL {
-            let verdict = match choice {
-                Choice::Auto => auto(checked, world, group, class, is_sky),
-                Choice::Only(estimator) => only(checked, estimator, class, is_sky),
-            };
-            let verdict = without_area(world, group, class, verdict);
-            rows.push(Row { group, class, verdict });
-        }
-    }
-    let sightless = world.lights.all().iter().filter(|light| !light.is_visible());
-    let sightless: std::collections::BTreeSet<GroupId> = sightless.map(|light| light.group()).collect();
-    for group in sightless {
-        notes.push(format!(
-            "group {}: a point and parallel light have no luminance, so no pixel shows them, nor their glints; what they light is there",
-            scene.group(group).name
-        ));
-    }
-    let mut plan = Plan::of(rows, mode::decide(checked, world, asked.polarisation, stop));
-    plan.notes = notes;
-    while plan.runs(Estimator::Forward) && !stop() {
-        let pilot = pilot::forward(world, &plan, scene.groups.len(), stop);
-        if choice == Choice::Auto && give_up_forward(&mut plan, &pilot::without_arrivals(&pilot), pilot.traced) {
-            // The guide belongs to the lamps that are left.
-            continue;
-        }
-        plan.connections = chains::find(world, &plan, scene.groups.len(), Some(&pilot.guide), stop);
-        leave_unconnected(&mut plan, Class::Vision);
-        plan.forward_guide = Some(pilot.guide);
-        // What specular connection leaves is little, and where it is nobody knows.
-        let only_rest =
-            plan.rows.iter().all(|row| !matches!(row.verdict, Verdict::Own { owner: Estimator::Forward, .. }));
-        plan.forward_paths = if only_rest { pixels / 4 } else { 4 * pixels }.max(1 << 12);
-        break;
-    }
-    let caustics = |plan: &Plan| {
-        let connected = |row: &Row| row.class == Class::Caustic && matches!(row.verdict, Verdict::Connect { .. });
-        plan.rows.iter().any(connected)
+        let verdict = match choice {
+            Choice::Auto => auto(checked, world, group, class, is_sky),
+            Choice::Only(estimator) => only(checked, estimator, class, is_sky),
+        };
+        Row { group, class, verdict: without_area(world, group, class, verdict) }
     };
-    if (caustics(&plan) || plan.runs(Estimator::Photon)) && !stop() {
-        let pixel_m = pilot::pixel_m(world, scene.eye.resolution);
-        let seen = Seen::look(world, pixel_m, stop);
-        if caustics(&plan) {
-            plan.screens = chains::screens(world, &plan, scene.groups.len(), &seen.faces(), None, stop);
-            leave_unconnected(&mut plan, Class::Caustic);
+    let groups = (0..scene.groups.len()).map(GroupId::from_index);
+    groups.flat_map(|group| Class::ALL.map(|class| row(group, class))).collect()
+}
+
+/// What the pilots are run with.
+struct Making<'m> {
+    checked: &'m Checked<'m>,
+    world: &'m World,
+    choice: Choice,
+    stop: &'m ShouldStop<'m>,
+}
+
+impl Making<'_> {
+    fn groups(&self) -> usize {
+        self.checked.scene().groups.len()
+    }
+    fn pixels(&self) -> u64 {
+        let [width, height] = self.checked.scene().eye.resolution;
+        (width * height) as u64
+    }
+    fn stopped(&self) -> bool {
+        (self.stop)()
+    }
+
+    /// Light tracing and the connections of lamps with the pupil.
+    fn light_paths(&self, plan: &mut Plan) {
+        while plan.runs(Estimator::Forward) && !self.stopped() {
+            let pilot = pilot::forward(self.world, plan, self.groups(), self.stop);
+            if self.choice == Choice::Auto && give_up_forward(plan, &pilot::without_arrivals(&pilot), pilot.traced) {
+                // The guide belongs to the lamps that are left.
+                continue;
+            }
+            plan.connections = chains::find(self.world, plan, self.groups(), Some(&pilot.guide), self.stop);
+            leave_unconnected(plan, Class::Vision);
+            plan.forward_guide = Some(pilot.guide);
+            // What specular connection leaves is little, and where it is nobody knows.
+            let only_rest =
+                plan.rows.iter().all(|row| !matches!(row.verdict, Verdict::Own { owner: Estimator::Forward, .. }));
+            plan.forward_paths = if only_rest { self.pixels() / 4 } else { 4 * self.pixels() }.max(1 << 12);
+            break;
+        }
+    }
+
+    /// Photons and the connections of lamps with faces that scatter.
+    fn photons(&self, plan: &mut Plan) {
+        let connected = |row: &Row| row.class == Class::Caustic && matches!(row.verdict, Verdict::Connect { .. });
+        let caustics = plan.rows.iter().any(connected);
+        if !(caustics || plan.runs(Estimator::Photon)) || self.stopped() {
+            return;
+        }
+        let pixel_m = pilot::pixel_m(self.world, self.checked.scene().eye.resolution);
+        let seen = Seen::look(self.world, pixel_m, self.stop);
+        if caustics {
+            plan.screens = chains::screens(self.world, plan, self.groups(), &seen.faces(), None, self.stop);
+            leave_unconnected(plan, Class::Caustic);
         }
         if plan.runs(Estimator::Photon) {
-            let pilot = pilot::photon(world, &plan, scene.groups.len(), (pixel_m, &seen), stop);
+            let pilot = pilot::photon(self.world, plan, self.groups(), (pixel_m, &seen), self.stop);
             plan.photons = pilot.photons;
             plan.photon_radii_m = pilot.radii_m;
             plan.photon_guide = Some(pilot.guide);
         }
     }
-    if plan.runs(Estimator::Photon) || plan.runs(Estimator::Manifold) {
-        // Connections and photons cost some tens of times as much as a path from the eye, which is all that edges need.
-        plan.backward_paths = AMONG_OTHERS;
-    }
-    if choice == Choice::Auto && plan.runs(Estimator::Backward) && !stop() {
-        let route = Route::new(&plan, scene.groups.len(), Estimator::Backward);
-        let backward = Backward::<Mono>::new(world, route, (1, 1.0), pilot::SEED);
-        if !backward.finds_light(LOOKS, stop) {
-            plan.backward_share = SELDOM;
-            plan.notes.push(format!(
-                "backward looks at 1 pixel in {:.0} a pass: {LOOKS} paths of a pilot found no light of its own",
-                1.0 / SELDOM
-            ));
+
+    /// Paths from the eye.
+    fn eye_paths(&self, plan: &mut Plan) {
+        if self.choice == Choice::Auto && plan.runs(Estimator::Backward) && !self.stopped() {
+            let route = Route::new(plan, self.groups(), Estimator::Backward);
+            let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), pilot::SEED);
+            if !backward.finds_light(LOOKS, self.stop) {
+                plan.backward_share = SELDOM;
+                plan.notes.push(format!(
+                    "backward looks at 1 pixel in {:.0} a pass: {LOOKS} paths of a pilot found no light of its own",
+                    1.0 / SELDOM
+                ));
+                return;
+            }
+        }
+        if plan.runs(Estimator::Photon) || plan.runs(Estimator::Manifold) {
+            // Connections and photons cost some tens of times as much as a path from the eye, which is all that edges need.
+            plan.backward_paths = AMONG_OTHERS;
         }
     }
-    for estimator in Estimator::ALL {
-        if !plan.runs(estimator) {
-            plan.notes.push(format!("{} does not run: it owns no paths", estimator.name()));
+
+    /// What a reader of the plan should know.
+    fn remarks(&self, plan: &mut Plan) {
+        let sightless = self.world.lights.all().iter().filter(|light| !light.is_visible());
+        let sightless: BTreeSet<GroupId> = sightless.map(|light| light.group()).collect();
+        plan.notes.extend(sightless.into_iter().map(|group| {
+            format!(
+                "group {}: a point and parallel light have no luminance, so no pixel shows them, nor their glints; what they light is there",
+                self.checked.scene().group(group).name
+            )
+        }));
+        let idle: Vec<Estimator> = Estimator::ALL.into_iter().filter(|estimator| !plan.runs(*estimator)).collect();
+        plan.notes.extend(idle.iter().map(|estimator| format!("{} does not run: it owns no paths", estimator.name())));
+        if self.checked.facts().no_light {
+            plan.notes.push("nothing emits: the picture is black".to_owned());
+        } else if idle.len() == Estimator::ALL.len() {
+            plan.notes.push("no estimator can bring this scene's light to the eye: the picture is black".to_owned());
         }
     }
-    if facts.no_light {
-        plan.notes.push("nothing emits: the picture is black".to_owned());
-    } else if !Estimator::ALL.iter().any(|estimator| plan.runs(*estimator)) {
-        plan.notes.push("no estimator can bring this scene's light to the eye: the picture is black".to_owned());
-    }
-    plan
 }
 
 /// Paths of the pilot that looks whether rays from the eye find anything, and how many pixels are looked at if not.
@@ -221,8 +257,8 @@ fn own(owner: Estimator, because: impl Into<String>) -> Verdict {
     Verdict::Own { owner, because: because.into() }
 }
 
-fn connect(because: impl Into<String>) -> Verdict {
-    Verdict::Connect { rest: Estimator::Forward, because: because.into() }
+fn connect(rest: Estimator, because: impl Into<String>) -> Verdict {
+    Verdict::Connect { rest, because: because.into() }
 }
 
 fn skip(because: impl Into<String>) -> Verdict {
@@ -253,9 +289,10 @@ fn auto(checked: &Checked, world: &World, group: GroupId, class: Class, is_sky: 
             // the margin is for light from the lamps that a housing stops.
             let ratio = lamps / eye;
             if ratio <= 64.0 {
-                connect(format!(
-                    "the lamps' etendue is {ratio:.3} of the eye's: each of their points has few ways to it"
-                ))
+                connect(
+                    Estimator::Forward,
+                    format!("the lamps' etendue is {ratio:.3} of the eye's: each of their points has few ways to it"),
+                )
             } else {
                 own(
                     Estimator::Backward,
@@ -265,10 +302,7 @@ fn auto(checked: &Checked, world: &World, group: GroupId, class: Class, is_sky: 
         }
         Class::Primary => own(Estimator::Backward, "the lamp is sampled directly from the scatterer"),
         Class::Caustic if !facts.specular => skip("no face is specular"),
-        Class::Caustic => Verdict::Connect {
-            rest: Estimator::Photon,
-            because: "specular faces stand between lamp and scatterer".to_owned(),
-        },
+        Class::Caustic => connect(Estimator::Photon, "specular faces stand between lamp and scatterer"),
         Class::Secondary => own(Estimator::Photon, "photons carry the light from scatterer to scatterer"),
     }
 }
@@ -287,10 +321,8 @@ fn only(checked: &Checked, estimator: Estimator, class: Class, is_sky: bool) -> 
         Estimator::Forward => own(Estimator::Forward, "asked for"),
         Estimator::Manifold if is_sky => own(Estimator::Backward, "no connection leads to the sky"),
         Estimator::Manifold => match class {
-            Class::Vision if !facts.pinhole => connect("asked for"),
-            Class::Caustic if facts.specular => {
-                Verdict::Connect { rest: Estimator::Photon, because: "asked for".to_owned() }
-            }
+            Class::Vision if !facts.pinhole => connect(Estimator::Forward, "asked for"),
+            Class::Caustic if facts.specular => connect(Estimator::Photon, "asked for"),
             Class::Vision | Class::Primary | Class::Caustic | Class::Secondary => {
                 own(Estimator::Backward, "specular connection is for the eye and lamps")
             }

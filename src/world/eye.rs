@@ -108,12 +108,8 @@ impl EyeLens {
     /// A ray from the pupil, origin in the recentred frame and unit direction: `jitter` is the place in the pixel's
     /// footprint (right, down), `lens` becomes a uniform point of the pupil.
     pub fn ray(&self, px: usize, py: usize, jitter: [f64; 2], lens: [f64; 2]) -> (DVec3, DVec3) {
-        let ax = self.half.x * (2.0 * (px as f64 + jitter[0]) / self.size[0] as f64 - 1.0);
-        let ay = self.half.y * (1.0 - 2.0 * (py as f64 + jitter[1]) / self.size[1] as f64);
-        let offset = self.radius * warp::disk(lens);
-        let a = DVec2::new(ax, ay) - offset * self.per_focus;
-        let origin = self.position + self.right * offset.x + self.up * offset.y;
-        (origin, (self.look + self.right * a.x + self.up * a.y).normalize())
+        let (origin, (_, dir), ..) = self.ray_of(self.film_of(px, py, jitter), self.radius * warp::disk(lens));
+        (origin, dir)
     }
 
     /// The ray through a place of the picture (tangents) and of the pupil (m to the right and up): its origin, its

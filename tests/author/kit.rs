@@ -1,6 +1,6 @@
 //! Runs the program, and says what a scene is.
 
-use crate::common::{Nobody, image};
+use crate::common::image;
 use eyebox::check::check;
 use eyebox::estimate::run::{Limits, run};
 use eyebox::import::{ImportOptions, import};
@@ -67,6 +67,6 @@ pub fn picture(scene: &Scene) -> Vec<(u64, u64)> {
     let world = World::freeze(&scene).expect("the scene can be traced");
     let plan = plan(&check(&scene).expect("the scene is sound"), &world, Choice::Auto);
     let limits = Limits { passes: Some(2), ..Limits::default() };
-    let outcome = run(&world, &plan, scene.groups.len(), [32, 16], 5, &limits, &mut Nobody);
+    let outcome = run(&world, &plan, scene.groups.len(), [32, 16], 5, &limits, &mut ());
     image(&outcome.films).into_iter().map(|(mean, error)| (mean.to_bits(), error.to_bits())).collect()
 }

@@ -3,20 +3,13 @@
 
 use eyebox::base::ids::{GroupId, MediumId, MeshId};
 use eyebox::check::check;
-use eyebox::estimate::run::{Films, Limits, Observer, Status, run};
+use eyebox::estimate::run::{Films, Limits, run};
 use eyebox::film::plan::Plan;
 use eyebox::plan::{Asked, plan};
 use eyebox::scene::*;
 use eyebox::world::World;
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
-
-pub struct Nobody;
-impl Observer for Nobody {
-    fn block(&mut self, _: &Status) -> bool {
-        true
-    }
-}
 
 /// An empty scene in metres at 550 nm, with an eye at the origin that looks along −z.
 pub fn scene() -> Scene {
@@ -163,13 +156,33 @@ pub fn lamp(group: GroupId, luminance: f64) -> Option<Emitter> {
     Some(Emitter { group, photometry, angular: Angular::Lambert, spectrum: None, polarisation: None })
 }
 
+/// A slide with a picture of 16 × 16 values without a pattern.
+pub fn mottled_slide(contrast: f64) -> Slide {
+    let side = 16;
+    Slide {
+        name: "slide".to_owned(),
+        file: "none".to_owned(),
+        width: side,
+        height: side,
+        pixels: Arc::new((0..side * side).map(|i| ((i * 37 + 11) % 101) as f32 / 100.0).collect()),
+        rgb: None,
+        centre: DVec3::ZERO,
+        u: DVec3::X,
+        v: DVec3::Y,
+        size: [0.2, 0.2],
+        transmittance: 0.9,
+        contrast,
+        polarisation: None,
+    }
+}
+
 /// Checks, freezes, plans and traces.
 pub fn render(scene: &Scene, asked: impl Into<Asked>, passes: u64, seed: u64) -> (Films, Plan) {
     let checked = check(scene).expect("the scene is sound");
     let world = World::freeze(scene).expect("the scene can be traced");
     let plan = plan(&checked, &world, asked);
     let limits = Limits { passes: Some(passes), ..Limits::default() };
-    let outcome = run(&world, &plan, scene.groups.len(), scene.eye.resolution, seed, &limits, &mut Nobody);
+    let outcome = run(&world, &plan, scene.groups.len(), scene.eye.resolution, seed, &limits, &mut ());
     (outcome.films, plan)
 }
 

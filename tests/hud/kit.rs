@@ -1,6 +1,6 @@
 //! Takes a sample HUD through the corridor, with the eye turned to a small patch so that a test is cheap.
 
-use crate::common::{Nobody, image};
+use crate::common::image;
 use eyebox::base::ids::GroupId;
 use eyebox::check::check;
 use eyebox::estimate::run::{Limits, Outcome, run};
@@ -73,7 +73,7 @@ impl<'s> Ready<'s> {
     pub fn run(&self, passes: u64, seed: u64) -> Outcome {
         let limits = Limits { passes: Some(passes), ..Limits::default() };
         let (groups, size) = (self.scene.groups.len(), self.scene.eye.resolution);
-        run(&self.world, &self.plan, groups, size, seed, &limits, &mut Nobody)
+        run(&self.world, &self.plan, groups, size, seed, &limits, &mut ())
     }
 
     pub fn image(&self, passes: u64, seed: u64) -> Vec<(f64, f64)> {

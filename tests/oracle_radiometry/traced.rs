@@ -27,7 +27,7 @@ fn luminance(scene: &Scene, choice: Choice, passes: u64, runs: u64) -> (f64, f64
     let limits = Limits { passes: Some(passes), ..Limits::default() };
     let mut seeds = Moments::default();
     for seed in 0..runs {
-        let films = run(&world, &plan, scene.groups.len(), scene.eye.resolution, seed, &limits, &mut Nobody).films;
+        let films = run(&world, &plan, scene.groups.len(), scene.eye.resolution, seed, &limits, &mut ()).films;
         seeds.add(mean(&image(&films)).0);
     }
     (seeds.mean, seeds.stderr())
