@@ -14,6 +14,7 @@ pub mod rng;
 pub mod sobol;
 pub mod stats;
 pub mod student;
+pub mod twofold; // sums that do not depend on their pieces
 pub mod units;
 pub mod vision; // the eye as formulas
 pub mod warp;

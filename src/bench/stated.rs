@@ -9,7 +9,7 @@ use super::curve::reference::references;
 use super::curve::{ReferenceFacts, name};
 use crate::base::Result;
 use crate::estimate::ShouldStop;
-use crate::estimate::run::{Limits, Observer, Status, run};
+use crate::estimate::run::{Films, Limits, Observer, Status, run};
 use crate::plan::{Choice, plan};
 use std::path::Path;
 use std::time::Duration;
@@ -67,7 +67,7 @@ impl Stated {
 
 struct Nobody<'s>(&'s ShouldStop<'s>);
 impl Observer for Nobody<'_> {
-    fn block(&mut self, _: &Status) -> bool {
+    fn block(&mut self, _: &Status, _: &Films) -> bool {
         !(self.0)()
     }
 }

@@ -11,11 +11,15 @@ mod convert;
 mod diff;
 mod init;
 mod inspect;
+mod job;
 mod measure;
+mod merge;
 mod mix;
 mod plan;
 mod progress;
 mod render;
+mod sequence;
+mod shards;
 mod validate;
 mod view;
 
@@ -55,6 +59,10 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Change lamp levels, contrast and background of a rendered frame.
     Mix(mix::MixArgs),
+    /// Add up the shards of a rendering, to the bits of the whole.
+    Merge(merge::MergeArgs),
+    /// Write a job template that a farm runs in shards.
+    Job(job::JobArgs),
     /// Compare two frames by their standard errors.
     Diff(diff::DiffArgs),
     /// Measure a frame as a display.
@@ -97,6 +105,8 @@ pub fn main() -> ExitCode {
         Command::Annotate(args) => annotate::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Mix(args) => mix::run(args),
+        Command::Merge(args) => merge::run(args),
+        Command::Job(args) => job::run(args),
         Command::Diff(args) => diff::run(args),
         Command::Measure(args) => measure::run(args),
         Command::View(args) => view::run(args),

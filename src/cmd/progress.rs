@@ -1,6 +1,7 @@
 //! Progress for people: a bar with rate, ETA and the current error on a terminal, heartbeat lines in a pipe.
 
-use crate::estimate::run::{Limits, Observer, Status};
+use crate::estimate::run::{Films, Limits, Observer, Status};
+use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -42,6 +43,16 @@ impl Signals {
     }
 }
 
+/// Who reads the progress.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum ProgressArg {
+    /// People: a bar on a terminal, a line every ten seconds in a pipe.
+    #[default]
+    Auto,
+    /// Open Job Description: `openjd_progress` in percent and `openjd_status`.
+    Openjd,
+}
+
 /// Shows a run's progress and stops it on a signal.
 pub struct Progress {
     bar: Option<ProgressBar>,
@@ -49,11 +60,13 @@ pub struct Progress {
     last: Instant,
     limits: Limits,
     signals: Signals,
+    reader: ProgressArg,
 }
 
 impl Progress {
-    pub fn new(limits: &Limits, quiet: bool, signals: Signals) -> Self {
-        let terminal = std::io::stderr().is_terminal();
+    /// `quiet`: nothing is shown.
+    pub fn new(limits: &Limits, (quiet, reader): (bool, ProgressArg), signals: Signals) -> Self {
+        let terminal = std::io::stderr().is_terminal() && reader == ProgressArg::Auto;
         let bar = (!quiet && terminal).then(|| {
             let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
             if let Ok(style) = ProgressStyle::with_template("{bar:32} {msg}") {
@@ -61,8 +74,11 @@ impl Progress {
             }
             bar
         });
-        let heartbeat = (!quiet && !terminal).then_some(Duration::from_secs(10));
-        Progress { bar, heartbeat, last: Instant::now(), limits: limits.clone(), signals }
+        let heartbeat = (!quiet && !terminal).then_some(match reader {
+            ProgressArg::Auto => Duration::from_secs(10),
+            ProgressArg::Openjd => Duration::from_secs(1),
+        });
+        Progress { bar, heartbeat, last: Instant::now(), limits: limits.clone(), signals, reader }
     }
 
     pub fn finish(&self) {
@@ -98,7 +114,7 @@ impl Progress {
 }
 
 impl Observer for Progress {
-    fn block(&mut self, status: &Status) -> bool {
+    fn block(&mut self, status: &Status, _: &Films) -> bool {
         if let Some(bar) = &self.bar {
             bar.set_position((1000.0 * self.share(status)) as u64);
             bar.set_message(self.line(status));
@@ -106,7 +122,14 @@ impl Observer for Progress {
             && self.last.elapsed() >= every
         {
             self.last = Instant::now();
-            eprintln!("eyebox: {}", self.line(status));
+            match self.reader {
+                ProgressArg::Auto => eprintln!("eyebox: {}", self.line(status)),
+                ProgressArg::Openjd => {
+                    // The engine reads both streams of a task; standard output is the summary's.
+                    eprintln!("openjd_progress: {:.1}", 100.0 * self.share(status));
+                    eprintln!("openjd_status: {}", self.line(status));
+                }
+            }
         }
         self.signals.caught().is_none()
     }

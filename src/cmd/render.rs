@@ -1,16 +1,17 @@
 //! `eyebox render`: the corridor, in order.
 
-use super::progress::{Progress, Signals};
+use super::progress::{Progress, ProgressArg, Signals};
+use super::sequence::named;
+use super::shards::{Saver, checkpoint_of, parse_shard, resume};
 use super::{Format, print};
 use crate::base::atomic::check_writable;
 use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
 use crate::check::{Checked, check};
 use crate::estimate::data::data_layers;
-use crate::estimate::picture::{
-    add_data_layers, add_meta, add_sharpness, check_layers, keep_layers, picture_through, plan_lines,
-};
-use crate::estimate::run::{Limits, Outcome, Stop, run as trace};
+use crate::estimate::picture::{Finishing, add_data_layers, add_meta, add_sharpness, check_layers, plan_lines};
+use crate::estimate::run::{Limits, Outcome, Start, Stop, begin, drive};
+use crate::estimate::shard::{self, Head};
 use crate::estimate::wish;
 use crate::film::detail::ErrorDetail;
 use crate::film::diffraction::{Diffraction, PRIMARIES_NM};
@@ -34,17 +35,19 @@ use std::time::{Duration, Instant};
 /// Passes of a run that is given no limit at all.
 const DEFAULT_PASSES: u64 = 64;
 
-#[derive(Args, Debug)]
+#[derive(Args, Debug, Clone)]
 #[command(after_help = "Examples:\n  \
     eyebox render samples/hud-direct/hud.optics.toml -o hud.exr\n  \
     eyebox render hud.optics.toml -o hud.exr --time 90s --set led.flux_lm=0.6 --set eye.pupil_diameter=\"3 mm\"\n  \
     eyebox render hud.optics.toml -o check.exr --estimator backward --samples 256 --seed 7\n  \
     eyebox render hud.optics.toml -o sharp.exr --diffraction\n  \
+    eyebox render hud.optics.toml -o hud.3.exr --samples 256 --shard 3/7\n  \
+    eyebox render hud.optics.toml -o hud.exr --time 2h --checkpoint 60s --resume\n  \
     eyebox render hud.usda -o hud.0012.exr --frame 12")]
 pub struct RenderArgs {
     /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
     asset: PathBuf,
-    /// The EXR to write.
+    /// The EXR to write; in hud.####.exr the digits of --frame take the place of #.
     #[arg(short, long, value_name = "OUT.exr")]
     output: PathBuf,
     /// Stop after this many passes (default 64 when no limit is given).
@@ -72,6 +75,15 @@ pub struct RenderArgs {
     /// Seed of the random numbers: the same seed gives the same bits for any number of threads.
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Make only the passes of shard I of N, for `eyebox merge`: the same asset and options on every machine.
+    #[arg(long, value_name = "I/N", value_parser = parse_shard, conflicts_with_all = ["time", "error"])]
+    shard: Option<[u64; 2]>,
+    /// Write what is done every now and then (60s, 5m) to OUT.checkpoint.exr, which is removed at the end.
+    #[arg(long, value_name = "TIME", value_parser = parse_time)]
+    checkpoint: Option<Duration>,
+    /// Go on from OUT.checkpoint.exr if it is there.
+    #[arg(long)]
+    resume: bool,
     /// Threads; all cores by default.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -95,6 +107,9 @@ pub struct RenderArgs {
     /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
     #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
     frame: Option<f64>,
+    /// How progress is shown: a bar on a terminal and lines in a pipe, or the lines that Open Job Description engines read.
+    #[arg(long, value_enum, default_value_t)]
+    progress: ProgressArg,
     /// No progress and no summary.
     #[arg(short, long)]
     quiet: bool,
@@ -209,6 +224,7 @@ pub fn parse_resolution(text: &str) -> std::result::Result<[usize; 2], String> {
 /// Runs the command.
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let start = Instant::now();
+    let args = &RenderArgs { output: named(&args.output, args.frame)?, ..args.clone() };
     check_destination(&args.output)?;
     let signals = Signals::install();
     let pool = rayon::ThreadPoolBuilder::new()
@@ -225,9 +241,13 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let world = World::freeze(&scene)?;
     let stop = || signals.caught().is_some();
     let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked() };
-    let plan = match &args.plan {
-        Some(path) => Some(Frozen::read(path, &scene, asked)?.plan),
-        None => pool.install(|| plan_unless(&checked, &world, asked, &stop)),
+    let behind = if args.resume { resume(&args.output, &|head| args.is_mine(head, &scene))? } else { None };
+    let plan = match (&args.plan, &behind) {
+        (Some(path), _) => Some(Frozen::read(path, &scene, asked)?.plan),
+        (None, Some((head, _))) => {
+            Some(Frozen::of_value(&head.plan, &checkpoint_of(&args.output), &scene, asked)?.plan)
+        }
+        (None, None) => pool.install(|| plan_unless(&checked, &world, asked, &stop)),
     };
     let Some(mut plan) = plan else { return Ok(stopped_early(args, &signals)) };
     let pupils = pool.install(|| survey(&checked, &world, asked, &plan, &stop));
@@ -236,32 +256,62 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     let mut sharpness = Sharpness::new(&pupils, scene.wavelengths.traced_nm(), world.eye.pixel());
     let diffraction = args.diffraction.then(|| spread_by(&scene, &checked, &world, &pupils));
-    let frozen = Frozen::new(&scene, asked, &plan).hash;
+    let frozen = Frozen::new(&scene, asked, &plan);
     plan.errors = args.errors();
     // What the command line asks for goes before what the asset asks for.
     let wishes: &[LayerWish] = if args.layers.is_empty() { &wishes } else { &[] };
-    let (named, ungranted) = wish::granted(wishes, &scene.groups);
+    let (wanted, ungranted) = wish::granted(wishes, &scene.groups);
     scene.notes.extend(ungranted);
     let mut limits = args.limits();
     // The time that was asked for includes the import, the plan and its pilots.
     limits.time = limits.time.map(|time| time.saturating_sub(start.elapsed()));
-    let mut progress = Progress::new(&limits, args.quiet, signals.clone());
     let size = scene.eye.resolution;
     let groups = scene.groups.len();
-    let outcome = pool.install(|| trace(&world, &plan, groups, size, args.seed, &limits, &mut progress));
+    let mut finishing = Finishing::new(&scene, &plan, args.color.space(), diffraction);
+    (finishing.layers, finishing.named) = (args.layers.clone(), wanted);
+    let head = args.head(&scene, &frozen, finishing);
+    if let Some((behind, _)) = &behind
+        && behind.plan_hash != head.plan_hash
+    {
+        return Err(Fault::new(Where::file(&checkpoint_of(&args.output)), "is of another plan").expected(frozen.hash));
+    }
+    let start = match behind {
+        Some((_, films)) => Start::Films(films),
+        None => Start::Pass(head.first),
+    };
+    if args.shard.is_some() {
+        limits.passes = Some(head.passes);
+    }
+    let mut progress = Progress::new(&limits, (args.quiet, args.progress), signals.clone());
+    let path = checkpoint_of(&args.output);
+    let every = args.checkpoint;
+    let mut saver =
+        Saver { progress: &mut progress, head: head.clone(), path, every, last: Instant::now(), failed: None };
+    let outcome = pool.install(|| {
+        let mut tracing = begin(&world, &plan, groups, size, args.seed);
+        tracing.start(start).then(|| drive(tracing, &limits, &mut saver))
+    });
+    let Some(outcome) = outcome else {
+        return Err(Fault::new(Where::file(&saver.path), "keeps other sums than this run")
+            .expected("the same options, or no file of this name"));
+    };
+    saver.close(&outcome.films, outcome.stop == Stop::Asked);
     progress.finish();
-    let space = args.color.space();
-    let finished = pool.install(|| picture_through(&scene, &plan, &outcome, space, diffraction.as_ref()))?;
+    let finished = pool.install(|| head.finishing.picture(&outcome.films))?;
     sharpness.applied = finished.applied;
     let mut frame = finished.frame;
     add_data_layers(&mut frame, &pool.install(|| data_layers(&world, size[0], size[1])));
     frame.meta.insert(COLOR_INTEROP_ID.to_owned(), Meta::Text(args.color.space().interop_id().to_owned()));
-    frame.meta.insert("planHash".to_owned(), Meta::Text(frozen));
+    frame.meta.insert("planHash".to_owned(), Meta::Text(frozen.hash));
     add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);
     add_sharpness(&mut frame, &sharpness);
-    keep_layers(&mut frame, &args.layers);
-    wish::rename(&mut frame, &named);
-    let warnings = write_exr(&args.output, &frame)?;
+    let warnings = if args.shard.is_some() {
+        shard::save(&args.output, &head, &outcome.films, &frame)?;
+        Vec::new()
+    } else {
+        head.finishing.keep(&mut frame);
+        write_exr(&args.output, &frame)?
+    };
     if !args.quiet {
         summary(args, &scene, &plan, &outcome, &sharpness, &warnings)?;
     }
@@ -281,6 +331,45 @@ impl RenderArgs {
             StderrArg::Picture if !self.layers.iter().any(named) => ErrorDetail::Picture,
             StderrArg::Picture | StderrArg::Layers => ErrorDetail::Layers,
         }
+    }
+
+    /// What a shard or a checkpoint of this run says of itself.
+    fn head(&self, scene: &Scene, frozen: &Frozen, finishing: Finishing) -> Head {
+        let total = self.limits().passes;
+        let (first, passes) = match (self.shard, total) {
+            (Some(of), Some(total)) => shard::range(of, total),
+            (_, _) => (0, 0),
+        };
+        Head {
+            eyebox: frozen.eyebox.clone(),
+            scene: scene.hash.clone(),
+            parts: scene.parts.len(),
+            plan: serde_json::json!(frozen),
+            plan_hash: frozen.hash.clone(),
+            seed: self.seed,
+            eye: serde_json::json!(scene.eye),
+            of: self.shard,
+            total,
+            first,
+            passes,
+            films: Vec::new(),
+            finishing,
+        }
+    }
+
+    /// Whether a checkpoint is of this run; else what differs.
+    fn is_mine(&self, head: &Head, scene: &Scene) -> Result<(), String> {
+        let differs = |what: &str| Err(format!("{what} differs"));
+        if head.scene != scene.hash || head.eye != serde_json::json!(scene.eye) {
+            return differs("the scene");
+        }
+        if head.seed != self.seed {
+            return differs("the seed");
+        }
+        if head.of != self.shard || (self.shard.is_some() && head.total != self.limits().passes) {
+            return differs("the shard");
+        }
+        Ok(())
     }
 
     fn limits(&self) -> Limits {

@@ -101,9 +101,10 @@ impl<'w, M: Mode> Backward<'w, M> {
             let ledgers: Vec<Ledger> = rows
                 .par_iter_mut()
                 .map(|(y, row)| {
-                    let mut ledger = Ledger::new(parts);
+                    let mut total = Ledger::new(parts);
                     let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
                     for (pass, optics) in &optics {
+                        let mut ledger = Ledger::new(parts);
                         for x in 0..width {
                             light.fill(Light::default());
                             let pixel = Pixel::new((x, *y), width, *pass);
@@ -115,8 +116,9 @@ impl<'w, M: Mode> Backward<'w, M> {
                             }
                             row.add_pass(x, &light);
                         }
+                        total.merge(&ledger);
                     }
-                    ledger
+                    total
                 })
                 .collect();
             ledgers.iter().for_each(|ledger| total.merge(ledger));

@@ -1,6 +1,8 @@
 //! The energy ledger: every emitted lumen (lamp side) or unit of importance (eye side), event by event. No entry is a
 //! remainder; each is counted where it happens, so the balance is a test.
 
+use crate::base::twofold::Sum;
+
 /// Where light went. Lamp side in lm, eye side in units of importance.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct Ledger {
@@ -34,6 +36,19 @@ pub struct Ledger {
     pub vertex_error: f64,
     /// Sum over paths of (emitted − fates)², for the error of the balance.
     imbalance2: f64,
+    /// What rounding left of merged sums, in the order of [`Ledger::books`]; empty before the first merge.
+    #[serde(skip)]
+    low: Vec<f64>,
+}
+
+/// A ledger as it is stored: its sums in two doubles.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Books {
+    paths: u64,
+    invalid_paths: u64,
+    mismatches: u64,
+    vertex_error: f64,
+    sums: Vec<Sum>,
 }
 
 impl Ledger {
@@ -63,26 +78,81 @@ impl Ledger {
         }
     }
 
-    /// Adds the entries of another ledger of the same scene.
+    /// Adds the entries of another ledger of the same scene. What rounding leaves is carried on, so that the sums do not
+    /// depend on the pieces that a run was cut into.
     pub fn merge(&mut self, other: &Ledger) {
         self.paths += other.paths;
-        self.emitted += other.emitted;
-        self.arrived += other.arrived;
-        self.absorbed_in_all += other.absorbed_in_all;
-        self.escaped += other.escaped;
-        self.roulette_lost += other.roulette_lost;
-        self.roulette_gained += other.roulette_gained;
-        self.not_owned += other.not_owned;
-        self.wrong_side += other.wrong_side;
-        self.cut += other.cut;
         self.invalid_paths += other.invalid_paths;
         self.mismatches += other.mismatches;
         self.vertex_error = self.vertex_error.max(other.vertex_error);
-        self.imbalance2 += other.imbalance2;
-        if self.absorbed.len() < other.absorbed.len() {
-            self.absorbed.resize(other.absorbed.len(), 0.0);
+        let mut books = self.books();
+        let theirs = other.books();
+        if books.sums.len() < theirs.sums.len() {
+            books.sums.resize(theirs.sums.len(), Sum::ZERO);
         }
-        self.absorbed.iter_mut().zip(&other.absorbed).for_each(|(a, b)| *a += b);
+        books.sums.iter_mut().zip(&theirs.sums).for_each(|(sum, more)| sum.merge(*more));
+        self.take(&books.sums);
+    }
+
+    /// Everything in it, to be stored.
+    pub fn books(&self) -> Books {
+        let own = [
+            self.emitted,
+            self.arrived,
+            self.escaped,
+            self.absorbed_in_all,
+            self.roulette_lost,
+            self.roulette_gained,
+            self.not_owned,
+            self.wrong_side,
+            self.cut,
+            self.imbalance2,
+        ];
+        let low = |k: usize| self.low.get(k).copied().unwrap_or(0.0);
+        let all = own.into_iter().chain(self.absorbed.iter().copied());
+        Books {
+            paths: self.paths,
+            invalid_paths: self.invalid_paths,
+            mismatches: self.mismatches,
+            vertex_error: self.vertex_error,
+            sums: all.enumerate().map(|(k, high)| Sum { high, low: low(k) }).collect(),
+        }
+    }
+
+    /// The ledger of a scene of `parts` parts that these books tell of; none if they are of another scene.
+    pub fn of_books(books: &Books, parts: usize) -> Option<Ledger> {
+        let mut ledger = Ledger {
+            paths: books.paths,
+            invalid_paths: books.invalid_paths,
+            mismatches: books.mismatches,
+            vertex_error: books.vertex_error,
+            ..Ledger::default()
+        };
+        ledger.take(&books.sums);
+        (books.sums.len() == Self::AMOUNTS + parts).then_some(ledger)
+    }
+
+    /// Sums that are not of one part.
+    const AMOUNTS: usize = 10;
+
+    fn take(&mut self, sums: &[Sum]) {
+        let mut high = sums.iter().map(|sum| sum.high);
+        for amount in [
+            &mut self.emitted,
+            &mut self.arrived,
+            &mut self.escaped,
+            &mut self.absorbed_in_all,
+            &mut self.roulette_lost,
+            &mut self.roulette_gained,
+            &mut self.not_owned,
+            &mut self.wrong_side,
+            &mut self.cut,
+            &mut self.imbalance2,
+        ] {
+            *amount = high.next().unwrap_or(0.0);
+        }
+        self.absorbed = high.collect();
+        self.low = sums.iter().map(|sum| sum.low).collect();
     }
 
     /// Sum of all fates minus what roulette added.

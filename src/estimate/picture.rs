@@ -1,7 +1,8 @@
 //! The last step before writing: films, data layers and the record of the run become one frame.
 
 use super::data::PixelData;
-use super::run::Outcome;
+use super::run::{Films, Outcome, Stop};
+use super::wish::{self, Named};
 use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
 use crate::film::accumulate::Film;
@@ -28,9 +29,54 @@ pub fn picture_through(
     space: ColourSpace,
     diffraction: Option<&Diffraction>,
 ) -> Result<Finished> {
-    let films: Vec<&Film> = outcome.films.films.iter().map(|(_, film, _)| film).collect();
+    Finishing::new(scene, plan, space, diffraction.cloned()).picture(&outcome.films)
+}
+
+/// What is made of films besides adding them up: all that the picture takes from the scene and the command line.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Finishing {
+    /// Width and height, pixels.
+    pub size: [usize; 2],
+    pub groups: Vec<GroupInfo>,
+    pub space: ColourSpace,
+    pub diffraction: Option<Diffraction>,
+    /// Layers to keep; all if empty.
+    pub layers: Vec<String>,
+    /// Layers to keep under other names; all if empty.
+    pub named: Vec<Named>,
+}
+
+impl Finishing {
+    pub fn new(scene: &Scene, plan: &Plan, space: ColourSpace, diffraction: Option<Diffraction>) -> Finishing {
+        let groups = infos(scene, plan);
+        Finishing { size: scene.eye.resolution, groups, space, diffraction, layers: Vec::new(), named: Vec::new() }
+    }
+
+    /// The picture layers of films. Errors: NaN or infinite light, which is never coloured over.
+    pub fn picture(&self, films: &Films) -> Result<Finished> {
+        let films: Vec<&Film> = films.films.iter().map(|(_, film, _)| film).collect();
+        let always = [Layer::Direct, Layer::Caustic, Layer::Forward];
+        let finished = finish_through(self.size, &films, &self.groups, &always, self.space, self.diffraction.as_ref());
+        match finished.invalid.first() {
+            Some(channel) => {
+                let what = format!("NaN or infinite light in channel {channel}; nothing is written");
+                Err(Fault::new(Where::Nowhere, what))
+            }
+            None => Ok(finished),
+        }
+    }
+
+    /// Keeps of a complete frame what was asked for, under the names that were asked for.
+    pub fn keep(&self, frame: &mut Frame) {
+        keep_layers(frame, &self.layers);
+        wish::rename(frame, &self.named);
+    }
+}
+
+/// What the frame's maker has to know of each light group.
+fn infos(scene: &Scene, plan: &Plan) -> Vec<GroupInfo> {
     let tints = tints(scene, plan);
-    let groups: Vec<GroupInfo> = scene
+    scene
         .groups
         .iter()
         .zip(tints)
@@ -42,15 +88,7 @@ pub fn picture_through(
             },
             tint,
         })
-        .collect();
-    let always = [Layer::Direct, Layer::Caustic, Layer::Forward];
-    let finished = finish_through(scene.eye.resolution, &films, &groups, &always, space, diffraction);
-    match finished.invalid.first() {
-        Some(channel) => {
-            Err(Fault::new(Where::Nowhere, format!("NaN or infinite light in channel {channel}; nothing is written")))
-        }
-        None => Ok(finished),
-    }
+        .collect()
 }
 
 /// Linear Rec.709 of a unit of each group's luminance: grey at one wavelength, and where films hold colours.
@@ -110,17 +148,8 @@ pub fn add_meta(frame: &mut Frame, scene: &Scene, plan: &Plan, outcome: &Outcome
     put("scene", Meta::Text(scene.name.clone()));
     put("sceneHash", Meta::Text(scene.hash.clone()));
     put("seed", Meta::Text(seed.to_string()));
-    put("passes", Meta::Text(outcome.films.passes.to_string()));
-    for (estimator, _, ledger) in &outcome.films.films {
-        let name = estimator.name();
-        put(&format!("passes.{name}"), Meta::Text(outcome.films.passes.to_string()));
-        put(&format!("paths.{name}"), Meta::Text(ledger.paths.to_string()));
-        put(&format!("ledger.{name}"), text(ledger));
-    }
-    put("stop", text(&outcome.stop));
     put("plan", text(plan));
     put("planReadable", Meta::Text(plan_lines(scene, plan).join("\n")));
-    put("splits", text(&splits.to_vec()));
     put("groups", text(&scene.groups.iter().map(|g| g.name.as_str()).collect::<Vec<_>>()));
     put("parts", text(&scene.parts.iter().map(|p| p.path.as_str()).collect::<Vec<_>>()));
     put("wavelengths", text(&scene.wavelengths));
@@ -129,6 +158,24 @@ pub fn add_meta(frame: &mut Frame, scene: &Scene, plan: &Plan, outcome: &Outcome
     if let [slide] = scene.slides.as_slice() {
         put("contrast", Meta::Number(slide.contrast));
     }
+    add_sums(frame, &outcome.films, outcome.stop, splits);
+}
+
+/// The part of the record that tells of the passes that were made.
+pub fn add_sums(frame: &mut Frame, films: &Films, stop: Stop, splits: &[Split]) {
+    let mut put = |name: &str, value: Meta| {
+        frame.meta.insert(name.to_owned(), value);
+    };
+    let text = |value: &dyn erased::Json| Meta::Text(value.json());
+    put("passes", Meta::Text(films.passes.to_string()));
+    for (estimator, _, ledger) in &films.films {
+        let name = estimator.name();
+        put(&format!("passes.{name}"), Meta::Text(films.passes.to_string()));
+        put(&format!("paths.{name}"), Meta::Text(ledger.paths.to_string()));
+        put(&format!("ledger.{name}"), text(ledger));
+    }
+    put("stop", text(&stop));
+    put("splits", text(&splits.to_vec()));
 }
 
 /// Writes into the header how sharp diffraction lets the picture be, and whether it was applied.

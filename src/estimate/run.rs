@@ -55,12 +55,12 @@ pub struct Status {
 /// Watches a run. Called between blocks.
 pub trait Observer {
     /// Returns false to stop after this block.
-    fn block(&mut self, status: &Status) -> bool;
+    fn block(&mut self, status: &Status, films: &Films) -> bool;
 }
 
 /// Nobody watches.
 impl Observer for () {
-    fn block(&mut self, _: &Status) -> bool {
+    fn block(&mut self, _: &Status, _: &Films) -> bool {
         true
     }
 }
@@ -68,6 +68,9 @@ impl Observer for () {
 /// Films and ledgers of the estimators that ran.
 pub struct Films {
     pub films: Vec<(Estimator, Film, Ledger)>,
+    /// Number of the first pass: a shard starts later than 0.
+    pub first: u64,
+    /// Passes in the films.
     pub passes: u64,
 }
 
@@ -130,7 +133,17 @@ pub trait Tracing: Send {
     /// Makes `count` passes more.
     fn step(&mut self, count: u64);
     fn films(&self) -> &Films;
+    /// Starts from pass `first`, or goes on from films that such a run has left. False if they are of another run.
+    fn start(&mut self, from: Start) -> bool;
     fn into_films(self: Box<Self>) -> Films;
+}
+
+/// Where a run begins.
+pub enum Start {
+    /// At the pass of this number.
+    Pass(u64),
+    /// After these.
+    Films(Films),
 }
 
 struct Engines<'w, M: Mode> {
@@ -141,12 +154,32 @@ struct Engines<'w, M: Mode> {
 impl<M: Mode> Tracing for Engines<'_, M> {
     fn step(&mut self, count: u64) {
         for (engine, (_, film, ledger)) in self.engines.iter().zip(&mut self.films.films) {
-            ledger.merge(&engine.run(film, self.films.passes, count));
+            ledger.merge(&engine.run(film, self.films.first + self.films.passes, count));
         }
         self.films.passes += count;
     }
     fn films(&self) -> &Films {
         &self.films
+    }
+    fn start(&mut self, from: Start) -> bool {
+        let films = match from {
+            Start::Pass(first) => {
+                self.films.first = first;
+                return true;
+            }
+            Start::Films(films) => films,
+        };
+        let own = self.films.films.iter().map(|(estimator, _, _)| *estimator);
+        let alike = own.eq(films.films.iter().map(|(estimator, _, _)| *estimator));
+        self.films.first = films.first;
+        self.films.passes = films.passes;
+        // Films that fit are taken over by adding them to empty ones.
+        let own = self.films.films.iter_mut().zip(&films.films);
+        alike
+            && own.fold(true, |fits, ((_, film, ledger), (_, more, books))| {
+                ledger.merge(books);
+                film.merge(more) && fits
+            })
     }
     fn into_films(self: Box<Self>) -> Films {
         self.films
@@ -178,7 +211,7 @@ fn begin_in<'w, M: Mode + 'w>(
     let connections = Arc::new(Connections::new(world, &optics, &plan.connections));
     let screens = Arc::new(Screens::new(world, &optics, &plan.screens));
     let mut engines: Vec<Engine<'_, M>> = Vec::new();
-    let mut films = Films { films: Vec::new(), passes: 0 };
+    let mut films = Films { films: Vec::new(), first: 0, passes: 0 };
     for estimator in Estimator::ALL {
         let route = Route::new(plan, groups, estimator);
         if route.planes.is_empty() {
@@ -236,10 +269,18 @@ pub fn run(
     limits: &Limits,
     observer: &mut dyn Observer,
 ) -> Outcome {
+    drive(begin(world, plan, groups, size, seed), limits, observer)
+}
+
+/// The same for a run that has begun, perhaps with passes behind it: `limits.passes` counts these, too.
+pub fn drive(mut tracing: Box<dyn Tracing + '_>, limits: &Limits, observer: &mut dyn Observer) -> Outcome {
     let start = Instant::now();
-    let mut tracing = begin(world, plan, groups, size, seed);
     if tracing.films().films.is_empty() {
         // Nothing would change with time.
+        return Outcome { films: tracing.into_films(), stop: Stop::Passes, elapsed: start.elapsed() };
+    }
+    let full = |films: &Films| limits.passes.is_some_and(|passes| films.passes >= passes);
+    if full(tracing.films()) {
         return Outcome { films: tracing.into_films(), stop: Stop::Passes, elapsed: start.elapsed() };
     }
     let mut block = 1u64;
@@ -255,8 +296,8 @@ pub fn run(
             error: films.relative_error(),
             paths: films.films.iter().map(|(_, _, ledger)| ledger.paths).sum(),
         };
-        let go_on = observer.block(&status);
-        let stop = if limits.passes.is_some_and(|passes| films.passes >= passes) {
+        let go_on = observer.block(&status, films);
+        let stop = if full(films) {
             Some(Stop::Passes)
         } else if limits.error.is_some_and(|error| films.passes >= 4 && status.error.is_some_and(|e| e <= error)) {
             Some(Stop::Error)

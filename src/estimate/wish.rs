@@ -6,7 +6,7 @@ use crate::scene::assembly::LayerWish;
 use crate::scene::{Group, Note, Severity};
 
 /// One of our layers, and the name that it is written under.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Named {
     /// Empty: the default image.
     pub layer: String,

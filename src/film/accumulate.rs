@@ -5,6 +5,7 @@ use super::layer::Layer;
 use super::scrambles::Scrambles;
 use crate::base::colour::ColourSpace;
 use crate::base::ids::GroupId;
+use crate::base::twofold::Sum;
 
 /// Light of one path or pixel, cd/m² (or lm before it is measured), as it depends on the slide's contrast.
 ///
@@ -64,15 +65,29 @@ impl Light {
     }
 }
 
+/// Sums of [`Light`]: of its `value`, then of its `powers`.
+pub(super) type LightSum = [Sum; Light::DEGREE + 2];
+
+fn add(sum: &mut LightSum, light: &Light) {
+    let [value, powers @ ..] = sum;
+    value.add(light.value);
+    powers.iter_mut().zip(light.powers).for_each(|(sum, power)| sum.add(power));
+}
+
+fn value_of([value, powers @ ..]: &LightSum) -> Light {
+    Light { value: value.value(), powers: powers.map(Sum::value) }
+}
+
 /// Which light a plane of a film holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 pub struct PlaneKey {
     pub layer: Layer,
     pub group: GroupId,
 }
 
 /// How the samples of a film are counted, for its standard error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Sampling {
     /// Each pass gives one independent value per pixel.
     PerPass,
@@ -81,7 +96,7 @@ pub enum Sampling {
 }
 
 /// What a plane of a film holds per pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Components {
     Luminance,
@@ -124,20 +139,20 @@ pub struct Film {
     /// Passes added so far.
     pub passes: u64,
     /// `[pixel][plane][component]`
-    sums: Vec<Light>,
+    pub(super) sums: Vec<LightSum>,
     /// `[pixel][plane]`, then one more for the sum over planes: squares of the luminance. Empty where scrambles tell.
-    squares: Vec<f64>,
-    scrambles: Option<Scrambles>,
+    pub(super) squares: Vec<Sum>,
+    pub(super) scrambles: Option<Scrambles>,
     /// Kept on request.
-    detail: Option<Detail>,
+    pub(super) detail: Option<Detail>,
 }
 
 /// One row of a film, for the thread that owns it.
 pub struct Row<'f> {
     planes: usize,
     components: Components,
-    sums: &'f mut [Light],
-    squares: &'f mut [f64],
+    sums: &'f mut [LightSum],
+    squares: &'f mut [Sum],
     detail: Option<DetailRow<'f>>,
 }
 
@@ -153,7 +168,7 @@ impl Film {
     pub fn new(width: usize, height: usize, planes: Vec<PlaneKey>, components: Components, sampling: Sampling) -> Self {
         let (pixels, count) = (width * height, planes.len());
         let (squares, scrambles) = match sampling {
-            Sampling::PerPass => (vec![0.0; pixels * (count + 1)], None),
+            Sampling::PerPass => (vec![Sum::ZERO; pixels * (count + 1)], None),
             Sampling::PerScramble { paths } => (Vec::new(), Some(Scrambles::new(pixels, count, paths))),
         };
         Film {
@@ -163,7 +178,7 @@ impl Film {
             components,
             sampling,
             passes: 0,
-            sums: vec![Light::default(); pixels * count * components.count()],
+            sums: vec![LightSum::default(); pixels * count * components.count()],
             squares,
             scrambles,
             detail: None,
@@ -214,7 +229,7 @@ impl Film {
     pub fn splat(&mut self, pixel: usize, plane: usize, scramble: usize, entries: &[Light]) {
         let entry = pixel * self.planes.len() + plane;
         let at = self.entries_at(pixel, plane);
-        self.sums[at].iter_mut().zip(entries).for_each(|(sum, light)| sum.add(*light));
+        self.sums[at].iter_mut().zip(entries).for_each(|(sum, light)| add(sum, light));
         let light = self.components.luminance(entries);
         if let Some(scrambles) = &mut self.scrambles {
             scrambles.add(entry, scramble, light);
@@ -236,7 +251,10 @@ impl Film {
 
     /// Sum of the luminance of a pixel in a plane.
     fn sum(&self, pixel: usize, plane: usize) -> Light {
-        self.components.luminance(&self.sums[self.entries_at(pixel, plane)])
+        let mut entries = [Light::default(); 3];
+        let sums = &self.sums[self.entries_at(pixel, plane)];
+        entries.iter_mut().zip(sums).for_each(|(entry, sum)| *entry = value_of(sum));
+        self.components.luminance(&entries[..sums.len().min(3)])
     }
 
     /// Mean luminance of a pixel in a plane.
@@ -247,7 +265,7 @@ impl Film {
     /// Mean light of a pixel in a plane, one entry per component.
     pub fn mean_entries(&self, pixel: usize, plane: usize) -> impl Iterator<Item = Light> {
         let factor = 1.0 / self.passes.max(1) as f64;
-        self.sums[self.entries_at(pixel, plane)].iter().map(move |light| light.scaled(factor))
+        self.sums[self.entries_at(pixel, plane)].iter().map(move |sum| value_of(sum).scaled(factor))
     }
 
     /// Variance of the mean `value` of a pixel: of one plane, or of the sum over planes (`plane == planes.len()`).
@@ -263,7 +281,7 @@ impl Film {
         } else {
             (0..planes).map(|plane| self.sum(pixel, plane).value).sum()
         };
-        self.covariance_of_means(sum, sum, self.squares[pixel * (planes + 1) + plane]).max(0.0)
+        self.covariance_of_means(sum, sum, self.squares[pixel * (planes + 1) + plane].value()).max(0.0)
     }
 
     /// Variance of the mean `value` of a pixel's layer; none if it is not kept or the film has no such layer.
@@ -316,17 +334,17 @@ impl Row<'_> {
     pub fn add_pass(&mut self, x: usize, pass: &[Light]) {
         let count = self.components.count();
         let own = x * self.planes * count..(x + 1) * self.planes * count;
-        self.sums[own].iter_mut().zip(pass).for_each(|(sum, light)| sum.add(*light));
+        self.sums[own].iter_mut().zip(pass).for_each(|(sum, light)| add(sum, light));
         let mut total = 0.0;
         for plane in 0..self.planes {
             let light = self.components.luminance(&pass[plane * count..(plane + 1) * count]);
-            self.squares[x * (self.planes + 1) + plane] += light.value * light.value;
+            self.squares[x * (self.planes + 1) + plane].add(light.value * light.value);
             total += light.value;
             if let Some(detail) = &mut self.detail {
                 detail.add(x, plane, light);
             }
         }
-        self.squares[x * (self.planes + 1) + self.planes] += total * total;
+        self.squares[x * (self.planes + 1) + self.planes].add(total * total);
         if let Some(detail) = &mut self.detail {
             detail.close(x);
         }

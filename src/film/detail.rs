@@ -3,6 +3,7 @@
 
 use super::accumulate::{Light, PlaneKey};
 use super::layer::Layer;
+use crate::base::twofold::Sum;
 
 /// Whose standard errors a run keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -16,20 +17,21 @@ pub enum ErrorDetail {
 }
 
 /// Second moments of the light of one plane, sums over samples.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mixed {
     pub open2: f64,
     pub content2: f64,
     pub open_content: f64,
 }
 
-impl Mixed {
-    fn add(&mut self, light: Light) {
-        let (open, content) = (light.open(), light.content());
-        self.open2 += open * open;
-        self.content2 += content * content;
-        self.open_content += open * content;
-    }
+/// Sums of the entries of [`Mixed`] in their order.
+pub(super) type MixedSum = [Sum; 3];
+
+fn add([open2, content2, open_content]: &mut MixedSum, light: Light) {
+    let (open, content) = (light.open(), light.content());
+    open2.add(open * open);
+    content2.add(content * content);
+    open_content.add(open * content);
 }
 
 /// The further sums of a film.
@@ -40,17 +42,17 @@ pub struct Detail {
     /// Plane → index in `layers`.
     of_plane: Vec<usize>,
     /// `[pixel][plane]`
-    mixed: Vec<Mixed>,
+    pub(super) mixed: Vec<MixedSum>,
     /// `[pixel][layer]`: squares of a layer's `value`.
-    squares: Vec<f64>,
+    pub(super) squares: Vec<Sum>,
 }
 
 /// One row of it.
 pub struct DetailRow<'f> {
     of_plane: &'f [usize],
     layers: usize,
-    mixed: &'f mut [Mixed],
-    squares: &'f mut [f64],
+    mixed: &'f mut [MixedSum],
+    squares: &'f mut [Sum],
     /// Luminance of each layer in the pass under way.
     pass: Vec<f64>,
 }
@@ -63,8 +65,8 @@ impl Detail {
         let of_plane = planes.iter().filter_map(|key| layers.iter().position(|layer| *layer == key.layer)).collect();
         Detail {
             of_plane,
-            mixed: vec![Mixed::default(); pixels * planes.len()],
-            squares: vec![0.0; pixels * layers.len()],
+            mixed: vec![MixedSum::default(); pixels * planes.len()],
+            squares: vec![Sum::ZERO; pixels * layers.len()],
             layers,
         }
     }
@@ -79,11 +81,12 @@ impl Detail {
     }
 
     pub fn mixed(&self, pixel: usize, plane: usize) -> Mixed {
-        self.mixed[pixel * self.of_plane.len() + plane]
+        let [open2, content2, open_content] = self.mixed[pixel * self.of_plane.len() + plane].map(Sum::value);
+        Mixed { open2, content2, open_content }
     }
     /// Sum of the squares of a layer, by its index in `layers`.
     pub fn square(&self, pixel: usize, layer: usize) -> f64 {
-        self.squares[pixel * self.layers.len() + layer]
+        self.squares[pixel * self.layers.len() + layer].value()
     }
     /// Planes of a layer, by its index in `layers`.
     pub fn planes_of(&self, layer: usize) -> impl Iterator<Item = usize> {
@@ -94,14 +97,14 @@ impl Detail {
 impl DetailRow<'_> {
     /// Adds one pass's luminance of pixel `x` in one plane.
     pub fn add(&mut self, x: usize, plane: usize, light: Light) {
-        self.mixed[x * self.of_plane.len() + plane].add(light);
+        add(&mut self.mixed[x * self.of_plane.len() + plane], light);
         self.pass[self.of_plane[plane]] += light.value;
     }
 
     /// After the last plane of a pixel's pass.
     pub fn close(&mut self, x: usize) {
         for (layer, value) in self.pass.iter_mut().enumerate() {
-            self.squares[x * self.layers + layer] += *value * *value;
+            self.squares[x * self.layers + layer].add(*value * *value);
             *value = 0.0;
         }
     }

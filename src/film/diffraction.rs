@@ -160,7 +160,7 @@ fn transposed(field: &[Complex<f64>], width: usize, height: usize) -> Vec<Comple
 }
 
 /// What is needed to spread the planes of a picture.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Diffraction {
     /// Width and height of a pixel in tangents.
     pub pixel: [f64; 2],

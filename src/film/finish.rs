@@ -10,13 +10,29 @@ use crate::base::ids::GroupId;
 use std::collections::BTreeMap;
 
 /// What the frame's maker knows of a light group.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct GroupInfo {
     pub name: String,
     /// Contrast C of the slide that the group's light crosses, if its layers are to be split into `open` and `content`.
+    #[serde(with = "contrast")]
     pub contrast: Option<f64>,
     /// Linear Rec.709 of a unit of the group's luminance, where films hold luminance alone.
     pub tint: [f64; 3],
+}
+
+/// JSON has no infinity, and a contrast may be infinite.
+mod contrast {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(contrast: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
+        contrast.map(|contrast| contrast.to_string()).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+        let text = Option::<String>::deserialize(from)?;
+        text.map(|text| text.parse::<f64>().map_err(D::Error::custom)).transpose()
+    }
 }
 
 /// The light of a pixel in the three channels.

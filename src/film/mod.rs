@@ -1,6 +1,7 @@
 //! Floor 1: what is measured: layers, accumulators, frames, and the plan as data.
 
 pub mod accumulate;
+pub mod columns;
 pub mod detail;
 pub mod diffraction;
 pub mod finish;

@@ -19,7 +19,7 @@ pub struct Crossing {
 }
 
 /// The lit part of the pupil as cells of constant amplitude.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Aperture {
     side: usize,
     /// Width and height of a cell, m.
@@ -33,7 +33,7 @@ pub struct Aperture {
 }
 
 /// What a light group has of the pupil.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Pupil {
     /// A pinhole, which no ray tells the size of.
     Point,
@@ -104,6 +104,10 @@ impl Aperture {
 
     /// The autocorrelation of cells of constant amplitude is linear in each axis between whole lags.
     fn transfer(&self, lag_m: [f64; 2]) -> f64 {
+        // A region may come from a file.
+        if !(1..=Self::MOST).contains(&self.side) {
+            return 0.0;
+        }
         let width = 2 * self.side - 1;
         let lag: [f64; 2] = std::array::from_fn(|k| lag_m[k] / self.cell_m[k]);
         if !lag.iter().all(|lag| lag.abs() < self.side as f64) {
@@ -115,7 +119,8 @@ impl Aperture {
         let at = |dx: isize, dy: isize| {
             let (i, j) = (x as isize + dx + middle, y as isize + dy + middle);
             let inside = (0..width as isize).contains(&i) && (0..width as isize).contains(&j);
-            if inside { self.correlation[j as usize * width + i as usize] } else { 0.0 }
+            let lag = if inside { self.correlation.get(j as usize * width + i as usize) } else { None };
+            lag.copied().unwrap_or(0.0)
         };
         (1.0 - v) * ((1.0 - u) * at(0, 0) + u * at(1, 0)) + v * ((1.0 - u) * at(0, 1) + u * at(1, 1))
     }

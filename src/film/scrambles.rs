@@ -6,6 +6,7 @@
 //! whole plane.
 
 use super::accumulate::{Light, MixError};
+use crate::base::twofold::Sum;
 
 /// Independent scrambles that the paths of every pass are dealt to in turn.
 pub const SCRAMBLES: usize = 8;
@@ -23,14 +24,18 @@ pub struct Scrambles {
     shares: PerScramble,
     planes: usize,
     /// `[pixel][plane]`: luminance.
-    value: Vec<PerScramble>,
+    pub(super) value: Vec<[Sum; SCRAMBLES]>,
     /// `[pixel][plane]`: squares of each path's luminance.
-    squares: Vec<f64>,
+    pub(super) squares: Vec<Sum>,
     /// Per plane: variance by scrambles over squares; empty until it is [settled](Scrambles::settle).
     ratios: Vec<f64>,
     /// The same with the slide open, and at C = ∞; empty if not asked for.
-    open: Vec<PerScramble>,
-    content: Vec<PerScramble>,
+    pub(super) open: Vec<[Sum; SCRAMBLES]>,
+    pub(super) content: Vec<[Sum; SCRAMBLES]>,
+}
+
+fn values(sums: &[Sum; SCRAMBLES]) -> PerScramble {
+    sums.map(Sum::value)
 }
 
 impl Scrambles {
@@ -43,8 +48,8 @@ impl Scrambles {
         Scrambles {
             shares,
             planes,
-            value: vec![[0.0; SCRAMBLES]; entries],
-            squares: vec![0.0; entries],
+            value: vec![[Sum::ZERO; SCRAMBLES]; entries],
+            squares: vec![Sum::ZERO; entries],
             ratios: Vec::new(),
             open: Vec::new(),
             content: Vec::new(),
@@ -53,17 +58,17 @@ impl Scrambles {
 
     /// Keeps what [`Scrambles::mix_error`] needs.
     pub fn keep_mixed(&mut self) {
-        self.open = vec![[0.0; SCRAMBLES]; self.value.len()];
+        self.open = vec![[Sum::ZERO; SCRAMBLES]; self.value.len()];
         self.content = self.open.clone();
     }
 
     /// Adds the light of one path.
     pub fn add(&mut self, entry: usize, scramble: usize, light: Light) {
-        self.value[entry][scramble] += light.value;
-        self.squares[entry] += light.value * light.value;
+        self.value[entry][scramble].add(light.value);
+        self.squares[entry].add(light.value * light.value);
         if let (Some(open), Some(content)) = (self.open.get_mut(entry), self.content.get_mut(entry)) {
-            open[scramble] += light.open();
-            content[scramble] += light.content();
+            open[scramble].add(light.open());
+            content[scramble].add(light.content());
         }
     }
 
@@ -71,11 +76,17 @@ impl Scrambles {
     pub fn settle(&mut self) {
         let of_plane = |plane: usize| {
             let entries = || (plane..self.value.len()).step_by(self.planes);
-            let variance: f64 = entries().map(|entry| self.covariance(&self.value[entry], &self.value[entry])).sum();
-            let squares: f64 = entries().map(|entry| self.squares[entry]).sum();
+            let variance: f64 = entries().map(|entry| self.own_variance(entry)).sum();
+            let squares: f64 = entries().map(|entry| self.squares[entry].value()).sum();
             if squares > 0.0 { variance / squares } else { 0.0 }
         };
         self.ratios = (0..self.planes).map(of_plane).collect();
+    }
+
+    /// Variance of the sum over all paths of one pixel in one plane, by its scrambles alone.
+    fn own_variance(&self, entry: usize) -> f64 {
+        let own = values(&self.value[entry]);
+        self.covariance(&own, &own)
     }
 
     /// Variance of the sum over all paths of the light of a pixel in these planes together.
@@ -84,8 +95,8 @@ impl Scrambles {
         let mut of_plane = 0.0;
         for plane in planes {
             let entry = pixel * self.planes + plane;
-            sums.iter_mut().zip(&self.value[entry]).for_each(|(sum, own)| *sum += own);
-            of_plane += self.ratios.get(plane).map_or(0.0, |ratio| ratio * self.squares[entry]);
+            sums.iter_mut().zip(&self.value[entry]).for_each(|(sum, own)| *sum += own.value());
+            of_plane += self.ratios.get(plane).map_or(0.0, |ratio| ratio * self.squares[entry].value());
         }
         let own = self.covariance(&sums, &sums).max(0.0);
         if self.ratios.is_empty() { own } else { OWN * own + (1.0 - OWN) * of_plane }
@@ -93,11 +104,11 @@ impl Scrambles {
 
     /// Variances and covariance of the sums of `open` and `content`; none if they are not kept.
     pub fn mix_error(&self, entry: usize) -> Option<MixError> {
-        let (open, content) = (self.open.get(entry)?, self.content.get(entry)?);
+        let (open, content) = (values(self.open.get(entry)?), values(self.content.get(entry)?));
         Some(MixError {
-            open: self.covariance(open, open).max(0.0),
-            content: self.covariance(content, content).max(0.0),
-            covariance: self.covariance(open, content),
+            open: self.covariance(&open, &open).max(0.0),
+            content: self.covariance(&content, &content).max(0.0),
+            covariance: self.covariance(&open, &content),
         })
     }
 

@@ -4,7 +4,7 @@ use super::pupil::Pupil;
 use crate::base::units::ARCMIN;
 
 /// What a light group has of the pupil, and how that is known.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct GroupPupil {
     pub group: String,
     pub pupil: Pupil,

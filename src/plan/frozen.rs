@@ -48,6 +48,19 @@ impl Frozen {
         let text = std::fs::read_to_string(path).map_err(|error| fault(format!("cannot be read: {error}")))?;
         let frozen: Frozen = serde_json::from_str(&text)
             .map_err(|error| fault(format!("is no plan: {error}")).expected("what `eyebox plan -o` writes"))?;
+        frozen.fits(path, scene, asked)
+    }
+
+    /// A plan that was stored in a file, for a scene. Errors: those of [`Frozen::read`].
+    pub fn of_value(value: &serde_json::Value, path: &Path, scene: &Scene, asked: Asked) -> Result<Frozen> {
+        let frozen: Frozen = serde_json::from_value(value.clone())
+            .map_err(|error| Fault::new(Where::file(path), format!("has no plan: {error}")))?;
+        frozen.fits(path, scene, asked)
+    }
+
+    fn fits(self, path: &Path, scene: &Scene, asked: Asked) -> Result<Frozen> {
+        let fault = |what: String| Fault::new(Where::file(path), what);
+        let frozen = self;
         let mine = Frozen { hash: String::new(), ..Frozen::new(scene, asked, &frozen.plan) };
         let differs = |what: &str, got: String, want: String| Err(fault(format!("is for {what} {got}")).expected(want));
         if frozen.eyebox != mine.eyebox {

@@ -73,11 +73,12 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let ledgers: Vec<Ledger> = rows
             .par_iter_mut()
             .map(|(y, row)| {
-                let mut ledger = Ledger::new(parts);
+                let mut total = Ledger::new(parts);
                 let mut scratch = Ledger::new(parts);
                 let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
                 let mut roots = Vec::new();
                 for (pass, optics) in &optics {
+                    let mut ledger = Ledger::new(parts);
                     for x in 0..width {
                         light.fill(Light::default());
                         let pixel = Pixel::new((x, *y), width, *pass);
@@ -87,9 +88,10 @@ impl<'w, M: Mode> Manifold<'w, M> {
                         }
                         row.add_pass(x, &light);
                     }
+                    total.merge(&ledger);
                 }
-                ledger.vertex_error = scratch.vertex_error;
-                ledger
+                total.vertex_error = scratch.vertex_error;
+                total
             })
             .collect();
         ledgers.iter().for_each(|ledger| total.merge(ledger));

@@ -1,0 +1,163 @@
+//! `eyebox job`: a rendering for a farm.
+
+use super::sequence::parse_frames;
+use super::{Format, print};
+use crate::base::atomic::write_atomic;
+use crate::base::{Fault, Result, Where};
+use crate::import::ReadOptions;
+use crate::import::deps::dependencies;
+use crate::output::job::{Job, yaml};
+use clap::Args;
+use std::path::{Component, Path, PathBuf};
+use std::process::ExitCode;
+
+/// Write an Open Job Description template that renders an asset in shards and merges them.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+`openjd run job.yaml` runs it on this machine, farm engines that know the form run it on many. Each frame has a plan, N \
+shards under it, and a merge; a shard that is stopped goes on from its checkpoint.
+
+Examples:
+  eyebox job hud.optics.toml --shards 7 -o job.yaml
+  eyebox job hud.usda --shards 4 --frames 1-48 --output 'hud.####.exr' -o job.yaml
+  eyebox job hud.optics.toml --shards 16 --samples 1024 --set led.flux_lm=0.5 -o job.yaml -- --stderr layers")]
+pub struct JobArgs {
+    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
+    asset: PathBuf,
+    /// Pieces that the passes of a frame are cut into.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    shards: u64,
+    /// Time codes of a USD asset: A-B or A-BxSTEP.
+    #[arg(long, value_name = "A-B", value_parser = parse_frames, allow_hyphen_values = true)]
+    frames: Option<[i64; 3]>,
+    /// The template to write: YAML, or JSON if the name says so.
+    #[arg(short = 'o', long = "job", value_name = "JOB.yaml")]
+    job: PathBuf,
+    /// The merged picture, beside the template if no folder is named; `#` stands for the digits of the frame.
+    #[arg(long, value_name = "OUT.exr")]
+    output: Option<PathBuf>,
+    /// Passes of all shards together.
+    #[arg(long, value_name = "PASSES", default_value_t = 64, value_parser = clap::value_parser!(u64).range(1..))]
+    samples: u64,
+    /// Seed of the random numbers.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Width and height in pixels, instead of the eye's.
+    #[arg(long, value_name = "WxH")]
+    resolution: Option<String>,
+    /// Which way of tracing light to use, as for `render`.
+    #[arg(long, value_name = "ESTIMATOR")]
+    estimator: Option<String>,
+    /// Whether polarisation is traced, as for `render`.
+    #[arg(long, value_name = "WHEN")]
+    polarisation: Option<String>,
+    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE.
+    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
+    sets: Vec<String>,
+    /// Further options of `render`, after `--`.
+    #[arg(last = true, value_name = "OPTIONS")]
+    render: Vec<String>,
+    /// How the summary is printed.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Runs the command.
+pub fn run(args: &JobArgs) -> Result<ExitCode> {
+    let files: Vec<PathBuf> = dependencies(&args.asset, &ReadOptions::default())?
+        .into_iter()
+        .filter(|file| file.there)
+        .map(|file| absolute(&file.file))
+        .collect::<Result<_>>()?;
+    let asset = absolute(&args.asset)?;
+    let folder = files.iter().fold(parent(&asset), |common, file| shared(&common, &parent(file)));
+    let stem = asset.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let stem = stem.split('.').next().unwrap_or("frame");
+    let default = if args.frames.is_some() { format!("{stem}.####.exr") } else { format!("{stem}.exr") };
+    let output = args.output.clone().unwrap_or_else(|| parent(&args.job).join(default));
+    let output = if output.components().count() == 1 { parent(&args.job).join(output) } else { output };
+    // A template without a place for the frame's digits would write all frames to one file.
+    let text = output.to_string_lossy();
+    if text.contains('#') != args.frames.is_some() {
+        let what = format!("`{text}` and the frames do not fit each other");
+        return Err(Fault::new(Where::Option("--output".to_owned()), what)
+            .expected("hud.####.exr with --frames, hud.exr without"));
+    }
+    super::sequence::named(&output, args.frames.map(|_| 0.0))?;
+    let output = absolute(&output)?;
+    let mut plan_options = Vec::new();
+    let mut option = |name: &str, value: &Option<String>| {
+        if let Some(value) = value {
+            plan_options.extend([name.to_owned(), value.clone()]);
+        }
+    };
+    option("--resolution", &args.resolution);
+    option("--estimator", &args.estimator);
+    option("--polarisation", &args.polarisation);
+    args.sets.iter().for_each(|set| option("--set", &Some(set.clone())));
+    let words = plan_options.iter().chain(&args.render);
+    if let Some(word) = words.clone().find(|word| word.contains("{{")) {
+        let what = format!("`{word}` would be read as a format string by the farm");
+        return Err(Fault::new(Where::Option(word.clone()), what).expected("no {{ in options"));
+    }
+    let home = parent(&absolute(&args.job)?);
+    let job = Job {
+        name: stem.to_owned(),
+        asset: below(&asset, &home)?,
+        asset_folder: below(&folder, &home)?,
+        output_folder: below(&parent(&output), &home)?,
+        output: output.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default(),
+        shards: args.shards,
+        samples: args.samples,
+        seed: args.seed,
+        frames: args.frames,
+        plan_options,
+        render_options: args.render.clone(),
+        checkpoint_s: 60,
+    };
+    let template = job.template();
+    let as_json = args.job.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    let text = if as_json { format!("{template:#}\n") } else { yaml(&template) };
+    write_atomic(&args.job, text.as_bytes())?;
+    let tasks = args.frames.map_or(1, |[first, last, step]| (last - first) / step + 1);
+    let places = [("Asset", &job.asset, &asset), ("AssetFolder", &job.asset_folder, &folder)];
+    let output_folder = parent(&output);
+    let places = places.into_iter().chain([("OutputFolder", &job.output_folder, &output_folder)]);
+    let missing = places.filter(|(_, default, _)| default.is_none());
+    let parameters: Vec<String> = missing.map(|(name, _, path)| format!("{name}={}", path.display())).collect();
+    let said = || {
+        let given: Vec<String> = parameters.iter().map(|parameter| format!(" -p '{parameter}'")).collect();
+        let frames = if tasks == 1 { "1 frame".to_owned() } else { format!("{tasks} frames") };
+        let job = args.job.display();
+        format!("{job}: {frames} of {} shards; openjd run {job}{}", args.shards, given.concat())
+    };
+    let json =
+        || serde_json::json!({ "job": args.job, "frames": tasks, "shards": args.shards, "parameters": parameters });
+    print(args.format, said, json)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn absolute(path: &Path) -> Result<PathBuf> {
+    std::path::absolute(path).map_err(|error| Fault::new(Where::file(path), format!("has no absolute path: {error}")))
+}
+
+fn parent(path: &Path) -> PathBuf {
+    path.parent().map(Path::to_owned).unwrap_or_default()
+}
+
+/// The folder that holds both.
+fn shared(a: &Path, b: &Path) -> PathBuf {
+    a.components().zip(b.components()).take_while(|(a, b)| a == b).map(|(a, _): (Component<'_>, _)| a).collect()
+}
+
+/// A path from the template's folder, if it lies below; a template can hold no other.
+fn below(path: &Path, home: &Path) -> Result<Option<String>> {
+    let Ok(path) = path.strip_prefix(home) else { return Ok(None) };
+    match path.to_str() {
+        Some("") => Ok(Some(".".to_owned())),
+        Some(text) if !text.contains("{{") => Ok(Some(text.to_owned())),
+        Some(_) | None => {
+            Err(Fault::new(Where::file(path), "cannot stand in a job template").expected("a Unicode path without {{"))
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! `eyebox merge`: shards as one frame.
+
+use super::{Format, print};
+use crate::base::Result;
+use crate::base::atomic::check_writable;
+use crate::estimate::picture::{add_sharpness, add_sums};
+use crate::estimate::run::Stop;
+use crate::estimate::shard::{is_light, merge};
+use crate::film::sharpness::Sharpness;
+use crate::output::exr::write_exr;
+use clap::Args;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    eyebox render hud.optics.toml -o hud.1.exr --samples 64 --shard 1/2\n  \
+    eyebox render hud.optics.toml -o hud.2.exr --samples 64 --shard 2/2\n  \
+    eyebox merge hud.1.exr hud.2.exr -o hud.exr")]
+pub struct MergeArgs {
+    /// What `render --shard` wrote, in any order.
+    #[arg(required = true, value_name = "SHARD.exr")]
+    shards: Vec<PathBuf>,
+    /// The EXR to write: to the bit the one that a run without shards writes.
+    #[arg(short, long, value_name = "OUT.exr")]
+    output: PathBuf,
+    /// Make a picture of the shards that are there although passes are missing.
+    #[arg(long)]
+    partial: bool,
+    /// The number that takes the place of `####` in OUT.
+    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
+    frame: Option<f64>,
+    /// How the summary is printed.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Runs the command.
+pub fn run(args: &MergeArgs) -> Result<ExitCode> {
+    let output = super::sequence::named(&args.output, args.frame)?;
+    check_writable(&output)?;
+    let merged = merge(&args.shards, args.partial)?;
+    let finishing = &merged.head.finishing;
+    let finished = finishing.picture(&merged.films)?;
+    let mut frame = merged.picture;
+    frame.channels.retain(|channel| !is_light(channel));
+    frame.channels.extend(finished.frame.channels);
+    add_sums(&mut frame, &merged.films, Stop::Passes, &finished.splits);
+    let sharpness = frame.text(Sharpness::KEY).and_then(|text| serde_json::from_str::<Sharpness>(text).ok());
+    if let Some(mut sharpness) = sharpness {
+        sharpness.applied = finished.applied;
+        add_sharpness(&mut frame, &sharpness);
+    }
+    finishing.keep(&mut frame);
+    let warnings = write_exr(&output, &frame)?;
+    let error = merged.films.relative_error();
+    let text = || {
+        let mut lines: Vec<String> = merged.outliers.iter().chain(&warnings).map(|w| format!("warning: {w}")).collect();
+        let error = error.map_or("unknown error".to_owned(), |e| format!("error {:.2} %", 100.0 * e));
+        let (shards, passes) = (args.shards.len(), merged.films.passes);
+        lines.push(format!("{}: {passes} passes of {shards} shards, {error}", output.display()));
+        lines.join("\n")
+    };
+    let json = || {
+        serde_json::json!({
+            "output": output,
+            "shards": args.shards,
+            "passes": merged.films.passes,
+            "relative_error": error,
+            "outliers": merged.outliers,
+            "warnings": warnings,
+        })
+    };
+    print(args.format, text, json)?;
+    Ok(ExitCode::from(u8::from(!merged.outliers.is_empty())))
+}

@@ -1,0 +1,107 @@
+//! Shards whose light lies far from the others': a machine that computes wrongly makes a sound file.
+
+use super::run::Films;
+use crate::base::stats::Moments;
+use std::path::Path;
+
+/// Light of one plane of a shard, summed over the picture: its mean over passes and what its variance should be.
+pub struct PlaneLight {
+    name: String,
+    mean: f64,
+    variance: f64,
+    passes: f64,
+}
+
+/// Errors of near pixels may go together (photons are gathered over many), which their own variances do not tell: the
+/// root of how many do at most.
+const TOGETHER: f64 = 25.0;
+/// Deviations beyond this many standard errors are told.
+const SIGMA: f64 = 8.0;
+
+/// The light of all planes of a shard.
+pub fn light(films: &Films) -> Vec<PlaneLight> {
+    let mut all = Vec::new();
+    for (estimator, film, _) in &films.films {
+        for (plane, key) in film.planes.iter().enumerate() {
+            let pixels = || 0..film.width * film.height;
+            all.push(PlaneLight {
+                name: format!("{} of group {} by {}", key.layer.name(), key.group.index(), estimator.name()),
+                mean: pixels().map(|pixel| film.mean(pixel, plane).value).sum(),
+                variance: pixels().map(|pixel| film.variance(pixel, plane)).sum(),
+                passes: film.passes as f64,
+            });
+        }
+    }
+    all
+}
+
+/// One line per shard and plane that is far from the rest.
+pub fn find(names: &[&Path], lights: &[Vec<PlaneLight>]) -> Vec<String> {
+    let planes = lights.iter().map(Vec::len).min().unwrap_or(0);
+    let mut lines = Vec::new();
+    for plane in 0..planes {
+        for (own, name) in names.iter().enumerate() {
+            let Some(shard) = lights.get(own).and_then(|shard| shard.get(plane)) else { continue };
+            let others: Vec<&PlaneLight> = lights
+                .iter()
+                .enumerate()
+                .filter(|(k, _)| *k != own)
+                .filter_map(|(_, shard)| shard.get(plane))
+                .collect();
+            if let Some(sigmas) = deviation(shard, &others).filter(|sigmas| sigmas.abs() > SIGMA) {
+                let side = if sigmas > 0.0 { "above" } else { "below" };
+                lines.push(format!(
+                    "{}: {} is {:.0} standard errors {side} that of the other shards",
+                    name.display(),
+                    shard.name,
+                    sigmas.abs()
+                ));
+            }
+        }
+    }
+    lines
+}
+
+/// How far a shard lies from the mean of the others, in standard errors: the larger of what its pixels tell and what
+/// the others' scatter tells.
+fn deviation(own: &PlaneLight, others: &[&PlaneLight]) -> Option<f64> {
+    let passes: f64 = others.iter().map(|other| other.passes).sum();
+    if passes <= 0.0 || own.passes <= 0.0 {
+        return None;
+    }
+    let mean = others.iter().map(|other| other.mean * other.passes).sum::<f64>() / passes;
+    let of_pixels = |light: &PlaneLight| light.variance * TOGETHER;
+    let rest = others.iter().map(|other| of_pixels(other) * (other.passes / passes).powi(2)).sum::<f64>();
+    let mut scatter = Moments::default();
+    others.iter().for_each(|other| scatter.add((other.mean - mean) * other.passes.sqrt()));
+    let per_pass = if others.len() > 1 { scatter.variance() } else { 0.0 };
+    let variance = (of_pixels(own) + rest).max(per_pass * (1.0 / own.passes + 1.0 / passes));
+    let apart = own.mean - mean;
+    (variance > 0.0).then(|| apart / variance.sqrt()).or((apart != 0.0).then_some(f64::INFINITY.copysign(apart)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shard(mean: f64, passes: f64) -> Vec<PlaneLight> {
+        vec![PlaneLight { name: "direct".to_owned(), mean, variance: 1.0 / passes, passes }]
+    }
+
+    /// Light of 1000 ± 1 per pass: a shard of twice the light is told by name, the scatter of sound ones is not, and
+    /// shards that scatter more than their pixels say are given that.
+    #[test]
+    fn tells_the_one_that_is_wrong() {
+        let names: Vec<String> = (0..5).map(|k| format!("{k}.exr")).collect();
+        let paths: Vec<&Path> = names.iter().map(Path::new).collect();
+        let good = [1000.2, 999.7, 1000.9, 999.4, 1000.0];
+        let lights: Vec<_> = good.map(|mean| shard(mean, 10.0)).into();
+        assert!(find(&paths, &lights).is_empty());
+        let mut bad: Vec<_> = good.map(|mean| shard(mean, 10.0)).into();
+        bad[3] = shard(2000.0, 10.0);
+        let lines = find(&paths, &bad);
+        assert!(lines.len() == 1 && lines[0].starts_with("3.exr") && lines[0].contains("above"), "{lines:?}");
+        let wide: Vec<_> = [900.0, 1100.0, 1000.0, 950.0, 1080.0].map(|mean| shard(mean, 10.0)).into();
+        assert!(find(&paths, &wide).is_empty());
+    }
+}

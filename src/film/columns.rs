@@ -1,0 +1,183 @@
+//! A film as columns of numbers: how shards and checkpoints carry it, and how films of different passes are added up.
+
+use super::accumulate::Film;
+use crate::base::twofold::Sum;
+
+/// A kind of sum that a film holds: `stride` sums per pixel, pixel after pixel.
+pub struct Table<S> {
+    /// What the sums are of: `light`, `squares`, `scrambles` …
+    pub name: &'static str,
+    pub stride: usize,
+    pub sums: S,
+}
+
+const NAMES: [&str; 8] = [
+    "light",
+    "squares",
+    "scrambles",
+    "scramble_squares",
+    "scramble_open",
+    "scramble_content",
+    "mixed_squares",
+    "layer_squares",
+];
+
+impl Film {
+    /// All sums of the film, those of kinds that it does not keep left out.
+    pub fn tables(&self) -> Vec<Table<&[Sum]>> {
+        let scrambles = self.scrambles.as_ref();
+        let detail = self.detail.as_ref();
+        let all: [&[Sum]; 8] = [
+            self.sums.as_flattened(),
+            &self.squares,
+            scrambles.map_or(&[], |s| s.value.as_flattened()),
+            scrambles.map_or(&[], |s| &s.squares),
+            scrambles.map_or(&[], |s| s.open.as_flattened()),
+            scrambles.map_or(&[], |s| s.content.as_flattened()),
+            detail.map_or(&[], |d| d.mixed.as_flattened()),
+            detail.map_or(&[], |d| &d.squares),
+        ];
+        self.named(all, |sums| sums.len())
+    }
+
+    /// The same, to be filled.
+    pub fn tables_mut(&mut self) -> Vec<Table<&mut [Sum]>> {
+        let pixels = self.pixels();
+        let (value, squares, open, content): (&mut [Sum], &mut [Sum], &mut [Sum], &mut [Sum]) = match &mut self
+            .scrambles
+        {
+            Some(s) => {
+                (s.value.as_flattened_mut(), &mut s.squares, s.open.as_flattened_mut(), s.content.as_flattened_mut())
+            }
+            None => (&mut [], &mut [], &mut [], &mut []),
+        };
+        let (mixed, layers): (&mut [Sum], &mut [Sum]) = match &mut self.detail {
+            Some(d) => (d.mixed.as_flattened_mut(), &mut d.squares),
+            None => (&mut [], &mut []),
+        };
+        let all = [self.sums.as_flattened_mut(), &mut self.squares, value, squares, open, content, mixed, layers];
+        named(pixels, all, |sums| sums.len())
+    }
+
+    fn pixels(&self) -> usize {
+        self.width * self.height
+    }
+
+    fn named<S>(&self, all: [S; 8], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
+        named(self.pixels(), all, length)
+    }
+
+    /// Adds the passes of another film of the same picture. False, and nothing done, if it is of another kind.
+    pub fn merge(&mut self, other: &Film) -> bool {
+        let alike = (self.width, self.height, &self.planes, self.components, self.sampling)
+            == (other.width, other.height, &other.planes, other.components, other.sampling);
+        let theirs = other.tables();
+        let mut own = self.tables_mut();
+        if !alike || !own.iter().map(|t| (t.name, t.stride)).eq(theirs.iter().map(|t| (t.name, t.stride))) {
+            return false;
+        }
+        for (own, theirs) in own.iter_mut().zip(&theirs) {
+            own.sums.iter_mut().zip(theirs.sums).for_each(|(sum, more)| sum.merge(*more));
+        }
+        self.passes += other.passes;
+        self.settle();
+        true
+    }
+
+    /// The first sum that is NaN or infinite: the name of its table and its pixel.
+    pub fn first_invalid(&self) -> Option<(&'static str, usize)> {
+        self.tables().into_iter().find_map(|table| {
+            let at = table.sums.iter().position(|sum| !sum.is_finite())?;
+            Some((table.name, at / table.stride.max(1)))
+        })
+    }
+}
+
+fn named<S>(pixels: usize, all: [S; 8], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
+    let strides = |sums: &S| length(sums).checked_div(pixels).unwrap_or(0);
+    let tables = NAMES.into_iter().zip(all).map(|(name, sums)| Table { name, stride: strides(&sums), sums });
+    tables.filter(|table| table.stride > 0).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::base::ids::GroupId;
+    use crate::film::accumulate::{Components, Film, Light, PlaneKey, Sampling};
+    use crate::film::layer::Layer;
+
+    const PLANES: [PlaneKey; 2] =
+        [PlaneKey { layer: Layer::Direct, group: GroupId(0) }, PlaneKey { layer: Layer::Forward, group: GroupId(1) }];
+
+    fn film(sampling: Sampling) -> Film {
+        Film::new(3, 2, PLANES.to_vec(), Components::Rec709, sampling).with_detail()
+    }
+
+    /// Light of pass `pass` in every entry of a pixel: thirds, so that every sum is rounded.
+    fn light(pixel: usize, pass: u64) -> Vec<Light> {
+        let light = |k: usize| {
+            let mut light = Light::ONE.scaled((1.0 + pixel as f64 + 7.0 * k as f64) / (3.0 + pass as f64));
+            light.cross(0.9, 0.3, 0.1 * k as f64);
+            light
+        };
+        (0..6).map(light).collect()
+    }
+
+    fn run(film: &mut Film, passes: std::ops::Range<u64>) {
+        for pass in passes {
+            match film.sampling {
+                Sampling::PerPass => film.rows().for_each(|(y, mut row)| {
+                    (0..3).for_each(|x| row.add_pass(x, &light(3 * y + x, pass)));
+                }),
+                Sampling::PerScramble { .. } => (0..6).for_each(|pixel| {
+                    let all = light(pixel, pass);
+                    (0..2).for_each(|plane| film.splat(pixel, plane, (pass % 8) as usize, &all[3 * plane..][..3]));
+                }),
+            }
+            film.passes += 1;
+        }
+        film.settle();
+    }
+
+    /// Passes in three pieces, added in another order, are the film of all passes to the last bit of every mean and
+    /// variance.
+    #[test]
+    fn pieces_make_the_film() {
+        for sampling in [Sampling::PerPass, Sampling::PerScramble { paths: 64 }] {
+            let mut whole = film(sampling);
+            run(&mut whole, 0..100);
+            let mut pieces = [film(sampling), film(sampling), film(sampling)];
+            pieces.iter_mut().zip([40..100, 0..7, 7..40]).for_each(|(piece, passes)| run(piece, passes));
+            let [mut sum, second, third] = pieces;
+            assert!(sum.merge(&second) && sum.merge(&third));
+            assert_eq!(sum.passes, 100);
+            for pixel in 0..6 {
+                for plane in 0..2 {
+                    assert_eq!(sum.mean(pixel, plane), whole.mean(pixel, plane));
+                    assert_eq!(sum.mix_error(pixel, plane), whole.mix_error(pixel, plane));
+                    assert!(sum.mean_entries(pixel, plane).eq(whole.mean_entries(pixel, plane)));
+                    assert_eq!(
+                        sum.layer_variance(pixel, PLANES[plane].layer),
+                        whole.layer_variance(pixel, PLANES[plane].layer)
+                    );
+                }
+                assert_eq!(sum.variance(pixel, 2), whole.variance(pixel, 2));
+                assert!(whole.variance(pixel, 2) > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn refuses_films_of_another_kind_and_finds_nan() {
+        let mut own = film(Sampling::PerPass);
+        run(&mut own, 0..3);
+        let before = own.clone();
+        assert!(!own.merge(&film(Sampling::PerScramble { paths: 64 })));
+        assert!(!own.merge(&Film::new(3, 2, PLANES.to_vec(), Components::Rec709, Sampling::PerPass)));
+        assert!(!own.merge(&Film::new(2, 3, PLANES.to_vec(), Components::Rec709, Sampling::PerPass).with_detail()));
+        assert_eq!(own, before);
+        assert_eq!(own.first_invalid(), None);
+        own.rows()
+            .for_each(|(y, mut row)| row.add_pass(1, &[Light::ONE.scaled(if y == 1 { f64::NAN } else { 1.0 }); 6]));
+        assert_eq!(own.first_invalid(), Some(("light", 4)));
+    }
+}

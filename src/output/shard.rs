@@ -1,0 +1,233 @@
+//! A shard or a checkpoint as an EXR: the picture of its passes, and beside it the sums of its films to the last bit.
+//!
+//! A float channel holds whole numbers below 2²⁴ exactly, so an f64 is three of them: `sums.f0_light_3_a` … `_c` are the
+//! bits of the upper double of the third kind of light sum of film 0, `_d` … `_f` those of the lower. Columns of zeros are
+//! left out. The attribute `eyebox.shard` says in JSON what the films are and whatever the writer wants to know again.
+
+use crate::base::fault::{Fault, Result, Where};
+use crate::base::twofold::Sum;
+use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
+use crate::film::columns::Table;
+use crate::film::frame::{Channel, Frame, Meta};
+use crate::output::exr::{read_exr, write_exr};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::path::Path;
+
+/// The attribute that makes an EXR a shard.
+const KEY: &str = "shard";
+/// The layer of the sums.
+const SUMS: &str = "sums";
+const BITS: u32 = 24;
+const PARTS: [char; 6] = ['a', 'b', 'c', 'd', 'e', 'f'];
+/// More planes than any picture has: light groups times layers.
+const MOST_PLANES: usize = 1 << 14;
+
+/// What a shard holds.
+pub struct Shard<H> {
+    pub head: H,
+    pub films: Vec<Film>,
+    /// The picture of the shard's own passes, with all its metadata; no channels in a checkpoint.
+    pub picture: Frame,
+}
+
+/// How a film is made again.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+struct Kind {
+    planes: Vec<PlaneKey>,
+    components: Components,
+    sampling: Sampling,
+    passes: u64,
+    detail: bool,
+}
+
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Stored<H> {
+    films: Vec<Kind>,
+    head: H,
+}
+
+/// Writes a shard. `picture`: of the films' size; `films` may be none. Errors: those of [`write_exr`].
+pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture: &Frame) -> Result<()> {
+    let kind = |film: &&Film| Kind {
+        planes: film.planes.clone(),
+        components: film.components,
+        sampling: film.sampling,
+        passes: film.passes,
+        detail: film.detail().is_some(),
+    };
+    let stored = Stored { films: films.iter().map(kind).collect(), head };
+    let text = serde_json::to_string(&stored)
+        .map_err(|error| Fault::new(Where::file(path), format!("cannot be described: {error}")))?;
+    let mut frame = picture.clone();
+    frame.meta.insert(KEY.to_owned(), Meta::Text(text));
+    for (number, film) in films.iter().enumerate() {
+        for table in film.tables() {
+            for column in 0..table.stride {
+                let own = || table.sums.iter().skip(column).step_by(table.stride);
+                for (part, letter) in PARTS.into_iter().enumerate() {
+                    let data: Vec<f32> = own().map(|sum| piece(*sum, part)).collect();
+                    if data.iter().any(|value| *value != 0.0) {
+                        frame.push(channel(number, table.name, column, letter), data);
+                    }
+                }
+            }
+        }
+    }
+    if frame.channels.is_empty() {
+        // A file has to have one.
+        frame.push(format!("{SUMS}.none"), vec![0.0; picture.width * picture.height]);
+    }
+    write_exr(path, &frame).map(drop)
+}
+
+/// Reads a shard. Errors: those of [`read_exr`]; an EXR that is none, or whose sums are not what it says they are.
+pub fn read_shard<H: DeserializeOwned>(path: &Path) -> Result<Shard<H>> {
+    let mut frame = read_exr(path)?;
+    let fault =
+        |what: String| Fault::new(Where::file(path), what).expected("what `render --shard` or `--checkpoint` writes");
+    let text = frame.text(KEY).ok_or_else(|| fault("is no shard".to_owned()))?;
+    let Stored { films: kinds, head } =
+        serde_json::from_str::<Stored<H>>(text).map_err(|error| fault(format!("is no shard: {error}")))?;
+    frame.meta.remove(KEY);
+    let (sums, picture) = std::mem::take(&mut frame.channels).into_iter().partition(|c: &Channel| c.layer() == SUMS);
+    frame.channels = picture;
+    let mut sums: std::collections::HashMap<String, Vec<f32>> = sums.into_iter().map(|c| (c.name, c.data)).collect();
+    let mut films = Vec::new();
+    for (number, kind) in kinds.into_iter().enumerate() {
+        let in_reach = frame.width.checked_mul(frame.height).and_then(|pixels| pixels.checked_mul(kind.planes.len()));
+        if kind.planes.is_empty() || kind.planes.len() > MOST_PLANES || in_reach.is_none_or(|entries| entries > 1 << 32)
+        {
+            return Err(fault(format!("film {number} has {} planes", kind.planes.len())));
+        }
+        films.push(filled(&frame, number, kind, &mut sums).map_err(fault)?);
+    }
+    sums.remove(&format!("{SUMS}.none"));
+    match sums.keys().min() {
+        None => Ok(Shard { head, films, picture: frame }),
+        Some(name) => Err(fault(format!("channel `{name}` belongs to no film"))),
+    }
+}
+
+fn channel(film: usize, table: &str, column: usize, part: char) -> String {
+    format!("{SUMS}.f{film}_{table}_{column}_{part}")
+}
+
+fn filled(
+    frame: &Frame,
+    number: usize,
+    kind: Kind,
+    sums: &mut std::collections::HashMap<String, Vec<f32>>,
+) -> Result<Film, String> {
+    let film = Film::new(frame.width, frame.height, kind.planes, kind.components, kind.sampling);
+    let mut film = if kind.detail { film.with_detail() } else { film };
+    film.passes = kind.passes;
+    for Table { name, stride, sums: own } in film.tables_mut() {
+        for column in 0..stride {
+            let parts = PARTS.map(|part| sums.remove(&channel(number, name, column, part)));
+            if parts.iter().all(Option::is_none) {
+                continue;
+            }
+            for (pixel, sum) in own.iter_mut().skip(column).step_by(stride).enumerate() {
+                let at = |part: usize| parts[part].as_ref().and_then(|data| data.get(pixel)).copied().unwrap_or(0.0);
+                *sum = joined(std::array::from_fn(at)).ok_or_else(|| {
+                    format!("the sums of film {number}, {name} {column}, are damaged at pixel {pixel}")
+                })?;
+            }
+        }
+    }
+    film.settle();
+    Ok(film)
+}
+
+/// Bits `24·(part mod 3)` and up of the upper (parts 0–2) or the lower double.
+fn piece(sum: Sum, part: usize) -> f32 {
+    let bits = if part < 3 { sum.high } else { sum.low }.to_bits();
+    (bits >> (BITS * (part as u32 % 3)) & ((1 << BITS) - 1)) as f32
+}
+
+fn joined(parts: [f32; 6]) -> Option<Sum> {
+    let whole = |value: f32| {
+        let limit = 2f32.powi(BITS as i32);
+        ((0.0..limit).contains(&value) && value.fract() == 0.0).then_some(value as u64)
+    };
+    let double = |of: &[f32]| {
+        let mut bits = 0u64;
+        for (k, value) in of.iter().enumerate() {
+            bits |= whole(*value)?.checked_shl(BITS * k as u32)?;
+        }
+        Some(f64::from_bits(bits))
+    };
+    Some(Sum { high: double(&parts[..3])?, low: double(&parts[3..])? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::ids::GroupId;
+    use crate::film::accumulate::Light;
+    use crate::film::layer::Layer;
+
+    fn film(sampling: Sampling) -> Film {
+        let planes = [0, 1].map(|group| PlaneKey { layer: Layer::Forward, group: GroupId(group) });
+        let mut film = Film::new(3, 2, planes.to_vec(), Components::Luminance, sampling).with_detail();
+        for pass in 0..5u64 {
+            let light =
+                |pixel: usize| Light::ONE.scaled((1.0 + pixel as f64) / (3.0 + pass as f64) * 1e9f64.powf(pass as f64));
+            match sampling {
+                Sampling::PerPass => film.rows().for_each(|(y, mut row)| {
+                    (0..3).for_each(|x| row.add_pass(x, &[light(3 * y + x), Light::default()]));
+                }),
+                Sampling::PerScramble { .. } => {
+                    (0..6).for_each(|pixel| film.splat(pixel, pixel % 2, pass as usize, &[light(pixel)]));
+                }
+            }
+            film.passes += 1;
+        }
+        film.settle();
+        film
+    }
+
+    #[test]
+    fn films_come_back_to_the_last_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("shard.exr");
+        let films = [film(Sampling::PerPass), film(Sampling::PerScramble { paths: 64 })];
+        let mut picture = Frame::new(3, 2);
+        picture.push("direct.R", vec![0.5; 6]);
+        picture.meta.insert("passes".to_owned(), Meta::Text("5".to_owned()));
+        write_shard(&path, &"head", &films.each_ref(), &picture).unwrap();
+        let back: Shard<String> = read_shard(&path).unwrap();
+        assert_eq!(back.head, "head");
+        assert_eq!(back.films, films);
+        assert_eq!(back.picture.channels, picture.channels);
+        assert_eq!(back.picture.text("passes"), Some("5"));
+        write_shard(&path, &7, &[], &Frame::new(1, 1)).unwrap();
+        assert!(read_shard::<i32>(&path).unwrap().films.is_empty());
+    }
+
+    #[test]
+    fn what_is_no_shard_or_damaged_is_refused_with_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("shard.exr");
+        let said = |frame: &Frame| {
+            write_exr(&path, frame).unwrap();
+            read_shard::<i32>(&path).map(|_| ()).unwrap_err().to_string()
+        };
+        let mut frame = Frame::new(3, 2);
+        frame.push("R", vec![0.0; 6]);
+        assert!(said(&frame).contains("shard.exr: is no shard"));
+        let own = film(Sampling::PerPass);
+        write_shard(&path, &1, &[&own], &frame).unwrap();
+        let mut good = read_exr(&path).unwrap();
+        let at = good.channels.iter().position(|c| c.name == "sums.f0_light_0_c").unwrap();
+        let before = good.channels[at].data[4];
+        for bad in [0.5, -1.0, 16_777_216.0] {
+            good.channels[at].data[4] = bad;
+            assert!(said(&good).contains("damaged at pixel 4"));
+        }
+        good.channels[at].data[4] = before;
+        good.push("sums.f1_light_0_a", vec![1.0; 6]);
+        assert!(said(&good).contains("belongs to no film"));
+    }
+}
