@@ -7,11 +7,13 @@ mod annotate;
 mod bench;
 mod bench_choice;
 mod bench_curve;
+mod completions;
 mod convert;
 mod diff;
 mod init;
 mod inspect;
 mod job;
+mod man;
 mod measure;
 mod merge;
 mod mix;
@@ -20,6 +22,7 @@ mod progress;
 mod render;
 mod sequence;
 mod shards;
+mod report;
 mod validate;
 mod view;
 
@@ -69,10 +72,16 @@ enum Command {
     Measure(measure::MeasureArgs),
     /// Turn a layer of an EXR into a PNG for a display.
     View(view::ViewArgs),
+    /// Make one page of a frame: pictures that recombine live, measurements, light paths, plan, convergence.
+    Report(report::ReportArgs),
     /// Check assets by rules, for CI: findings with their lines, in text, JSON, SARIF, JUnit or GitHub's form.
     Validate(validate::ValidateArgs),
     /// Measure the program: time against error, and answers that are known.
     Bench(bench::BenchArgs),
+    /// Print a script that lets a shell complete `eyebox`.
+    Completions(completions::CompletionsArgs),
+    /// Print the manual page, or write one for every command.
+    Man(man::ManArgs),
 }
 
 /// How a command prints its result.
@@ -90,7 +99,7 @@ pub fn main() -> ExitCode {
         Err(error) => {
             // Help and version go to stdout with 0; a usage error is one line on stderr with 2.
             if error.use_stderr() {
-                report(&Fault::new(crate::base::Where::Nowhere, one_line(&error.to_string())));
+                say(&Fault::new(crate::base::Where::Nowhere, one_line(&error.to_string())));
             } else {
                 let _ = error.print();
             }
@@ -112,11 +121,14 @@ pub fn main() -> ExitCode {
         Command::View(args) => view::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Bench(args) => bench::run(args),
+        Command::Report(args) => report::run(args),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args),
     };
     match result {
         Ok(code) => code,
         Err(fault) => {
-            report(&fault);
+            say(&fault);
             ExitCode::from(2)
         }
     }
@@ -131,7 +143,7 @@ fn one_line(text: &str) -> String {
 }
 
 /// One line on stderr, red `error` on terminals that want colour.
-fn report(fault: &Fault) {
+fn say(fault: &Fault) {
     let red = anstyle::AnsiColor::Red.on_default().bold();
     anstream::eprintln!("{red}error{red:#}: {fault}");
 }

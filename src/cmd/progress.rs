@@ -61,6 +61,8 @@ pub struct Progress {
     limits: Limits,
     signals: Signals,
     reader: ProgressArg,
+    /// The stated error after 2, 4, 8, … passes. A block ends at each of these, so this depends on no clock.
+    errors: Vec<(u64, f64)>,
 }
 
 impl Progress {
@@ -78,7 +80,13 @@ impl Progress {
             ProgressArg::Auto => Duration::from_secs(10),
             ProgressArg::Openjd => Duration::from_secs(1),
         });
-        Progress { bar, heartbeat, last: Instant::now(), limits: limits.clone(), signals, reader }
+        let (limits, last) = (limits.clone(), Instant::now());
+        Progress { bar, heartbeat, last, limits, signals, reader, errors: Vec::new() }
+    }
+
+    /// Passes and stated relative error, for the header of the EXR.
+    pub fn errors(&self) -> &[(u64, f64)] {
+        &self.errors
     }
 
     pub fn finish(&self) {
@@ -115,6 +123,9 @@ impl Progress {
 
 impl Observer for Progress {
     fn block(&mut self, status: &Status, _: &Films) -> bool {
+        if status.passes.is_power_of_two() {
+            self.errors.extend(status.error.map(|error| (status.passes, error)));
+        }
         if let Some(bar) = &self.bar {
             bar.set_position((1000.0 * self.share(status)) as u64);
             bar.set_message(self.line(status));

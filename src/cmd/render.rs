@@ -101,6 +101,9 @@ pub struct RenderArgs {
     /// is in the header either way.
     #[arg(long)]
     diffraction: bool,
+    /// Write the stated error after 2, 4, 8, … passes into the header too, for the plot of `eyebox report`.
+    #[arg(long, conflicts_with_all = ["shard", "resume"])]
+    convergence: bool,
     /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5, eye.pupil_diameter="3 mm".
     #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
     sets: Vec<String>,
@@ -305,6 +308,10 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     frame.meta.insert("planHash".to_owned(), Meta::Text(frozen.hash));
     add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);
     add_sharpness(&mut frame, &sharpness);
+    if args.convergence {
+        let errors = serde_json::json!(progress.errors()).to_string();
+        frame.meta.insert("convergence".to_owned(), Meta::Text(errors));
+    }
     let warnings = if args.shard.is_some() {
         shard::save(&args.output, &head, &outcome.films, &frame)?;
         Vec::new()

@@ -286,7 +286,10 @@ pub fn drive(mut tracing: Box<dyn Tracing + '_>, limits: &Limits, observer: &mut
     let mut block = 1u64;
     loop {
         let left = limits.passes.unwrap_or(u64::MAX).saturating_sub(tracing.films().passes);
-        let count = block.min(left).max(1);
+        // Every power of two ends a block, so the errors there are known on any machine.
+        let passes = tracing.films().passes;
+        let round = passes.saturating_add(1).checked_next_power_of_two().unwrap_or(u64::MAX) - passes;
+        let count = block.min(left).min(round).max(1);
         let before = Instant::now();
         tracing.step(count);
         let films = tracing.films();

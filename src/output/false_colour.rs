@@ -3,9 +3,9 @@
 use super::raster::{Raster, STEP};
 
 /// Decades below the largest luminance that have colours of their own.
-const DECADES: f64 = 4.0;
+pub(super) const DECADES: f64 = 4.0;
 /// Colours along the scale: brighter with luminance but for the saturated middle, so that a print in grey still orders them.
-const STOPS: [(f64, [f64; 3]); 8] = [
+pub(super) const STOPS: [(f64, [f64; 3]); 8] = [
     (0.0, [0.0, 0.0, 0.0]),
     (0.15, [60.0, 0.0, 120.0]),
     (0.3, [20.0, 50.0, 230.0]),

@@ -19,6 +19,7 @@ mod mix_errors;
 pub mod plate;
 pub mod raster;
 pub mod shard;
+pub mod report;
 pub mod shares;
 pub mod solve;
 pub mod tone;

@@ -248,7 +248,7 @@ fn check(frame: &Frame, options: &ViewOptions) -> Result<()> {
 }
 
 /// The layer's name, how it is shown, and its three channels (the same one three times if it has one).
-fn choose<'f>(frame: &'f Frame, asked: Option<&str>) -> Result<(String, Shown, [&'f [f32]; 3])> {
+pub(super) fn choose<'f>(frame: &'f Frame, asked: Option<&str>) -> Result<(String, Shown, [&'f [f32]; 3])> {
     let names = frame.layer_names();
     let layer = match asked {
         Some(asked) => asked,

@@ -1,0 +1,72 @@
+//! `eyebox report`: a frame as one page.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use super::{Format, print};
+use crate::base::atomic::{check_writable, write_atomic};
+use crate::base::fault::{Fault, Result, Where};
+use crate::film::frame::Frame;
+use crate::output::exr::read_exr;
+use crate::output::report::{Page, page};
+
+/// Make one page of a frame: pictures that recombine live, measurements, light paths, plan, convergence.
+#[derive(Debug, Clone, clap::Args)]
+#[command(after_help = "\
+The page is one file that loads nothing: it can be mailed, kept beside the frame or shown by a CI job. Further frames of the \
+same scene, with more or fewer passes, add their errors to the convergence plot; so does a frame rendered with --convergence.
+
+Examples:
+  eyebox report hud.exr -o report.html
+  eyebox report hud.exr hud_16.exr hud_64.exr -o report.html")]
+pub struct ReportArgs {
+    /// The frame to show, and further frames of the same scene
+    #[arg(value_name = "FRAME.exr", required = true)]
+    pub frames: Vec<PathBuf>,
+    /// The page to write
+    #[arg(short, long, value_name = "OUT.html")]
+    pub output: PathBuf,
+    /// How to print what was written
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Runs the command.
+pub fn run(args: &ReportArgs) -> Result<ExitCode> {
+    let is_html = |end: &std::ffi::OsStr| end.eq_ignore_ascii_case("html") || end.eq_ignore_ascii_case("htm");
+    if !args.output.extension().is_some_and(is_html) {
+        return Err(Fault::new(Where::Option(format!("--output {}", args.output.display())), "not a page's name")
+            .expected("a name that ends in .html"));
+    }
+    check_writable(&args.output)?;
+    let name = |path: &PathBuf| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let read = |path: &PathBuf| Ok((name(path), read_exr(path)?));
+    let frames = args.frames.iter().map(read).collect::<Result<Vec<(String, Frame)>>>()?;
+    let frames: Vec<(String, &Frame)> = frames.iter().map(|(name, frame)| (name.clone(), frame)).collect();
+    let made = page(&frames).map_err(|mut fault| {
+        if let (Where::Nowhere, Some(first)) = (&fault.at, args.frames.first()) {
+            fault.at = Where::file(first);
+        }
+        fault
+    })?;
+    write_atomic(&args.output, made.html.as_bytes())?;
+    let json = || {
+        serde_json::json!({
+            "output": args.output, "bytes": made.html.len(), "size": made.size, "factor": made.factor, "layers": made.layers,
+            "unmixed": made.unmixed,
+        })
+    };
+    print(args.format, || text(args, &made), json)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn text(args: &ReportArgs, made: &Page) -> String {
+    let Page { html, size: [width, height], factor, layers, unmixed } = made;
+    let mut lines: Vec<String> =
+        unmixed.iter().map(|why| format!("warning: the page has no sliders for its light: {why}")).collect();
+    let reduced = if *factor > 1 { format!(", each the mean of {factor} × {factor}") } else { String::new() };
+    let megabytes = html.len() as f64 / 1e6;
+    let output = args.output.display();
+    lines.push(format!("{output}: {width} × {height} pixels{reduced}, {layers} layers, {megabytes:.1} MB"));
+    lines.join("\n")
+}

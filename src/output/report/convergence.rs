@@ -1,0 +1,34 @@
+//! How the relative error fell with passes.
+
+use crate::film::frame::Frame;
+use crate::output::luminance::layer_luminance;
+use serde_json::{Value, json};
+
+/// Where `render --convergence` leaves its list of [passes, relative error].
+const KEY: &str = "convergence";
+
+/// Points of all frames, fewest passes first: what their headers list, and the error of each frame itself.
+pub fn points(frames: &[(String, &Frame)]) -> Vec<Value> {
+    let mut points: Vec<(f64, f64, String)> = Vec::new();
+    for (name, frame) in frames {
+        let listed = frame.text(KEY).and_then(|json| serde_json::from_str::<Vec<[f64; 2]>>(json).ok());
+        let listed = listed.unwrap_or_default();
+        points.extend(listed.into_iter().map(|[passes, error]| (passes, error, format!("header of {name}"))));
+        if let (Some(passes), Some(error)) = (frame.integer("passes"), relative_error(frame)) {
+            // The header's last entry may say the same.
+            points.retain(|(of, _, from)| *of != passes as f64 || !from.ends_with(name));
+            points.push((passes as f64, error, name.clone()));
+        }
+    }
+    points.retain(|(passes, error, _)| *passes >= 1.0 && passes.is_finite() && *error > 0.0 && error.is_finite());
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    points.into_iter().map(|(passes, error, from)| json!({ "passes": passes, "error": error, "from": from })).collect()
+}
+
+/// Root of the sum of the squared errors over the sum of the squared luminances: as `render` states it.
+pub fn relative_error(frame: &Frame) -> Option<f64> {
+    let (light, error) = (layer_luminance(frame, "")?, layer_luminance(frame, "stderr")?);
+    let squares = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
+    let of = squares(&light);
+    (of > 0.0).then(|| (squares(&error) / of).sqrt())
+}
