@@ -23,6 +23,7 @@ mod render;
 mod sequence;
 mod shards;
 mod report;
+mod scan;
 mod validate;
 mod view;
 
@@ -70,6 +71,8 @@ enum Command {
     Diff(diff::DiffArgs),
     /// Measure a frame as a display.
     Measure(measure::MeasureArgs),
+    /// Look at the virtual image from a grid of eye positions.
+    Scan(scan::ScanArgs),
     /// Turn a layer of an EXR into a PNG for a display.
     View(view::ViewArgs),
     /// Make one page of a frame: pictures that recombine live, measurements, light paths, plan, convergence.
@@ -118,6 +121,7 @@ pub fn main() -> ExitCode {
         Command::Job(args) => job::run(args),
         Command::Diff(args) => diff::run(args),
         Command::Measure(args) => measure::run(args),
+        Command::Scan(args) => scan::run(args),
         Command::View(args) => view::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Bench(args) => bench::run(args),

@@ -21,6 +21,7 @@ pub mod route;
 pub mod run;
 pub mod seen;
 pub mod shard;
+pub mod sight;
 pub mod spread;
 pub mod turn;
 pub mod vision;

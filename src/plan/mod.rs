@@ -1,4 +1,4 @@
-//! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is.
+//! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is; scans an eyebox.
 
 pub mod chains;
 pub mod forecast;
@@ -6,6 +6,7 @@ pub mod frozen;
 mod mode;
 mod pilot;
 pub mod pupil;
+pub mod scan;
 
 use crate::base::ids::GroupId;
 use crate::base::path::Class;

@@ -1,0 +1,157 @@
+//! `eyebox scan`: the virtual image over an eyebox.
+
+use super::progress::Signals;
+use super::render::{PolarisationArg, parse_resolution};
+use super::{Format, print};
+use crate::base::atomic::{check_writable, write_atomic};
+use crate::base::{Fault, Result, Where};
+use crate::import::{ImportOptions, Set, import};
+use crate::plan::scan::light::LightAsked;
+use crate::plan::scan::table::{csv, lines};
+use crate::plan::scan::{ScanAsked, scan};
+use crate::plan::{Asked, Choice};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Longer side of the short renderings, pixels.
+const SIDE: usize = 120;
+
+/// Look from a grid of eye positions: luminance, distortion, distance, disparity of the virtual image.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+The grid is centred on the scene's eye, in the plane of its pupil, and its outermost positions are on the eyebox's rim. \
+Directions are found by exact rays through the specular faces, luminances by a short rendering from each position. What \
+cannot be seen from a position is said so. docs/scan.md has the definitions and their sources.
+
+Examples:
+  eyebox scan hud.optics.toml --eyebox 5x3
+  eyebox scan hud.optics.toml --eyebox 9x5 --width 130 --height 50 -o eyebox.csv
+  eyebox scan hud.optics.toml --eyebox 3x3 --no-luminance --format json")]
+pub struct ScanArgs {
+    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
+    asset: PathBuf,
+    /// Columns and rows of eye positions.
+    #[arg(long, value_name = "NxM", value_parser = parse_resolution)]
+    eyebox: [usize; 2],
+    /// Width of the eyebox, mm [default: two pupil diameters]
+    #[arg(long, value_name = "MM")]
+    width: Option<f64>,
+    /// Height of the eyebox, mm [default: two pupil diameters]
+    #[arg(long, value_name = "MM")]
+    height: Option<f64>,
+    /// Distance between the two eyes, mm.
+    #[arg(long, value_name = "MM", default_value_t = 63.0)]
+    ipd: f64,
+    /// Columns and rows of points of the picture.
+    #[arg(long, value_name = "NxM", value_parser = parse_resolution, default_value = "9x9")]
+    points: [usize; 2],
+    /// The part that is the picture [default: the slide, lamp or screen that most of the field of view shows]
+    #[arg(long, value_name = "PART")]
+    target: Option<String>,
+    /// Geometry alone, without rendering.
+    #[arg(long)]
+    no_luminance: bool,
+    /// Passes of each short rendering.
+    #[arg(long, value_name = "PASSES", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..))]
+    samples: u64,
+    /// Width and height of the short renderings in pixels [default: the eye's, scaled to a longer side of 120]
+    #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
+    resolution: Option<[usize; 2]>,
+    /// Trace the polarisation of light in the short renderings.
+    #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
+    polarisation: PolarisationArg,
+    /// Seed of the short renderings.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. eye.pupil_diameter="3 mm".
+    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
+    sets: Vec<String>,
+    /// The time code at which a USD asset is taken.
+    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
+    frame: Option<f64>,
+    /// Write the table to this file: .csv (a line per position) or .json (with every point of the picture).
+    #[arg(short, long, value_name = "OUT.csv|json")]
+    output: Option<PathBuf>,
+    /// No progress.
+    #[arg(short, long)]
+    quiet: bool,
+    /// How the result is printed.
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+/// Runs the command.
+pub fn run(args: &ScanArgs) -> Result<ExitCode> {
+    let written = args.output.as_deref().map(table_of).transpose()?;
+    let signals = Signals::install();
+    let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
+    let scene = import(&args.asset, &ImportOptions { sets, frame: args.frame })?.scene;
+    let polarisation = args.polarisation.asked();
+    let light = LightAsked {
+        resolution: args.resolution.unwrap_or_else(|| smaller(scene.eye.resolution)),
+        passes: args.samples,
+        seed: args.seed,
+        asked: Asked { choice: Choice::Auto, polarisation },
+    };
+    let asked = ScanAsked {
+        positions: args.eyebox,
+        size_m: [args.width, args.height].map(|mm| mm.map(|mm| 1e-3 * mm)),
+        ipd_m: 1e-3 * args.ipd,
+        points: args.points,
+        target: args.target.clone(),
+        light: (!args.no_luminance).then_some(light),
+    };
+    let all = args.eyebox[0].saturating_mul(args.eyebox[1]);
+    let told = !args.quiet && !args.no_luminance;
+    let stop = || signals.caught().is_some();
+    let found = scan(&scene, &asked, &stop, |done| {
+        if told {
+            anstream::eprintln!("eyebox: {done} of {all} positions");
+        }
+    })?;
+    let Some(found) = found else {
+        anstream::eprintln!("eyebox: stopped; nothing was written");
+        return Ok(signals.exit_code());
+    };
+    let json = || serde_json::json!({ "asset": args.asset, "scan": found });
+    if let (Some(path), Some(table)) = (&args.output, written) {
+        let text = match table {
+            Table::Csv => csv(&found),
+            Table::Json => serde_json::to_string_pretty(&json())
+                .map_err(|error| Fault::new(Where::file(path), format!("cannot be written: {error}")))?,
+        };
+        write_atomic(path, text.as_bytes())?;
+    }
+    print(args.format, || lines(&found).join("\n"), json)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// How the file is written.
+#[derive(Debug, Clone, Copy)]
+enum Table {
+    Csv,
+    Json,
+}
+
+/// By the name of the file. Fails early where it could not be written.
+fn table_of(path: &Path) -> Result<Table> {
+    let ends = |with: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(with));
+    let table = if ends("csv") {
+        Table::Csv
+    } else if ends("json") {
+        Table::Json
+    } else {
+        return Err(
+            Fault::new(Where::file(path), "is no name for a table").expected("a name that ends in .csv or .json")
+        );
+    };
+    check_writable(path)?;
+    Ok(table)
+}
+
+/// The same picture with a longer side of [`SIDE`] pixels at most.
+fn smaller(resolution: [usize; 2]) -> [usize; 2] {
+    let scale = (SIDE as f64 / resolution[0].max(resolution[1]).max(1) as f64).min(1.0);
+    resolution.map(|n| ((n as f64 * scale).round() as usize).max(1))
+}

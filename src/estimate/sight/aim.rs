@@ -1,0 +1,118 @@
+//! The direction in which a point of the picture is seen from anywhere: Newton's iteration through the train, then a ray
+//! that looks whether anything is in the way.
+
+use super::sent;
+use super::subject::{Point, Subject};
+use crate::estimate::ledger::Ledger;
+use crate::estimate::manifold::solve::{Family, Target, newton};
+use crate::estimate::walk::{Meeting, Met};
+use crate::world::World;
+use crate::world::mode::Mono;
+use crate::world::optics::Optics;
+use glam::{DVec2, DVec3};
+use std::iter::once;
+
+/// Steps between two eyes over which a direction is carried where one step fails.
+const MOST_STEPS: u32 = 16;
+/// How near to its point a ray has to come, of the picture's size.
+const NEAR: f64 = 1e-6;
+/// The solver is told of a picture this much smaller, so that it goes on to the last digits.
+const FINE: f64 = 1e-3;
+
+/// A point as an eye sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sight {
+    /// In this direction (unit, world).
+    Seen(DVec3),
+    /// It would be there, but something is in the way, or the light would have to pass beside a face.
+    Hidden(DVec3),
+    /// No ray of the train leads there.
+    Nowhere,
+}
+
+impl Sight {
+    /// Seen or not.
+    pub fn direction(self) -> Option<DVec3> {
+        match self {
+            Sight::Seen(dir) | Sight::Hidden(dir) => Some(dir),
+            Sight::Nowhere => None,
+        }
+    }
+    /// Where it is seen.
+    pub fn seen(self) -> Option<DVec3> {
+        match self {
+            Sight::Seen(dir) => Some(dir),
+            Sight::Hidden(_) | Sight::Nowhere => None,
+        }
+    }
+}
+
+/// How `eye` (world, m) sees a point of the subject. `known`: an eye and the direction in which it sees that point or one
+/// near it, world. Exact up to rounding.
+pub fn aim(
+    tracing: (&World, &Optics<Mono>),
+    subject: &Subject,
+    point: &Point,
+    known: (DVec3, DVec3),
+    eye: DVec3,
+) -> Sight {
+    let mut steps = 1;
+    while steps <= MOST_STEPS {
+        if let Some(dir) = carried(tracing, subject, point, known, eye, steps) {
+            return if is_clear(tracing, subject, point, eye, dir) { Sight::Seen(dir) } else { Sight::Hidden(dir) };
+        }
+        steps *= 2;
+    }
+    Sight::Nowhere
+}
+
+/// Carries a direction from one eye to another.
+fn carried(
+    (world, optics): (&World, &Optics<Mono>),
+    subject: &Subject,
+    point: &Point,
+    (from, mut dir): (DVec3, DVec3),
+    eye: DVec3,
+    steps: u32,
+) -> Option<DVec3> {
+    let origin = world.geometry.origin();
+    let index = |part: Option<u32>| optics.index_in(part)[0];
+    let size = FINE * subject.size[0].max(subject.size[1]);
+    let target = Target::new(point.place - origin, subject.normal);
+    // From the known direction's own eye first, which sees perhaps another point.
+    for step in u32::from(steps == 1)..=steps {
+        let here = from.lerp(eye, f64::from(step) / f64::from(steps)) - origin;
+        let (a, b) = dir.any_orthonormal_pair();
+        let family = Family::Point { origin: here, from: None, axis: dir, across: [a, b] };
+        let root = newton(world, &index, &family, DVec2::ZERO, &subject.train, &target, size)?;
+        dir = (dir + root.u.x * a + root.u.y * b).try_normalize()?;
+    }
+    Some(dir)
+}
+
+/// Whether a ray meets the faces of the train one after the other, and then the point.
+fn is_clear(tracing: (&World, &Optics<Mono>), subject: &Subject, point: &Point, eye: DVec3, dir: DVec3) -> bool {
+    let origin = tracing.0.geometry.origin();
+    let mut ledger = Ledger::new(tracing.0.solids.len());
+    let mut walker = sent(tracing, eye - origin, dir).recording();
+    for lens in &subject.train.0 {
+        if !walker.follow(once(lens.link), &mut ledger, |_, _, _| {}) {
+            return false;
+        }
+        // Chance takes nothing of a long train.
+        walker.events = walker.events.min(1);
+    }
+    let links = subject.train.0.len();
+    loop {
+        let Met::Face(vertex) = walker.advance(&mut ledger) else { return false };
+        if (vertex.hit.site.part, vertex.hit.site.face) == (subject.part, subject.face) {
+            let size = subject.size[0].max(subject.size[1]);
+            return (vertex.hit.point + origin - point.place).length() <= NEAR * size;
+        }
+        let went = matches!(walker.meet(&vertex, &mut ledger), Meeting::Went);
+        // Anything but a face that is not there is in the way.
+        if !went || walker.chain().is_none_or(|chain| chain.0.len() != links) {
+            return false;
+        }
+    }
+}

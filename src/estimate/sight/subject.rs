@@ -1,0 +1,253 @@
+//! Which face is the picture that an eye sees as a virtual image, over which train of specular faces, and a grid of points
+//! on it.
+
+use super::sent;
+use crate::base::chain::Chain;
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::estimate::ledger::Ledger;
+use crate::estimate::walk::{Meeting, Met, Vertex, Walker};
+use crate::film::train::{Lens, Train};
+use crate::scene::Scene;
+use crate::world::World;
+use crate::world::mode::Mono;
+use crate::world::optics::Optics;
+use crate::world::surface::Surface;
+use glam::{DVec2, DVec3};
+use std::collections::BTreeMap;
+
+/// Rays per side of the field of view that look for the picture.
+const LOOKS: usize = 48;
+/// A way on is followed where it carries this share of what the ray started with.
+const LEAST: f64 = 1.0 / 256.0;
+/// Faces that one branch of a ray may meet.
+const MOST_FACES: usize = 256;
+/// Branches of one ray: between two mirrors there would be no end.
+const MOST_BRANCHES: usize = 64;
+/// How far from a plane the picture may be, of its size.
+const FLAT: f64 = 1e-4;
+/// How far inside the rim the outermost points are, of the picture's sides.
+const INSET: f64 = 0.005;
+
+/// What kind of face is looked at. A slide goes before a lamp or a screen that is seen through specular faces, and that
+/// before what is seen without any.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    Slide,
+    /// A lamp or a scatterer, behind specular faces.
+    Image,
+    /// One that is seen directly.
+    Object,
+}
+
+/// A point of the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Column and row from the upper left of the picture as it is authored (slides), or as the face lies.
+    pub cell: [usize; 2],
+    /// Place in the picture from its middle, m: to the right and up.
+    pub picture: DVec2,
+    /// World, m.
+    pub place: DVec3,
+    /// A direction in which the middle of the eye sees something near it, world.
+    pub near: DVec3,
+}
+
+/// What is looked at, and how.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    pub kind: Kind,
+    pub part: u32,
+    pub face: u32,
+    /// From the eye to the face.
+    pub train: Train,
+    /// Unit, world.
+    pub normal: DVec3,
+    /// Width and height of what is scanned, m.
+    pub size: [f64; 2],
+    pub points: Vec<Point>,
+    /// The eye's middle from which it was found, world, m.
+    pub from: DVec3,
+}
+
+/// Light from the eye that met a face.
+struct Landed {
+    place: DVec3,
+    normal: DVec3,
+    dir: DVec3,
+    carried: f64,
+    train: Train,
+}
+
+impl Subject {
+    /// Finds the picture that the eye of `world` sees, and `cells` (columns, rows; at least 2 each) points on it. Of several
+    /// trains the one that carries most light counts. `target`: path of the part to look at.
+    /// Errors: no such part, nothing to look at, a face that is not flat.
+    pub fn find(
+        scene: &Scene,
+        tracing: (&World, &Optics<Mono>),
+        target: Option<&str>,
+        cells: [usize; 2],
+    ) -> Result<Subject> {
+        let (world, _) = tracing;
+        let wanted = target.map(|path| part_of(scene, path)).transpose()?;
+        let mut found: BTreeMap<(Kind, u32, u32, Chain), Vec<Landed>> = BTreeMap::new();
+        let half = world.eye.half();
+        for look in 0..LOOKS * LOOKS {
+            let tangent = |i: usize| 2.0 * (i as f64 + 0.5) / LOOKS as f64 - 1.0;
+            let film = DVec2::new(half.x * tangent(look % LOOKS), half.y * tangent(look / LOOKS));
+            let (origin, (_, dir), ..) = world.eye.ray_of(film, DVec2::ZERO);
+            follow(tracing, (origin, dir), |kind, vertex, walker, train| {
+                let site = vertex.hit.site;
+                if wanted.is_none_or(|part| part == site.part) {
+                    let chain = train.chain();
+                    found.entry((kind, site.part, site.face, chain)).or_default().push(Landed {
+                        place: vertex.hit.point + world.geometry.origin(),
+                        normal: vertex.hit.normal,
+                        dir,
+                        carried: walker.beam.weight(),
+                        train: train.clone(),
+                    });
+                }
+            });
+        }
+        let light = |hits: &[Landed]| hits.iter().map(|hit| hit.carried).sum::<f64>();
+        let best = found.into_iter().min_by(|((a, ..), p), ((b, ..), q)| a.cmp(b).then(light(q).total_cmp(&light(p))));
+        let Some(((kind, part, face, _), hits)) = best else {
+            let at = target.map_or(Where::Nowhere, Where::part);
+            return Err(Fault::new(at, "is not seen from the middle of the eyebox: there is nothing to scan").expected(
+                "a slide, a lamp or a scatterer in the eye's field of view, with or without specular faces before it",
+            ));
+        };
+        let path = scene.parts.get(part as usize).map_or("", |part| part.path.as_str());
+        let face_fault =
+            |what: &str| Fault::new(Where::Part { path: path.to_owned(), face: Some(face as usize) }, what);
+        let Some(first) = hits.first() else { return Err(face_fault("is not seen")) };
+        let normal = first.normal;
+        let (corner, sides) = match slide_of(scene, world, part, face) {
+            Some(placed) => placed,
+            None => bounds(&hits, normal, world.eye.look().cross(normal)),
+        };
+        let size = sides.map(DVec3::length);
+        let extent = size[0].max(size[1]);
+        if !(size[0] > 0.0 && size[1] > 0.0 && extent.is_finite()) {
+            return Err(face_fault("is seen edge-on or in one point only").expected("a face with an area"));
+        }
+        if hits.iter().any(|hit| (hit.place - first.place).dot(normal).abs() > FLAT * extent) {
+            return Err(face_fault("is not flat; scan reads virtual images of flat pictures").expected("a flat face"));
+        }
+        let mut points = Vec::with_capacity(cells[0].saturating_mul(cells[1]).min(1 << 16));
+        for row in 0..cells[1] {
+            for column in 0..cells[0] {
+                let part = |i: usize, n: usize| INSET + (1.0 - 2.0 * INSET) * i as f64 / (n.max(2) - 1) as f64;
+                let (u, v) = (part(column, cells[0]), part(row, cells[1]));
+                let place = corner + sides[0] * u + sides[1] * v;
+                let place = place - normal * (place - first.place).dot(normal);
+                let near = hits.iter().min_by(|a, b| a.place.distance(place).total_cmp(&b.place.distance(place)));
+                let picture = DVec2::new((u - 0.5) * size[0], (0.5 - v) * size[1]);
+                let near = near.map_or(first.dir, |hit| hit.dir);
+                points.push(Point { cell: [column, row], picture, place, near });
+            }
+        }
+        let middle = corner + 0.5 * (sides[0] + sides[1]);
+        let nearest = hits.iter().min_by(|a, b| a.place.distance(middle).total_cmp(&b.place.distance(middle)));
+        let train = nearest.map_or_else(|| first.train.clone(), |hit| hit.train.clone());
+        let from = world.eye.position() + world.geometry.origin();
+        Ok(Subject { kind, part, face, train, normal, size, points, from })
+    }
+}
+
+fn part_of(scene: &Scene, path: &str) -> Result<u32> {
+    let names = || scene.parts.iter().map(|part| part.path.as_str());
+    let found = scene.parts.iter().position(|part| part.path == path || part.name == path);
+    found.and_then(|index| u32::try_from(index).ok()).ok_or_else(|| {
+        Fault::new(Where::Option(format!("--target {path}")), "no such part")
+            .expected("the path or the name of a part")
+            .nearest(path, names().chain(scene.parts.iter().map(|part| part.name.as_str())))
+    })
+}
+
+/// The upper left corner of a slide's picture and its sides to the right and down, world.
+fn slide_of(scene: &Scene, world: &World, part: u32, face: u32) -> Option<(DVec3, [DVec3; 2])> {
+    let slide = scene.parts.get(part as usize)?.faces.get(face as usize)?.slide?;
+    let slide = scene.slides.get(slide.index())?;
+    let to_world = world.geometry.part_to_world(part);
+    let sides = [slide.u * slide.size[0], -slide.v * slide.size[1]];
+    let corner = to_world.transform_point3(slide.centre - 0.5 * (sides[0] + sides[1])) + world.geometry.origin();
+    Some((corner, sides.map(|side| to_world.transform_vector3(side))))
+}
+
+/// The box about what was met of a flat face, with sides along `across` and square to it.
+fn bounds(hits: &[Landed], normal: DVec3, across: DVec3) -> (DVec3, [DVec3; 2]) {
+    let a = across.try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
+    let b = a.cross(normal);
+    let origin = hits.first().map_or(DVec3::ZERO, |hit| hit.place);
+    let (mut low, mut high) = (DVec2::ZERO, DVec2::ZERO);
+    for hit in hits {
+        let at = DVec2::new((hit.place - origin).dot(a), (hit.place - origin).dot(b));
+        (low, high) = (low.min(at), high.max(at));
+    }
+    (origin + a * low.x + b * low.y, [a * (high.x - low.x), b * (high.y - low.y)])
+}
+
+/// Follows a ray and its branches to the faces that may be a picture.
+fn follow<'w>(
+    tracing: (&'w World, &'w Optics<Mono>),
+    (origin, dir): (DVec3, DVec3),
+    mut each: impl FnMut(Kind, &Vertex, &Walker<'w, Mono>, &Train),
+) {
+    let mut ledger = Ledger::new(tracing.0.solids.len());
+    let mut open = vec![(sent(tracing, origin, dir).recording(), Train::default())];
+    let mut branches = 1;
+    while let Some((mut walker, mut train)) = open.pop() {
+        for _ in 0..MOST_FACES {
+            let Met::Face(vertex) = walker.advance(&mut ledger) else { break };
+            let site = vertex.hit.site;
+            let picture = match &walker.face(&vertex).surface {
+                Surface::Slide(_) => Some(Kind::Slide),
+                Surface::Scatter(_) if train.0.is_empty() => Some(Kind::Object),
+                Surface::Scatter(_) => Some(Kind::Image),
+                Surface::Absorber
+                | Surface::Absent
+                | Surface::Sheet(_)
+                | Surface::Mirror(_)
+                | Surface::Interface(_) => None,
+            };
+            let lamp = || tracing.0.lamps.of_face(site.part as usize, site.face as usize);
+            let shines = || if train.0.is_empty() { Kind::Object } else { Kind::Image };
+            if let Some(kind) = picture.or_else(|| lamp().map(|_| shines())) {
+                each(kind, &vertex, &walker, &train);
+                break;
+            }
+            let before = walker.part_around();
+            let share = walker.beam.weight();
+            if branches < MOST_BRANCHES
+                && share > LEAST
+                && let Some(reflected) = walker.split(&vertex, LEAST / share, u8::MAX, &mut ledger)
+            {
+                branches += 1;
+                let mut other = train.clone();
+                linked(&mut other, &reflected, &vertex, before);
+                open.push((reflected, other));
+            }
+            if !matches!(walker.meet(&vertex, &mut ledger), Meeting::Went) {
+                break;
+            }
+            // Chance takes nothing: no branch is to be lost by it.
+            walker.events = walker.events.min(1);
+            linked(&mut train, &walker, &vertex, before);
+        }
+    }
+}
+
+/// Adds the face that a path has just met, unless it is one that is not there.
+fn linked(train: &mut Train, walker: &Walker<'_, Mono>, vertex: &Vertex, before: Option<u32>) {
+    let links = walker.chain().map_or(&[][..], |chain| &chain.0);
+    if links.len() > train.0.len()
+        && let Some(link) = links.last()
+    {
+        let after = walker.part_around();
+        train.0.push(Lens { link: *link, about: vertex.hit.local.to_array(), before, after });
+    }
+}

@@ -1,0 +1,218 @@
+//! The virtual image over an eyebox: from every position of a grid its luminance, distortion, distance, and what two eyes
+//! see of it. Definitions are in `docs/scan.md`.
+
+pub mod light;
+pub mod lines;
+pub mod table;
+
+use crate::base::fault::Result;
+use crate::base::{Fault, Where};
+use crate::estimate::ShouldStop;
+use crate::estimate::sight::aim::{Sight, aim};
+use crate::estimate::sight::image::{Disparity, Distortion, Vergence, arcmin, disparity, distortion, vergence};
+use crate::estimate::sight::subject::{Kind, Point, Subject};
+use crate::scene::{Eye, Scene};
+use crate::world::World;
+use crate::world::mode::{Mode, Mono};
+use crate::world::optics::Optics;
+use glam::DVec3;
+use light::{LightAsked, White, white};
+
+/// Most positions, and most points of the picture.
+pub const MOST_POSITIONS: usize = 4096;
+pub const MOST_POINTS: usize = 4096;
+/// Diameter that a pinhole is taken to have for distances, m.
+const DEFAULT_PUPIL_M: f64 = 0.004;
+
+/// What is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScanAsked {
+    /// Columns and rows of eye positions.
+    pub positions: [usize; 2],
+    /// Width and height of the eyebox, m; twice the pupil's diameter if none.
+    pub size_m: [Option<f64>; 2],
+    /// Interpupillary distance, m.
+    pub ipd_m: f64,
+    /// Columns and rows of points of the picture, at least 3 each.
+    pub points: [usize; 2],
+    /// Path of the part that is looked at.
+    pub target: Option<String>,
+    /// None: geometry alone.
+    pub light: Option<LightAsked>,
+}
+
+/// What was found. Lengths in m.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Scan {
+    /// Path of the part that is looked at, its face, how it is seen, and its size.
+    pub part: String,
+    pub face: u32,
+    pub kind: Kind,
+    pub picture_m: [f64; 2],
+    pub eyebox_m: [f64; 2],
+    pub ipd_m: f64,
+    /// Row by row from the upper left as the eye looks.
+    pub positions: Vec<Position>,
+}
+
+/// What is seen from one position.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Position {
+    /// To the right and up from the scene's eye, m.
+    pub x_m: f64,
+    pub y_m: f64,
+    /// Share of the picture's points that the middle of the pupil sees.
+    pub seen: f64,
+    /// Why nothing was scanned from here.
+    pub why: Option<String>,
+    pub luminance: Option<White>,
+    pub distortion: Option<Distortion>,
+    pub distance: Option<Distances>,
+    pub disparity: Option<Disparities>,
+    pub points: Vec<Line>,
+}
+
+/// Vergences of the points that are seen by the whole pupil's cross, dioptres.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Distances {
+    /// At the middle of the picture, if it is seen.
+    pub centre_per_m: Option<f64>,
+    pub mean_per_m: f64,
+    pub least_per_m: f64,
+    pub most_per_m: f64,
+    /// Largest |horizontal − vertical|.
+    pub astigmatism_per_m: f64,
+}
+
+/// Over the points that both eyes see.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Disparities {
+    /// Share of the points that both eyes see.
+    pub seen: f64,
+    pub mean_convergence_arcmin: f64,
+    pub least_convergence_arcmin: f64,
+    pub most_convergence_arcmin: f64,
+    /// Largest |dipvergence|.
+    pub dipvergence_arcmin: f64,
+}
+
+/// One point of the picture.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Line {
+    /// Column and row.
+    pub cell: [usize; 2],
+    pub seen: bool,
+    /// From the viewing axis to the right and up, degrees; also where something hides it.
+    pub direction_deg: Option<[f64; 2]>,
+    pub vergence: Option<Vergence>,
+    pub disparity: Option<Disparity>,
+}
+
+/// Scans. None if `stop` said true. `each` is told how many positions are done.
+/// Errors: nothing to look at, numbers out of range, a scene that cannot be traced.
+pub fn scan(
+    scene: &Scene,
+    asked: &ScanAsked,
+    stop: &ShouldStop<'_>,
+    mut each: impl FnMut(usize),
+) -> Result<Option<Scan>> {
+    let eyebox_m = checked(scene, asked)?;
+    let mut scene = scene.clone();
+    if let Some(light) = &asked.light {
+        // The display alone: what is behind it is no business of the eyebox.
+        scene.sky = None;
+        scene.eye.resolution = light.resolution;
+    }
+    let world = World::freeze(&scene)?;
+    let optics = Mono::<f64>::optics(&world, 0, 0);
+    let subject = Subject::find(&scene, (&world, &optics), asked.target.as_deref(), asked.points)?;
+    let (middle, [columns, rows]) = (scene.eye.position, asked.positions);
+    let mut positions = Vec::with_capacity(columns * rows);
+    for index in 0..columns * rows {
+        let x_m = place(index % columns, columns) * eyebox_m[0];
+        let y_m = place(rows - 1 - index / columns, rows) * eyebox_m[1];
+        scene.eye.position = middle + scene.eye.right() * x_m + scene.eye.up * y_m;
+        let mut position = Position { x_m, y_m, ..Position::nowhere() };
+        match World::freeze(&scene) {
+            Ok(world) => {
+                let optics = Mono::<f64>::optics(&world, 0, 0);
+                lines::fill(&mut position, (&world, &optics), &scene.eye, &subject, asked.ipd_m);
+                if let Some(light) = &asked.light {
+                    match white(&scene, &world, light, &position.points, asked.points, stop) {
+                        Ok(found) => position.luminance = found,
+                        Err(fault) => position.why = Some(fault.to_string()),
+                    }
+                }
+            }
+            // The eye is inside of something, most likely.
+            Err(fault) => position.why = Some(fault.to_string()),
+        }
+        if stop() {
+            return Ok(None);
+        }
+        positions.push(position);
+        each(positions.len());
+    }
+    let part = scene.parts.get(subject.part as usize).map_or_else(String::new, |part| part.path.clone());
+    let (face, kind, picture_m) = (subject.face, subject.kind, subject.size);
+    Ok(Some(Scan { part, face, kind, picture_m, eyebox_m, ipd_m: asked.ipd_m, positions }))
+}
+
+impl Position {
+    fn nowhere() -> Position {
+        Position {
+            x_m: 0.0,
+            y_m: 0.0,
+            seen: 0.0,
+            why: None,
+            luminance: None,
+            distortion: None,
+            distance: None,
+            disparity: None,
+            points: Vec::new(),
+        }
+    }
+}
+
+/// Of `count` positions over −½ … ½ the one with this number; one alone is in the middle.
+fn place(index: usize, count: usize) -> f64 {
+    if count < 2 { 0.0 } else { index as f64 / (count - 1) as f64 - 0.5 }
+}
+
+/// The eyebox's size, m. Errors: numbers out of range.
+fn checked(scene: &Scene, asked: &ScanAsked) -> Result<[f64; 2]> {
+    let option = |text: &str| Where::Option(text.to_owned());
+    let product = |[a, b]: [usize; 2]| a.checked_mul(b).unwrap_or(usize::MAX);
+    if !(1..=MOST_POSITIONS).contains(&product(asked.positions)) {
+        let [columns, rows] = asked.positions;
+        return Err(Fault::new(option("--eyebox"), format!("{columns} × {rows} eye positions"))
+            .expected(format!("1 to {MOST_POSITIONS} in all")));
+    }
+    if asked.points.iter().any(|n| *n < 3) || product(asked.points) > MOST_POINTS {
+        let [columns, rows] = asked.points;
+        return Err(Fault::new(option("--points"), format!("{columns} × {rows} points of the picture"))
+            .expected(format!("at least 3 each way and at most {MOST_POINTS} in all")));
+    }
+    if !(asked.ipd_m > 0.0 && asked.ipd_m.is_finite()) {
+        return Err(Fault::new(option("--ipd"), format!("{} m between the eyes", asked.ipd_m)).expected("above 0"));
+    }
+    let mut size = [0.0; 2];
+    for (axis, name) in ["--width", "--height"].into_iter().enumerate() {
+        let default = 2.0 * scene.eye.pupil_diameter_m;
+        size[axis] = asked.size_m[axis].unwrap_or(default);
+        if !(size[axis] >= 0.0 && size[axis].is_finite()) {
+            return Err(Fault::new(option(name), format!("{} m", size[axis])).expected("0 or more"));
+        }
+        if asked.positions[axis] > 1 && size[axis] == 0.0 {
+            return Err(Fault::new(option(name), "all eye positions would be one")
+                .expected("a size above 0 (the default is two pupil diameters, and this pupil is a point)"));
+        }
+    }
+    Ok(size)
+}
+
+/// Half the distance over which the vergence is taken, m: the root of the mean square of a disc's points along an axis.
+fn step_m(eye: &Eye) -> f64 {
+    let diameter = if eye.pupil_diameter_m > 0.0 { eye.pupil_diameter_m } else { DEFAULT_PUPIL_M };
+    diameter / 4.0
+}

@@ -1,0 +1,118 @@
+//! A scan as text and as CSV.
+
+use super::light::Level;
+use super::{Position, Scan};
+
+/// A column of the table of positions: name with unit, and value.
+type Column = (&'static str, fn(&Position) -> Option<f64>);
+
+const COLUMNS: [Column; 22] = [
+    ("x_mm", |p| Some(1e3 * p.x_m)),
+    ("y_mm", |p| Some(1e3 * p.y_m)),
+    ("seen", |p| Some(p.seen)),
+    ("centre_cd_m2", |p| Some(p.luminance?.centre?.value)),
+    ("centre_sigma_cd_m2", |p| p.luminance?.centre?.sigma),
+    ("mean_cd_m2", |p| Some(p.luminance?.mean?.value)),
+    ("mean_sigma_cd_m2", |p| p.luminance?.mean?.sigma),
+    ("uniformity", |p| Some(p.luminance?.uniformity?.value)),
+    ("distortion_max_percent", |p| Some(p.distortion?.max_percent)),
+    ("distortion_rms_percent", |p| Some(p.distortion?.rms_percent)),
+    ("distortion_max_arcmin", |p| Some(p.distortion?.max_arcmin)),
+    ("distortion_rms_arcmin", |p| Some(p.distortion?.rms_arcmin)),
+    ("vergence_centre_per_m", |p| p.distance?.centre_per_m),
+    ("vergence_mean_per_m", |p| Some(p.distance?.mean_per_m)),
+    ("vergence_least_per_m", |p| Some(p.distance?.least_per_m)),
+    ("vergence_most_per_m", |p| Some(p.distance?.most_per_m)),
+    ("astigmatism_per_m", |p| Some(p.distance?.astigmatism_per_m)),
+    ("seen_by_both", |p| Some(p.disparity.map_or(0.0, |d| d.seen))),
+    ("convergence_mean_arcmin", |p| Some(p.disparity?.mean_convergence_arcmin)),
+    ("convergence_least_arcmin", |p| Some(p.disparity?.least_convergence_arcmin)),
+    ("convergence_most_arcmin", |p| Some(p.disparity?.most_convergence_arcmin)),
+    ("dipvergence_most_arcmin", |p| Some(p.disparity?.dipvergence_arcmin)),
+];
+
+/// One line per position after a line of names; what there is none of is empty.
+pub fn csv(scan: &Scan) -> String {
+    let mut out = COLUMNS.map(|(name, _)| name).join(",");
+    out.push('\n');
+    for position in &scan.positions {
+        let cell = |(_, value): &Column| value(position).map_or(String::new(), |value| format!("{value:.9}"));
+        out.push_str(&COLUMNS.iter().map(cell).collect::<Vec<_>>().join(","));
+        out.push('\n');
+    }
+    out
+}
+
+/// For people.
+pub fn lines(scan: &Scan) -> Vec<String> {
+    let mm = |m: f64| 1e3 * m;
+    let mut out = vec![
+        format!(
+            "picture: {} face {}, {:.2} × {:.2} mm; eyebox {:.1} × {:.1} mm, {} positions",
+            scan.part,
+            scan.face,
+            mm(scan.picture_m[0]),
+            mm(scan.picture_m[1]),
+            mm(scan.eyebox_m[0]),
+            mm(scan.eyebox_m[1]),
+            scan.positions.len()
+        ),
+        "     x mm     y mm   seen   centre cd/m²     mean  uniform  distortion %  arcmin  1/distance 1/m  (least … most)"
+            .to_owned(),
+    ];
+    out.extend(scan.positions.iter().map(line));
+    let over = |what: &str, unit: &str, value: &dyn Fn(&Position) -> Option<f64>| {
+        let values: Vec<f64> = scan.positions.iter().filter_map(value).collect();
+        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+        if values.is_empty() {
+            format!("{what} over the eyebox: none")
+        } else {
+            format!("{what} over the eyebox: {low:.4} to {high:.4} {unit}, {} positions", values.len())
+        }
+    };
+    if scan.positions.iter().any(|p| p.luminance.is_some()) {
+        let level = |of: Option<Level>| of.map(|level| level.value);
+        out.push(over("luminance, centre", "cd/m²", &|p| level(p.luminance?.centre)));
+        out.push(over("luminance, mean", "cd/m²", &|p| level(p.luminance?.mean)));
+        out.push(over("uniformity of 9 points", "(least over largest)", &|p| level(p.luminance?.uniformity)));
+    }
+    out.push(over("distortion, largest", "% of half the diagonal", &|p| Some(p.distortion?.max_percent)));
+    out.push(over("distortion, largest", "arcmin", &|p| Some(p.distortion?.max_arcmin)));
+    out.push(over("1/distance, mean of the picture", "1/m (0 is infinity, below 0 converging)", &|p| {
+        Some(p.distance?.mean_per_m)
+    }));
+    out.push(over("astigmatism, largest", "1/m", &|p| Some(p.distance?.astigmatism_per_m)));
+    let ipd = mm(scan.ipd_m);
+    if scan.positions.iter().all(|p| p.disparity.is_none()) {
+        out.push(format!("binocular disparity: none: no point of the picture is seen by both eyes, {ipd:.1} mm apart"));
+    } else {
+        out.push(over("convergence, mean of the picture", "arcmin", &|p| Some(p.disparity?.mean_convergence_arcmin)));
+        out.push(over("dipvergence, largest", "arcmin", &|p| Some(p.disparity?.dipvergence_arcmin)));
+    }
+    out
+}
+
+fn line(p: &Position) -> String {
+    let place = format!("{:9.2}{:9.2}", 1e3 * p.x_m, 1e3 * p.y_m);
+    if let Some(why) = &p.why {
+        return format!("{place}   {why}");
+    }
+    if p.seen == 0.0 {
+        return format!("{place}   nothing of the picture is seen (vignetted)");
+    }
+    let number = |value: Option<f64>, width: usize, digits: usize| match value {
+        Some(value) => format!("{value:width$.digits$}"),
+        None => format!("{:>width$}", "-"),
+    };
+    let range = p.distance.map_or(String::new(), |d| format!("  ({:.4} … {:.4})", d.least_per_m, d.most_per_m));
+    format!(
+        "{place}{:6.0}%{}{}{}{}{}{}{range}",
+        100.0 * p.seen,
+        number(p.luminance.and_then(|l| Some(l.centre?.value)), 15, 1),
+        number(p.luminance.and_then(|l| Some(l.mean?.value)), 9, 1),
+        number(p.luminance.and_then(|l| Some(l.uniformity?.value)), 9, 3),
+        number(p.distortion.map(|d| d.max_percent), 14, 4),
+        number(p.distortion.map(|d| d.max_arcmin), 8, 3),
+        number(p.distance.map(|d| d.mean_per_m), 16, 4),
+    )
+}

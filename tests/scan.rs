@@ -1,0 +1,174 @@
+//! `eyebox scan` against closed forms: a lamp in a plane mirror, the display behind a thick lens, what a lens lets through.
+
+mod common;
+
+use common::{add_group, add_part, face, lamp, mesh, quad, scene};
+use eyebox::estimate::sight::image::distortion;
+use eyebox::import::{ImportOptions, Set, import};
+use eyebox::plan::scan::light::LightAsked;
+use eyebox::plan::scan::table::{csv, lines};
+use eyebox::plan::scan::{Scan, ScanAsked, scan};
+use eyebox::plan::{Asked, Choice, Polarisation};
+use eyebox::scene::{Finish, Scene};
+use glam::{DVec2, DVec3};
+use std::path::Path;
+
+const IPD_M: f64 = 0.06;
+const LAMP_CD_M2: f64 = 1000.0;
+const MIRROR: f64 = 0.8;
+
+fn asked(positions: [usize; 2], size_m: [f64; 2]) -> ScanAsked {
+    ScanAsked { positions, size_m: size_m.map(Some), ipd_m: IPD_M, points: [3, 3], target: None, light: None }
+}
+
+fn run(scene: &Scene, asked: &ScanAsked) -> Scan {
+    scan(scene, asked, &|| false, |_| {}).expect("the scene can be scanned").expect("nobody stopped it")
+}
+
+/// A lamp of 40 × 20 mm that faces down, seen in a mirror at 45° that is 300 mm away and `half` wide and high.
+fn mirrored(half: f64) -> Scene {
+    let mut scene = scene();
+    let along = DVec3::new(0.0, 1.0, -1.0).normalize();
+    let glass = mesh(&[quad(DVec3::ZERO, DVec3::X * half, -along * half)]);
+    let finish = Finish::MirrorIdeal { reflectance: MIRROR };
+    add_part(&mut scene, "mirror", glass, DVec3::new(0.0, 0.0, -0.3), None, vec![face(finish)]);
+    let group = add_group(&mut scene, "led");
+    let mut shining = face(Finish::Absorber);
+    shining.emitter = lamp(group, LAMP_CD_M2);
+    let panel = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.02, DVec3::Z * 0.01)]);
+    add_part(&mut scene, "lamp", panel, DVec3::new(0.0, 0.5, -0.3), None, vec![shining]);
+    scene.eye.resolution = [24, 24];
+    scene
+}
+
+#[test]
+fn a_lamp_in_a_plane_mirror() {
+    let scene = mirrored(0.3);
+    let light = LightAsked {
+        resolution: [24, 24],
+        passes: 8,
+        seed: 1,
+        asked: Asked { choice: Choice::Auto, polarisation: Polarisation::Off },
+    };
+    let wanted = ScanAsked { light: Some(light), ..asked([3, 2], [0.1, 0.04]) };
+    let found = run(&scene, &wanted);
+    assert_eq!((found.part.as_str(), found.positions.len()), ("lamp", 6));
+    // From the box about what rays through the middles of 48 × 48 cells met: nearly all of the lamp.
+    assert!(found.picture_m[0] > 0.037 && found.picture_m[0] < 0.04, "{:?}", found.picture_m);
+    for position in &found.positions {
+        assert_eq!((position.seen, position.points.len()), (1.0, 9));
+        let eye = DVec3::new(position.x_m, position.y_m, 0.0);
+        let mut images = Vec::new();
+        for line in &position.points {
+            // Where the line of sight meets the image's plane, 0.8 m away.
+            let [x, y] = line.direction_deg.unwrap().map(|angle| angle.to_radians().tan());
+            let image = eye + DVec3::new(x, y, -1.0) * 0.8;
+            assert!(image.x.abs() <= 0.02 && image.y.abs() <= 0.01, "{image}");
+            images.push(image);
+            let distance = (image - eye).length();
+            let vergence = line.vergence.unwrap();
+            for got in [vergence.horizontal_per_m, vergence.vertical_per_m] {
+                // (1 mm/0.8 m)²
+                assert!((got * distance - 1.0).abs() < 3e-6, "{got} {distance}");
+            }
+            let disparity = line.disparity.unwrap();
+            let tilted = y.hypot(1.0) * 0.8;
+            let azimuth = |side: f64| (image.x - eye.x - side * IPD_M / 2.0).atan2(tilted);
+            let want = azimuth(-1.0) - azimuth(1.0);
+            assert!((disparity.convergence_rad - want).abs() < 1e-9, "{} {want}", disparity.convergence_rad);
+            assert!(disparity.dipvergence_rad.abs() < 1e-9, "{}", disparity.dipvergence_rad);
+        }
+        // One place in space for each point, from wherever it is seen.
+        let first = &found.positions[0];
+        for (line, image) in first.points.iter().zip(&images) {
+            let [x, y] = line.direction_deg.unwrap().map(|angle| angle.to_radians().tan());
+            let other = DVec3::new(first.x_m, first.y_m, 0.0) + DVec3::new(x, y, -1.0) * 0.8;
+            assert!((other - *image).length() < 1e-9, "{other} {image}");
+        }
+        // A flat mirror bends nothing: what is left is the view of a plane from the side, as the fit has it.
+        let size = found.picture_m;
+        let places: Vec<(DVec2, DVec3)> = position
+            .points
+            .iter()
+            .zip(&images)
+            .map(|(line, image)| {
+                let [u, v] = line.cell.map(|i| 0.005 + 0.99 * i as f64 / 2.0);
+                (DVec2::new((u - 0.5) * size[0], (0.5 - v) * size[1]), (*image - eye).normalize())
+            })
+            .collect();
+        let want = distortion(&places, places[4].1, DVec3::X).unwrap();
+        let got = position.distortion.unwrap();
+        assert!((got.max_arcmin - want.max_arcmin).abs() < 1e-5, "{got:?} {want:?}");
+        let white = position.luminance.unwrap();
+        let [centre, mean] = [white.centre, white.mean].map(|level| level.unwrap().value);
+        // The mean of patches of half a degree, some over the lamp's rim.
+        assert!((centre / (MIRROR * LAMP_CD_M2) - 1.0).abs() < 1e-3, "{centre}");
+        assert!(mean > 0.3 * MIRROR * LAMP_CD_M2 && mean <= centre * 1.001, "{mean}");
+    }
+    // From the middle, between both rows, all would be square to the axis; here the rows mirror each other.
+    let [up, down] = [1, 4].map(|i| found.positions[i].distortion.unwrap().max_arcmin);
+    assert!((up - down).abs() < 1e-5, "{up} {down}");
+    let table = csv(&found);
+    assert_eq!(table.lines().count(), 7);
+    assert!(table.lines().all(|line| line.split(',').count() == 22), "{table}");
+    assert!(!table.contains("NaN") && !table.contains("inf"), "{table}");
+    assert!(lines(&found).iter().any(|line| line.starts_with("convergence, mean")), "{:?}", lines(&found));
+}
+
+/// Beside a small mirror nothing is seen, and it is said so.
+#[test]
+fn outside_the_eyebox_nothing_is_seen() {
+    let found = run(&mirrored(0.02), &asked([3, 1], [0.4, 0.0]));
+    let seen: Vec<f64> = found.positions.iter().map(|p| p.seen).collect();
+    assert!(seen[1] > 0.9 && seen[0] == 0.0 && seen[2] == 0.0, "{seen:?}");
+    let beside = &found.positions[0];
+    assert!(beside.distortion.is_none() && beside.distance.is_none() && beside.disparity.is_none());
+    assert!(lines(&found).iter().any(|line| line.contains("vignetted")));
+    assert!(!csv(&found).contains("NaN"));
+    // The mirror is flat, so where the image would be is known all the same.
+    assert!(beside.points.iter().all(|line| !line.seen && line.direction_deg.is_some()));
+}
+
+#[test]
+fn faults() {
+    let scene = mirrored(0.3);
+    let fault = |asked: &ScanAsked| scan(&scene, asked, &|| false, |_| {}).unwrap_err().to_string();
+    let good = asked([1, 1], [0.0, 0.0]);
+    assert!(fault(&ScanAsked { target: Some("lam".into()), ..good.clone() }).contains("did you mean `lamp`?"));
+    assert!(fault(&ScanAsked { target: Some("mirror".into()), ..good.clone() }).contains("nothing to scan"));
+    assert!(fault(&asked([0, 1], [0.1; 2])).contains("1 to 4096"));
+    assert!(fault(&asked([usize::MAX, 2], [0.1; 2])).contains("1 to 4096"));
+    assert!(fault(&asked([2, 1], [0.0; 2])).contains("all eye positions would be one"));
+    assert!(fault(&asked([2, 1], [f64::NAN, 0.0])).contains("0 or more"));
+    assert!(fault(&ScanAsked { points: [2, 9], ..good.clone() }).contains("at least 3"));
+    assert!(fault(&ScanAsked { ipd_m: f64::INFINITY, ..good }).contains("--ipd"));
+}
+
+/// The sample's picture is 200 mm before a lens whose convex face has R = 103.70448 mm, 5 mm thick, 196.707 mm before the
+/// eye. Paraxial: the vergence behind the first face is V₁ = (n − 1)/R − 1/l, behind the second V₁/(1 − V₁t/n), and at
+/// the eye V/(1 − Vd) (any textbook, e.g. Hecht, Optics, section 6.1).
+#[test]
+fn the_display_behind_a_thick_lens() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/hud-direct/hud.optics.toml");
+    for (glass, n) in [("N-BK7", 1.518_522_387_620_788), ("N-SK16", 1.622_607_688_060_801)] {
+        let sets = ["eye.pupil_diameter=\"0.2 mm\"".to_owned(), format!("LENS_02_NBK7.glass={glass}")];
+        let sets = sets.iter().map(|text| Set::parse(text).unwrap()).collect();
+        let scene = import(&path, &ImportOptions { sets, frame: None }).expect("the sample imports").scene;
+        let found = run(&scene, &asked([3, 1], [0.12, 0.0]));
+        assert!(found.part.ends_with("LCD_ACTIVE_AREA"), "{}", found.part);
+        assert!((found.picture_m[0] - 0.04).abs() < 1e-9 && (found.picture_m[1] - 0.02).abs() < 1e-9);
+        let behind = |v: f64, d: f64| v / (1.0 - v * d);
+        let first = (n - 1.0) / 0.103_704_48 - 1.0 / 0.2;
+        // Converging is negative here.
+        let want = -behind(behind(first, 0.005 / n), 0.196_707);
+        let middle = &found.positions[1];
+        // The lens of 17 mm hides the sides of a picture of 40 mm behind it.
+        assert_eq!(middle.seen, 3.0 / 9.0);
+        let got = middle.distance.unwrap().centre_per_m.unwrap();
+        assert!((got - want).abs() < 2e-4, "{glass}: {got} {want}");
+        // 60 mm beside the axis the lens of 17 mm shows a ray at more than (60 − 17)/196.7, and the picture is within 0.1.
+        assert_eq!([0, 2].map(|i| found.positions[i].seen), [0.0, 0.0]);
+        // Eyes 60 mm apart: neither sees anything.
+        assert!(middle.disparity.is_none());
+    }
+}
