@@ -9,6 +9,7 @@ use crate::base::fault::{Fault, Result, Where};
 use crate::film::sharpness::Sharpness;
 use crate::output::contact_sheet::write_contact_sheet;
 use crate::output::exr::read_exr;
+use crate::output::picture_sheet::picture_sheet;
 use crate::output::tone::Adaptation;
 use crate::output::view::{Shown, ViewInfo, ViewOptions, write_view};
 
@@ -28,11 +29,12 @@ Examples:
   eyebox view frame.exr -o seen.png --adaptation foveal --glare
   eyebox view frame.exr -o scale.png --layer forward_led --false-colour
   eyebox view frame.exr -o sheet.png --contact-sheet
-  eyebox view frame.exr -o forward.png --layer forward --exposure -3.5")]
+  eyebox view frame.exr -o forward.png --layer forward --exposure -3.5
+  eyebox view day.exr night.exr -o both.png --caption \"By day\" --caption \"By night\"")]
 pub struct ViewArgs {
-    /// The frame to show
-    #[arg(value_name = "FRAME.exr")]
-    pub frame: PathBuf,
+    /// The frame to show; several go on one sheet
+    #[arg(value_name = "FRAME.exr", required = true)]
+    pub frames: Vec<PathBuf>,
     /// The PNG to write
     #[arg(short, long, value_name = "VIEW.png")]
     pub output: PathBuf,
@@ -54,6 +56,12 @@ pub struct ViewArgs {
     /// Show all layers side by side
     #[arg(long, conflicts_with_all = ["layer", "false_colour"])]
     pub contact_sheet: bool,
+    /// What to write under a frame of a sheet, once per frame [default: its name]
+    #[arg(long, value_name = "TEXT")]
+    pub caption: Vec<String>,
+    /// Frames of a sheet side by side [default: 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=64))]
+    pub columns: Option<u16>,
     /// How to print what was done
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
@@ -95,7 +103,6 @@ fn view(args: &ViewArgs) -> Result<(serde_json::Value, String)> {
             .expected("a name that ends in .png"));
     }
     check_writable(&args.output)?;
-    let frame = read_exr(&args.frame)?;
     let defaults = ViewOptions::default();
     let options = ViewOptions {
         layer: args.layer.clone(),
@@ -105,10 +112,15 @@ fn view(args: &ViewArgs) -> Result<(serde_json::Value, String)> {
         false_colour: args.false_colour,
         ..defaults
     };
+    let [path] = args.frames.as_slice() else { return sheet(args, &options) };
+    if !args.caption.is_empty() || args.columns.is_some() {
+        return Err(Fault::new(Where::Option("--caption, --columns".to_owned()), "are for sheets of several frames"));
+    }
+    let frame = read_exr(path)?;
     if args.contact_sheet {
         let [width, height] = write_contact_sheet(&args.output, &frame, &options)?;
         let json = serde_json::json!({
-            "frame": args.frame.display().to_string(),
+            "frame": path.display().to_string(),
             "output": args.output.display().to_string(),
             "layers": frame.layer_names(),
             "contact_sheet": [width, height],
@@ -118,12 +130,38 @@ fn view(args: &ViewArgs) -> Result<(serde_json::Value, String)> {
     }
     let info = write_view(&args.output, &frame, &options)?;
     let json = serde_json::json!({
-        "frame": args.frame.display().to_string(),
+        "frame": path.display().to_string(),
         "output": args.output.display().to_string(),
         "layers": frame.layer_names(),
         "view": info,
     });
     Ok((json, text(args, &info)))
+}
+
+/// Several frames on one sheet.
+fn sheet(args: &ViewArgs, options: &ViewOptions) -> Result<(serde_json::Value, String)> {
+    if args.contact_sheet {
+        return Err(Fault::new(Where::Option("--contact-sheet".to_owned()), "shows the layers of one frame"));
+    }
+    let count = args.frames.len();
+    if !args.caption.is_empty() && args.caption.len() != count {
+        let what = format!("{} captions for {count} frames", args.caption.len());
+        return Err(Fault::new(Where::Option("--caption".to_owned()), what).expected("one per frame, or none"));
+    }
+    let mut frames = Vec::with_capacity(count);
+    for (index, path) in args.frames.iter().enumerate() {
+        let name = || path.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        frames.push((read_exr(path)?, args.caption.get(index).cloned().unwrap_or_else(name)));
+    }
+    let sheet = picture_sheet(&frames, args.columns.map_or(2, usize::from), options)?;
+    sheet.write_png(&args.output)?;
+    let json = serde_json::json!({
+        "frames": args.frames.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+        "output": args.output.display().to_string(),
+        "sheet": [sheet.width, sheet.height],
+    });
+    let (output, [width, height]) = (args.output.display(), [sheet.width, sheet.height]);
+    Ok((json, format!("{output}: sheet of {count} frames, {width} × {height}")))
 }
 
 /// One line for people.
@@ -209,6 +247,12 @@ mod tests {
         assert!(fault.to_string().contains("did you mean `caustic`?"), "{fault}");
         assert!(view(&parse(&["view", exr_text, "-o", exr_text])).unwrap_err().to_string().contains(".png"));
         assert!(view(&parse(&["view", png_text, "-o", png_text])).is_err(), "a PNG is no EXR");
+
+        let pair = ["view", exr_text, exr_text, "-o", png_text, "--caption", "one"];
+        assert!(view(&parse(&pair)).unwrap_err().to_string().contains("1 captions for 2 frames"));
+        let (_, text) = view(&parse(&[&pair[..], &["--caption", "two", "--columns", "1"]].concat())).unwrap();
+        assert!(text.contains("sheet of 2 frames"), "{text}");
+        assert!(view(&parse(&["view", exr_text, "-o", png_text, "--columns", "3"])).is_err());
     }
 
     #[test]

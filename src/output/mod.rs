@@ -16,6 +16,7 @@ pub mod luminance;
 pub mod measure;
 pub mod mix;
 mod mix_errors;
+pub mod picture_sheet;
 pub mod plate;
 pub mod raster;
 pub mod shard;
