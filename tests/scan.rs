@@ -53,7 +53,7 @@ fn a_lamp_in_a_plane_mirror() {
     let wanted = ScanAsked { light: Some(light), ..asked([3, 2], [0.1, 0.04]) };
     let found = run(&scene, &wanted);
     assert_eq!((found.part.as_str(), found.positions.len()), ("lamp", 6));
-    // From the box about what rays through the middles of 48 × 48 cells met: nearly all of the lamp.
+    // From the box about what rays through the middles of 48 × 48 cells of a box of that size met: nearly all of the lamp.
     assert!(found.picture_m[0] > 0.037 && found.picture_m[0] < 0.04, "{:?}", found.picture_m);
     for position in &found.positions {
         assert_eq!((position.seen, position.points.len()), (1.0, 9));
@@ -125,8 +125,7 @@ fn outside_the_eyebox_nothing_is_seen() {
     assert!(beside.distortion.is_none() && beside.distance.is_none() && beside.disparity.is_none());
     assert!(lines(&found).iter().any(|line| line.contains("vignetted")));
     assert!(!csv(&found).contains("NaN"));
-    // The mirror is flat, so where the image would be is known all the same.
-    assert!(beside.points.iter().all(|line| !line.seen && line.direction_deg.is_some()));
+    assert!(beside.points.iter().all(|line| !line.seen));
 }
 
 #[test]

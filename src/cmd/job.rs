@@ -1,6 +1,6 @@
 //! `eyebox job`: a rendering for a farm.
 
-use super::sequence::parse_frames;
+use super::sequence::{Frames, parse_frames};
 use super::{Format, print};
 use crate::base::atomic::write_atomic;
 use crate::base::{Fault, Result, Where};
@@ -27,9 +27,9 @@ pub struct JobArgs {
     /// Pieces that the passes of a frame are cut into.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
     shards: u64,
-    /// Time codes of a USD asset: A-B or A-BxSTEP.
-    #[arg(long, value_name = "A-B", value_parser = parse_frames, allow_hyphen_values = true)]
-    frames: Option<[i64; 3]>,
+    /// Time codes of a USD asset: A-B, or A-BxS for every S-th.
+    #[arg(long, value_name = "A-B[xS]", value_parser = parse_frames, allow_hyphen_values = true)]
+    frames: Option<Frames>,
     /// The template to write: YAML, or JSON if the name says so.
     #[arg(short = 'o', long = "job", value_name = "JOB.yaml")]
     job: PathBuf,
@@ -110,7 +110,7 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
         shards: args.shards,
         samples: args.samples,
         seed: args.seed,
-        frames: args.frames,
+        frames: args.frames.map(Frames::range),
         plan_options,
         render_options: args.render.clone(),
         checkpoint_s: 60,
@@ -119,7 +119,7 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
     let as_json = args.job.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     let text = if as_json { format!("{template:#}\n") } else { yaml(&template) };
     write_atomic(&args.job, text.as_bytes())?;
-    let tasks = args.frames.map_or(1, |[first, last, step]| (last - first) / step + 1);
+    let tasks = args.frames.map_or(1, Frames::count);
     let places = [("Asset", &job.asset, &asset), ("AssetFolder", &job.asset_folder, &folder)];
     let output_folder = parent(&output);
     let places = places.into_iter().chain([("OutputFolder", &job.output_folder, &output_folder)]);

@@ -20,10 +20,10 @@ mod mix;
 mod plan;
 mod progress;
 mod render;
-mod sequence;
-mod shards;
 mod report;
 mod scan;
+mod sequence;
+mod shards;
 mod validate;
 mod view;
 

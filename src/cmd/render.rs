@@ -1,7 +1,7 @@
 //! `eyebox render`: the corridor, in order.
 
 use super::progress::{Progress, ProgressArg, Signals};
-use super::sequence::named;
+use super::sequence::{self, Frames, named, parse_frames};
 use super::shards::{Saver, checkpoint_of, parse_shard, resume};
 use super::{Format, print};
 use crate::base::atomic::check_writable;
@@ -43,11 +43,12 @@ const DEFAULT_PASSES: u64 = 64;
     eyebox render hud.optics.toml -o sharp.exr --diffraction\n  \
     eyebox render hud.optics.toml -o hud.3.exr --samples 256 --shard 3/7\n  \
     eyebox render hud.optics.toml -o hud.exr --time 2h --checkpoint 60s --resume\n  \
-    eyebox render hud.usda -o hud.0012.exr --frame 12")]
+    eyebox render hud.usda -o hud.0012.exr --frame 12\n  \
+    eyebox render hud.usda -o hud.####.exr --frames 1-24 --skip-existing")]
 pub struct RenderArgs {
     /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
     asset: PathBuf,
-    /// The EXR to write; in hud.####.exr the digits of --frame take the place of #.
+    /// The EXR to write; in hud.####.exr the digits of the frame take the place of #.
     #[arg(short, long, value_name = "OUT.exr")]
     output: PathBuf,
     /// Stop after this many passes (default 64 when no limit is given).
@@ -110,6 +111,13 @@ pub struct RenderArgs {
     /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
     #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
     frame: Option<f64>,
+    /// One file for each of these whole time codes, each imported by itself; limits hold for each. A frame that fails is
+    /// reported and the others go on (exit code 2). Ctrl-C keeps what is done and does not write the frame under way.
+    #[arg(long, value_name = "A-B[xS]", value_parser = parse_frames, allow_hyphen_values = true, conflicts_with = "frame")]
+    frames: Option<Frames>,
+    /// Leave out frames whose file is there.
+    #[arg(long, requires = "frames")]
+    skip_existing: bool,
     /// How progress is shown: a bar on a terminal and lines in a pipe, or the lines that Open Job Description engines read.
     #[arg(long, value_enum, default_value_t)]
     progress: ProgressArg,
@@ -226,10 +234,32 @@ pub fn parse_resolution(text: &str) -> std::result::Result<[usize; 2], String> {
 
 /// Runs the command.
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
+    let signals = Signals::install();
+    match args.frames {
+        Some(frames) => sequence::run(args, frames, &signals),
+        None => Ok(match one(args, &signals, true)? {
+            Ended::Met => ExitCode::SUCCESS,
+            Ended::Unmet => ExitCode::from(1),
+            Ended::Stopped => signals.exit_code(),
+        }),
+    }
+}
+
+/// How a rendering ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ended {
+    Met,
+    /// Another limit came before the error that was asked for.
+    Unmet,
+    /// By a signal.
+    Stopped,
+}
+
+/// Renders one frame. `partial`: whether the passes until a signal are written.
+pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended> {
     let start = Instant::now();
     let args = &RenderArgs { output: named(&args.output, args.frame)?, ..args.clone() };
     check_destination(&args.output)?;
-    let signals = Signals::install();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.map_or(0, usize::from))
         .build()
@@ -252,10 +282,10 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         }
         (None, None) => pool.install(|| plan_unless(&checked, &world, asked, &stop)),
     };
-    let Some(mut plan) = plan else { return Ok(stopped_early(args, &signals)) };
+    let Some(mut plan) = plan else { return Ok(stopped(args, "before the first pass")) };
     let pupils = pool.install(|| survey(&checked, &world, asked, &plan, &stop));
     if stop() {
-        return Ok(stopped_early(args, &signals));
+        return Ok(stopped(args, "before the first pass"));
     }
     let mut sharpness = Sharpness::new(&pupils, scene.wavelengths.traced_nm(), world.eye.pixel());
     let diffraction = args.diffraction.then(|| spread_by(&scene, &checked, &world, &pupils));
@@ -300,6 +330,9 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     };
     saver.close(&outcome.films, outcome.stop == Stop::Asked);
     progress.finish();
+    if !partial && stop() {
+        return Ok(stopped(args, "before the frame was done"));
+    }
     let finished = pool.install(|| head.finishing.picture(&outcome.films))?;
     sharpness.applied = finished.applied;
     let mut frame = finished.frame;
@@ -324,13 +357,28 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     let met = args.error.is_none_or(|limit| outcome.films.relative_error().is_some_and(|error| error <= limit));
     Ok(match (outcome.stop, signals.caught()) {
-        (Stop::Asked, Some(_)) => signals.exit_code(),
-        (Stop::Passes | Stop::Time, _) if !met => ExitCode::from(1),
-        (Stop::Passes | Stop::Time | Stop::Error | Stop::Asked, _) => ExitCode::SUCCESS,
+        (Stop::Asked, Some(_)) => Ended::Stopped,
+        (Stop::Passes | Stop::Time, _) if !met => Ended::Unmet,
+        (Stop::Passes | Stop::Time | Stop::Error | Stop::Asked, _) => Ended::Met,
     })
 }
 
 impl RenderArgs {
+    pub fn output(&self) -> &Path {
+        &self.output
+    }
+    pub fn skips_existing(&self) -> bool {
+        self.skip_existing
+    }
+    pub fn is_quiet(&self) -> bool {
+        self.quiet
+    }
+
+    /// The same for one frame of a sequence.
+    pub fn of_frame(&self, output: PathBuf, frame: f64) -> RenderArgs {
+        RenderArgs { output, frame: Some(frame), frames: None, ..self.clone() }
+    }
+
     /// Standard errors of layers are kept if they are asked for, be it by name.
     fn errors(&self) -> ErrorDetail {
         let named = |layer: &String| layer.ends_with("_stderr") || layer.ends_with("_covariance");
@@ -401,10 +449,10 @@ fn spread_by(scene: &Scene, checked: &Checked, world: &World, pupils: &[GroupPup
     }
 }
 
-/// Before the first pass there is nothing to write; an older file stays as it is.
-fn stopped_early(args: &RenderArgs, signals: &Signals) -> ExitCode {
-    anstream::eprintln!("eyebox: stopped before the first pass; {} was not written", args.output.display());
-    signals.exit_code()
+/// Without a picture an older file stays as it is.
+fn stopped(args: &RenderArgs, when: &str) -> Ended {
+    anstream::eprintln!("eyebox: stopped {when}; {} was not written", args.output.display());
+    Ended::Stopped
 }
 
 /// Fails early where the picture could not be written: an hour of tracing must not end in a typing error.

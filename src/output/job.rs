@@ -21,7 +21,7 @@ pub struct Job {
     pub samples: u64,
     pub seed: u64,
     /// First, last, step; none: one picture without a time code.
-    pub frames: Option<[i64; 3]>,
+    pub frames: Option<(i64, i64, u64)>,
     /// Options of `plan` and `render`.
     pub plan_options: Vec<String>,
     /// Options of `render` alone.
@@ -121,7 +121,7 @@ impl Job {
             json!({ "name": "Seed", "type": "INT", "minValue": 0, "default": self.seed, "description": "Seed of the random numbers." }),
             json!({ "name": "Eyebox", "type": "STRING", "default": "eyebox", "description": "The program on the worker." }),
         ];
-        if let Some([first, last, step]) = self.frames {
+        if let Some((first, last, step)) = self.frames {
             let range = if step == 1 { format!("{first}-{last}") } else { format!("{first}-{last}:{step}") };
             all.push(json!({ "name": "Frames", "type": "STRING", "default": range, "description": "Time codes: A-B or A-B:STEP." }));
         }
@@ -198,7 +198,7 @@ fn below(value: &Value, depth: usize, out: &mut String) {
 mod tests {
     use super::*;
 
-    fn job(frames: Option<[i64; 3]>) -> Job {
+    fn job(frames: Option<(i64, i64, u64)>) -> Job {
         Job {
             name: "hud".to_owned(),
             asset: Some("a/hud.usda".to_owned()),
@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn steps_follow_each_other_and_name_every_shard() {
-        let template = job(Some([1, 9, 2])).template();
+        let template = job(Some((1, 9, 2))).template();
         let steps = template["steps"].as_array().unwrap();
         let names: Vec<_> = steps.iter().map(|step| step["name"].as_str().unwrap()).collect();
         assert_eq!(names, ["Plan", "Render", "Merge"]);

@@ -73,6 +73,8 @@ pub struct Subject {
 
 /// Light from the eye that met a face.
 struct Landed {
+    /// Tangents.
+    film: DVec2,
     place: DVec3,
     normal: DVec3,
     dir: DVec3,
@@ -90,30 +92,16 @@ impl Subject {
         target: Option<&str>,
         cells: [usize; 2],
     ) -> Result<Subject> {
-        let (world, _) = tracing;
+        let world = tracing.0;
         let wanted = target.map(|path| part_of(scene, path)).transpose()?;
-        let mut found: BTreeMap<(Kind, u32, u32, Chain), Vec<Landed>> = BTreeMap::new();
-        let half = world.eye.half();
-        for look in 0..LOOKS * LOOKS {
-            let tangent = |i: usize| 2.0 * (i as f64 + 0.5) / LOOKS as f64 - 1.0;
-            let film = DVec2::new(half.x * tangent(look % LOOKS), half.y * tangent(look / LOOKS));
-            let (origin, (_, dir), ..) = world.eye.ray_of(film, DVec2::ZERO);
-            follow(tracing, (origin, dir), |kind, vertex, walker, train| {
-                let site = vertex.hit.site;
-                if wanted.is_none_or(|part| part == site.part) {
-                    let chain = train.chain();
-                    found.entry((kind, site.part, site.face, chain)).or_default().push(Landed {
-                        place: vertex.hit.point + world.geometry.origin(),
-                        normal: vertex.hit.normal,
-                        dir,
-                        carried: walker.beam.weight(),
-                        train: train.clone(),
-                    });
-                }
-            });
+        // Twice: over all of the field of view, and over the part of it that the picture fills.
+        let (half, cell) = (world.eye.half(), world.eye.half() * (2.0 / LOOKS as f64));
+        let mut best = brightest(look_around(tracing, [-half, half], wanted));
+        if let Some((_, hits)) = &best {
+            let low = hits.iter().map(|hit| hit.film).fold(half, DVec2::min) - cell;
+            let high = hits.iter().map(|hit| hit.film).fold(-half, DVec2::max) + cell;
+            best = brightest(look_around(tracing, [low.max(-half), high.min(half)], wanted)).or(best);
         }
-        let light = |hits: &[Landed]| hits.iter().map(|hit| hit.carried).sum::<f64>();
-        let best = found.into_iter().min_by(|((a, ..), p), ((b, ..), q)| a.cmp(b).then(light(q).total_cmp(&light(p))));
         let Some(((kind, part, face, _), hits)) = best else {
             let at = target.map_or(Where::Nowhere, Where::part);
             return Err(Fault::new(at, "is not seen from the middle of the eyebox: there is nothing to scan").expected(
@@ -156,6 +144,40 @@ impl Subject {
         let from = world.eye.position() + world.geometry.origin();
         Ok(Subject { kind, part, face, train, normal, size, points, from })
     }
+}
+
+/// What rays met, by kind, part, face and chain.
+type Found = BTreeMap<(Kind, u32, u32, Chain), Vec<Landed>>;
+
+/// Sends rays from the pupil's middle through the middles of cells between two corners of the field of view (tangents).
+fn look_around(tracing: (&World, &Optics<Mono>), [low, high]: [DVec2; 2], wanted: Option<u32>) -> Found {
+    let world = tracing.0;
+    let mut found = Found::new();
+    for look in 0..LOOKS * LOOKS {
+        let share = |i: usize| (i as f64 + 0.5) / LOOKS as f64;
+        let film = low + (high - low) * DVec2::new(share(look % LOOKS), share(look / LOOKS));
+        let (origin, (_, dir), ..) = world.eye.ray_of(film, DVec2::ZERO);
+        follow(tracing, (origin, dir), |kind, vertex, walker, train| {
+            let site = vertex.hit.site;
+            if wanted.is_none_or(|part| part == site.part) {
+                found.entry((kind, site.part, site.face, train.chain())).or_default().push(Landed {
+                    film,
+                    place: vertex.hit.point + world.geometry.origin(),
+                    normal: vertex.hit.normal,
+                    dir,
+                    carried: walker.beam.weight(),
+                    train: train.clone(),
+                });
+            }
+        });
+    }
+    found
+}
+
+/// The best kind, and of it what carries most light.
+fn brightest(found: Found) -> Option<((Kind, u32, u32, Chain), Vec<Landed>)> {
+    let light = |hits: &[Landed]| hits.iter().map(|hit| hit.carried).sum::<f64>();
+    found.into_iter().min_by(|((a, ..), p), ((b, ..), q)| a.cmp(b).then(light(q).total_cmp(&light(p))))
 }
 
 fn part_of(scene: &Scene, path: &str) -> Result<u32> {

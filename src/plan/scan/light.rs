@@ -7,7 +7,7 @@ use crate::base::fault::Result;
 use crate::check::check;
 use crate::estimate::ShouldStop;
 use crate::estimate::picture::{add_meta, picture};
-use crate::estimate::run::{Limits, Observer, Status, run};
+use crate::estimate::run::{Films, Limits, Observer, Status, run};
 use crate::film::detail::ErrorDetail;
 use crate::film::frame::Frame;
 use crate::output::average::{Image, Uncertain, mean, pixels_are_independent};
@@ -55,7 +55,7 @@ impl From<Uncertain> for Level {
 struct Stopping<'s>(&'s ShouldStop<'s>);
 
 impl Observer for Stopping<'_> {
-    fn block(&mut self, _: &Status) -> bool {
+    fn block(&mut self, _: &Status, _: &Films) -> bool {
         !(self.0)()
     }
 }
