@@ -9,6 +9,7 @@ use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
 use crate::check::{Checked, check};
 use crate::estimate::data::data_layers;
+use crate::estimate::mattes;
 use crate::estimate::picture::{Finishing, add_data_layers, add_meta, add_sharpness, check_layers, plan_lines};
 use crate::estimate::run::{Limits, Outcome, Start, Stop, begin, drive};
 use crate::estimate::shard::{self, Head};
@@ -98,6 +99,10 @@ pub struct RenderArgs {
     /// covariance of these two).
     #[arg(long, value_enum, value_name = "OF", default_value_t)]
     stderr: StderrArg,
+    /// Write Cryptomatte layers, too: CryptoPart and CryptoRole of what is met first, CryptoPartSeen and CryptoRoleSeen
+    /// of what is met behind specular faces.
+    #[arg(long)]
+    cryptomatte: bool,
     /// Spread the light as the lit part of the pupil does by diffraction. Without this the picture is geometric; the limit
     /// is in the header either way.
     #[arg(long)]
@@ -337,6 +342,9 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     sharpness.applied = finished.applied;
     let mut frame = finished.frame;
     add_data_layers(&mut frame, &pool.install(|| data_layers(&world, size[0], size[1])));
+    let wanted =
+        mattes::wanted(args.cryptomatte, args.layers.iter().chain(head.finishing.named.iter().map(|wish| &wish.layer)));
+    pool.install(|| mattes::add(&mut frame, &scene, &world, &wanted));
     frame.meta.insert(COLOR_INTEROP_ID.to_owned(), Meta::Text(args.color.space().interop_id().to_owned()));
     frame.meta.insert("planHash".to_owned(), Meta::Text(frozen.hash));
     add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);

@@ -59,9 +59,7 @@ pub fn data_layers(world: &World, width: usize, height: usize) -> Vec<PixelData>
         let mut look = |jitter, lens| look((world, &optics), world.eye.ray(x, y, jitter, lens), ledger);
         let mut data = look([0.5; 2], [0.5; 2]);
         let mut through = |i: usize| {
-            let jitter = [(i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5].map(|j| j / SIDE as f64);
-            // A 4 × 4 Latin arrangement of pupil points, so that no two share a row or a column.
-            let lens = [((i * 5) % 16) as f64 + 0.5, ((i * 7 + 3) % 16) as f64 + 0.5].map(|l| l / 16.0);
+            let (jitter, lens) = place(i);
             look(jitter, lens)
         };
         let few = FEW.map(|i| (i, through(i)));
@@ -78,6 +76,14 @@ pub fn data_layers(world: &World, width: usize, height: usize) -> Vec<PixelData>
         data
     };
     (0..width * height).into_par_iter().map_init(|| Ledger::new(world.solids.len()), data).collect()
+}
+
+/// Point `i` of 16 of a pixel (right, down) and of the pupil: rows and columns of the pixel, and a Latin arrangement in the
+/// pupil, so that no two share a row or a column there.
+pub(super) fn place(i: usize) -> ([f64; 2], [f64; 2]) {
+    let jitter = [(i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5].map(|j| j / SIDE as f64);
+    let lens = [((i * 5) % 16) as f64 + 0.5, ((i * 7 + 3) % 16) as f64 + 0.5].map(|l| l / 16.0);
+    (jitter, lens)
 }
 
 /// The see-through share is looked for in so many rows and columns of a pixel,
@@ -97,30 +103,54 @@ impl PixelData {
 
 /// Follows one ray; what it books in `ledger` is of no interest.
 fn look((world, optics): (&World, &Optics<Mono>), (origin, dir): (DVec3, DVec3), ledger: &mut Ledger) -> PixelData {
-    const MOST_FACES: usize = 256;
     let mut data = PixelData { first: Seen::NOTHING, seen: Seen::NOTHING, seethrough: 0.0 };
+    let (mut first, mut here) = (None, Seen::NOTHING);
+    let end = go_straight((world, optics), (origin, dir), ledger, |vertex| {
+        here = seen(world, vertex, &world.eye, origin);
+        first = first.or(Some(here));
+    });
+    data.first = first.unwrap_or(Seen::NOTHING);
+    match end {
+        End::Outside(share) => data.seethrough = share,
+        End::Seen => data.seen = here,
+        End::Lost => {}
+    }
+    data
+}
+
+/// How a ray from the eye ends that goes straight on at specular faces.
+pub(super) enum End {
+    /// In the world behind all parts, with this share of it.
+    Outside(f64),
+    /// On the last face that was met, which is not specular.
+    Seen,
+    /// Absorbed on the way, or not done after many faces.
+    Lost,
+}
+
+/// Follows one ray and shows every face that it meets.
+pub(super) fn go_straight(
+    (world, optics): (&World, &Optics<Mono>),
+    (origin, dir): (DVec3, DVec3),
+    ledger: &mut Ledger,
+    mut met: impl FnMut(&Vertex),
+) -> End {
+    const MOST_FACES: usize = 256;
     let ray = Ray { origin, dir, from: None };
     let rng = Rng::new(0, Stream::Check, 0, 0);
     let mut walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
-    for step in 0..MOST_FACES {
+    for _ in 0..MOST_FACES {
         let vertex = match walker.advance(ledger) {
-            Met::Sky => {
-                data.seethrough = walker.beam.carried();
-                return data;
-            }
-            Met::Pupil(_) | Met::Ended => return data,
+            Met::Sky => return End::Outside(walker.beam.carried()),
+            Met::Pupil(_) | Met::Ended => return End::Lost,
             Met::Face(vertex) => vertex,
         };
-        let here = seen(world, &vertex, &world.eye, origin);
-        if step == 0 {
-            data.first = here;
-        }
+        met(&vertex);
         if !walker.go_straight_on(&vertex, ledger) {
-            data.seen = here;
-            return data;
+            return End::Seen;
         }
     }
-    data
+    End::Lost
 }
 
 fn seen(world: &World, vertex: &Vertex, eye: &EyeLens, from: DVec3) -> Seen {

@@ -11,6 +11,7 @@ pub mod forward;
 mod leak_tests;
 pub mod ledger;
 pub mod manifold;
+pub mod mattes;
 mod outliers;
 pub mod photon;
 pub mod photon_map;

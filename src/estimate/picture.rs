@@ -10,6 +10,7 @@ use crate::film::diffraction::Diffraction;
 use crate::film::finish::{Finished, GroupInfo, Split, finish_through};
 use crate::film::frame::{Channel, Frame, Meta};
 use crate::film::layer::Layer;
+use crate::film::matte::Matte;
 use crate::film::plan::{Plan, Spectral, Verdict};
 use crate::film::sharpness::Sharpness;
 use crate::scene::{Group, Scene, Spectrum, Wavelengths};
@@ -228,6 +229,7 @@ pub fn possible_layers(groups: &[Group]) -> BTreeSet<String> {
         names.insert(data.to_owned());
         names.insert(format!("{data}_seen"));
     }
+    names.extend(Matte::ALL.map(|matte| matte.name().to_owned()));
     for layer in Layer::SUM_ORDER {
         names.insert(layer.name().to_owned());
         names.insert(format!("{}_stderr", layer.name()));
@@ -258,7 +260,7 @@ pub fn check_layers(layers: &[String], groups: &[Group]) -> Result<()> {
     match layers.iter().find(|layer| !possible.contains(*layer)) {
         None => Ok(()),
         Some(layer) => Err(Fault::new(Where::Option("--layers".to_owned()), format!("there is no layer `{layer}`"))
-            .expected("direct, caustic, secondary, forward, hybrid, LAYER_GROUP, stderr, Z, normal, position, albedo, id or seethrough")
+            .expected("direct, caustic, secondary, forward, hybrid, LAYER_GROUP, stderr, Z, normal, position, albedo, id, seethrough or CryptoPart")
             .nearest(layer, possible.iter().map(String::as_str))),
     }
 }
@@ -274,6 +276,7 @@ pub fn keep_layers(frame: &mut Frame, layers: &[String]) {
             None if ["R", "G", "B"].contains(&channel.name.as_str()) => return true,
             None => &channel.name,
         };
-        layers.iter().any(|wanted| wanted == layer)
+        let matte = Matte::of_layer(layer).map(Matte::name);
+        layers.iter().any(|wanted| wanted == layer || Some(wanted.as_str()) == matte)
     });
 }

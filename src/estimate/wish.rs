@@ -2,6 +2,7 @@
 
 use super::picture::possible_layers;
 use crate::film::frame::{Channel, Frame};
+use crate::film::matte::Matte;
 use crate::scene::assembly::LayerWish;
 use crate::scene::{Group, Note, Severity};
 
@@ -54,7 +55,9 @@ pub fn granted(wishes: &[LayerWish], groups: &[Group]) -> (Vec<Named>, Vec<Note>
             });
             continue;
         };
-        let named = Named { layer, name: plain(&wish.name) };
+        // A matte's name is in the header, too.
+        let name = if Matte::of_layer(&layer).is_some() { layer.clone() } else { plain(&wish.name) };
+        let named = Named { layer, name };
         if let Some(other) = all.iter().find(|other| other.name == named.name) {
             if other.layer != named.layer {
                 let text = format!(
@@ -83,6 +86,10 @@ pub fn rename(frame: &mut Frame, named: &[Named]) {
     }
     let all = std::mem::take(&mut frame.channels);
     for wish in named {
+        if let Some(matte) = Matte::of_layer(&wish.layer) {
+            frame.channels.extend(all.iter().filter(|c| Matte::of_layer(c.layer()) == Some(matte)).cloned());
+            continue;
+        }
         // A lone channel such as `Z` has no layer before its dot.
         let own = |channel: &&Channel| channel.layer() == wish.layer || channel.name == wish.layer;
         for channel in all.iter().filter(own) {

@@ -8,6 +8,7 @@ pub mod finish;
 pub mod frame;
 pub mod guide;
 pub mod layer;
+pub mod matte; // Cryptomatte
 pub mod plan;
 pub mod pupil;
 pub mod scrambles;

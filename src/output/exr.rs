@@ -17,7 +17,7 @@ pub const COLOR_INTEROP_ID: &str = "colorInteropID";
 pub const DEFAULT_COLOR: &str = "lin_rec709_scene";
 /// cd/m² of the value (1, 1, 1).
 pub const WHITE_LUMINANCE: &str = "whiteLuminance";
-/// Every other metadata entry `key` is the attribute `eyebox.key`.
+/// Every other metadata entry `key` is the attribute `eyebox.key`, less those of Cryptomatte.
 pub const PREFIX: &str = "eyebox.";
 
 #[cfg(test)]

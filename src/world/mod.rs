@@ -15,6 +15,7 @@ pub mod light;
 pub mod mode;
 pub mod optics;
 pub mod rim;
+pub mod role;
 pub mod scatter;
 pub mod sky;
 pub mod slide;

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use super::{COLOR_INTEROP_ID, PREFIX, WHITE_LUMINANCE};
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::{Channel, Frame, Meta};
+use crate::film::matte;
 
 /// No file is refused below this many decoded bytes, however short it is.
 const ALWAYS_ALLOWED: usize = 1 << 28;
@@ -29,8 +30,8 @@ const BATCH: usize = 16;
 /// or lossy compression of the format) into a frame; of mip maps the largest level. The frame is the data window.
 ///
 /// A channel without a dot in the second or a later part gets the part's name as its layer. Integer samples become
-/// the nearest f32. Metadata as written by [`write_exr`](super::write_exr): `colorInteropID`, `whiteLuminance` and
-/// what stands under `eyebox.`, without the prefix; other attributes are not kept.
+/// the nearest f32. Metadata as written by [`write_exr`](super::write_exr): `colorInteropID`, `whiteLuminance`,
+/// `cryptomatte/…` and what stands under `eyebox.`, without the prefix; other attributes are not kept.
 ///
 /// Errors: not a readable file, not EXR, deep or subsampled data, parts of different sizes, missing or damaged chunks,
 /// a picture larger than the file could hold.
@@ -179,7 +180,8 @@ fn metadata(header: &Header) -> Vec<(String, Meta)> {
     let white = own.white_luminance.map(|white| (WHITE_LUMINANCE.to_owned(), Meta::Number(f64::from(white))));
     let others = own.other.iter().chain(&header.shared_attributes.other).filter_map(|(name, value)| {
         let name = string(name);
-        let key = if name == COLOR_INTEROP_ID { &name } else { name.strip_prefix(PREFIX)? };
+        let own_name = name == COLOR_INTEROP_ID || name.starts_with(matte::KEYS);
+        let key = if own_name { &name } else { name.strip_prefix(PREFIX)? };
         Some((key.to_owned(), meta(value)?))
     });
     white.into_iter().chain(others).collect()

@@ -17,6 +17,7 @@ use super::{COLOR_INTEROP_ID, DEFAULT_COLOR, PREFIX, WHITE_LUMINANCE, header};
 use crate::base::atomic::write_atomic;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::{Channel, Frame, Meta};
+use crate::film::matte;
 
 /// Nuke stops at 1023 channels and slows down long before (`design/layers.md`).
 const MANY_CHANNELS: usize = 500;
@@ -28,7 +29,7 @@ const SHORT_NAME: usize = 31;
 /// Writes the frame: one part, 32-bit float, ZIP, scan lines in increasing order, the same bytes for the same frame.
 ///
 /// Metadata: `colorInteropID` (text, default `lin_rec709_scene`) and `whiteLuminance` (number, default 1: values are
-/// cd/m²) under their own names, every other entry `key` as `eyebox.key`: text as `string`, numbers as `double`,
+/// cd/m²) and Cryptomatte's (`cryptomatte/…`) under their own names, every other entry `key` as `eyebox.key`: text as `string`, numbers as `double`,
 /// integers as `int`, or as `string` when they need more than 32 bits ([`Frame::integer`] reads both back).
 ///
 /// Returns [`warnings`].
@@ -125,7 +126,8 @@ fn attributes(frame: &Frame, at: &dyn Fn() -> Where) -> Result<HashMap<String, A
             }
             continue;
         }
-        let name = if key == COLOR_INTEROP_ID { key.clone() } else { format!("{PREFIX}{key}") };
+        let own_name = key == COLOR_INTEROP_ID || key.starts_with(matte::KEYS);
+        let name = if own_name { key.clone() } else { format!("{PREFIX}{key}") };
         if key.is_empty() || name.len() > LONGEST_NAME || !name.bytes().all(|byte| byte.is_ascii_graphic()) {
             return Err(Fault::new(at(), format!("`{key}` cannot name an attribute"))
                 .expected(format!("1 to {} visible ASCII characters without spaces", LONGEST_NAME - PREFIX.len())));

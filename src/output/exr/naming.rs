@@ -1,0 +1,118 @@
+//! How a frame's layers are called in a file, and which parts of it they are in. In a frame they have their own names:
+//! a prefix is put before them on the way out and taken away on the way in, so that nobody else meets one.
+
+use std::collections::{BTreeMap, HashSet};
+
+use super::super::compare::is_data;
+use crate::base::fault::{Fault, Result, Where};
+use crate::film::frame::{Frame, Meta, split_name};
+use crate::film::matte;
+
+/// Metadata: what stands before the name of every layer in the file but the default image.
+pub const LAYER_PREFIX: &str = "layerPrefix";
+/// Metadata: 1 where every layer has a part of its own.
+pub const MULTI_PART: &str = "multiPart";
+/// The part of the default image.
+const FIRST_PART: &str = "picture";
+
+/// A prefix as an option says it. Errors: what cannot begin a layer's name.
+pub fn parse_prefix(text: &str) -> Result<String, String> {
+    if is_word(text) {
+        return Ok(text.to_owned());
+    }
+    Err(format!("`{text}` cannot begin a layer's name; write a letter and then letters, digits or `_`, e.g. eb_"))
+}
+
+/// Whether Nuke and Blender take it for a layer's name.
+pub fn is_word(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+/// A channel as it is stored.
+pub struct Stored<'f> {
+    pub name: String,
+    pub data: &'f [f32],
+}
+
+/// A part of a file.
+pub struct Part<'f> {
+    /// None: the file has one part.
+    pub name: Option<String>,
+    /// By the bytes of their names, as EXR demands.
+    pub channels: Vec<Stored<'f>>,
+    /// No picture: its numbers are no colours.
+    pub data: bool,
+}
+
+/// The parts of a frame: one, or the default image and then the layers by their names.
+///
+/// Errors: a prefix that cannot begin a name.
+pub fn parts<'f>(frame: &'f Frame, at: &dyn Fn() -> Where) -> Result<Vec<Part<'f>>> {
+    let prefix = frame.text(LAYER_PREFIX).unwrap_or_default();
+    if !prefix.is_empty()
+        && let Err(what) = parse_prefix(prefix)
+    {
+        return Err(Fault::new(at(), what));
+    }
+    let several = frame.integer(MULTI_PART).is_some_and(|parts| parts != 0);
+    let mut parts: BTreeMap<&str, Part> = BTreeMap::new();
+    for channel in &frame.channels {
+        let (layer, component) = split_name(&channel.name);
+        // `R`, `G`, `B` and `A` are the picture; a lone `Z` is a layer.
+        let key = match (several, layer) {
+            (false, _) => "",
+            (true, "") if !["R", "G", "B", "A"].contains(&component) => component,
+            (true, layer) => layer,
+        };
+        let part = parts.entry(key).or_insert_with(|| Part {
+            name: several.then(|| if layer.is_empty() { key.to_owned() } else { format!("{prefix}{key}") }),
+            channels: Vec::new(),
+            data: !key.is_empty() && (is_data(key) || frame.rgb(key).is_none()),
+        });
+        let name =
+            if layer.is_empty() { channel.name.clone() } else { format!("{prefix}{}", channel.name) };
+        part.channels.push(Stored { name, data: &channel.data });
+    }
+    let mut first = FIRST_PART.to_owned();
+    while parts.values().any(|part| part.name.as_ref() == Some(&first)) {
+        first.push('_');
+    }
+    let mut parts: Vec<Part> = parts.into_values().collect();
+    for part in &mut parts {
+        part.channels.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
+        part.name = part.name.take().map(|name| if name.is_empty() { first.clone() } else { name });
+    }
+    Ok(parts)
+}
+
+/// A matte's name in the header is the name of its layers, prefix included.
+pub fn stored_meta(frame: &Frame, key: &str, value: &Meta) -> Meta {
+    match (frame.text(LAYER_PREFIX), value) {
+        (Some(prefix), Meta::Text(name)) if is_matte_name(key) => Meta::Text(format!("{prefix}{name}")),
+        (_, value) => value.clone(),
+    }
+}
+
+fn is_matte_name(key: &str) -> bool {
+    key.starts_with(matte::KEYS) && key.ends_with("/name")
+}
+
+/// Takes the prefix that the header names from the names of layers that begin with it. A name that would come twice
+/// keeps it.
+pub fn without_prefix(frame: &mut Frame) {
+    let Some(prefix) = frame.text(LAYER_PREFIX).filter(|prefix| is_word(prefix)).map(str::to_owned) else { return };
+    let mut names: HashSet<String> = frame.channels.iter().map(|channel| channel.name.clone()).collect();
+    for channel in frame.channels.iter_mut().filter(|channel| channel.name.contains('.')) {
+        let Some(own) = channel.name.strip_prefix(&prefix) else { continue };
+        if is_word(split_name(own).0) && names.insert(own.to_owned()) {
+            channel.name = own.to_owned();
+        }
+    }
+    for (_, value) in frame.meta.iter_mut().filter(|(key, _)| is_matte_name(key)) {
+        if let Meta::Text(name) = value
+            && let Some(own) = name.strip_prefix(&prefix)
+        {
+            *name = own.to_owned();
+        }
+    }
+}
