@@ -64,7 +64,7 @@ fn coverages_of_an_edge() {
     let window = mesh(&cuboid(DVec3::new(1.0, 1.0, 0.01)));
     add_part(&mut s, "window", window, DVec3::NEG_Z * 2.0, Some(1.5), sides.map(face).to_vec());
     let wall = face(Finish::Lambert { reflectance: 0.5, transmittance: 0.0 });
-    add_part(&mut s, "wall", square(0.1), DVec3::NEG_Z * 3.0, None, vec![wall]);
+    add_part(&mut s, "wall", square(0.14), DVec3::NEG_Z * 3.0, None, vec![wall]);
     let frame = mattes(&s, &Matte::ALL);
     let nothing = (0, 0.0);
     let is = |matte: Matte, x: usize, want: &[(&str, f32)]| {

@@ -7,6 +7,7 @@ pub mod colour;
 pub mod complex;
 pub mod fault;
 pub mod ids;
+pub mod lpe; // light path expressions
 pub mod murmur; // the hash of names in Cryptomatte
 pub mod package;
 pub mod path;

@@ -51,7 +51,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
         sharpness.applied = finished.applied;
         add_sharpness(&mut frame, &sharpness);
     }
-    finishing.keep(&mut frame);
+    finishing.wanted.keep(&mut frame);
     let warnings = write_exr(&output, &frame)?;
     let error = merged.films.relative_error();
     let text = || {

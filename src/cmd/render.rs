@@ -8,12 +8,15 @@ use crate::base::atomic::check_writable;
 use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
 use crate::check::{Checked, check};
+use crate::estimate::aov;
 use crate::estimate::data::data_layers;
+use crate::estimate::finishing::{Finishing, Wanted};
 use crate::estimate::mattes;
-use crate::estimate::picture::{Finishing, add_data_layers, add_meta, add_sharpness, check_layers, plan_lines};
+use crate::estimate::picture::{add_data_layers, add_meta, add_sharpness, check_layers, plan_lines};
 use crate::estimate::run::{Limits, Outcome, Start, Stop, begin, drive};
 use crate::estimate::shard::{self, Head};
-use crate::estimate::wish;
+use crate::estimate::wish::{self, Named};
+use crate::film::aov::Aov;
 use crate::film::detail::ErrorDetail;
 use crate::film::diffraction::{Diffraction, PRIMARIES_NM};
 use crate::film::frame::Meta;
@@ -21,7 +24,7 @@ use crate::film::plan::{Estimator, Plan};
 use crate::film::pupil::Pupil;
 use crate::film::sharpness::{GroupPupil, Sharpness};
 use crate::import::{Built, ImportOptions, Set, import};
-use crate::output::exr::{COLOR_INTEROP_ID, write_exr};
+use crate::output::exr::{COLOR_INTEROP_ID, parse_prefix, write_exr};
 use crate::plan::frozen::Frozen;
 use crate::plan::pupil::survey;
 use crate::plan::{Asked, Choice, Polarisation, plan_unless};
@@ -99,10 +102,25 @@ pub struct RenderArgs {
     /// covariance of these two).
     #[arg(long, value_enum, value_name = "OF", default_value_t)]
     stderr: StderrArg,
+    /// Write the variance of every layer whose standard error is known, too (LAYER_variance, hybrid_variance): implies
+    /// --stderr layers.
+    #[arg(long)]
+    variance: bool,
+    /// Write a layer of your own: a light path expression in OSL's syntax that takes whole classes of paths of light
+    /// groups, e.g. glints='C<.[Ss]>*<.[DG]><.[Ss]>+<L.'led'>'. More than one may be given.
+    #[arg(long = "aov", value_name = "NAME=LPE", value_parser = aov::parse_option)]
+    aovs: Vec<(String, String)>,
     /// Write Cryptomatte layers, too: CryptoPart and CryptoRole of what is met first, CryptoPartSeen and CryptoRoleSeen
     /// of what is met behind specular faces.
     #[arg(long)]
     cryptomatte: bool,
+    /// Begin the names of all layers but the default image with this, e.g. eb_: Nuke has layers `forward` and `mask` of its
+    /// own. Our commands read such a file as if there were no prefix.
+    #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
+    layer_prefix: Option<String>,
+    /// Give every layer a part of its own in the EXR, the default image the first. (Natron and Fusion read one part better.)
+    #[arg(long)]
+    multi_part: bool,
     /// Spread the light as the lit part of the pupil does by diffraction. Without this the picture is geometric; the limit
     /// is in the header either way.
     #[arg(long)]
@@ -298,15 +316,16 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     plan.errors = args.errors();
     // What the command line asks for goes before what the asset asks for.
     let wishes: &[LayerWish] = if args.layers.is_empty() { &wishes } else { &[] };
-    let (wanted, ungranted) = wish::granted(wishes, &scene.groups);
-    scene.notes.extend(ungranted);
+    let (named_layers, ungranted) = wish::granted(wishes, &scene.groups);
+    let (aovs, refused) = aov::granted(&args.aovs, wishes, &scene, &world, &plan)?;
+    scene.notes.extend(ungranted.into_iter().chain(refused));
     let mut limits = args.limits();
     // The time that was asked for includes the import, the plan and its pilots.
     limits.time = limits.time.map(|time| time.saturating_sub(start.elapsed()));
     let size = scene.eye.resolution;
     let groups = scene.groups.len();
     let mut finishing = Finishing::new(&scene, &plan, args.color.space(), diffraction);
-    (finishing.layers, finishing.named) = (args.layers.clone(), wanted);
+    finishing.wanted = args.wanted(named_layers, aovs);
     let head = args.head(&scene, &frozen, finishing);
     if let Some((behind, _)) = &behind
         && behind.plan_hash != head.plan_hash
@@ -342,9 +361,9 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     sharpness.applied = finished.applied;
     let mut frame = finished.frame;
     add_data_layers(&mut frame, &pool.install(|| data_layers(&world, size[0], size[1])));
-    let wanted =
-        mattes::wanted(args.cryptomatte, args.layers.iter().chain(head.finishing.named.iter().map(|wish| &wish.layer)));
-    pool.install(|| mattes::add(&mut frame, &scene, &world, &wanted));
+    let Wanted { layers, named, .. } = &head.finishing.wanted;
+    let mattes = mattes::wanted(args.cryptomatte, layers.iter().chain(named.iter().map(|wish| &wish.layer)));
+    pool.install(|| mattes::add(&mut frame, &scene, &world, &mattes));
     frame.meta.insert(COLOR_INTEROP_ID.to_owned(), Meta::Text(args.color.space().interop_id().to_owned()));
     frame.meta.insert("planHash".to_owned(), Meta::Text(frozen.hash));
     add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);
@@ -357,7 +376,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         shard::save(&args.output, &head, &outcome.films, &frame)?;
         Vec::new()
     } else {
-        head.finishing.keep(&mut frame);
+        head.finishing.wanted.keep(&mut frame);
         write_exr(&args.output, &frame)?
     };
     if !args.quiet {
@@ -389,10 +408,24 @@ impl RenderArgs {
 
     /// Standard errors of layers are kept if they are asked for, be it by name.
     fn errors(&self) -> ErrorDetail {
-        let named = |layer: &String| layer.ends_with("_stderr") || layer.ends_with("_covariance");
+        let errors = ["_stderr", "_covariance", "_variance"];
+        let named = |layer: &String| errors.iter().any(|error| layer.ends_with(error));
         match self.stderr {
-            StderrArg::Picture if !self.layers.iter().any(named) => ErrorDetail::Picture,
+            StderrArg::Picture if !self.variance && !self.layers.iter().any(named) => ErrorDetail::Picture,
             StderrArg::Picture | StderrArg::Layers => ErrorDetail::Layers,
+        }
+    }
+
+    /// Which layers are written, and how.
+    fn wanted(&self, named: Vec<Named>, aovs: Vec<Aov>) -> Wanted {
+        Wanted {
+            layers: self.layers.clone(),
+            named,
+            only_named: aovs.len() > self.aovs.len(),
+            aovs: aovs.into_iter().map(|aov| (aov.name.clone(), aov)).collect(),
+            variance: self.variance || self.layers.iter().any(|layer| layer.ends_with("_variance")),
+            prefix: self.layer_prefix.clone(),
+            multi_part: self.multi_part,
         }
     }
 

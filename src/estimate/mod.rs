@@ -1,10 +1,12 @@
 //! Floor 4: the estimators, the vertex step they share, and the ledger that books their light.
 
+pub mod aov; // layers by light path expression
 mod around;
 pub mod backward;
 pub mod beam;
 pub mod data;
 pub mod emission;
+pub mod finishing;
 mod follow;
 pub mod forward;
 #[cfg(test)]

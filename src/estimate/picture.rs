@@ -1,13 +1,12 @@
 //! The last step before writing: films, data layers and the record of the run become one frame.
 
 use super::data::PixelData;
+use super::finishing::Finishing;
 use super::run::{Films, Outcome, Stop};
-use super::wish::{self, Named};
 use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
-use crate::film::accumulate::Film;
 use crate::film::diffraction::Diffraction;
-use crate::film::finish::{Finished, GroupInfo, Split, finish_through};
+use crate::film::finish::{Finished, GroupInfo, Split};
 use crate::film::frame::{Channel, Frame, Meta};
 use crate::film::layer::Layer;
 use crate::film::matte::Matte;
@@ -33,49 +32,8 @@ pub fn picture_through(
     Finishing::new(scene, plan, space, diffraction.cloned()).picture(&outcome.films)
 }
 
-/// What is made of films besides adding them up: all that the picture takes from the scene and the command line.
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Finishing {
-    /// Width and height, pixels.
-    pub size: [usize; 2],
-    pub groups: Vec<GroupInfo>,
-    pub space: ColourSpace,
-    pub diffraction: Option<Diffraction>,
-    /// Layers to keep; all if empty.
-    pub layers: Vec<String>,
-    /// Layers to keep under other names; all if empty.
-    pub named: Vec<Named>,
-}
-
-impl Finishing {
-    pub fn new(scene: &Scene, plan: &Plan, space: ColourSpace, diffraction: Option<Diffraction>) -> Finishing {
-        let groups = infos(scene, plan);
-        Finishing { size: scene.eye.resolution, groups, space, diffraction, layers: Vec::new(), named: Vec::new() }
-    }
-
-    /// The picture layers of films. Errors: NaN or infinite light, which is never coloured over.
-    pub fn picture(&self, films: &Films) -> Result<Finished> {
-        let films: Vec<&Film> = films.films.iter().map(|(_, film, _)| film).collect();
-        let always = [Layer::Direct, Layer::Caustic, Layer::Forward];
-        let finished = finish_through(self.size, &films, &self.groups, &always, self.space, self.diffraction.as_ref());
-        match finished.invalid.first() {
-            Some(channel) => {
-                let what = format!("NaN or infinite light in channel {channel}; nothing is written");
-                Err(Fault::new(Where::Nowhere, what))
-            }
-            None => Ok(finished),
-        }
-    }
-
-    /// Keeps of a complete frame what was asked for, under the names that were asked for.
-    pub fn keep(&self, frame: &mut Frame) {
-        keep_layers(frame, &self.layers);
-        wish::rename(frame, &self.named);
-    }
-}
-
 /// What the frame's maker has to know of each light group.
-fn infos(scene: &Scene, plan: &Plan) -> Vec<GroupInfo> {
+pub(super) fn infos(scene: &Scene, plan: &Plan) -> Vec<GroupInfo> {
     let tints = tints(scene, plan);
     scene
         .groups
@@ -230,9 +188,11 @@ pub fn possible_layers(groups: &[Group]) -> BTreeSet<String> {
         names.insert(format!("{data}_seen"));
     }
     names.extend(Matte::ALL.map(|matte| matte.name().to_owned()));
+    names.insert("hybrid_variance".to_owned());
     for layer in Layer::SUM_ORDER {
         names.insert(layer.name().to_owned());
         names.insert(format!("{}_stderr", layer.name()));
+        names.insert(format!("{}_variance", layer.name()));
         for group in groups {
             for suffix in [
                 "",
@@ -244,6 +204,9 @@ pub fn possible_layers(groups: &[Group]) -> BTreeSet<String> {
                 "_stderr",
                 "_open_stderr",
                 "_content_stderr",
+                "_variance",
+                "_open_variance",
+                "_content_variance",
                 "_covariance",
             ] {
                 names.insert(format!("{}_{}{suffix}", layer.name(), group.name));

@@ -3,8 +3,8 @@
 //! Randomness is a function of the pass, and sums are carried in two doubles ([`crate::base::twofold`]): shards in any
 //! number and order add up to the bits of the run that made all passes itself.
 
+use super::finishing::Finishing;
 use super::ledger::{Books, Ledger};
-use super::picture::Finishing;
 use super::run::Films;
 use crate::base::{Fault, Result, Where};
 use crate::film::accumulate::Film;

@@ -28,30 +28,19 @@ const SYNONYMS: [(&str, &str); 10] = [
     ("diffuse_albedo", "albedo"),
 ];
 
-/// Light path expressions of whole layers (`design/layers.md`, the table of classes), without spaces.
-const EXPRESSIONS: [(&str, &str); 5] = [
-    ("C.*", "hybrid"),
-    ("C.*[LO]", "hybrid"),
-    ("C.*[LOB]", "hybrid"),
-    ("C<.[Ss]>*<.[DG]><.[Ss]>+[LOB]", "caustic"),
-    ("C<.[Ss]>*<.[DG]>.*<.[DG]>.*[LOB]", "secondary"),
-];
-
-/// What of `wishes` can be had, and a warning for each that cannot.
+/// What of `wishes` can be had, and a warning for each that cannot; light path expressions are `aov`'s.
 pub fn granted(wishes: &[LayerWish], groups: &[Group]) -> (Vec<Named>, Vec<Note>) {
     let possible = possible_layers(groups);
     let (mut all, mut notes) = (Vec::<Named>::new(), Vec::new());
-    for wish in wishes {
+    for wish in wishes.iter().filter(|wish| !wish.expression) {
         let source: String = wish.source.chars().filter(|c| !c.is_whitespace()).collect();
-        let table: &[(&str, &str)] = if wish.expression { &EXPRESSIONS } else { &SYNONYMS };
-        let other = table.iter().find(|(name, _)| *name == source).map(|(_, layer)| (*layer).to_owned());
-        let own = (!wish.expression && possible.contains(&source)).then_some(source);
+        let other = SYNONYMS.iter().find(|(name, _)| *name == source).map(|(_, layer)| (*layer).to_owned());
+        let own = possible.contains(&source).then_some(source);
         let Some(layer) = own.or(other) else {
-            let what = if wish.expression { "light path expression" } else { "render variable" };
             notes.push(Note {
                 severity: Severity::Warning,
                 at: wish.at.clone(),
-                text: format!("the {what} `{}` is no layer of ours: not written", wish.source),
+                text: format!("the render variable `{}` is no layer of ours: not written", wish.source),
             });
             continue;
         };
@@ -74,14 +63,15 @@ pub fn granted(wishes: &[LayerWish], groups: &[Group]) -> (Vec<Named>, Vec<Note>
 }
 
 /// A layer name that Nuke and Blender split alike: `[A-Za-z][A-Za-z0-9_]*`.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     let kept: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if kept.starts_with(|c: char| c.is_ascii_alphabetic()) { kept } else { format!("layer_{kept}") }
 }
 
-/// Keeps the layers of `named` under their names, and the default image. A layer without light is not there.
-pub fn rename(frame: &mut Frame, named: &[Named]) {
-    if named.is_empty() {
+/// Keeps the layers of `named` under their names, and the default image. A layer without light is not there. Without any,
+/// and where nothing `else_asked` for is written instead, all are kept.
+pub fn rename(frame: &mut Frame, named: &[Named], else_asked: bool) {
+    if named.is_empty() && !else_asked {
         return;
     }
     let all = std::mem::take(&mut frame.channels);
@@ -114,22 +104,32 @@ mod tests {
         let wishes = [
             wish("direct", false, "vision"),
             wish("Ci", false, "1 beauty"),
-            wish("C<.[Ss]>* <.[DG]><.[Ss]>+ [LOB]", true, "caustics"),
+            wish("caustic", false, "caustics"),
             wish("caustic_led", false, "caustics"),
             wish("C<RD>L", true, "other"),
+            wish("CryptoRole", false, "roles"),
             wish("forward_sun", false, "x"),
             wish("depth", false, "far"),
         ];
         let (named, notes) = granted(&wishes, &groups);
         let pairs: Vec<_> = named.iter().map(|n| (n.layer.as_str(), n.name.as_str())).collect();
-        assert_eq!(pairs, [("direct", "vision"), ("hybrid", "layer_1_beauty"), ("caustic", "caustics"), ("Z", "far")]);
-        assert_eq!(notes.len(), 3);
+        assert_eq!(
+            pairs,
+            [
+                ("direct", "vision"),
+                ("hybrid", "layer_1_beauty"),
+                ("caustic", "caustics"),
+                ("CryptoRole", "CryptoRole"),
+                ("Z", "far")
+            ]
+        );
+        assert_eq!(notes.len(), 2);
         let mut frame = Frame::new(1, 1);
-        for name in ["R", "direct.R", "hybrid.R", "caustic_led.R", "Z"] {
+        for name in ["R", "direct.R", "hybrid.R", "caustic_led.R", "CryptoRole01.r", "Z"] {
             frame.push(name, vec![0.0]);
         }
-        rename(&mut frame, &named);
+        rename(&mut frame, &named, false);
         let names: Vec<_> = frame.channels.iter().map(|channel| channel.name.as_str()).collect();
-        assert_eq!(names, ["vision.R", "layer_1_beauty.R", "far.Z", "R"]);
+        assert_eq!(names, ["vision.R", "layer_1_beauty.R", "CryptoRole01.r", "far.Z", "R"]);
     }
 }

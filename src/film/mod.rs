@@ -1,6 +1,7 @@
 //! Floor 1: what is measured: layers, accumulators, frames, and the plan as data.
 
 pub mod accumulate;
+pub mod aov; // layers that a user defines
 pub mod columns;
 pub mod detail;
 pub mod diffraction;
@@ -14,3 +15,4 @@ pub mod pupil;
 pub mod scrambles;
 pub mod sharpness;
 pub mod train;
+pub mod variance;

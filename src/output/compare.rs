@@ -137,7 +137,7 @@ pub fn compare(a: &Frame, b: &Frame, sigma: f64) -> Comparison {
 
 /// Layers that tell errors of others are used, not compared.
 fn is_error(name: &str) -> bool {
-    name == "stderr" || name.ends_with("_stderr") || name.ends_with("_covariance")
+    name == "stderr" || ["_stderr", "_variance", "_covariance"].iter().any(|suffix| name.ends_with(suffix))
 }
 
 /// Light: layers and shares. Not the data.
@@ -149,7 +149,7 @@ fn is_light(name: &str) -> bool {
 
 /// What has no noise: the data layers, also behind specular faces, with any prefix. All other layers with colours are
 /// pictures, whatever they are called.
-fn is_data(name: &str) -> bool {
+pub(super) fn is_data(name: &str) -> bool {
     let base = name.strip_suffix("_seen").unwrap_or(name);
     ["Z", "normal", "position", "albedo", "id", "seethrough"]
         .iter()

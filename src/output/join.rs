@@ -3,8 +3,10 @@
 use super::mix::set_layer;
 use super::shares::{PLATE, Rendering, groups_of};
 use crate::base::fault::{Fault, Result, Where};
+use crate::film::aov;
 use crate::film::frame::{Frame, Meta};
 use crate::film::layer::Layer;
+use crate::film::variance;
 use crate::output::exr::{COLOR_INTEROP_ID, WHITE_LUMINANCE};
 use serde_json::Value;
 
@@ -21,6 +23,10 @@ pub fn join(frames: &[Frame]) -> Result<Frame> {
     for (number, frame) in rest.iter().enumerate() {
         comparable(&sum, frame, number + 2)?;
         sum = add(sum, frame, number + 2)?;
+    }
+    if !rest.is_empty() {
+        aov::refresh(&mut sum);
+        variance::refresh(&mut sum);
     }
     Ok(sum)
 }

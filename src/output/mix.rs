@@ -3,8 +3,10 @@
 
 use super::shares::{PLATE, Rendering, Share};
 use crate::base::fault::{Fault, Result, Where};
+use crate::film::aov;
 use crate::film::frame::{Frame, Meta, split_name};
 use crate::film::layer::Layer;
+use crate::film::variance;
 
 /// What the header's entries about layers of `render --chain` begin with.
 const CHAIN: &str = "chain.";
@@ -145,6 +147,8 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
     if !changed.is_empty() {
         errors = super::mix_errors::carry(rendering, recipe, contrast, &mut out);
         sum_up(&mut out, rendering, &changed);
+        aov::refresh(&mut out);
+        variance::refresh(&mut out);
     }
     if let Some(contrast) = contrast {
         out.meta.insert("contrast".to_owned(), Meta::Number(contrast));

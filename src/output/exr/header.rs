@@ -1,19 +1,33 @@
-//! The header of a single-part file, byte by byte: the `exr` crate writes custom attributes in the order of a hash map,
+//! The headers of a file, byte by byte: the `exr` crate writes custom attributes in the order of a hash map,
 //! which differs from process to process, and forgets the long-name flag for channels.
 //! Layout: openexr.com, "OpenEXR File Layout": magic number (4), version and flags (4, little endian), attributes
-//! (name, 0, type, 0, i32 size, value), 0.
+//! (name, 0, type, 0, i32 size, value), 0; of several parts one header after the other, then another 0.
 
 /// Bit 10 of the version field: names of attributes and channels may have 255 bytes instead of 31 (OpenEXR File Layout).
 /// OpenEXR 3.5 was seen to read long channel names without it; other readers need not.
 const LONG_NAMES: u8 = 0b100;
+/// Bit 12: several parts.
+const SEVERAL: u8 = 0b1_0000;
 const VERSION_FLAGS: usize = 5;
 const FIRST_ATTRIBUTE: usize = 8;
 
-/// Sorts the attributes by name. Their lengths keep, so the chunk offsets after the header stay right.
-/// `None` if the bytes are not a complete single-part header.
+/// Sorts the attributes of each header by name. Their lengths keep, so the chunk offsets after the headers stay right.
+/// `None` if the bytes are no complete headers.
 pub fn sort_attributes(bytes: &mut [u8]) -> Option<()> {
-    let mut spans = Vec::new();
+    let several = *bytes.get(VERSION_FLAGS)? & SEVERAL != 0;
     let mut at = FIRST_ATTRIBUTE;
+    loop {
+        at = sort_header(bytes, at)?.checked_add(1)?;
+        if !several || *bytes.get(at)? == 0 {
+            return Some(());
+        }
+    }
+}
+
+/// Sorts one header that starts at `start`; tells where the 0 is that ends it.
+fn sort_header(bytes: &mut [u8], start: usize) -> Option<usize> {
+    let mut spans = Vec::new();
+    let mut at = start;
     while *bytes.get(at)? != 0 {
         let start = at;
         let name_end = end_of_text(bytes, at)?;
@@ -25,8 +39,8 @@ pub fn sort_attributes(bytes: &mut [u8]) -> Option<()> {
     }
     spans.sort();
     let sorted: Vec<u8> = spans.into_iter().flat_map(|(_, attribute)| attribute).collect();
-    bytes.get_mut(FIRST_ATTRIBUTE..at)?.copy_from_slice(&sorted);
-    Some(())
+    bytes.get_mut(start..at)?.copy_from_slice(&sorted);
+    Some(at)
 }
 
 /// Declares that names longer than 31 bytes occur.
@@ -62,6 +76,10 @@ mod tests {
         for cut in 0..bytes.len() - 5 {
             assert_eq!(sort_attributes(&mut make(&b, &a)[..cut]), None, "cut at {cut}");
         }
+        let mut two =
+            [&[0x76, 0x2f, 0x31, 1, 2, SEVERAL, 0, 0], &b[..], &a, &[0], &b, &a, &[0], &[0], b"rest"].concat();
+        sort_attributes(&mut two).unwrap();
+        assert_eq!(two[8..], [&a[..], &b, &[0], &a, &b, &[0], &[0], b"rest"].concat());
         let mut hostile = make(&attribute("h", b""), &[]);
         let at = hostile.len() - 9;
         hostile[at..at + 4].copy_from_slice(&i32::MIN.to_le_bytes());

@@ -55,22 +55,22 @@ pub fn parts<'f>(frame: &'f Frame, at: &dyn Fn() -> Where) -> Result<Vec<Part<'f
         return Err(Fault::new(at(), what));
     }
     let several = frame.integer(MULTI_PART).is_some_and(|parts| parts != 0);
-    let mut parts: BTreeMap<&str, Part> = BTreeMap::new();
+    let mut parts: BTreeMap<String, Part> = BTreeMap::new();
     for channel in &frame.channels {
         let (layer, component) = split_name(&channel.name);
         // `R`, `G`, `B` and `A` are the picture; a lone `Z` is a layer.
-        let key = match (several, layer) {
-            (false, _) => "",
-            (true, "") if !["R", "G", "B", "A"].contains(&component) => component,
-            (true, layer) => layer,
+        let (name, own) = match (several, layer) {
+            (false, _) => (String::new(), ""),
+            (true, "") if ["R", "G", "B", "A"].contains(&component) => (String::new(), ""),
+            (true, "") => (component.to_owned(), component),
+            (true, layer) => (format!("{prefix}{layer}"), layer),
         };
-        let part = parts.entry(key).or_insert_with(|| Part {
-            name: several.then(|| if layer.is_empty() { key.to_owned() } else { format!("{prefix}{key}") }),
+        let part = parts.entry(name).or_insert_with_key(|name| Part {
+            name: several.then(|| name.clone()),
             channels: Vec::new(),
-            data: !key.is_empty() && (is_data(key) || frame.rgb(key).is_none()),
+            data: !own.is_empty() && (is_data(own) || frame.rgb(own).is_none()),
         });
-        let name =
-            if layer.is_empty() { channel.name.clone() } else { format!("{prefix}{}", channel.name) };
+        let name = if layer.is_empty() { channel.name.clone() } else { format!("{prefix}{}", channel.name) };
         part.channels.push(Stored { name, data: &channel.data });
     }
     let mut first = FIRST_PART.to_owned();

@@ -14,7 +14,7 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::{Vec2, f16};
 use rayon::prelude::*;
 
-use super::{COLOR_INTEROP_ID, PREFIX, WHITE_LUMINANCE};
+use super::{COLOR_INTEROP_ID, PREFIX, WHITE_LUMINANCE, naming};
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::{Channel, Frame, Meta};
 use crate::film::matte;
@@ -29,7 +29,8 @@ const BATCH: usize = 16;
 /// Reads any flat EXR (scan lines or tiles, one or several parts, float, half or 32-bit integer samples, any lossless
 /// or lossy compression of the format) into a frame; of mip maps the largest level. The frame is the data window.
 ///
-/// A channel without a dot in the second or a later part gets the part's name as its layer. Integer samples become
+/// A channel without a dot in the second or a later part gets the part's name as its layer, unless it is called so itself.
+/// The prefix that `eyebox.layerPrefix` names is taken from the layers' names. Integer samples become
 /// the nearest f32. Metadata as written by [`write_exr`](super::write_exr): `colorInteropID`, `whiteLuminance`,
 /// `cryptomatte/…` and what stands under `eyebox.`, without the prefix; other attributes are not kept.
 ///
@@ -103,6 +104,7 @@ fn decode_trusting(bytes: &[u8]) -> Result<Frame, String> {
     if covered.iter().any(|covered| *covered != pixels) {
         return Err("a part of the picture is missing".into());
     }
+    naming::without_prefix(&mut frame);
     Ok(frame)
 }
 
@@ -133,7 +135,8 @@ fn check_sizes(headers: &[Header], length: usize) -> Result<Vec2<usize>, String>
 /// The channel's name in the frame, entered into `names`.
 fn channel_name(names: &mut HashSet<String>, part: usize, part_name: &str, name: &str) -> Result<String, String> {
     let long = format!("{part_name}.{name}");
-    let bare = part > 0 && !part_name.is_empty() && !name.contains('.');
+    // A lone channel in the part of its name is a layer without components: `Z`.
+    let bare = part > 0 && !part_name.is_empty() && !name.contains('.') && name != part_name;
     let short = if bare { long.clone() } else { name.to_owned() };
     if names.insert(short.clone()) {
         return Ok(short);

@@ -1,3 +1,4 @@
+use std::io::Cursor;
 use std::path::Path;
 
 use ::exr::prelude::*;
@@ -65,6 +66,78 @@ fn round_trip_keeps_every_bit_and_all_metadata() {
     assert_eq!(back.meta.len(), frame.meta.len());
     let plain = decode(&bytes_of(&Frame { meta: Default::default(), ..frame })).unwrap();
     assert_eq!((plain.text("colorInteropID"), plain.number("whiteLuminance")), (Some("lin_rec709_scene"), Some(1.0)));
+}
+
+/// Layers with a prefix, in parts of their own, or both: in the file as asked, in the frame as ever.
+#[test]
+fn prefix_and_parts_are_the_files_own_business() {
+    let mut plain = sample();
+    plain.push("Z", vec![1.5; 67 * 45]);
+    crate::film::matte::add(&mut plain, crate::film::matte::Matte::Part, &vec![Default::default(); 67 * 45], &["p"]);
+    let by_name = |frame: &Frame| {
+        let mut all: Vec<(String, Vec<u32>)> =
+            frame.channels.iter().map(|c| (c.name.clone(), c.data.iter().map(|v| v.to_bits()).collect())).collect();
+        all.sort();
+        all
+    };
+    let contains = |bytes: &[u8], text: &str| bytes.windows(text.len()).any(|part| part == text.as_bytes());
+    for (prefix, several) in [(None, false), (Some("eb_"), false), (None, true), (Some("eb_"), true)] {
+        let mut frame = plain.clone();
+        frame.meta.extend(prefix.map(|prefix| ("layerPrefix".to_owned(), Meta::Text(prefix.into()))));
+        frame.meta.extend(several.then(|| ("multiPart".to_owned(), Meta::Integer(1))));
+        let bytes = bytes_of(&frame);
+        assert_eq!(contains(&bytes, "eb_forward.R"), prefix.is_some());
+        assert_eq!(contains(&bytes, "eb_CryptoPart01.r"), prefix.is_some());
+        assert!(!contains(&bytes, "eb_R") && !contains(&bytes, "eb_Z\0"));
+        let back = decode(&bytes).unwrap();
+        assert_eq!(by_name(&back), by_name(&frame), "{prefix:?} {several}");
+        assert_eq!(back.text("cryptomatte/3201c4f/name"), Some("CryptoPart"));
+        assert_eq!(back.meta.len(), frame.meta.len());
+        // Written again as it was read: the same file.
+        assert!(bytes_of(&back) == bytes);
+        let headers = ::exr::meta::MetaData::read_from_buffered(Cursor::new(&bytes), true).unwrap().headers;
+        let names: Vec<String> =
+            headers.iter().filter_map(|h| Some(h.own_attributes.layer_name.as_ref()?.to_string())).collect();
+        if several {
+            let p = prefix.unwrap_or("");
+            let crypto = ["00", "01", "02"].map(|level| format!("{p}CryptoPart{level}"));
+            let rest =
+                ["Z", "direct", "forward", "normal_seen"].map(|n| format!("{}{n}", if n == "Z" { "" } else { p }));
+            // `Z.Z` is a layer, `Z` has no dot.
+            let layer_z = prefix.map(|prefix| format!("{prefix}Z"));
+            let mut want: Vec<String> = crypto.into_iter().chain(rest).chain(layer_z).collect();
+            let mut got = names[1..].to_vec();
+            (want.sort(), got.sort());
+            assert_eq!((names[0].as_str(), got), ("picture", want));
+            let colour = |part: usize| headers[part].own_attributes.other.get(&Text::from("colorInteropID")).cloned();
+            let at = |name: &str| names.iter().position(|own| *own == format!("{p}{name}")).unwrap();
+            assert_eq!(colour(at("normal_seen")), Some(AttributeValue::Text(Text::from("data"))));
+            assert_eq!(colour(at("forward")), Some(AttributeValue::Text(Text::from("lin_rec709_scene"))));
+        } else {
+            assert!(headers.len() == 1 && names.is_empty());
+        }
+        for cut in (0..bytes.len()).step_by(61) {
+            assert!(decode(&bytes[..cut]).is_err(), "cut at {cut}");
+        }
+    }
+    let mut bad = plain;
+    bad.meta.insert("layerPrefix".to_owned(), Meta::Text("1_".into()));
+    let fault = write_exr(&std::env::temp_dir().join("never.exr"), &bad).unwrap_err().to_string();
+    assert!(fault.contains("`1_` cannot begin a layer's name"), "{fault}");
+}
+
+/// A header may say a prefix that would make two names one.
+#[test]
+fn a_hostile_prefix_loses_nothing() {
+    let mut frame = Frame::new(1, 1);
+    for (name, value) in [("R", 0.0), ("a_R.R", 1.0), ("R.R", 2.0), ("a_1.R", 3.0), ("a_.R", 4.0)] {
+        frame.push(name, vec![value]);
+    }
+    let plain = bytes_of(&frame);
+    let mut back = decode(&plain).unwrap();
+    back.meta.insert("layerPrefix".to_owned(), Meta::Text("a_".into()));
+    super::naming::without_prefix(&mut back);
+    assert_eq!(back.layer_names(), ["", "R", "a_", "a_1", "a_R"]);
 }
 
 #[test]

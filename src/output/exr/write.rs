@@ -7,16 +7,15 @@ use std::path::Path;
 use ::exr::block::UncompressedBlock;
 use ::exr::block::writer::ChunksWriter;
 use ::exr::meta::BlockDescription;
-use ::exr::meta::attribute::{
-    AttributeValue, ChannelDescription, ChannelList, IntegerBounds, LineOrder, SampleType, Text,
-};
+use ::exr::meta::attribute::{AttributeValue, ChannelDescription, IntegerBounds, LineOrder, SampleType, Text};
 use ::exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use ::exr::prelude::{Compression, Vec2};
 
-use super::{COLOR_INTEROP_ID, DEFAULT_COLOR, PREFIX, WHITE_LUMINANCE, header};
+use super::naming::{self, Part, Stored, is_word};
+use super::{COLOR_INTEROP_ID, DATA, DEFAULT_COLOR, PREFIX, WHITE_LUMINANCE, header};
 use crate::base::atomic::write_atomic;
 use crate::base::fault::{Fault, Result, Where};
-use crate::film::frame::{Channel, Frame, Meta};
+use crate::film::frame::{Frame, Meta};
 use crate::film::matte;
 
 /// Nuke stops at 1023 channels and slows down long before (`design/layers.md`).
@@ -27,6 +26,10 @@ const LONGEST_NAME: usize = 255;
 const SHORT_NAME: usize = 31;
 
 /// Writes the frame: one part, 32-bit float, ZIP, scan lines in increasing order, the same bytes for the same frame.
+///
+/// With the metadata `multiPart` = 1 every layer has a part of its own that is called as the layer, the default image the
+/// first; channels keep their whole names, and all metadata is in the first part. `layerPrefix` stands before the names of
+/// all layers but the default image in the file ([`read_exr`](super::read_exr) takes it away).
 ///
 /// Metadata: `colorInteropID` (text, default `lin_rec709_scene`) and `whiteLuminance` (number, default 1: values are
 /// cd/m²) and Cryptomatte's (`cryptomatte/…`) under their own names, every other entry `key` as `eyebox.key`: text as `string`, numbers as `double`,
@@ -39,11 +42,12 @@ const SHORT_NAME: usize = 31;
 /// system's included, no file is left behind and an older file at `path` stays as it was.
 pub fn write_exr(path: &Path, frame: &Frame) -> Result<Vec<String>> {
     let at = || Where::file(path);
-    let channels = sorted_channels(frame, &at)?;
+    let parts = naming::parts(frame, &at)?;
+    check_channels(frame, &parts, &at)?;
     let attributes = attributes(frame, &at)?;
-    let long = channels.iter().map(|channel| channel.name.len()).chain(attributes.keys().map(|name| name.len()));
-    let long_names = long.into_iter().any(|length| length > SHORT_NAME);
-    let mut bytes = encode(frame, &channels, attributes)
+    let names = parts.iter().flat_map(|part| &part.channels).map(|channel| channel.name.len());
+    let long_names = names.chain(attributes.keys().map(|name| name.len())).any(|length| length > SHORT_NAME);
+    let mut bytes = encode(frame, &parts, &attributes)
         .map_err(|error| Fault::new(at(), format!("cannot be encoded as EXR: {error}")))?;
     header::sort_attributes(&mut bytes)
         .and_then(|()| if long_names { header::set_long_names(&mut bytes) } else { Some(()) })
@@ -63,49 +67,44 @@ pub fn warnings(frame: &Frame) -> Vec<String> {
     )]
 }
 
-/// The channels in the order that EXR demands (by the bytes of their names), after all checks.
-fn sorted_channels<'f>(frame: &'f Frame, at: &dyn Fn() -> Where) -> Result<Vec<&'f Channel>> {
+fn check_channels(frame: &Frame, parts: &[Part], at: &dyn Fn() -> Where) -> Result<()> {
     let pixels = frame.width.checked_mul(frame.height).filter(|pixels| *pixels > 0).ok_or_else(|| {
         Fault::new(at(), format!("a frame of {} × {} pixels cannot be written", frame.width, frame.height))
             .expected("at least one pixel")
     })?;
-    if frame.channels.is_empty() {
+    if parts.is_empty() {
         return Err(Fault::new(at(), "the frame has no channel").expected("at least one"));
     }
-    let mut channels: Vec<&Channel> = frame.channels.iter().collect();
-    channels.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
-    for pair in channels.windows(2) {
-        if let [first, second] = pair
-            && first.name == second.name
-        {
-            return Err(Fault::new(at(), format!("channel `{}` is there twice", first.name)));
+    for part in parts {
+        for pair in part.channels.windows(2) {
+            if let [first, second] = pair
+                && first.name == second.name
+            {
+                return Err(Fault::new(at(), format!("channel `{}` is there twice", first.name)));
+            }
         }
     }
-    for channel in &channels {
-        check_name(&channel.name, at)?;
-        if channel.data.len() != pixels {
-            return Err(Fault::new(at(), format!("channel `{}` has {} values", channel.name, channel.data.len()))
+    for Stored { name, data } in parts.iter().flat_map(|part| &part.channels) {
+        check_name(name, at)?;
+        if data.len() != pixels {
+            return Err(Fault::new(at(), format!("channel `{name}` has {} values", data.len()))
                 .expected(format!("{} × {} = {pixels}", frame.width, frame.height)));
         }
-        if let Some(index) = channel.data.iter().position(|value| !value.is_finite()) {
-            let (x, y, value) = (index % frame.width, index / frame.width, channel.data[index]);
-            return Err(Fault::new(at(), format!("channel `{}` is {value} at pixel ({x}, {y})", channel.name))
+        if let Some((index, value)) = data.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+            let (x, y) = (index % frame.width, index / frame.width);
+            return Err(Fault::new(at(), format!("channel `{name}` is {value} at pixel ({x}, {y})"))
                 .expected("a finite value (0 where a ray hits nothing)"));
         }
     }
-    Ok(channels)
+    Ok(())
 }
 
 /// Nuke and Blender split names at different dots, so there is at most one; what stands before it must be a name that
 /// both accept (`design/layers.md`).
 fn check_name(name: &str, at: &dyn Fn() -> Where) -> Result<()> {
-    let word = |text: &str| {
-        text.starts_with(|c: char| c.is_ascii_alphabetic())
-            && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-    };
     let good = match name.split_once('.') {
-        Some((layer, component)) => word(layer) && word(component),
-        None => word(name),
+        Some((layer, component)) => is_word(layer) && is_word(component),
+        None => is_word(name),
     };
     if good && name.len() <= LONGEST_NAME {
         return Ok(());
@@ -132,7 +131,7 @@ fn attributes(frame: &Frame, at: &dyn Fn() -> Where) -> Result<HashMap<String, A
             return Err(Fault::new(at(), format!("`{key}` cannot name an attribute"))
                 .expected(format!("1 to {} visible ASCII characters without spaces", LONGEST_NAME - PREFIX.len())));
         }
-        let value = match value {
+        let value = match &naming::stored_meta(frame, key, value) {
             Meta::Text(value) => AttributeValue::Text(text(value)),
             Meta::Number(number) => AttributeValue::F64(*number),
             Meta::Integer(integer) => match i32::try_from(*integer) {
@@ -152,34 +151,43 @@ fn text(value: &str) -> Text {
 
 fn encode(
     frame: &Frame,
-    channels: &[&Channel],
-    attributes: HashMap<String, AttributeValue>,
+    parts: &[Part],
+    attributes: &HashMap<String, AttributeValue>,
 ) -> ::exr::error::Result<Vec<u8>> {
-    let describe = |channel: &&Channel| ChannelDescription::new(text(&channel.name), SampleType::F32, false);
     let size = Vec2(frame.width, frame.height);
-    let own = LayerAttributes {
-        layer_name: None,
-        white_luminance: Some(frame.number(WHITE_LUMINANCE).unwrap_or(1.0) as f32),
-        other: attributes.iter().map(|(name, value)| (text(name), value.clone())).collect(),
-        ..LayerAttributes::default()
+    let header = |(index, part): (usize, &Part)| {
+        let describe = |channel: &Stored| ChannelDescription::new(text(&channel.name), SampleType::F32, false);
+        // The first part says everything, the others only what kind of numbers they hold.
+        let other = if index == 0 {
+            attributes.iter().map(|(name, value)| (text(name), value.clone())).collect()
+        } else {
+            let colour = if part.data { Some(AttributeValue::Text(text(DATA))) } else { None };
+            let colour = colour.or_else(|| attributes.get(COLOR_INTEROP_ID).cloned());
+            colour.map(|colour| (text(COLOR_INTEROP_ID), colour)).into_iter().collect()
+        };
+        let own = LayerAttributes {
+            layer_name: part.name.as_deref().map(text),
+            white_luminance: Some(frame.number(WHITE_LUMINANCE).unwrap_or(1.0) as f32).filter(|_| !part.data),
+            other,
+            ..LayerAttributes::default()
+        };
+        Header {
+            shared_attributes: ImageAttributes::new(IntegerBounds::from_dimensions(size)),
+            own_attributes: own,
+            ..Header::new(text(""), size, part.channels.iter().map(describe).collect())
+        }
+        .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
     };
-    let header = Header {
-        channels: ChannelList::new(channels.iter().map(describe).collect()),
-        shared_attributes: ImageAttributes::new(IntegerBounds::from_dimensions(size)),
-        own_attributes: own,
-        ..Header::new(text("picture"), size, channels.iter().map(describe).collect())
-    }
-    .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing);
 
     let mut bytes = Cursor::new(Vec::new());
-    ::exr::block::write(&mut bytes, std::iter::once(header).collect(), true, |meta, writer| {
-        let Some(header) = meta.headers.first() else { return Err(::exr::error::Error::Aborted) };
+    ::exr::block::write(&mut bytes, parts.iter().enumerate().map(header).collect(), true, |meta, writer| {
         let blocks = ::exr::block::enumerate_ordered_header_block_indices(&meta.headers).map(|(number, index)| {
+            // Indices are the encoder's own, within the sizes that `check_channels` has checked.
+            let (header, channels) = (&meta.headers[index.layer], &parts[index.layer].channels);
             let block = UncompressedBlock::from_lines(&header.channels, index, |line| {
                 let Vec2(x, y) = line.location.position;
                 let start = y * frame.width + x;
                 let end = start + line.location.sample_count;
-                // Indices are the encoder's own, within the size that `sorted_channels` has checked.
                 let samples = channels.get(line.location.channel).and_then(|channel| channel.data.get(start..end));
                 for (to, sample) in line.value.chunks_exact_mut(size_of::<f32>()).zip(samples.unwrap_or(&[])) {
                     to.copy_from_slice(&sample.to_ne_bytes());

@@ -1,0 +1,108 @@
+//! Light path expressions in OSL's syntax, and whether one takes whole classes of paths.
+//!
+//! Syntax and letters: Open Shading Language, "Light Path Expressions" (github.com/AcademySoftwareFoundation/
+//! OpenShadingLanguage, wiki): an event is `<type scattering 'label'>`, a single letter stands for any event of that type
+//! or scattering.
+
+mod automaton;
+mod parse;
+
+pub use automaton::{Alphabet, Verdict};
+
+use super::path::Class;
+
+/// What emits at the end of a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Source {
+    /// An emitting face: `O`, and `L`.
+    Face,
+    /// A lamp without a face: `L`.
+    Light,
+    /// The sky: `B`, and `L`.
+    Sky,
+}
+
+/// One event of a path as an expression sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Letter {
+    Camera,
+    ReflectSpecular,
+    ReflectGlossy,
+    ReflectDiffuse,
+    TransmitSpecular,
+    /// Through a slide or a sheet, which bend nothing.
+    TransmitStraight,
+    TransmitGlossy,
+    TransmitDiffuse,
+    Source(Source),
+}
+
+impl Letter {
+    pub const ALL: [Letter; 11] = [
+        Letter::Camera,
+        Letter::ReflectSpecular,
+        Letter::ReflectGlossy,
+        Letter::ReflectDiffuse,
+        Letter::TransmitSpecular,
+        Letter::TransmitStraight,
+        Letter::TransmitGlossy,
+        Letter::TransmitDiffuse,
+        Letter::Source(Source::Face),
+        Letter::Source(Source::Light),
+        Letter::Source(Source::Sky),
+    ];
+
+    /// As it is written in an expression.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Letter::Camera => "C",
+            Letter::ReflectSpecular => "<RS>",
+            Letter::ReflectGlossy => "<RG>",
+            Letter::ReflectDiffuse => "<RD>",
+            Letter::TransmitSpecular => "<TS>",
+            Letter::TransmitStraight => "<Ts>",
+            Letter::TransmitGlossy => "<TG>",
+            Letter::TransmitDiffuse => "<TD>",
+            Letter::Source(Source::Face) => "O",
+            Letter::Source(Source::Light) => "L",
+            Letter::Source(Source::Sky) => "B",
+        }
+    }
+
+    fn bit(self) -> Set {
+        let index = Letter::ALL.iter().position(|letter| *letter == self).unwrap_or(0);
+        1 << index
+    }
+}
+
+/// Letters, a bit each.
+type Set = u16;
+/// Every letter.
+const EVERY: Set = (1 << Letter::ALL.len()) - 1;
+
+/// An expression that has been read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Lpe {
+    root: parse::Node,
+}
+
+impl Lpe {
+    /// Errors: what is wrong with the expression, and where.
+    pub fn parse(text: &str) -> Result<Lpe, String> {
+        parse::parse(text).map(|root| Lpe { root })
+    }
+
+    /// Whether it says the name of this light group; all others are alike for it.
+    pub fn names(&self, group: &str) -> bool {
+        self.root.names(group)
+    }
+
+    /// For each class what the expression takes of its paths from the lamps of `group`, among those that the alphabet can
+    /// spell. Errors: an expression with too many cases.
+    pub fn takes(&self, alphabet: &Alphabet, group: &str) -> Result<[Verdict; Class::ALL.len()], String> {
+        automaton::decide(&self.root, alphabet, group)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,102 @@
+//! Layers that a user defined: sums of stored shares, which the header names, so that they can be summed again after a
+//! light group has been dimmed.
+
+use super::frame::{Channel, Frame, Meta};
+
+/// Metadata `aov.NAME` says what the layer `NAME` is.
+pub const KEY: &str = "aov.";
+
+/// A layer of its own.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Aov {
+    /// The layer's name.
+    #[serde(skip)]
+    pub name: String,
+    /// The light path expression that asked for it.
+    pub lpe: String,
+    /// `LAYER_GROUP`, by layers in the order in which `hybrid` adds them up, then by light groups.
+    pub shares: Vec<String>,
+}
+
+impl Aov {
+    /// The f32 sum of the shares that are stored, layer by layer as `hybrid` is made; a share without light is not there.
+    pub fn picture(&self, frame: &Frame) -> [Vec<f32>; 3] {
+        let pixels = frame.width.saturating_mul(frame.height);
+        let black = || -> [Vec<f32>; 3] { std::array::from_fn(|_| vec![0.0; pixels]) };
+        let (mut sum, mut of_layer, mut layer) = (black(), black(), None);
+        for share in &self.shares {
+            let Some(picture) = frame.rgb(share) else { continue };
+            let own = share.split('_').next();
+            if layer != own {
+                add(&mut sum, &of_layer);
+                (of_layer, layer) = (black(), own);
+            }
+            add(&mut of_layer, &picture);
+        }
+        add(&mut sum, &of_layer);
+        sum
+    }
+
+    /// The channels, and what the header says of them.
+    pub fn written(&self, frame: &Frame) -> (Vec<Channel>, (String, Meta)) {
+        let channel =
+            |(data, component): (Vec<f32>, &str)| Channel { name: format!("{}.{component}", self.name), data };
+        let channels = self.picture(frame).into_iter().zip(["R", "G", "B"]).map(channel).collect();
+        let said = serde_json::to_string(self).unwrap_or_default();
+        (channels, (format!("{KEY}{}", self.name), Meta::Text(said)))
+    }
+}
+
+fn add<D: AsRef<[f32]>>(sum: &mut [Vec<f32>; 3], picture: &[D; 3]) {
+    for (sum, data) in sum.iter_mut().zip(picture) {
+        sum.iter_mut().zip(data.as_ref()).for_each(|(sum, value)| *sum += value);
+    }
+}
+
+/// The layers that a header names.
+pub fn listed(frame: &Frame) -> Vec<Aov> {
+    let read = |(key, value): (&String, &Meta)| {
+        let (name, Meta::Text(said)) = (key.strip_prefix(KEY)?, value) else { return None };
+        let aov: Aov = serde_json::from_str(said).ok()?;
+        Some(Aov { name: name.to_owned(), ..aov })
+    };
+    frame.meta.iter().filter_map(read).collect()
+}
+
+/// Sums up the layers that the header names, after the shares have changed.
+pub fn refresh(frame: &mut Frame) {
+    for aov in listed(frame) {
+        let (channels, _) = aov.written(frame);
+        for channel in channels {
+            if let Some(own) = frame.channels.iter_mut().find(|own| own.name == channel.name) {
+                own.data = channel.data;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_layer_by_layer_and_again() {
+        let mut frame = Frame::new(1, 1);
+        for (name, value) in [("direct_a", 1.0), ("direct_b", 2.0f32.powi(-24)), ("caustic_a", 2.0f32.powi(-24))] {
+            for component in ["R", "G", "B"] {
+                frame.push(format!("{name}.{component}"), vec![value]);
+            }
+        }
+        let shares = ["direct_a", "direct_b", "direct_dark", "caustic_a"].map(str::to_owned).to_vec();
+        let aov = Aov { name: "mine".into(), lpe: "C.*".into(), shares };
+        // Half a step above 1 is lost twice, not added up first.
+        assert_eq!(aov.picture(&frame), [vec![1.0], vec![1.0], vec![1.0]]);
+        let (channels, (key, said)) = aov.written(&frame);
+        frame.channels.extend(channels);
+        frame.meta.insert(key, said);
+        assert_eq!(listed(&frame), [aov]);
+        frame.channels.iter_mut().filter(|c| c.layer() == "direct_b").for_each(|c| c.data[0] = 4.0);
+        refresh(&mut frame);
+        assert_eq!(frame.get("mine.G").map(|c| c.data[0]), Some(5.0));
+    }
+}

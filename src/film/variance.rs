@@ -1,0 +1,55 @@
+//! `<layer>_variance`: what denoisers ask for, the square of the standard errors that are stored.
+
+use super::frame::{Channel, Frame};
+
+/// The layer that holds the variance of what `error` (`stderr`, `<layer>_stderr`) is the standard error of.
+fn name(error: &str) -> Option<String> {
+    match error {
+        "stderr" => Some("hybrid_variance".to_owned()),
+        error => error.strip_suffix("_stderr").map(|layer| format!("{layer}_variance")),
+    }
+}
+
+/// Adds the variance of every layer whose standard error is there, (cd/m²)², R = G = B; of `hybrid` from `stderr`.
+pub fn add(frame: &mut Frame) {
+    frame.channels.retain(|channel| !channel.layer().ends_with("_variance"));
+    let square = |channel: &Channel| {
+        let name = format!("{}.{}", name(channel.layer())?, channel.component());
+        Some(Channel { name, data: channel.data.iter().map(|sigma| sigma * sigma).collect() })
+    };
+    let squares: Vec<Channel> = frame.channels.iter().filter_map(square).collect();
+    frame.channels.extend(squares);
+}
+
+/// After the errors have changed: the variances again, where there are any. One whose error is not there goes.
+pub fn refresh(frame: &mut Frame) {
+    if frame.channels.iter().any(|channel| channel.layer().ends_with("_variance")) {
+        add(frame);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squares_of_the_errors() {
+        let mut frame = Frame::new(1, 1);
+        for (name, value) in [("R", 1.0), ("stderr.R", 3.0), ("direct_led_stderr.G", 0.5), ("direct_covariance.R", 7.0)]
+        {
+            frame.push(name, vec![value]);
+        }
+        refresh(&mut frame);
+        assert_eq!(frame.channels.len(), 4, "nobody asked");
+        add(&mut frame);
+        let value = |frame: &Frame, name: &str| frame.get(name).map(|channel| channel.data[0]);
+        assert_eq!(value(&frame, "hybrid_variance.R"), Some(9.0));
+        assert_eq!(value(&frame, "direct_led_variance.G"), Some(0.25));
+        assert_eq!(frame.channels.len(), 6);
+        frame.channels.retain(|channel| channel.layer() != "direct_led_stderr");
+        frame.channels[1].data[0] = 4.0;
+        refresh(&mut frame);
+        assert_eq!(value(&frame, "hybrid_variance.R"), Some(16.0));
+        assert_eq!(value(&frame, "direct_led_variance.G"), None);
+    }
+}
