@@ -12,6 +12,12 @@ function later(recompute) {
   });
 }
 
+/** Other light is seen in the mixed picture alone: a layer that was chosen gives way to it. */
+function remix() {
+  if (shown.layer !== MIXED) choose(MIXED);
+  later(true);
+}
+
 function now() {
   if (!shown.mixed && frame.shares.length > 0) shown.mixed = recombine();
   byId("command").textContent = command();
@@ -97,7 +103,7 @@ function gainOf(group, id) {
       get: () => mixture.gains[group],
       set: (value) => {
         mixture.gains[group] = value;
-        later(true);
+        remix();
       },
       parse: (text) => numberOf(text, 0),
       write: (value) => String(Number(value.toPrecision(4))),
@@ -115,7 +121,7 @@ function contrastControl() {
       get: () => mixture.contrast ?? renderedContrast,
       set: (value) => {
         mixture.contrast = value;
-        later(true);
+        remix();
       },
       parse: contrastOf,
       write: (value) => (value === Infinity ? "inf" : String(Number(value.toPrecision(5)))),

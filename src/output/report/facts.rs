@@ -39,7 +39,7 @@ pub fn facts(frame: &Frame) -> Vec<[String; 2]> {
     let pupil = frame.number("pupilDiameter_m").map(|metres| format!("{} mm", round(1e3 * metres)));
     put("pupil", pupil);
     put("colour space", said(frame, crate::output::exr::COLOR_INTEROP_ID));
-    put("wavelengths", said(frame, "wavelengths").map(unquoted));
+    put("wavelengths", said(frame, "wavelengths").map(wavelengths));
     put("contrast of the slide", frame.number("contrast").map(round));
     put("light groups", list(frame, "groups").map(|groups| groups.join(", ")));
     for line in said(frame, "diffractionReadable").unwrap_or_default().lines() {
@@ -47,6 +47,13 @@ pub fn facts(frame: &Frame) -> Vec<[String; 2]> {
     }
     put("mixed", said(frame, "mix"));
     rows
+}
+
+/// `{"mono":{"nm":550.0}}` is 550 nm; a name is a name.
+fn wavelengths(text: String) -> String {
+    let record = serde_json::from_str::<Value>(&text).ok();
+    let single = record.as_ref().and_then(|value| value.pointer("/mono/nm")).and_then(Value::as_f64);
+    single.map_or_else(|| unquoted(text), |nm| format!("{} nm", round(nm)))
 }
 
 fn round(value: f64) -> String {
@@ -118,7 +125,7 @@ fn ledger(frame: &Frame, estimator: &str) -> Option<Value> {
     }
     rows.push(row("balance: emitted and added, less all the rest", balance));
     let sigma = record.get("imbalance2").and_then(Value::as_f64).map_or(0.0, |square| square.sqrt() * scale);
-    rows.push(row("one-sigma error that the balance should have", sigma));
+    rows.push(row("one-sigma error that the balance should have, rounding aside", sigma));
     let names = list(frame, "parts").unwrap_or_default();
     let mut parts: Vec<(String, f64)> = absorbed
         .iter()

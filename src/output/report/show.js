@@ -98,7 +98,9 @@ function legend(ends) {
   byId("bar").style.background = `linear-gradient(to right, ${colours.join(",")})`;
   const decades = frame.falseColour.decades;
   const labels = Array.from({ length: decades + 1 }, (_, i) => said(ends[1] / 10 ** (decades - i)));
-  byId("labels").replaceChildren(...labels.map((text, i) => make("span", {}, i === decades ? `${text} cd/m²` : text)));
+  const spans = labels.map((text, i) => make("span", {}, i === decades ? `${text} cd/m²` : text));
+  spans.forEach((span, i) => (span.style.left = `${(100 * i) / decades}%`));
+  byId("labels").replaceChildren(...spans);
 }
 
 function draw() {
@@ -119,7 +121,8 @@ function holds(picture, at) {
   const values = picture.data.map((channel) => said(channel[at]));
   switch (picture.kind) {
     case "picture":
-      return `${said(luminanceAt(picture, at), 5)} cd/m²` + (picture.grey ? "" : ` (channels ${values.join(", ")})`);
+      // Equal channels are a luminance.
+      return `${said(luminanceAt(picture, at), 5)} cd/m²` + (new Set(values).size === 1 ? "" : ` (channels ${values.join(", ")})`);
     case "fraction":
     case "vector":
       return values.join(", ");
