@@ -422,7 +422,7 @@ impl RenderArgs {
             layers: self.layers.clone(),
             named,
             only_named: aovs.len() > self.aovs.len(),
-            aovs: aovs.into_iter().map(|aov| (aov.name.clone(), aov)).collect(),
+            aovs,
             variance: self.variance || self.layers.iter().any(|layer| layer.ends_with("_variance")),
             prefix: self.layer_prefix.clone(),
             multi_part: self.multi_part,

@@ -39,7 +39,7 @@ pub struct Wanted {
     /// Only the layers of `named` are wanted, even if there are none.
     pub only_named: bool,
     /// Sums of shares under names of their own.
-    pub aovs: Vec<(String, Aov)>,
+    pub aovs: Vec<Aov>,
     pub variance: bool,
     pub prefix: Option<String>,
     pub multi_part: bool,
@@ -72,8 +72,7 @@ impl Wanted {
         if self.variance {
             variance::add(frame);
         }
-        let aovs: Vec<Aov> = self.aovs.iter().map(|(name, aov)| Aov { name: name.clone(), ..aov.clone() }).collect();
-        let (own, said) = aov::layers(frame, &aovs);
+        let (own, said) = aov::layers(frame, &self.aovs);
         keep_layers(frame, &self.layers);
         wish::rename(frame, &self.named, self.only_named);
         frame.channels.extend(own);

@@ -10,7 +10,6 @@ pub const KEY: &str = "aov.";
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Aov {
     /// The layer's name.
-    #[serde(skip)]
     pub name: String,
     /// The light path expression that asked for it.
     pub lpe: String,
@@ -63,9 +62,12 @@ pub fn listed(frame: &Frame) -> Vec<Aov> {
     frame.meta.iter().filter_map(read).collect()
 }
 
-/// Sums up the layers that the header names, after the shares have changed.
+/// Sums up the layers that the header names, after the shares have changed; one whose shares are not in the frame stays.
 pub fn refresh(frame: &mut Frame) {
     for aov in listed(frame) {
+        if !aov.shares.iter().any(|share| frame.rgb(share).is_some()) {
+            continue;
+        }
         let (channels, _) = aov.written(frame);
         for channel in channels {
             if let Some(own) = frame.channels.iter_mut().find(|own| own.name == channel.name) {
