@@ -13,6 +13,22 @@ pub fn disk([a, b]: [f64; 2]) -> DVec2 {
     DVec2::new(radius * phi.cos(), radius * phi.sin())
 }
 
+/// The point of the unit square that [`disk`] takes to a point of the unit disk.
+pub fn disk_inverse(p: DVec2) -> [f64; 2] {
+    let side = |x: f64| 0.5 + 0.5 * x.clamp(-1.0, 1.0);
+    let radius = p.length();
+    if radius == 0.0 {
+        return [0.5; 2];
+    }
+    if p.x.abs() > p.y.abs() {
+        let x = radius.copysign(p.x);
+        [side(x), side(x * (4.0 / PI * (p.y / p.x).atan()))]
+    } else {
+        let y = radius.copysign(p.y);
+        [side(y * (4.0 / PI * (p.x / p.y).atan())), side(y)]
+    }
+}
+
 /// Cosine-weighted on the hemisphere about +z; density cos θ/π per steradian.
 pub fn cosine_hemisphere(uv: [f64; 2]) -> DVec3 {
     let p = disk(uv);
@@ -130,6 +146,16 @@ mod tests {
         let want = [0.5, 0.25, 2.0 / 3.0, 21.0 / 22.0, 1.0 / 3.0];
         for (sum, want) in sums.iter().zip(want) {
             assert!((sum / count as f64 - want).abs() < 5.0 * 0.3 / (count as f64).sqrt(), "{sum} {want}");
+        }
+    }
+
+    #[test]
+    fn the_disk_leads_back_to_the_square() {
+        let mut rng = Rng::new(6, Stream::Check, 0, 0);
+        let points = (0..1000).map(|_| rng.pair()).chain([[0.5; 2], [0.5, 0.9], [0.1, 0.5], [0.25; 2], [0.75, 0.25]]);
+        for p in points {
+            let back = disk_inverse(disk(p));
+            assert!((0..2).all(|k| (back[k] - p[k]).abs() < 1e-12), "{p:?} {back:?}");
         }
     }
 

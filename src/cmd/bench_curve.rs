@@ -2,7 +2,7 @@
 
 use super::print_text;
 use super::progress::Signals;
-use super::render::parse_resolution;
+use super::render_args::parse_resolution;
 use crate::base::atomic::{check_writable, write_atomic};
 use crate::base::{Fault, Result, Where};
 use crate::bench::curve::asset::{Form, Task, measure};

@@ -7,6 +7,7 @@ mod annotate;
 mod bench;
 mod bench_choice;
 mod bench_curve;
+mod chains;
 mod completions;
 mod convert;
 mod diff;
@@ -17,9 +18,12 @@ mod man;
 mod measure;
 mod merge;
 mod mix;
+mod paths;
 mod plan;
 mod progress;
+mod rays;
 mod render;
+mod render_args;
 mod report;
 mod scan;
 mod sequence;
@@ -50,11 +54,15 @@ struct Cli {
 #[derive(Subcommand, Debug)]
 enum Command {
     /// Trace an assembly into a layered EXR.
-    Render(render::RenderArgs),
+    Render(render_args::RenderArgs),
     /// Show an assembly as a tree, with all that was noted on the way in.
     Inspect(inspect::InspectArgs),
     /// Decide who computes what, and why, without rendering.
     Plan(plan::PlanArgs),
+    /// List the ways of light from the lamps to the eye: main image, ghosts, stray light.
+    Paths(paths::PathsArgs),
+    /// Write light paths as lines to look at, and say where their light ends.
+    Rays(rays::RaysArgs),
     /// Write a sidecar to start from.
     Init(init::InitArgs),
     /// Write a copy of an asset that carries the attributes of a sidecar itself.
@@ -113,6 +121,8 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(args),
         Command::Inspect(args) => inspect::run(args),
         Command::Plan(args) => plan::run(args),
+        Command::Paths(args) => paths::run(args),
+        Command::Rays(args) => rays::run(args),
         Command::Init(args) => init::run(args),
         Command::Annotate(args) => annotate::run(args),
         Command::Convert(args) => convert::run(args),

@@ -1,6 +1,6 @@
 //! `eyebox plan`: what would be traced how, and why.
 
-use super::render::{EstimatorArg, PolarisationArg, parse_resolution};
+use super::render_args::{EstimatorArg, PolarisationArg, parse_resolution};
 use super::{Format, print};
 use crate::base::atomic::write_atomic;
 use crate::base::{Fault, Result, Where};

@@ -1,7 +1,7 @@
 //! `eyebox scan`: the virtual image over an eyebox.
 
 use super::progress::Signals;
-use super::render::{PolarisationArg, parse_resolution};
+use super::render_args::{PolarisationArg, parse_resolution};
 use super::{Format, print};
 use crate::base::atomic::{check_writable, write_atomic};
 use crate::base::{Fault, Result, Where};

@@ -1,7 +1,8 @@
 //! `eyebox render --frames`: one file per time code, each under an import of its own. Names and numbers of frames.
 
 use super::progress::Signals;
-use super::render::{Ended, RenderArgs, one};
+use super::render::{Ended, one};
+use super::render_args::RenderArgs;
 use super::say;
 use crate::base::{Fault, Result, Where};
 use std::path::{Path, PathBuf};

@@ -140,13 +140,13 @@ enum Source {
 }
 
 /// A path that starts on a lamp.
-struct Started<'w, M: Mode> {
-    walker: Walker<'w, M>,
-    origin: Origin,
+pub struct Started<'w, M: Mode> {
+    pub walker: Walker<'w, M>,
+    pub origin: Origin,
     /// Index in the emission's lamps, the point of its cube, and the density of both, for learning.
-    lamp: usize,
-    x: Point,
-    density: f64,
+    pub lamp: usize,
+    pub x: Point,
+    pub density: f64,
 }
 
 impl Emission {
@@ -281,20 +281,27 @@ impl Emission {
         visitor: impl Fn() -> V + Sync,
         take: impl Fn(usize, Point, f64, V) -> Option<T> + Sync,
     ) -> Vec<T> {
+        self.starts((world, optics), shots, stop, |started| {
+            let mut visitor = visitor();
+            let mut ledger = Ledger::new(world.solids.len());
+            let Started { walker, origin, lamp, x, density } = started;
+            self.walk(walker, origin, &mut visitor, &mut ledger);
+            take(lamp, x, density, visitor)
+        })
+    }
+
+    /// Starts the paths of a pass and keeps what `take` makes of each, in their order; as [`Emission::survey`], but where they
+    /// go is for `take` to say.
+    pub fn starts<'w, M: Mode, T: Send>(
+        &self,
+        tracing: (&'w World, &'w Optics<M>),
+        shots: Shots,
+        stop: &ShouldStop<'_>,
+        take: impl Fn(Started<'w, M>) -> Option<T> + Sync,
+    ) -> Vec<T> {
         let points = Points::new(shots);
-        (0..shots.paths)
-            .into_par_iter()
-            .filter_map(|sample| {
-                if stop() {
-                    return None;
-                }
-                let started = self.start((world, optics), &points, sample)?;
-                let mut visitor = visitor();
-                let mut ledger = Ledger::new(world.solids.len());
-                self.walk(started.walker, started.origin, &mut visitor, &mut ledger);
-                take(started.lamp, started.x, started.density, visitor)
-            })
-            .collect()
+        let start = |sample| if stop() { None } else { self.start(tracing, &points, sample) };
+        (0..shots.paths).into_par_iter().filter_map(|sample| take(start(sample)?)).collect()
     }
 
     fn walk<M: Mode, V: Visitor<M>>(

@@ -5,6 +5,7 @@ use super::pick_up::Shining;
 use super::turn::Branch;
 use super::walk::{Meeting, Met, Vertex, Walker};
 use crate::base::chain::{Chain, Link, Step};
+use crate::world::eye::Arrival;
 use crate::world::mode::Mode;
 use crate::world::surface::Surface;
 
@@ -91,6 +92,21 @@ impl<'w, M: Mode> Walker<'w, M> {
     ) -> Option<Shining<'w>> {
         let whole = self.follow(links, ledger, each);
         whole.then(|| self.reach_lamp(ledger)).flatten().filter(|seen| seen.index == lamp)
+    }
+
+    /// Follows the faces of a chain and what lies between them and the pupil; none where there is something else.
+    pub fn follow_to_pupil(&mut self, links: impl Iterator<Item = Link>, ledger: &mut Ledger) -> Option<Arrival> {
+        let mut here = self.follow(links, ledger, |_, _, _| {});
+        while here {
+            let vertex = match self.advance(ledger) {
+                Met::Pupil(arrival) => return Some(arrival),
+                Met::Sky | Met::Ended => return None,
+                Met::Face(vertex) => vertex,
+            };
+            self.last = None;
+            here = matches!(self.meet(&vertex, ledger), Meeting::Went) && self.last.is_none();
+        }
+        None
     }
 
     /// Goes on to what shines next on the way; none if something else is there.

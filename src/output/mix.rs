@@ -8,8 +8,9 @@ use crate::film::frame::{Frame, Meta, split_name};
 use crate::film::layer::Layer;
 use crate::film::variance;
 
-/// What the header's entries about layers of `render --chain` begin with.
+/// What the header's entries about layers of `render --chain` begin with, and the path table that comes with them.
 const CHAIN: &str = "chain.";
+const PATHS: &str = "paths";
 
 /// What is to be changed.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -157,13 +158,13 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
     Ok(Mixed { frame: out, errors, left_out })
 }
 
-/// Takes the layers of `render --chain` out, which the header names as `chain.NAME`: they hold light of any group at the
-/// contrast that was rendered.
+/// Takes the layers of `render --chain` out, which the header names as `chain.NAME`, and the path table: they hold light of
+/// any group at the contrast that was rendered.
 fn leave_out_chains(out: &mut Frame) -> Vec<String> {
     let named = |key: &String| key.strip_prefix(CHAIN).map(str::to_owned);
     let names: Vec<String> = out.meta.keys().filter_map(named).collect();
     out.channels.retain(|channel| !names.iter().any(|name| name == channel.layer()));
-    out.meta.retain(|key, _| !key.starts_with(CHAIN));
+    out.meta.retain(|key, _| !key.starts_with(CHAIN) && key != PATHS);
     names
 }
 

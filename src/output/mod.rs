@@ -19,6 +19,7 @@ mod mix_errors;
 pub mod picture_sheet;
 pub mod plate;
 pub mod raster;
+pub mod rays;
 pub mod report;
 pub mod shard;
 pub mod shares;

@@ -4,8 +4,10 @@ pub mod chains;
 pub mod forecast;
 pub mod frozen;
 mod mode;
+pub mod paths;
 mod pilot;
 pub mod pupil;
+pub mod rays;
 pub mod scan;
 
 use crate::base::ids::GroupId;

@@ -19,6 +19,7 @@ use crate::world::interior::Interior;
 use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
 use glam::DVec3;
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 /// Paths of the first look, which knows nothing; most of them if little is found; and of each look after it.
@@ -42,7 +43,7 @@ pub struct ForwardPilot {
 }
 
 /// An estimator's paths with one guide, as a pilot sees them.
-trait Look {
+pub(super) trait Look {
     fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Sample>;
     fn density(&self, lamp: usize, x: &Point) -> f64;
     fn flux(&self) -> &[f64];
@@ -111,11 +112,15 @@ impl<L: Look> Looks<L> {
     /// started there (the balance heuristic of E. Veach, 1997).
     fn learn(&self) -> Guide {
         let Some((first, _)) = self.looks.first() else { return Guide::unguided(&[]) };
+        Guide::learn(first.flux(), &self.weighted())
+    }
+
+    fn weighted(&self) -> Vec<Sample> {
         let weighted = |sample: &Sample| {
             let paths = self.looks.iter().map(|(look, paths)| *paths as f64 * look.density(sample.lamp, &sample.x));
             Sample { weight: sample.weight / paths.sum::<f64>(), ..*sample }
         };
-        Guide::learn(first.flux(), &self.found.iter().map(weighted).collect::<Vec<_>>())
+        self.found.iter().map(weighted).collect()
     }
 
     fn traced(&self) -> u64 {
@@ -156,8 +161,75 @@ pub fn forward(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>)
         let route = Route::new(plan, groups, Estimator::Forward);
         Forward::<Mono>::new(world, route, groups, paths, guide, Arc::default(), SEED).starting(Starts::OfPass)
     };
+    pilot(with, groups, stop)
+}
+
+/// A pilot of paths to the picture. `with`: the paths with a guide (none: by flux and intensity) and their number.
+pub(super) fn pilot<L: Look>(
+    with: impl Fn(Option<&Guide>, u64) -> L,
+    groups: usize,
+    stop: &ShouldStop<'_>,
+) -> ForwardPilot {
     let (looks, guide) = look(with, groups, stop);
     ForwardPilot { guide, traced: looks.traced(), arrived: looks.arrived }
+}
+
+/// Looks that narrow down where paths start of which some starts are known.
+pub(super) struct Narrow<L: Look> {
+    looks: Looks<L>,
+    flux: Vec<f64>,
+    known: Vec<Sample>,
+    /// Variance of a path over its mean squared, by the last look; infinite if that found nothing.
+    pub spread: f64,
+}
+
+impl<L: Look> Narrow<L> {
+    /// `known`: starts, each weighted with its light.
+    pub fn new(flux: &[f64], known: Vec<Sample>) -> Self {
+        Narrow { looks: Looks::new(1), flux: flux.to_vec(), known, spread: f64::INFINITY }
+    }
+
+    /// What was learned. What was known and what the looks found are both light by start; each has as much say as it has
+    /// points.
+    pub fn learn(&self) -> Guide {
+        let mut all = by_effect(self.known.clone());
+        all.extend(by_effect(self.looks.weighted()));
+        Guide::learn(&self.flux, &all)
+    }
+
+    /// Paths tell more than those of another; where neither found anything, more was known before.
+    pub fn is_better(&self, other: &Self) -> bool {
+        match self.spread.total_cmp(&other.spread) {
+            Ordering::Less => true,
+            Ordering::Greater => false,
+            Ordering::Equal => self.known.len() > other.known.len(),
+        }
+    }
+
+    /// A look guided by all before. `with`: the paths with a guide and their number.
+    pub fn look(&mut self, with: impl Fn(&Guide, u64) -> L, paths: u64, stop: &ShouldStop<'_>) {
+        let before = self.looks.found.len();
+        self.looks.take(with(&self.learn(), paths), paths, stop);
+        self.spread = spread(&self.looks, before).unwrap_or(f64::INFINITY);
+    }
+}
+
+/// The same samples, with the number of equally heavy ones that would tell as much as the sum of their weights.
+fn by_effect(mut samples: Vec<Sample>) -> Vec<Sample> {
+    let sums = samples.iter().fold((0.0, 0.0), |(sum, squares), s| (sum + s.weight, squares + s.weight * s.weight));
+    if sums.1 > 0.0 {
+        samples.iter_mut().for_each(|sample| sample.weight *= sums.0 / sums.1);
+    }
+    samples
+}
+
+/// The variance of a path of the last look, which found all samples from `first` on, over its mean squared.
+fn spread<L: Look>(looks: &Looks<L>, first: usize) -> Option<f64> {
+    let (look, paths) = looks.looks.last()?;
+    let found = looks.found.get(first..)?;
+    let brought = found.iter().map(|sample| sample.weight / look.density(sample.lamp, &sample.x));
+    let (sum, squares) = brought.fold((0.0, 0.0), |(sum, squares), x| (sum + x, squares + x * x));
+    (sum > 0.0).then(|| (*paths as f64 * squares / (sum * sum) - 1.0).max(0.0))
 }
 
 /// What photons are for a plan: where they start, how many there are, and within which radii they are gathered.

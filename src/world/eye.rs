@@ -130,6 +130,31 @@ impl EyeLens {
         DVec2::new(ax, ay)
     }
 
+    /// The point of the unit cube (right and down over the picture, then what [`EyeLens::ray`] takes to the place in the
+    /// pupil) of a place in the picture (tangents) and in the pupil (m).
+    pub fn unit_of(&self, film: DVec2, pupil: DVec2) -> [f64; 4] {
+        const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+        let lens = warp::disk_inverse(if self.radius > 0.0 { pupil / self.radius } else { DVec2::ZERO });
+        let film = [0.5 + 0.5 * film.x / self.half.x, 0.5 - 0.5 * film.y / self.half.y];
+        [film[0], film[1], lens[0], lens[1]].map(|x| x.clamp(0.0, BELOW_ONE))
+    }
+
+    /// The pixel of a point of that cube, and what [`EyeLens::ray`] wants to know: place in the pixel, place in the pupil.
+    pub fn pixel_at(&self, [right, down, u, v]: &[f64; 4]) -> (usize, [[f64; 2]; 2]) {
+        let along = |at: f64, count: usize| {
+            let x = at * count as f64;
+            let index = (x as usize).min(count.saturating_sub(1));
+            (index, x - index as f64)
+        };
+        let ((px, fx), (py, fy)) = (along(*right, self.size[0]), along(*down, self.size[1]));
+        (py * self.size[0] + px, [[fx, fy], [*u, *v]])
+    }
+
+    /// Flux into the pupil, lm, that a luminance of 1 cd/m² sends through one pixel along `dir` (unit, from the eye).
+    pub fn lumens_per_luminance(&self, dir: DVec3) -> f64 {
+        dir.dot(self.look).powi(4) * self.pupil_area_m2() * self.cell()
+    }
+
     /// Half the picture's width and height in tangents.
     pub fn half(&self) -> DVec2 {
         self.half

@@ -40,6 +40,25 @@ fn pixel_centres_look_where_the_scene_says() {
     assert!(dir.dot(eye.up) > 0.0 && dir.dot(eye.right()) < 0.0);
 }
 
+/// A ray from a pixel is seen by the light that comes back along it at the same point of picture and pupil, with the flux that
+/// `arrive` turns into one unit of luminance.
+#[test]
+fn the_unit_cube_is_that_of_rays_and_arrivals() {
+    let lens = EyeLens::build(&eye(2.0), ORIGIN).unwrap();
+    let mut rng = Rng::new(8, Stream::Check, 0, 0);
+    for _ in 0..100 {
+        let [[a, b], [c, d]] = [rng.pair(), rng.pair()];
+        let x = [a, b, c, d];
+        let (pixel, [film, place]) = lens.pixel_at(&x);
+        let (origin, dir) = lens.ray(pixel % 4, pixel / 4, film, place);
+        let arrival = lens.arrive(origin + dir, -dir, f64::INFINITY).expect("it comes back");
+        assert_eq!(arrival.pixel, Some(pixel));
+        let back = lens.unit_of(arrival.film, arrival.pupil);
+        assert!((0..4).all(|k| (back[k] - x[k]).abs() < 1e-9), "{x:?} {back:?}");
+        assert!((lens.lumens_per_luminance(dir) * arrival.luminance_per_lumen - 1.0).abs() < 1e-9);
+    }
+}
+
 #[test]
 fn finite_focus_meets_in_one_point_of_the_plane_of_focus() {
     let eye = eye(2.0);

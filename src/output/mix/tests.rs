@@ -85,9 +85,11 @@ fn layers_of_chains_are_left_out_when_light_changes() {
     let mut frame = frame();
     ["R", "G", "B"].iter().for_each(|c| frame.push(format!("ghost.{c}"), vec![1.0; 2]));
     frame.meta.insert("chain.ghost".into(), Meta::Text("row 3".into()));
+    frame.meta.insert("paths".into(), Meta::Text("[]".into()));
     assert_eq!(mixed(&frame, &Recipe::default()).frame, frame);
     let Mixed { frame: out, left_out, .. } = mixed(&frame, &gains(&[("led", 0.5)]));
     assert_eq!((left_out, out.rgb("ghost"), out.text("chain.ghost")), (vec!["ghost".to_owned()], None, None));
+    assert_eq!(out.text("paths"), None);
 }
 
 #[test]
