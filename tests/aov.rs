@@ -30,7 +30,7 @@ fn room() -> Scene {
     for (group, place) in [(led, DVec3::new(0.1, 0.0, -1.0)), (back, DVec3::new(0.2, 0.3, 0.5))] {
         let mut panel = face(Finish::Absorber);
         panel.emitter = lamp(group, 100.0);
-        let away = mesh(&[quad(DVec3::ZERO, DVec3::Y * 0.02, DVec3::X * 0.02)]);
+        let away = mesh(&[quad(DVec3::ZERO, DVec3::Y * 0.08, DVec3::X * 0.08)]);
         add_part(&mut s, "panel", away, place, None, vec![panel]);
     }
     s
@@ -51,7 +51,7 @@ fn asked(name: &str, lpe: &str) -> Vec<(String, String)> {
 #[test]
 fn sums_of_shares_with_their_bits() {
     let (frame, caustic, led, all) = with(|s, world, plan| {
-        let limits = Limits { passes: Some(4), ..Limits::default() };
+        let limits = Limits { passes: Some(64), ..Limits::default() };
         let outcome = run(world, plan, 2, s.eye.resolution, 0, &limits, &mut ());
         let frame: Frame = picture(s, plan, &outcome, ColourSpace::Rec709).expect("a picture").frame;
         let one = |lpe: &str| {
