@@ -107,7 +107,8 @@ fn prefix_and_parts_are_the_files_own_business() {
             let layer_z = prefix.map(|prefix| format!("{prefix}Z"));
             let mut want: Vec<String> = crypto.into_iter().chain(rest).chain(layer_z).collect();
             let mut got = names[1..].to_vec();
-            (want.sort(), got.sort());
+            want.sort();
+            got.sort();
             assert_eq!((names[0].as_str(), got), ("picture", want));
             let colour = |part: usize| headers[part].own_attributes.other.get(&Text::from("colorInteropID")).cloned();
             let at = |name: &str| names.iter().position(|own| *own == format!("{p}{name}")).unwrap();
