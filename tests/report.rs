@@ -166,7 +166,10 @@ fn the_page_mixes_shows_and_reads_as_the_program_does() {
         luminance.iter().flat_map(|value| eyebox::output::false_colour::colour(*value, ends)).collect();
     near(&found["falseCodes"], &colours);
     assert_eq!(found["legend"].as_array().expect("labels").len(), 5);
-    assert_eq!(found["legend"][4], format!("{} cd/m²", ends[1]));
+    assert_eq!(
+        (&found["legend"][0], &found["legend"][4]),
+        (&format!("{} cd/m²", ends[0]).into(), &ends[1].to_string().into())
+    );
 
     // A path leads to its layer.
     let clicked = found["clicked"].as_array().expect("a list");

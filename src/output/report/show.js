@@ -98,7 +98,7 @@ function legend(ends) {
   byId("bar").style.background = `linear-gradient(to right, ${colours.join(",")})`;
   const decades = frame.falseColour.decades;
   const labels = Array.from({ length: decades + 1 }, (_, i) => said(ends[1] / 10 ** (decades - i)));
-  const spans = labels.map((text, i) => make("span", {}, i === decades ? `${text} cd/m²` : text));
+  const spans = labels.map((text, i) => make("span", {}, i === 0 ? `${text} cd/m²` : text));
   spans.forEach((span, i) => (span.style.left = `${(100 * i) / decades}%`));
   byId("labels").replaceChildren(...spans);
 }
