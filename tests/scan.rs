@@ -45,7 +45,8 @@ fn mirrored(half: f64) -> Scene {
 fn a_lamp_in_a_plane_mirror() {
     let scene = mirrored(0.3);
     let light = LightAsked {
-        resolution: [24, 24],
+        // Half a degree, the size of a patch, is three pixels.
+        resolution: [96, 96],
         passes: 8,
         seed: 1,
         asked: Asked { choice: Choice::Auto, polarisation: Polarisation::Off },

@@ -151,14 +151,11 @@ mod tests {
             assert!(sum.merge(&second) && sum.merge(&third));
             assert_eq!(sum.passes, 100);
             for pixel in 0..6 {
-                for plane in 0..2 {
+                for (plane, key) in PLANES.iter().enumerate() {
                     assert_eq!(sum.mean(pixel, plane), whole.mean(pixel, plane));
                     assert_eq!(sum.mix_error(pixel, plane), whole.mix_error(pixel, plane));
                     assert!(sum.mean_entries(pixel, plane).eq(whole.mean_entries(pixel, plane)));
-                    assert_eq!(
-                        sum.layer_variance(pixel, PLANES[plane].layer),
-                        whole.layer_variance(pixel, PLANES[plane].layer)
-                    );
+                    assert_eq!(sum.layer_variance(pixel, key.layer), whole.layer_variance(pixel, key.layer));
                 }
                 assert_eq!(sum.variance(pixel, 2), whole.variance(pixel, 2));
                 assert!(whole.variance(pixel, 2) > 0.0);

@@ -147,7 +147,10 @@ impl Subject {
 }
 
 /// What rays met, by kind, part, face and chain.
-type Found = BTreeMap<(Kind, u32, u32, Chain), Vec<Landed>>;
+type Found = BTreeMap<Way, Vec<Landed>>;
+
+/// Kind of the picture, part, face, and the chain that leads there.
+type Way = (Kind, u32, u32, Chain);
 
 /// Sends rays from the pupil's middle through the middles of cells between two corners of the field of view (tangents).
 fn look_around(tracing: (&World, &Optics<Mono>), [low, high]: [DVec2; 2], wanted: Option<u32>) -> Found {
@@ -175,7 +178,7 @@ fn look_around(tracing: (&World, &Optics<Mono>), [low, high]: [DVec2; 2], wanted
 }
 
 /// The best kind, and of it what carries most light.
-fn brightest(found: Found) -> Option<((Kind, u32, u32, Chain), Vec<Landed>)> {
+fn brightest(found: Found) -> Option<(Way, Vec<Landed>)> {
     let light = |hits: &[Landed]| hits.iter().map(|hit| hit.carried).sum::<f64>();
     found.into_iter().min_by(|((a, ..), p), ((b, ..), q)| a.cmp(b).then(light(q).total_cmp(&light(p))))
 }

@@ -232,7 +232,7 @@ impl Directed {
         let mut from_eye = Narrow::new(&EYE, at_eye);
         from_eye.look(|guide, paths| with(true, guide, paths), FIRST, stop);
         // Groups that are found from the eye have no emission.
-        let from_lamps = start.lamps.filter(|_| !start.from_eye(group)).map(|lamps| {
+        let from_lamps = start.lamps.filter(|_| !start.is_from_eye(group)).map(|lamps| {
             let mut narrow = Narrow::new(lamps.emission.flux(), on_lamps);
             narrow.look(|guide, paths| with(false, guide, paths), FIRST, stop);
             narrow

@@ -49,7 +49,7 @@ pub(super) struct Start<'a> {
 }
 
 impl Start<'_> {
-    pub fn from_eye(&self, group: GroupId) -> bool {
+    pub fn is_from_eye(&self, group: GroupId) -> bool {
         self.eye.get(group.index()) == Some(&true)
     }
 }
@@ -139,7 +139,7 @@ pub(super) fn discover(start: Start<'_>, split: Split, least: f64, stop: &Should
     chains.truncate(MOST.min(MOST_STARTS / lamps.max(1)));
     let learned: Vec<Directed> = chains
         .into_par_iter()
-        .filter(|(key, found)| start.from_eye(key.0) || is_the_lamps(start.world, &optics, &key.1, found))
+        .filter(|(key, found)| start.is_from_eye(key.0) || is_the_lamps(start.world, &optics, &key.1, found))
         .filter_map(|(key, found)| {
             let shares = shares(&key, &found);
             Directed::learn(start, key, shares, found.starts(), stop)
@@ -198,14 +198,14 @@ fn from_eye(
             .is_some_and(|lamps| (0..lamps.sources.len()).any(|lamp| lamps.emission.group_of(world, lamp) == group))
     };
     let looked: Vec<bool> =
-        (0..start.groups).map(GroupId::from_index).map(|group| start.from_eye(group) || from_lamps(group)).collect();
+        (0..start.groups).map(GroupId::from_index).map(|group| start.is_from_eye(group) || from_lamps(group)).collect();
     let vision = |group: GroupId| looked.get(group.index()) == Some(&true);
     let owned = &All::default();
     let looking = Looking { world, optics, split, vision: &vision, owned, traces: true, scattered: None };
     for caught in looking.run(shots(look, 1), stop).into_iter().flatten() {
         let Some(trace) = caught.trace else { continue };
         // What is found from lamps has a place on a face.
-        if trace.end.is_none() && !start.from_eye(caught.group) {
+        if trace.end.is_none() && !start.is_from_eye(caught.group) {
             continue;
         }
         let Some(known) = known(chains, (caught.group, trace.chain.clone())) else { continue };

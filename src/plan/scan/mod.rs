@@ -182,7 +182,7 @@ fn place(index: usize, count: usize) -> f64 {
 /// The eyebox's size, m. Errors: numbers out of range.
 fn checked(scene: &Scene, asked: &ScanAsked) -> Result<[f64; 2]> {
     let option = |text: &str| Where::Option(text.to_owned());
-    let product = |[a, b]: [usize; 2]| a.checked_mul(b).unwrap_or(usize::MAX);
+    let product = |[a, b]: [usize; 2]| a.saturating_mul(b);
     if !(1..=MOST_POSITIONS).contains(&product(asked.positions)) {
         let [columns, rows] = asked.positions;
         return Err(Fault::new(option("--eyebox"), format!("{columns} × {rows} eye positions"))
