@@ -42,7 +42,7 @@ pub fn parse_frames(text: &str) -> std::result::Result<Frames, String> {
 
 impl Frames {
     pub fn count(self) -> u64 {
-        self.last.abs_diff(self.first) / self.step.max(1) + 1
+        (self.last.abs_diff(self.first) / self.step.max(1)).saturating_add(1)
     }
     /// First, last, step.
     pub fn range(self) -> (i64, i64, u64) {
