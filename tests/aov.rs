@@ -55,7 +55,7 @@ fn sums_of_shares_with_their_bits() {
         let outcome = run(world, plan, 2, s.eye.resolution, 0, &limits, &mut ());
         let frame: Frame = picture(s, plan, &outcome, ColourSpace::Rec709).expect("a picture").frame;
         let one = |lpe: &str| {
-            let (aovs, notes) = granted(&asked("mine", lpe), &[], s, world, plan).expect(lpe);
+            let (aovs, notes) = granted(&asked("mine", lpe), (&[], &[]), s, world, plan).expect(lpe);
             assert!(notes.is_empty());
             let (channels, said) = layers(&frame, &aovs);
             assert_eq!(said[0].0, "aov.mine");
@@ -78,7 +78,7 @@ fn sums_of_shares_with_their_bits() {
 #[test]
 fn refusals_name_the_paths() {
     with(|s, world, plan| {
-        let refused = |lpe: &str| granted(&asked("mine", lpe), &[], s, world, plan).unwrap_err().to_string();
+        let refused = |lpe: &str| granted(&asked("mine", lpe), (&[], &[]), s, world, plan).unwrap_err().to_string();
         let fault = refused("C<RS>L");
         assert!(fault.contains("takes C<RS>O and leaves CO, both vision paths of `led`"), "{fault}");
         let fault = refused("C<.[Ss]>*L");
@@ -89,9 +89,9 @@ fn refusals_name_the_paths() {
         assert!(refused("C.*B").contains("takes no path of this scene"));
         assert!(refused("C(").contains("`)` is missing"));
         // The wall only reflects, and there is no glass.
-        let (aovs, _) = granted(&asked("mine", "C<R.>*L"), &[], s, world, plan).expect("all that there is");
+        let (aovs, _) = granted(&asked("mine", "C<R.>*L"), (&[], &[]), s, world, plan).expect("all that there is");
         assert_eq!(aovs[0].shares.len(), 6);
-        let fault = granted(&asked("caustic_led", "C.*"), &[], s, world, plan).unwrap_err().to_string();
+        let fault = granted(&asked("caustic_led", "C.*"), (&[], &[]), s, world, plan).unwrap_err().to_string();
         assert!(fault.contains("there is a layer `caustic_led` already"), "{fault}");
     });
 }
@@ -107,7 +107,7 @@ fn wishes_of_an_asset() {
             at: Where::Nowhere,
         };
         let wishes = [wish("C.*", true), wish("C<RS>L", true), wish("Ci", false), wish("C.*L", true)];
-        let (aovs, notes) = granted(&[], &wishes, s, world, plan).expect("no fault");
+        let (aovs, notes) = granted(&[], (&wishes, &[]), s, world, plan).expect("no fault");
         assert_eq!(aovs.iter().map(|aov| aov.name.as_str()).collect::<Vec<_>>(), ["layer_1_mine"]);
         assert_eq!(notes.len(), 2);
     });

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 struct Farm {
     folder: tempfile::TempDir,
@@ -39,6 +39,17 @@ impl Farm {
         command.output().unwrap()
     }
 
+    /// Runs until there is a checkpoint, and kills the run.
+    fn until_checkpoint(&self, options: &[&str]) {
+        let mut child = self.render("hud.exr", options).stderr(Stdio::null()).spawn().unwrap();
+        while !self.path("hud.checkpoint.exr").exists() {
+            assert!(child.try_wait().unwrap().is_none(), "ended before the first checkpoint");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+
     fn bytes(&self, name: &str) -> Vec<u8> {
         std::fs::read(self.path(name)).unwrap()
     }
@@ -72,7 +83,10 @@ const DIFFUSE: &str = "samples/hud-diffuse/hud.optics.toml";
 /// connection and eye paths with polarisation, spread by diffraction.
 #[test]
 fn seven_shards_are_the_whole_file() {
-    let farm = Farm::new(DIRECT, &["--resolution", "32x16", "--samples", "12", "--seed", "3", "--diffraction"]);
+    let farm = Farm::new(
+        DIRECT,
+        &["--resolution", "32x16", "--samples", "12", "--seed", "3", "--diffraction", "--cryptomatte"],
+    );
     done(farm.render("whole.exr", &[]));
     let shards = farm.shards(7);
     let order = [3, 0, 6, 4, 1, 5, 2].map(|k| shards[k].as_str());
@@ -108,6 +122,12 @@ fn photons_and_errors_of_layers_merge_too() {
             "layers",
             "--set",
             "wavelengths=\"visible\"",
+            "--aov",
+            "all=C.*",
+            "--variance",
+            "--layer-prefix",
+            "eb_",
+            "--multi-part",
             "--color",
             "acescg",
         ],
@@ -126,46 +146,69 @@ fn a_killed_run_goes_on() {
     let farm = Farm::new(DIRECT, &["--resolution", "64x32", "--polarisation", "off"]);
     // A checkpoint is read to its end, and its sums are checked.
     let passes = |name: &str| eyebox::estimate::shard::load(&farm.path(name)).unwrap().0.passes;
-    let options = ["--samples", "400", "--checkpoint", "50ms", "--resume"];
-    let mut rng = 0x2545_f491_4f6c_dd1d_u64;
-    let (mut last, mut kept) = (0, 0);
+    let options = ["--samples", "1000000", "--checkpoint", "50ms", "--resume"];
+    let start = Instant::now();
+    farm.until_checkpoint(&options);
+    // Moments from the start of the program to well after it has begun to trace, on a machine of any speed.
+    let most = start.elapsed().as_millis() as u64 * 3 / 2;
+    let first = passes("hud.checkpoint.exr");
+    let (mut last, mut rng) = (first, 0x2545_f491_4f6c_dd1d_u64);
     for _ in 0..20 {
         let mut child = farm.render("hud.exr", &options).stderr(Stdio::null()).spawn().unwrap();
         rng ^= rng << 13;
         rng ^= rng >> 7;
         rng ^= rng << 17;
-        std::thread::sleep(Duration::from_millis(50 + rng % 700));
+        std::thread::sleep(Duration::from_millis(rng % most));
         // SIGKILL: nothing can be done about it.
         child.kill().unwrap();
         child.wait().unwrap();
-        assert!(!farm.path("hud.exr").exists() || kept > 0, "finished before the first kill: ask for more passes");
-        if farm.path("hud.exr").exists() {
-            break;
-        }
-        if farm.path("hud.checkpoint.exr").exists() {
-            let now = passes("hud.checkpoint.exr");
-            assert!(now >= last, "{now} passes after {last}");
-            last = now;
-            kept += 1;
-        }
+        assert!(!farm.path("hud.exr").exists());
+        let now = passes("hud.checkpoint.exr");
+        assert!(now >= last, "{now} passes after {last}");
+        last = now;
     }
-    assert!(kept >= 3, "{kept} checkpoints");
+    assert!(last > first, "{last} passes");
+    let total = (last + 3).to_string();
+    let options = ["--samples", &total, "--checkpoint", "50ms", "--resume"];
     done(farm.render("hud.exr", &options));
     assert!(!farm.path("hud.checkpoint.exr").exists());
     let left: Vec<_> = std::fs::read_dir(farm.folder.path()).unwrap().flatten().map(|file| file.file_name()).collect();
     assert!(left.iter().all(|name| !name.to_string_lossy().contains(".tmp")), "{left:?}");
-    done(farm.render("whole.exr", &["--samples", "400"]));
+    done(farm.render("whole.exr", &["--samples", &total]));
     assert!(farm.bytes("hud.exr") == farm.bytes("whole.exr"));
 
     // A checkpoint of another run is not gone on from.
-    let mut child = farm.render("hud.exr", &options).spawn().unwrap();
-    while !farm.path("hud.checkpoint.exr").exists() && child.try_wait().unwrap().is_none() {
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    child.kill().unwrap();
-    child.wait().unwrap();
+    let options = ["--samples", "1000000", "--checkpoint", "50ms", "--resume"];
+    farm.until_checkpoint(&options);
     refused(
         &farm.render("hud.exr", &[&options[..], &["--seed", "9"]].concat()).output().unwrap(),
         &["hud.checkpoint.exr", "the seed"],
     );
+}
+
+/// A shard's description is input like any other: absurd numbers in it are refused in one line.
+#[test]
+fn a_shard_that_lies_is_refused() {
+    let farm = Farm::new(DIRECT, &["--resolution", "8x4", "--samples", "2", "--polarisation", "off"]);
+    done(farm.render("1.exr", &["--shard", "1/2"]));
+    let good = eyebox::output::exr::read_exr(&farm.path("1.exr")).unwrap();
+    let text = good.text("shard").unwrap().to_owned();
+    let most = u64::MAX.to_string();
+    let lies = [
+        ("\"first\":0", format!("\"first\":{most}")),
+        ("\"total\":2", format!("\"total\":{most}")),
+        ("\"of\":[1,2]", format!("\"of\":[{most},0]")),
+        ("\"parts\":", format!("\"parts\":{most},\"was\":")),
+        ("\"passes\":1", format!("\"passes\":{most}")),
+        ("\"size\":[8,4]", "\"size\":[4,8]".to_owned()),
+        ("\"group\":0", "\"group\":4000000000".to_owned()),
+        ("\"planes\":[", "\"planes\":[{\"layer\":\"direct\",\"group\":0},".to_owned()),
+    ];
+    for (truth, lie) in lies {
+        assert!(text.contains(truth), "{truth}: {text}");
+        let mut bad = good.clone();
+        bad.meta.insert("shard".to_owned(), eyebox::film::frame::Meta::Text(text.replace(truth, &lie)));
+        eyebox::output::exr::write_exr(&farm.path("bad.exr"), &bad).unwrap();
+        refused(&farm.merge(&["bad.exr"], "none.exr"), &["bad.exr"]);
+    }
 }

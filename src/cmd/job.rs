@@ -1,5 +1,6 @@
 //! `eyebox job`: a rendering for a farm.
 
+use super::render_args::RenderArgs;
 use super::sequence::{Frames, parse_frames};
 use super::{Format, print};
 use crate::base::atomic::write_atomic;
@@ -100,6 +101,11 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
         let what = format!("`{word}` would be read as a format string by the farm");
         return Err(Fault::new(Where::Option(word.clone()), what).expected("no {{ in options"));
     }
+    check_options(&plan_options, &args.render)?;
+    if folder.parent().is_none() {
+        let what = "and its files have no folder in common";
+        return Err(Fault::new(Where::file(&asset), what).expected("files below one folder, which workers get"));
+    }
     let home = parent(&absolute(&args.job)?);
     let job = Job {
         name: stem.to_owned(),
@@ -135,6 +141,17 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
         || serde_json::json!({ "job": args.job, "frames": tasks, "shards": args.shards, "parameters": parameters });
     print(args.format, said, json)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Whether `render` takes these options: better now than on every worker.
+fn check_options(plan: &[String], render: &[String]) -> Result<()> {
+    let own = ["--shard", "1/1", "--checkpoint", "60s", "--resume", "-o", "out.exr", "--samples", "1", "--seed", "0"];
+    let words = own.into_iter().chain(["asset"]).map(str::to_owned).chain(plan.iter().chain(render).cloned());
+    let command = RenderArgs::augment_args(clap::Command::new("render").no_binary_name(true));
+    command
+        .try_get_matches_from(words)
+        .map(drop)
+        .map_err(|error| Fault::new(Where::Option("options of render".to_owned()), super::one_line(&error.to_string())))
 }
 
 fn absolute(path: &Path) -> Result<PathBuf> {

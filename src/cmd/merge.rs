@@ -45,7 +45,9 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
     let mut frame = merged.picture;
     frame.channels.retain(|channel| !is_light(channel));
     frame.channels.extend(finished.frame.channels);
-    add_sums(&mut frame, &merged.films, Stop::Passes, &finished.splits);
+    let whole = merged.head.total == Some(merged.films.passes) || merged.films.films.is_empty();
+    let stop = if whole { Stop::Passes } else { Stop::Asked };
+    add_sums(&mut frame, &merged.films, stop, &finished.splits);
     let sharpness = frame.text(Sharpness::KEY).and_then(|text| serde_json::from_str::<Sharpness>(text).ok());
     if let Some(mut sharpness) = sharpness {
         sharpness.applied = finished.applied;

@@ -94,16 +94,16 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     let mut sharpness = Sharpness::new(&pupils, scene.wavelengths.traced_nm(), world.eye.pixel());
     let diffraction = args.diffraction.then(|| spread_by(&scene, &checked, &world, &pupils));
     let frozen = Frozen::new(&scene, asked, &plan);
-    let taken: Vec<&str> = wishes.iter().map(|wish| wish.name.as_str()).collect();
-    let Some(chains) = pool.install(|| Chains::find(args, (&scene, own), &taken, &stop))? else {
-        return Ok(stopped(args, "before the first pass"));
-    };
-    plan.errors = args.errors();
     // What the command line asks for goes before what the asset asks for.
     let wishes: &[LayerWish] = if args.layers.is_empty() { &wishes } else { &[] };
     let (named_layers, ungranted) = wish::granted(wishes, &scene.groups);
-    let (aovs, refused) = aov::granted(&args.aovs, wishes, &scene, &world, &plan)?;
+    let (aovs, refused) = aov::granted(&args.aovs, (wishes, &named_layers), &scene, &world, &plan)?;
+    let names = named_layers.iter().map(|own| own.name.as_str()).chain(aovs.iter().map(|own| own.name.as_str()));
+    let Some(chains) = pool.install(|| Chains::find(args, (&scene, own), &names.collect::<Vec<_>>(), &stop))? else {
+        return Ok(stopped(args, "before the first pass"));
+    };
     scene.notes.extend(ungranted.into_iter().chain(refused));
+    plan.errors = args.errors(&named_layers);
     let mut limits = args.limits();
     // The time that was asked for includes the import, the plan and its pilots.
     limits.time = limits.time.map(|time| time.saturating_sub(start.elapsed()));
@@ -127,8 +127,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     let mut progress = Progress::new(&limits, (args.quiet, args.progress), signals.clone());
     let path = checkpoint_of(&args.output);
     let every = args.checkpoint;
-    let mut saver =
-        Saver { progress: &mut progress, head: head.clone(), path, every, last: Instant::now(), failed: None };
+    let mut saver = Saver { progress: &mut progress, head: head.clone(), path, every, last: Instant::now() };
     let outcome = pool.install(|| {
         let mut tracing = begin(&world, &plan, groups, size, args.seed);
         tracing.start(start).then(|| drive(tracing, &limits, &mut saver))
@@ -137,9 +136,12 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         return Err(Fault::new(Where::file(&saver.path), "keeps other sums than this run")
             .expected("the same options, or no file of this name"));
     };
-    saver.close(&outcome.films, outcome.stop == Stop::Asked);
+    if outcome.stop == Stop::Asked {
+        saver.interrupted(&outcome.films);
+    }
+    let Saver { every, path: checkpoint, .. } = saver;
     progress.finish();
-    if !partial && stop() {
+    if !partial && outcome.stop == Stop::Asked {
         return Ok(stopped(args, "before the frame was done"));
     }
     let finished = pool.install(|| head.finishing.picture(&outcome.films))?;
@@ -168,6 +170,10 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         }
         write_exr(&args.output, &frame)?
     };
+    if every.is_some() && outcome.stop != Stop::Asked {
+        // Only now nothing can be lost. If it can't be removed, the next `--resume` finds a run that is over.
+        let _ = std::fs::remove_file(&checkpoint);
+    }
     if !args.quiet {
         summary(args, &scene, &plan, &outcome, &sharpness, &warnings)?;
     }

@@ -69,11 +69,11 @@ pub struct RenderArgs {
     /// Make only the passes of shard I of N, for `eyebox merge`: the same asset and options on every machine.
     #[arg(long, value_name = "I/N", value_parser = parse_shard, conflicts_with_all = ["time", "error"])]
     pub shard: Option<[u64; 2]>,
-    /// Write what is done every now and then (60s, 5m) to OUT.checkpoint.exr, which is removed at the end.
+    /// Write what is done every now and then (60s, 5m) to OUT.checkpoint.exr, which is removed when OUT is there.
     #[arg(long, value_name = "TIME", value_parser = parse_time)]
     pub checkpoint: Option<Duration>,
-    /// Go on from OUT.checkpoint.exr if it is there.
-    #[arg(long)]
+    /// Go on from OUT.checkpoint.exr if it is there. --time counts from this start on.
+    #[arg(long, requires = "checkpoint")]
     pub resume: bool,
     /// Threads; all cores by default.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -100,7 +100,7 @@ pub struct RenderArgs {
     /// of what is met behind specular faces.
     #[arg(long)]
     pub cryptomatte: bool,
-    /// Begin the names of all layers but the default image with this, e.g. eb_: Nuke has layers `forward` and `mask` of its
+    /// Begin the names of all layers (all names with a dot: not the default image, not Z) with this, e.g. eb_: Nuke has layers `forward` and `mask` of its
     /// own. Our commands read such a file as if there were no prefix.
     #[arg(long, value_name = "PREFIX", value_parser = parse_prefix)]
     pub layer_prefix: Option<String>,
@@ -245,6 +245,11 @@ pub fn parse_resolution(text: &str) -> std::result::Result<[usize; 2], String> {
     }
 }
 
+struct Passes {
+    first: u64,
+    passes: u64,
+}
+
 impl RenderArgs {
     pub fn output(&self) -> &Path {
         &self.output
@@ -262,35 +267,44 @@ impl RenderArgs {
     }
 
     /// Standard errors of layers are kept if they are asked for, be it by name.
-    pub fn errors(&self) -> ErrorDetail {
+    pub fn errors(&self, named: &[Named]) -> ErrorDetail {
         let errors = ["_stderr", "_covariance", "_variance"];
-        let named = |layer: &String| errors.iter().any(|error| layer.ends_with(error));
+        let is_error = |layer: &String| errors.iter().any(|error| layer.ends_with(error));
+        let asked = self.layers.iter().chain(named.iter().map(|own| &own.layer)).any(is_error);
         match self.stderr {
-            StderrArg::Picture if !self.variance && !self.layers.iter().any(named) => ErrorDetail::Picture,
+            StderrArg::Picture if !self.variance && !asked => ErrorDetail::Picture,
             StderrArg::Picture | StderrArg::Layers => ErrorDetail::Layers,
         }
     }
 
     /// Which layers are written, and how.
     pub fn wanted(&self, named: Vec<Named>, aovs: Vec<Aov>) -> Wanted {
+        let mut layers = self.layers.iter().chain(named.iter().map(|own| &own.layer));
+        let variance = self.variance || layers.any(|layer| layer.ends_with("_variance"));
         Wanted {
             layers: self.layers.clone(),
             named,
             only_named: aovs.len() > self.aovs.len(),
             aovs,
-            variance: self.variance || self.layers.iter().any(|layer| layer.ends_with("_variance")),
+            variance,
             prefix: self.layer_prefix.clone(),
             multi_part: self.multi_part,
         }
     }
 
-    /// What a shard or a checkpoint of this run says of itself.
-    pub fn head(&self, scene: &Scene, frozen: &Frozen, finishing: Finishing) -> Head {
-        let total = self.limits().passes;
-        let (first, passes) = match (self.shard, total) {
+    /// The first pass, and how many a shard has.
+    fn passes(&self) -> Passes {
+        let (first, passes) = match (self.shard, self.limits().passes) {
             (Some(of), Some(total)) => shard::range(of, total),
             (_, _) => (0, 0),
         };
+        Passes { first, passes }
+    }
+
+    /// What a shard or a checkpoint of this run says of itself.
+    pub fn head(&self, scene: &Scene, frozen: &Frozen, finishing: Finishing) -> Head {
+        let Passes { first, passes } = self.passes();
+        let total = self.limits().passes;
         Head {
             eyebox: frozen.eyebox.clone(),
             scene: scene.hash.clone(),
@@ -310,6 +324,7 @@ impl RenderArgs {
 
     /// Whether a checkpoint is of this run; else what differs.
     pub fn is_mine(&self, head: &Head, scene: &Scene) -> Result<(), String> {
+        let mine = self.passes();
         let differs = |what: &str| Err(format!("{what} differs"));
         if head.scene != scene.hash || head.eye != serde_json::json!(scene.eye) {
             return differs("the scene");
@@ -319,6 +334,10 @@ impl RenderArgs {
         }
         if head.of != self.shard || (self.shard.is_some() && head.total != self.limits().passes) {
             return differs("the shard");
+        }
+        let most = if self.shard.is_some() { mine.passes } else { self.limits().passes.unwrap_or(u64::MAX) };
+        if head.first != mine.first || head.passes > most {
+            return differs("the number of passes");
         }
         Ok(())
     }

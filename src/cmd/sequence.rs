@@ -95,7 +95,7 @@ impl Pattern {
 /// The file of one frame: `hud.####.exr` is `hud.0012.exr` at 12, a name without `#` is itself. Errors: those of a bad name,
 /// no frame, or one between whole numbers.
 pub fn named(path: &Path, frame: Option<f64>) -> Result<PathBuf> {
-    if !path.to_string_lossy().contains('#') {
+    if path.file_name().is_none_or(|name| !name.to_string_lossy().contains('#')) {
         return Ok(path.to_owned());
     }
     let pattern = Pattern::of(path)?;
@@ -172,7 +172,7 @@ mod tests {
     fn one_frame_of_a_pattern() {
         let at = |pattern: &str, frame| named(Path::new(pattern), frame).map(|path| path.display().to_string());
         assert_eq!(at("a/hud.####.exr", Some(12.0)).unwrap(), "a/hud.0012.exr");
-        assert_eq!(at("hud.exr", Some(1.5)).unwrap(), "hud.exr");
+        assert_eq!(at("a#b/hud.exr", Some(1.5)).unwrap(), "a#b/hud.exr");
         for (pattern, frame) in [("h#d.##.exr", Some(1.0)), ("hud.##.exr", None), ("hud.##.exr", Some(1.5))] {
             assert!(at(pattern, frame).is_err(), "{pattern}");
         }

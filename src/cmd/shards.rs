@@ -27,6 +27,7 @@ pub fn checkpoint_of(output: &Path) -> PathBuf {
 pub fn resume(output: &Path, mine: &dyn Fn(&Head) -> Result<(), String>) -> Result<Option<(Head, Films)>> {
     let path = checkpoint_of(output);
     remove_halves(&path);
+    remove_halves(output);
     if !path.exists() {
         return Ok(None);
     }
@@ -57,8 +58,6 @@ pub struct Saver<'p> {
     pub path: PathBuf,
     pub every: Option<Duration>,
     pub last: Instant,
-    /// The first checkpoint that could not be written: the run goes on, the end says so.
-    pub failed: Option<Box<Fault>>,
 }
 
 impl Saver<'_> {
@@ -66,18 +65,14 @@ impl Saver<'_> {
         let [width, height] = self.head.finishing.size;
         if let Err(fault) = save(&self.path, &self.head, films, &Frame::new(width, height)) {
             anstream::eprintln!("eyebox: warning: {fault}; the last checkpoint stays");
-            self.failed.get_or_insert(fault);
         }
         self.last = Instant::now();
     }
 
-    /// After the run: a finished one needs no checkpoint, one that was interrupted keeps its last passes.
-    pub fn close(&mut self, films: &Films, interrupted: bool) {
-        match self.every {
-            Some(_) if interrupted => self.save(films),
-            // Nothing is lost if it can't be removed: the next `--resume` finds a run that is over.
-            Some(_) => drop(std::fs::remove_file(&self.path)),
-            None => {}
+    /// A run that was interrupted keeps its last passes.
+    pub fn interrupted(&mut self, films: &Films) {
+        if self.every.is_some() {
+            self.save(films);
         }
     }
 }

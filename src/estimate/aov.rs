@@ -2,7 +2,7 @@
 //! a sum of stored shares, or is refused with the paths that it would part.
 
 use super::picture::possible_layers;
-use super::wish::plain;
+use super::wish::{Named, plain};
 use crate::base::lpe::{Alphabet, Letter, Lpe, Source, Verdict};
 use crate::base::path::{Class, Event};
 use crate::base::{Fault, Result, Where};
@@ -35,7 +35,7 @@ pub fn parse_option(text: &str) -> std::result::Result<(String, String), String>
 /// Errors: something asked that cannot be had, or a name that is a layer's already.
 pub fn granted(
     asked: &[(String, String)],
-    wishes: &[LayerWish],
+    (wishes, named): (&[LayerWish], &[Named]),
     scene: &Scene,
     world: &World,
     plan: &Plan,
@@ -45,7 +45,8 @@ pub fn granted(
         return Ok((all, notes));
     }
     let maker = Maker::new(scene, world, plan);
-    let taken = possible_layers(&scene.groups);
+    let mut taken = possible_layers(&scene.groups);
+    taken.extend(named.iter().map(|own| own.name.clone()));
     for (name, lpe) in asked {
         let at = || Where::Option(format!("--aov {name}={lpe}"));
         if taken.contains(name) || Matte::of_layer(name).is_some() || all.iter().any(|other| other.name == *name) {
@@ -58,7 +59,7 @@ pub fn granted(
         let mut refused = |text: String| notes.push(Note { severity: Severity::Warning, at: wish.at.clone(), text });
         let name = plain(&wish.name);
         match maker.shares(&wish.source) {
-            Ok(_) if all.iter().any(|other| other.name == name) => {
+            Ok(_) if all.iter().any(|other| other.name == name) || named.iter().any(|own| own.name == name) => {
                 refused(format!("`{}` asks for the name `{name}`, which another has", wish.source));
             }
             Ok(shares) => all.push(Aov { name, lpe: wish.source.clone(), shares }),

@@ -81,9 +81,9 @@ impl Ledger {
     /// Adds the entries of another ledger of the same scene. What rounding leaves is carried on, so that the sums do not
     /// depend on the pieces that a run was cut into.
     pub fn merge(&mut self, other: &Ledger) {
-        self.paths += other.paths;
-        self.invalid_paths += other.invalid_paths;
-        self.mismatches += other.mismatches;
+        self.paths = self.paths.saturating_add(other.paths);
+        self.invalid_paths = self.invalid_paths.saturating_add(other.invalid_paths);
+        self.mismatches = self.mismatches.saturating_add(other.mismatches);
         self.vertex_error = self.vertex_error.max(other.vertex_error);
         let mut books = self.books();
         let theirs = other.books();
@@ -129,7 +129,7 @@ impl Ledger {
             ..Ledger::default()
         };
         ledger.take(&books.sums);
-        (books.sums.len() == Self::AMOUNTS + parts).then_some(ledger)
+        (books.sums.len().checked_sub(Self::AMOUNTS) == Some(parts)).then_some(ledger)
     }
 
     /// Sums that are not of one part.

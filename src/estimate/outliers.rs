@@ -66,7 +66,8 @@ pub fn find(names: &[&Path], lights: &[Vec<PlaneLight>]) -> Vec<String> {
 /// the others' scatter tells.
 fn deviation(own: &PlaneLight, others: &[&PlaneLight]) -> Option<f64> {
     let passes: f64 = others.iter().map(|other| other.passes).sum();
-    if passes <= 0.0 || own.passes <= 0.0 {
+    // One pass tells nothing of its error.
+    if own.passes < 2.0 || !others.iter().any(|other| other.passes >= 2.0) {
         return None;
     }
     let mean = others.iter().map(|other| other.mean * other.passes).sum::<f64>() / passes;
@@ -74,7 +75,7 @@ fn deviation(own: &PlaneLight, others: &[&PlaneLight]) -> Option<f64> {
     let rest = others.iter().map(|other| of_pixels(other) * (other.passes / passes).powi(2)).sum::<f64>();
     let mut scatter = Moments::default();
     others.iter().for_each(|other| scatter.add((other.mean - mean) * other.passes.sqrt()));
-    let per_pass = if others.len() > 1 { scatter.variance() } else { 0.0 };
+    let per_pass = if others.len() > 2 { scatter.variance() } else { 0.0 };
     let variance = (of_pixels(own) + rest).max(per_pass * (1.0 / own.passes + 1.0 / passes));
     let apart = own.mean - mean;
     (variance > 0.0).then(|| apart / variance.sqrt()).or((apart != 0.0).then_some(f64::INFINITY.copysign(apart)))
@@ -101,6 +102,9 @@ mod tests {
         bad[3] = shard(2000.0, 10.0);
         let lines = find(&paths, &bad);
         assert!(lines.len() == 1 && lines[0].starts_with("3.exr") && lines[0].contains("above"), "{lines:?}");
+        // Single passes have no variance of their own: nothing is claimed.
+        let single = |mean| vec![PlaneLight { variance: 0.0, ..shard(mean, 1.0).remove(0) }];
+        assert!(find(&paths[..2], &[single(1.0), single(2.0)]).is_empty());
         let wide: Vec<_> = [900.0, 1100.0, 1000.0, 950.0, 1080.0].map(|mean| shard(mean, 10.0)).into();
         assert!(find(&paths, &wide).is_empty());
     }

@@ -297,7 +297,7 @@ pub fn drive(mut tracing: Box<dyn Tracing + '_>, limits: &Limits, observer: &mut
             passes: films.passes,
             elapsed: start.elapsed(),
             error: films.relative_error(),
-            paths: films.films.iter().map(|(_, _, ledger)| ledger.paths).sum(),
+            paths: films.films.iter().fold(0, |sum, (_, _, ledger)| sum.saturating_add(ledger.paths)),
         };
         let go_on = observer.block(&status, films);
         let stop = if full(films) {

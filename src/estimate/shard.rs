@@ -41,6 +41,9 @@ pub struct Head {
     pub finishing: Finishing,
 }
 
+/// More passes than any run makes.
+const MOST_PASSES: u64 = 1 << 53;
+
 /// Passes of shard `index` (from 1) of `count`: its first and how many.
 pub fn range([index, count]: [u64; 2], total: u64) -> (u64, u64) {
     let start = |k: u64| (u128::from(total) * u128::from(k) / u128::from(count.max(1))) as u64;
@@ -72,12 +75,26 @@ pub fn load(path: &Path) -> Result<(Head, Films, Frame)> {
     let Shard { head, films, picture } = read_shard::<Head>(path)?;
     let fault =
         |what: &str| Fault::new(Where::file(path), what).expected("what `render --shard` or `--checkpoint` writes");
+    let ranged = match (head.of, head.total) {
+        (Some([index, count]), Some(total)) => {
+            let (first, passes) = range([index, count], total);
+            (1..=count).contains(&index) && head.first == first && head.passes <= passes
+        }
+        (_, _) => head.first == 0,
+    };
     let sound = head.films.len() == films.len()
-        && head.first.checked_add(head.passes).is_some()
+        && ranged
+        && head.first.max(head.passes).max(head.total.unwrap_or(0)) < MOST_PASSES
         && films.iter().all(|film| film.passes == head.passes && [film.width, film.height] == head.finishing.size)
         && films.iter().flat_map(|film| &film.planes).all(|key| key.group.index() < head.finishing.groups.len());
     if !sound || [picture.width, picture.height] != head.finishing.size {
         return Err(fault("contradicts itself: its films are not those that it tells of"));
+    }
+    for (film, (estimator, _)) in films.iter().zip(&head.films) {
+        if let Some((table, pixel)) = film.first_invalid() {
+            let what = format!("has NaN or infinite {table} of {} at pixel number {pixel}", estimator.name());
+            return Err(Fault::new(Where::file(path), what));
+        }
     }
     let mut all = Vec::new();
     for ((estimator, books), film) in head.films.iter().zip(films) {
@@ -107,7 +124,7 @@ pub fn merge(paths: &[PathBuf], partial: bool) -> Result<Merged> {
     let mut sum: Option<(Films, Frame)> = None;
     for path in paths {
         let (head, films, picture) = load(path)?;
-        check(path, &head, &films, &seen)?;
+        check(path, &head, &picture, &seen)?;
         lights.push(super::outliers::light(&films));
         sum = Some(match sum {
             None => (films, picture),
@@ -145,17 +162,10 @@ fn added(path: &Path, mut whole: Films, more: &Films) -> Result<Films> {
 }
 
 /// Whether a shard belongs to those before it and holds what it should.
-fn check(path: &Path, head: &Head, films: &Films, seen: &[(PathBuf, Head)]) -> Result<()> {
+fn check(path: &Path, head: &Head, picture: &Frame, seen: &[(PathBuf, Head)]) -> Result<()> {
     let fault = |what: String| Fault::new(Where::file(path), what);
-    if head.of.is_none() || head.total.is_none() {
+    if head.of.is_none() || head.total.is_none() || picture.channels.is_empty() {
         return Err(fault("is a checkpoint, no shard".to_owned()).expected("what `render --shard I/N` writes"));
-    }
-    if let Some((estimator, table, pixel)) = films
-        .films
-        .iter()
-        .find_map(|(estimator, film, _)| film.first_invalid().map(|(table, pixel)| (estimator, table, pixel)))
-    {
-        return Err(fault(format!("has NaN or infinite {table} of {} at pixel number {pixel}", estimator.name())));
     }
     let Some((first_path, first)) = seen.first() else { return Ok(()) };
     let estimators =
@@ -199,6 +209,10 @@ fn complete(seen: &[(PathBuf, Head)]) -> Result<()> {
     let mut ranges: Vec<&Head> = seen.iter().map(|(_, head)| head).collect();
     ranges.sort_by_key(|head| head.first);
     let total = ranges.first().and_then(|head| head.total).unwrap_or(0);
+    if ranges.iter().all(|head| head.films.is_empty()) {
+        // Where nothing is lit no pass is made.
+        return Ok(());
+    }
     let mut next = 0;
     for head in ranges.iter().copied().filter(|head| head.passes > 0) {
         if head.first > next {
@@ -214,7 +228,10 @@ fn complete(seen: &[(PathBuf, Head)]) -> Result<()> {
     // Shards of one job have one N; then the missing one has a name.
     let named = match counts.as_slice() {
         [count, rest @ ..] if rest.iter().all(|other| other == count) => (1..=(*count).min(1 << 20))
-            .find(|index| range([*index, *count], total).0 >= next && range([*index, *count], total).1 > 0)
+            .find(|index| {
+                let (first, passes) = range([*index, *count], total);
+                first <= next && next < first + passes
+            })
             .map(|index| format!("shard {index}/{count}: ")),
         [..] => None,
     };

@@ -76,7 +76,7 @@ impl Spread {
         // A frequency of one cycle per pixel is this lag in the pupil.
         let lag = pixel.map(|tangent| 1e-9 * wavelength_nm / tangent);
         let reach = pupil.reach_m();
-        if !(0..2).all(|k| reach[k] <= MOST_FOLDS * lag[k]) {
+        if !(0..2).all(|k| lag[k] > 0.0 && lag[k].is_finite() && (0.0..=MOST_FOLDS * lag[k]).contains(&reach[k])) {
             return Err("the diffraction limit is below an eighth of a pixel".to_owned());
         }
         let padded = size.map(|length| length.checked_mul(2).map(smooth));

@@ -12,13 +12,23 @@ fn name(error: &str) -> Option<String> {
 
 /// Adds the variance of every layer whose standard error is there, (cd/m²)², R = G = B; of `hybrid` from `stderr`.
 pub fn add(frame: &mut Frame) {
-    frame.channels.retain(|channel| !channel.layer().ends_with("_variance"));
+    remove(frame);
     let square = |channel: &Channel| {
         let name = format!("{}.{}", name(channel.layer())?, channel.component());
         Some(Channel { name, data: channel.data.iter().map(|sigma| sigma * sigma).collect() })
     };
     let squares: Vec<Channel> = frame.channels.iter().filter_map(square).collect();
     frame.channels.extend(squares);
+}
+
+/// Takes the variances away. A light group may be called `x_variance`: its share has an error of its own, a variance none.
+fn remove(frame: &mut Frame) {
+    let has_error: Vec<String> =
+        frame.layer_names().into_iter().filter_map(|l| l.strip_suffix("_stderr").map(str::to_owned)).collect();
+    frame.channels.retain(|channel| {
+        let layer = channel.layer();
+        !layer.ends_with("_variance") || has_error.iter().any(|own| own == layer)
+    });
 }
 
 /// After the errors have changed: the variances again, where there are any. One whose error is not there goes.
@@ -51,5 +61,10 @@ mod tests {
         refresh(&mut frame);
         assert_eq!(value(&frame, "hybrid_variance.R"), Some(16.0));
         assert_eq!(value(&frame, "direct_led_variance.G"), None);
+        frame.push("direct_my_variance.R", vec![5.0]);
+        frame.push("direct_my_variance_stderr.R", vec![2.0]);
+        add(&mut frame);
+        assert_eq!(value(&frame, "direct_my_variance.R"), Some(5.0), "the light of a group of this name");
+        assert_eq!(value(&frame, "direct_my_variance_variance.R"), Some(4.0));
     }
 }

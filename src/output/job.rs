@@ -130,7 +130,9 @@ impl Job {
 
     /// A file of one frame's work.
     fn file(&self, kind: &str) -> String {
-        let stem = self.output.split(['.', '#']).next().unwrap_or_default();
+        // `hud.v1.####.exr` and `hud.v2.####.exr` may lie in one folder.
+        let name = self.output.rsplit_once('.').map_or(self.output.as_str(), |(stem, _)| stem);
+        let stem = name.replace('#', "").trim_end_matches(['.', '_', '-']).to_owned();
         match self.frames {
             Some(_) => format!("{{{{Param.OutputFolder}}}}/{stem}.{{{{Task.Param.Frame}}}}.{kind}"),
             None => format!("{{{{Param.OutputFolder}}}}/{stem}.{kind}"),

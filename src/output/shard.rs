@@ -12,6 +12,7 @@ use crate::film::frame::{Channel, Frame, Meta};
 use crate::output::exr::{read_exr, write_exr};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// The attribute that makes an EXR a shard.
@@ -20,6 +21,12 @@ const KEY: &str = "shard";
 const SUMS: &str = "sums";
 const BITS: u32 = 24;
 const PARTS: [char; 6] = ['a', 'b', 'c', 'd', 'e', 'f'];
+/// More films than there are estimators.
+const MOST_FILMS: usize = 16;
+/// What is believed of films however short the file is, bytes; and how many times its length. Columns of zeros are left
+/// out, and deflate does not expand more than 1032-fold.
+const ALWAYS_ALLOWED: u64 = 1 << 28;
+const EXPANSION: u64 = 1100;
 /// More planes than any picture has: light groups times layers.
 const MOST_PLANES: usize = 1 << 14;
 
@@ -39,6 +46,19 @@ struct Kind {
     sampling: Sampling,
     passes: u64,
     detail: bool,
+}
+
+impl Kind {
+    /// At most as many bytes as a film of this kind needs; none if that is no number.
+    fn bytes(&self, pixels: u64) -> Option<u64> {
+        let light = 6 * self.components.count() as u64;
+        let further = match self.sampling {
+            Sampling::PerPass => 8,
+            Sampling::PerScramble { .. } => 9 + if self.detail { 16 } else { 0 },
+        };
+        let sums = (light + further).checked_mul(self.planes.len() as u64 + 1)?;
+        pixels.checked_mul(sums)?.checked_mul(size_of::<Sum>() as u64)
+    }
 }
 
 #[derive(serde::Serialize, serde::Deserialize)]
@@ -92,12 +112,18 @@ pub fn read_shard<H: DeserializeOwned>(path: &Path) -> Result<Shard<H>> {
     frame.meta.remove(KEY);
     let (sums, picture) = std::mem::take(&mut frame.channels).into_iter().partition(|c: &Channel| c.layer() == SUMS);
     frame.channels = picture;
-    let mut sums: std::collections::HashMap<String, Vec<f32>> = sums.into_iter().map(|c| (c.name, c.data)).collect();
+    let mut sums: HashMap<String, Vec<f32>> = sums.into_iter().map(|c| (c.name, c.data)).collect();
+    let length = std::fs::metadata(path).map_or(0, |data| data.len());
+    let pixels = (frame.width * frame.height) as u64;
+    let bytes = kinds.iter().try_fold(0u64, |sum, kind| sum.checked_add(kind.bytes(pixels)?));
+    let most = length.saturating_mul(EXPANSION).max(ALWAYS_ALLOWED);
+    if kinds.len() > MOST_FILMS || bytes.is_none_or(|bytes| bytes > most) {
+        return Err(fault(format!("tells of {} films that its {length} bytes cannot hold", kinds.len())));
+    }
     let mut films = Vec::new();
     for (number, kind) in kinds.into_iter().enumerate() {
-        let in_reach = frame.width.checked_mul(frame.height).and_then(|pixels| pixels.checked_mul(kind.planes.len()));
-        if kind.planes.is_empty() || kind.planes.len() > MOST_PLANES || in_reach.is_none_or(|entries| entries > 1 << 32)
-        {
+        let different: HashSet<PlaneKey> = kind.planes.iter().copied().collect();
+        if different.is_empty() || different.len() < kind.planes.len() || different.len() > MOST_PLANES {
             return Err(fault(format!("film {number} has {} planes", kind.planes.len())));
         }
         films.push(filled(&frame, number, kind, &mut sums).map_err(fault)?);
@@ -113,12 +139,7 @@ fn channel(film: usize, table: &str, column: usize, part: char) -> String {
     format!("{SUMS}.f{film}_{table}_{column}_{part}")
 }
 
-fn filled(
-    frame: &Frame,
-    number: usize,
-    kind: Kind,
-    sums: &mut std::collections::HashMap<String, Vec<f32>>,
-) -> Result<Film, String> {
+fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, Vec<f32>>) -> Result<Film, String> {
     let film = Film::new(frame.width, frame.height, kind.planes, kind.components, kind.sampling);
     let mut film = if kind.detail { film.with_detail() } else { film };
     film.passes = kind.passes;
