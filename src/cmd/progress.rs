@@ -90,6 +90,10 @@ impl Progress {
     }
 
     pub fn finish(&self) {
+        if self.heartbeat.is_some() && self.reader == ProgressArg::Openjd {
+            // Short runs have said nothing yet.
+            eprintln!("openjd_progress: 100.0");
+        }
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }

@@ -292,9 +292,12 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
     fn eye_path(&self, mut walker: Walker<'_, M>, maps: &Maps<M>, out: &mut [Light], ledger: &mut Ledger) {
         loop {
             let Met::Face(vertex) = walker.advance(ledger) else { return };
-            if walker.events < SPLIT_FIRST_EVENTS
-                && let Some(reflected) = walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
-            {
+            let other = if walker.events < SPLIT_FIRST_EVENTS {
+                walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
+            } else {
+                walker.spare(&vertex, ledger)
+            };
+            if let Some(reflected) = other {
                 self.eye_path(reflected, maps, out, ledger);
             }
             match walker.meet(&vertex, ledger) {

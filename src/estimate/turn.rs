@@ -253,6 +253,43 @@ impl<'w, M: Mode> Walker<'w, M> {
         }
     }
 
+    /// At an interface that reflects little the path goes on through it for certain, and the reflection is followed by the
+    /// returned path, as seldom as it carries little: what is seen through a lens is not left to a choice that now and
+    /// then goes elsewhere. None where no path is to be followed; this one then [meets](Walker::meet) the vertex as ever.
+    pub fn spare(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Option<Walker<'w, M>> {
+        /// Shares below this are little: paths are a tenth more at most.
+        const LITTLE: f64 = 0.1;
+        let Surface::Interface(coating) = &self.face(vertex).surface else { return None };
+        if self.least_chance > 0.0 || self.forced.is_some() || self.is_behind(vertex) {
+            return None;
+        }
+        self.heal(vertex, ledger);
+        if self.index_here().as_slice() == self.index_beyond(vertex).as_slice() {
+            return None;
+        }
+        let turn = self.turn(vertex, *coating);
+        self.ahead = Some(turn);
+        let [reflected, transmitted] = turn.powers(self);
+        let chance = if reflected > 0.0 { reflected / (reflected + transmitted) } else { 0.0 };
+        if !turn.refracts() || chance == 0.0 || chance > LITTLE {
+            return None;
+        }
+        self.forced = Some(Branch::Refracted);
+        if self.rng.uniform() >= chance {
+            let powers = lanes::<M, _>(|lane| turn.reflected[lane].power());
+            ledger.by_chance(-self.beam.carried_with(&powers));
+            return None;
+        }
+        let mut other = self.clone();
+        other.rng = self.rng.fork();
+        other.forced = Some(Branch::Reflected);
+        let Meeting::Went = other.meet(vertex, ledger) else { return None };
+        let before = other.beam.carried();
+        other.beam.scale(1.0 / chance);
+        ledger.by_chance(other.beam.carried() - before);
+        Some(other)
+    }
+
     /// Whether the path has been split before: it is past a combiner's first face.
     pub fn was_split(&self) -> bool {
         self.splits > 0

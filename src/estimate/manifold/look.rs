@@ -55,9 +55,12 @@ fn follow<M: Mode>(
             Met::Pupil(_) | Met::Ended => return,
             Met::Face(vertex) => vertex,
         };
-        if walker.events < SPLIT_FIRST_EVENTS
-            && let Some(reflected) = walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
-        {
+        let other = if walker.events < SPLIT_FIRST_EVENTS {
+            walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
+        } else {
+            walker.spare(&vertex, ledger)
+        };
+        if let Some(reflected) = other {
             follow(manifold, reflected, (screens, lamp), out, (ledger, scratch));
         }
         match walker.meet(&vertex, ledger) {
