@@ -202,7 +202,8 @@ fn a_shard_that_lies_is_refused() {
         ("\"passes\":1", format!("\"passes\":{most}")),
         ("\"size\":[8,4]", "\"size\":[4,8]".to_owned()),
         ("\"group\":0", "\"group\":4000000000".to_owned()),
-        ("\"planes\":[", "\"planes\":[{\"layer\":\"direct\",\"group\":0},".to_owned()),
+        // A plane twice: what is in which could not be told.
+        ("\"planes\":[", format!("\"planes\":[{0},{0},", r#"{"layer":"direct","group":0}"#)),
     ];
     for (truth, lie) in lies {
         assert!(text.contains(truth), "{truth}: {text}");
