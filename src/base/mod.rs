@@ -6,6 +6,7 @@ pub mod chain;
 pub mod colour;
 pub mod complex;
 pub mod fault;
+pub mod glb;
 pub mod ids;
 pub mod lpe; // light path expressions
 pub mod murmur; // the hash of names in Cryptomatte

@@ -227,6 +227,19 @@ impl<'w, M: Mode> Walker<'w, M> {
         if self.splits >= most {
             return None;
         }
+        let turn = self.look_ahead(vertex, ledger)?;
+        let [reflected, transmitted] = turn.powers(self);
+        if reflected.min(transmitted) < least * self.beam.weight() {
+            return None;
+        }
+        turn.refracted?;
+        self.splits += 1;
+        self.forced = Some(Branch::Refracted);
+        self.reflected(vertex, ledger)
+    }
+
+    /// What the interface between two media at `vertex` will do, kept for [`Walker::meet`]; none if nothing parts there.
+    fn look_ahead(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Option<Turn<M>> {
         let Surface::Interface(coating) = &self.face(vertex).surface else { return None };
         if self.is_behind(vertex) {
             return None;
@@ -237,16 +250,14 @@ impl<'w, M: Mode> Walker<'w, M> {
         }
         let turn = self.turn(vertex, *coating);
         self.ahead = Some(turn);
-        let [reflected, transmitted] = turn.powers(self);
-        if reflected.min(transmitted) < least * self.beam.weight() {
-            return None;
-        }
-        turn.refracted?;
-        self.splits += 1;
+        Some(turn)
+    }
+
+    /// A path like this one that is reflected at `vertex`; none if it ends there.
+    fn reflected(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Option<Walker<'w, M>> {
         let mut reflected = self.clone();
         reflected.rng = self.rng.fork();
         reflected.forced = Some(Branch::Reflected);
-        self.forced = Some(Branch::Refracted);
         match reflected.meet(vertex, ledger) {
             Meeting::Went => Some(reflected),
             Meeting::Ended | Meeting::Scatter(..) => None,
@@ -259,16 +270,10 @@ impl<'w, M: Mode> Walker<'w, M> {
     pub fn spare(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Option<Walker<'w, M>> {
         /// Shares below this are little: paths are a tenth more at most.
         const LITTLE: f64 = 0.1;
-        let Surface::Interface(coating) = &self.face(vertex).surface else { return None };
-        if self.least_chance > 0.0 || self.forced.is_some() || self.is_behind(vertex) {
+        if self.least_chance > 0.0 || self.forced.is_some() {
             return None;
         }
-        self.heal(vertex, ledger);
-        if self.index_here().as_slice() == self.index_beyond(vertex).as_slice() {
-            return None;
-        }
-        let turn = self.turn(vertex, *coating);
-        self.ahead = Some(turn);
+        let turn = self.look_ahead(vertex, ledger)?;
         let [reflected, transmitted] = turn.powers(self);
         let chance = if reflected > 0.0 { reflected / (reflected + transmitted) } else { 0.0 };
         if !turn.refracts() || chance == 0.0 || chance > LITTLE {
@@ -280,10 +285,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             ledger.by_chance(-self.beam.carried_with(&powers));
             return None;
         }
-        let mut other = self.clone();
-        other.rng = self.rng.fork();
-        other.forced = Some(Branch::Reflected);
-        let Meeting::Went = other.meet(vertex, ledger) else { return None };
+        let mut other = self.reflected(vertex, ledger)?;
         let before = other.beam.carried();
         other.beam.scale(1.0 / chance);
         ledger.by_chance(other.beam.carried() - before);

@@ -7,6 +7,7 @@ use super::value::{self, OPTICS};
 use super::{geometry, light, material, node, uri};
 use crate::base::atomic::write_atomic;
 use crate::base::fault::Result;
+use crate::base::glb::container;
 use crate::base::{Fault, Where};
 use crate::scene::assembly::Assembly;
 use crate::scene::value::{Data, Value};
@@ -143,23 +144,4 @@ fn save(out: &Path, mut json: Map<String, Json>, mut bytes: Vec<u8>) -> Result<V
     }
     write_atomic(out, text.as_bytes())?;
     Ok(files)
-}
-
-/// A `.glb` (glTF 2.0, section 4.4); both contents are padded already.
-fn container(text: &[u8], bytes: &[u8]) -> Option<Vec<u8>> {
-    let binary = if bytes.is_empty() { 0 } else { bytes.len().checked_add(8)? };
-    let length = text.len().checked_add(20)?.checked_add(binary)?;
-    let mut out = Vec::with_capacity(length);
-    out.extend(b"glTF");
-    for word in [2, u32::try_from(length).ok()?, u32::try_from(text.len()).ok()?] {
-        out.extend(word.to_le_bytes());
-    }
-    out.extend(b"JSON");
-    out.extend(text);
-    if !bytes.is_empty() {
-        out.extend(u32::try_from(bytes.len()).ok()?.to_le_bytes());
-        out.extend(b"BIN\0");
-        out.extend(bytes);
-    }
-    Some(out)
 }

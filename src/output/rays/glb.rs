@@ -1,6 +1,7 @@
 //! Paths as `LINE_STRIP`s of a binary glTF: a node for each end, a primitive for each path, names in `extras`.
 
 use super::{End, Line, by_end};
+use crate::base::glb::container;
 use serde_json::{Value as Json, json};
 
 /// The bytes of the file; none if it would pass the 4 GiB of the format.
@@ -38,7 +39,10 @@ pub fn bytes(lines: &[Line<'_>]) -> Option<Vec<u8>> {
             json!([{ "buffer": 0, "byteLength": points.len(), "byteStride": 12, "target": 34962 }]);
         document["buffers"] = json!([{ "byteLength": points.len() }]);
     }
-    container(document.to_string().into_bytes(), points)
+    // The points are three floats each: padded.
+    let mut text = document.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    container(&text, &points)
 }
 
 fn accessor(line: &Line<'_>, offset: usize) -> Json {
@@ -59,24 +63,4 @@ fn material(end: &End) -> Json {
         "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0 },
         "extensions": { "KHR_materials_unlit": {} },
     })
-}
-
-/// glTF 2.0, section 4.4.
-fn container(mut text: Vec<u8>, points: Vec<u8>) -> Option<Vec<u8>> {
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let binary = if points.is_empty() { 0 } else { points.len().checked_add(8)? };
-    let length = text.len().checked_add(20)?.checked_add(binary)?;
-    let mut out = Vec::with_capacity(length);
-    out.extend(b"glTF");
-    for word in [2, u32::try_from(length).ok()?, u32::try_from(text.len()).ok()?] {
-        out.extend(word.to_le_bytes());
-    }
-    out.extend(b"JSON");
-    out.extend(text);
-    if !points.is_empty() {
-        out.extend(u32::try_from(points.len()).ok()?.to_le_bytes());
-        out.extend(b"BIN\0");
-        out.extend(points);
-    }
-    Some(out)
 }
