@@ -1,7 +1,8 @@
 //! Data layers: what the eye sees first, what it sees first behind specular faces, and how much of the world behind it
-//! sees. One unrandomised ray per pixel for the data, and for the see-through share four, or sixteen where those and the
-//! first do not agree.
+//! sees. One unrandomised ray per pixel for the data; for the see-through share, where an edge may be blurred into the pixel,
+//! four more, or sixteen where those and the first do not agree.
 
+use super::blur::{near_edges, radius_px};
 use super::ledger::Ledger;
 use super::walk::{Met, Travel, Vertex, Walker};
 use crate::base::rng::{Rng, Stream};
@@ -54,28 +55,31 @@ pub struct PixelData {
 /// Data of all pixels, row-major.
 pub fn data_layers(world: &World, width: usize, height: usize) -> Vec<PixelData> {
     let optics = Mono::<f64>::optics(world, 0, 0);
-    let data = |ledger: &mut Ledger, pixel: usize| {
-        let (x, y) = (pixel % width, pixel / width);
-        let mut look = |jitter, lens| look((world, &optics), world.eye.ray(x, y, jitter, lens), ledger);
-        let mut data = look([0.5; 2], [0.5; 2]);
-        let mut through = |i: usize| {
-            let (jitter, lens) = place(i);
-            look(jitter, lens)
-        };
-        let few = FEW.map(|i| (i, through(i)));
-        let shares = few.iter().map(|(_, other)| other.seethrough).chain([data.seethrough]);
-        let (least, most) = shares.fold((f64::INFINITY, 0.0f64), |(a, b), share| (a.min(share), b.max(share)));
-        let same = |(_, other): &(usize, PixelData)| other.path() == data.path();
-        let sum = |sum: f64, (_, other): &(usize, PixelData)| sum + other.seethrough;
-        data.seethrough = if most - least <= ALIKE * most && few.iter().all(same) {
-            few.iter().fold(0.0, sum) / few.len() as f64
-        } else {
-            let others = (0..SIDE * SIDE).filter(|i| !FEW.contains(i)).map(|i| through(i).seethrough);
-            (few.iter().fold(0.0, sum) + others.sum::<f64>()) / (SIDE * SIDE) as f64
-        };
-        data
+    let at = |ledger: &mut Ledger, pixel: usize, (jitter, lens): ([f64; 2], [f64; 2])| {
+        look((world, &optics), world.eye.ray(pixel % width, pixel / width, jitter, lens), ledger)
     };
-    (0..width * height).into_par_iter().map_init(|| Ledger::new(world.solids.len()), data).collect()
+    let ledger = || Ledger::new(world.solids.len());
+    let middle = |ledger: &mut Ledger, pixel: usize| at(ledger, pixel, ([0.5; 2], [0.5; 2]));
+    let mut data: Vec<PixelData> = (0..width * height).into_par_iter().map_init(ledger, middle).collect();
+    let near = near_edges(width, height, |a, b| data[a].edge_to(&data[b], world));
+    data.par_iter_mut().enumerate().filter(|(pixel, _)| near[*pixel]).for_each_init(ledger, |ledger, (pixel, data)| {
+        data.seethrough = share(data, |i| at(ledger, pixel, place(i)));
+    });
+    data
+}
+
+/// The see-through share of a pixel near an edge; `data`: of its middle; `through`: at one of its [places](place).
+fn share(data: &PixelData, mut through: impl FnMut(usize) -> PixelData) -> f64 {
+    let few = FEW.map(|i| (i, through(i)));
+    let shares = few.iter().map(|(_, other)| other.seethrough).chain([data.seethrough]);
+    let (least, most) = shares.fold((f64::INFINITY, 0.0f64), |(a, b), share| (a.min(share), b.max(share)));
+    let same = |(_, other): &(usize, PixelData)| other.path() == data.path();
+    let sum = |sum: f64, (_, other): &(usize, PixelData)| sum + other.seethrough;
+    if most - least <= ALIKE * most && few.iter().all(same) {
+        return few.iter().fold(0.0, sum) / few.len() as f64;
+    }
+    let others = (0..SIDE * SIDE).filter(|i| !FEW.contains(i)).map(|i| through(i).seethrough);
+    (few.iter().fold(0.0, sum) + others.sum::<f64>()) / (SIDE * SIDE) as f64
 }
 
 /// Point `i` of 16 of a pixel (right, down) and of the pupil: rows and columns of the pixel, and a Latin arrangement in the
@@ -98,6 +102,16 @@ impl PixelData {
     /// The surfaces seen first and behind specular faces.
     fn path(&self) -> [u32; 4] {
         [self.first.part, self.first.face, self.seen.part, self.seen.face]
+    }
+
+    /// The radius of the blur, in pixels, if there is an edge between this pixel and one beside it: that of the nearest
+    /// surface that either sees.
+    fn edge_to(&self, other: &PixelData, world: &World) -> Option<f64> {
+        let (a, b) = (self.seethrough, other.seethrough);
+        let alike = (a - b).abs() <= ALIKE * a.max(b) && self.path() == other.path();
+        let depths = [self, other].into_iter().flat_map(|data| [data.first, data.seen]);
+        let nearest = depths.filter(|seen| seen.part > 0).map(|seen| seen.z_m).fold(FAR_M, f64::min);
+        (!alike).then(|| radius_px(&world.eye, nearest))
     }
 }
 

@@ -4,6 +4,7 @@ pub mod aov; // layers by light path expression
 mod around;
 pub mod backward;
 pub mod beam;
+mod blur;
 pub mod data;
 pub mod emission;
 pub mod finishing;

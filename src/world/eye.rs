@@ -159,6 +159,10 @@ impl EyeLens {
     pub fn half(&self) -> DVec2 {
         self.half
     }
+    /// 1/focus distance, 1/m.
+    pub fn per_focus(&self) -> f64 {
+        self.per_focus
+    }
     /// m
     pub fn pupil_radius_m(&self) -> f64 {
         self.radius
