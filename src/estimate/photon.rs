@@ -295,7 +295,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             let other = if walker.events < SPLIT_FIRST_EVENTS {
                 walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
             } else {
-                walker.spare(&vertex, ledger)
+                walker.spare(&vertex, 1.0, ledger)
             };
             if let Some(reflected) = other {
                 self.eye_path(reflected, maps, out, ledger);

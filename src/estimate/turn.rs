@@ -266,18 +266,30 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     /// At an interface that reflects little the path goes on through it for certain, and the reflection is followed by the
     /// returned path, as seldom as it carries little: what is seen through a lens is not left to a choice that now and
-    /// then goes elsewhere. None where no path is to be followed; this one then [meets](Walker::meet) the vertex as ever.
-    pub fn spare(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Option<Walker<'w, M>> {
+    /// then goes elsewhere. Where both ways carry much of the light, as at a combiner's coating, both are followed, unless
+    /// it is little of the `whole` with which the path started. None where no path is to be followed; this one then
+    /// [meets](Walker::meet) the vertex as ever.
+    pub fn spare(&mut self, vertex: &Vertex, whole: f64, ledger: &mut Ledger) -> Option<Walker<'w, M>> {
         /// Shares below this are little: paths are a tenth more at most.
         const LITTLE: f64 = 0.1;
+        /// Less of the whole than this is not worth a path of its own: the ghost of an uncoated plate has some hundredths.
+        const FAINT: f64 = 1.0 / 512.0;
         if self.least_chance > 0.0 || self.forced.is_some() {
             return None;
         }
         let turn = self.look_ahead(vertex, ledger)?;
         let [reflected, transmitted] = turn.powers(self);
         let chance = if reflected > 0.0 { reflected / (reflected + transmitted) } else { 0.0 };
-        if !turn.refracts() || chance == 0.0 || chance > LITTLE {
+        if !turn.refracts() || chance == 0.0 {
             return None;
+        }
+        if chance > LITTLE {
+            if reflected.min(transmitted) < FAINT * whole {
+                return None;
+            }
+            self.splits = self.splits.saturating_add(1);
+            self.forced = Some(Branch::Refracted);
+            return self.reflected(vertex, ledger);
         }
         self.forced = Some(Branch::Refracted);
         if self.rng.uniform() >= chance {

@@ -16,6 +16,9 @@ use crate::world::mode::{Mode, lanes, plane_of};
 use crate::world::optics::Optics;
 use glam::DVec2;
 
+/// What each path of a pair starts with.
+const OF_PAIR: f64 = 0.5;
+
 /// Adds what one pass sees in a pixel.
 pub(super) fn look<M: Mode>(
     manifold: &Manifold<'_, M>,
@@ -24,7 +27,6 @@ pub(super) fn look<M: Mode>(
     out: &mut [Light],
     (ledger, scratch): (&mut Ledger, &mut Ledger),
 ) {
-    const PAIR: f64 = 2.0;
     let world = manifold.world;
     let [x, y, u, v, s, t] = pixel.start(manifold.seed, Stream::ConnectionLook, pixel.pass);
     let mut rng = pixel.rng(manifold.seed, Stream::ConnectionLook);
@@ -33,10 +35,10 @@ pub(super) fn look<M: Mode>(
         let film = world.eye.film_of(pixel.x, pixel.y, jitter);
         let (origin, (_, dir), ..) = world.eye.ray_of(film, DVec2::new(pupil.x, pupil.y));
         let ray = Ray { origin, dir, from: None };
-        let walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0 / PAIR, Interior::default(), rng.fork());
+        let walker = Walker::new((world, optics), Travel::FromEye, ray, OF_PAIR, Interior::default(), rng.fork());
         let balance = ledger.imbalance();
         ledger.paths += 1;
-        ledger.emitted += 1.0 / PAIR;
+        ledger.emitted += OF_PAIR;
         follow(manifold, walker, (screens, lamp), out, (ledger, scratch));
         ledger.close_path(balance);
     }
@@ -58,7 +60,7 @@ fn follow<M: Mode>(
         let other = if walker.events < SPLIT_FIRST_EVENTS {
             walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
         } else {
-            walker.spare(&vertex, ledger)
+            walker.spare(&vertex, OF_PAIR, ledger)
         };
         if let Some(reflected) = other {
             follow(manifold, reflected, (screens, lamp), out, (ledger, scratch));
