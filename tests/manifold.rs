@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::render;
+use common::{add_part, block_z, cuboid, face, image, mesh, render, worst_z};
 use eyebox::base::stats::Moments;
 use eyebox::check::check;
 use eyebox::estimate::manifold::solve::{Family, Target, newton, trace};
@@ -11,11 +11,12 @@ use eyebox::estimate::run::Films;
 use eyebox::film::plan::{Estimator, Plan};
 use eyebox::import::{ImportOptions, import};
 use eyebox::plan::{Asked, Choice, Polarisation, plan};
-use eyebox::scene::Scene;
+use eyebox::scene::{Finish, Scene};
 use eyebox::world::World;
 use eyebox::world::mode::{Mode, Mono};
 use glam::{DVec2, DVec3};
 use std::path::Path;
+use std::sync::Arc;
 
 fn sample(path: &str, size: [usize; 2]) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(path);
@@ -160,4 +161,48 @@ fn what_connection_leaves_is_kept_by_photons() {
         assert!(z.abs() < 4.0, "{path}: z = {z}");
         assert!(photon.stderr() < 0.02 * photon.mean, "{path}: too noisy to tell");
     }
+}
+
+/// A hair between the nodes of the tables that connections are read from is seen as in a picture that is too small to have
+/// tables, column by column; and it takes enough light to be missed.
+#[test]
+fn tables_hide_nothing() {
+    const SMALL: [usize; 2] = [100, 50];
+    const TIMES: usize = 3;
+    let mut dark = sample("hud-direct/hud.optics.toml", SMALL);
+    dark.slides[0].pixels = Arc::new(vec![1.0; dark.slides[0].width * dark.slides[0].height]);
+    let with_hair = |size: [usize; 2]| {
+        let mut scene = dark.clone();
+        scene.eye.resolution = size;
+        let [right, up, look] = [scene.eye.right(), scene.eye.up, scene.eye.look];
+        // 20 cells over the picture: a quarter past the first node of the 13th.
+        let aside = scene.eye.half_tangents()[0] * (12.25 / 20.0 * 2.0 - 1.0);
+        // Before the combiner, which is 0.12 m away. Blurred by the lit pupil it stays clear of nodes and of middles of cells.
+        let (far, thin, long) = (0.1, 5e-5, 5e-3);
+        let centre = scene.eye.position + far * (look + right * aside);
+        let turned = |polygon: Vec<DVec3>| polygon.into_iter().map(|p| right * p.x + up * p.y - look * p.z).collect();
+        let hair: Vec<Vec<DVec3>> = cuboid(DVec3::new(thin, long, thin)).into_iter().map(turned).collect();
+        let faces = hair.iter().map(|_| face(Finish::Absorber)).collect();
+        add_part(&mut scene, "hair", mesh(&hair), centre, None, faces);
+        scene
+    };
+    let columns = |scene: &Scene, passes: u64, seed: u64, times: usize| {
+        let [width, height] = scene.eye.resolution;
+        let pixels = image(&render(scene, asked(Choice::Auto), passes, seed).0);
+        let count = (times * height) as f64;
+        let mean = |column: usize| {
+            let own = (0..times * height).map(|k| pixels[k / times * width + times * column + k % times]);
+            let (sum, variance) = own.fold((0.0, 0.0), |(sum, variance), p| (sum + p.0, variance + p.1));
+            (sum / count, variance / (count * count))
+        };
+        (0..width / times).map(mean).collect::<Vec<(f64, f64)>>()
+    };
+    let tables = columns(&with_hair(SMALL.map(|side| TIMES * side)), 16, 1, TIMES);
+    let solved = columns(&with_hair(SMALL), 16, 2, 1);
+    let without = columns(&dark, 16, 3, 1);
+    let z = |a: &[(f64, f64)], b: &[(f64, f64)]| worst_z(&block_z(a, b, SMALL[0], 1), 1e-3);
+    let ((worst, bound), (hair, _)) = (z(&tables, &solved), z(&tables, &without));
+    println!("worst z {worst:.2} of {bound:.2}; without the hair {hair:.0}");
+    assert!(worst < bound, "{worst} of {bound}");
+    assert!(hair > 2.0 * bound, "the hair is not seen: {hair}");
 }

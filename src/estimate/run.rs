@@ -8,6 +8,7 @@ use super::forward::Forward;
 use super::ledger::Ledger;
 use super::manifold::connections::Connections;
 use super::manifold::screens::Screens;
+use super::manifold::tables::Tables;
 use super::manifold::vision::Manifold;
 use super::photon::PhotonMapper;
 use super::route::Route;
@@ -240,7 +241,8 @@ fn begin_in<'w, M: Mode + 'w>(
                 seed,
             )),
             Estimator::Manifold => {
-                Engine::Manifold(Manifold::new(world, route, connections.clone(), screens.clone(), seed))
+                let tables = Tables::new(world, &optics, &connections);
+                Engine::Manifold(Manifold::new(world, route, (connections.clone(), tables), screens.clone(), seed))
             }
             Estimator::Photon => Engine::Photon(PhotonMapper::new(
                 world,

@@ -1,7 +1,8 @@
 //! All specular connections of a plan, ready to be asked: which solutions there are for a place in the picture and a
 //! point of a lamp, and whether a path is one of them.
 
-use super::sheet::{Builder, Grid, SAME, Starts};
+use super::grid::Grid;
+use super::sheet::{Builder, SAME, Starts};
 use super::solve::{Root, Target};
 use crate::base::chain::Chain;
 use crate::film::train::{Connection, Train};
@@ -69,11 +70,11 @@ impl Connections {
         self.entries.is_empty()
     }
 
-    /// What may bring light to a place in the picture.
-    pub fn at(&self, film: DVec2) -> impl Iterator<Item = &Entry> {
+    /// What may bring light to a place in the picture, with its number.
+    pub fn at(&self, film: DVec2) -> impl Iterator<Item = (usize, &Entry)> {
         let cell = self.grid.map(|grid| grid.cell(film));
         let entries = cell.and_then(|cell| self.by_cell.get(cell)).map_or(&[][..], Vec::as_slice);
-        entries.iter().filter_map(|index| self.entries.get(*index as usize))
+        entries.iter().filter_map(|index| Some((*index as usize, self.entries.get(*index as usize)?)))
     }
 
     /// The probability with which an entry is tried.
@@ -105,7 +106,7 @@ impl Connections {
         let Some(train) = self.known.get(chain) else { return false };
         let same = SAME * tracing.0.eye.pupil_radius_m();
         let mut roots = Vec::new();
-        for entry in self.at(film).filter(|entry| entry.train == *train && entry.starts.lamp == lamp) {
+        for (_, entry) in self.at(film).filter(|(_, entry)| entry.train == *train && entry.starts.lamp == lamp) {
             self.roots(tracing, entry, film, target, &mut roots);
         }
         roots.iter().any(|root| root.u.distance(pupil) <= same)

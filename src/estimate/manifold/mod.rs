@@ -3,8 +3,11 @@
 pub mod bundle;
 pub mod connections;
 pub mod face_map;
+pub mod grid;
 mod look;
+pub mod nodes;
 pub mod screens;
 pub mod sheet;
 pub mod solve;
+pub mod tables;
 pub mod vision;

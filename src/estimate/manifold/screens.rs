@@ -26,6 +26,7 @@ use glam::DVec3;
 use grow::COARSE;
 use lit::{Lit, Solution};
 use sheet::Cell;
+pub(super) use sheet::{Crossing, SLIDES};
 use std::sync::Arc;
 
 /// Largest error of an interpolated strength or direction (radians) that is let pass.
@@ -124,7 +125,7 @@ impl<M: Mode> Screens<M> {
                     }
                 }
                 let target = Target::new(x.position, x.normal);
-                for sheet in of(Cell::Solved) {
+                for sheet in of(Cell::Solved).filter(|sheet| !sheet.is_dark(world, optics, &spot, off)) {
                     let root = lit.solve((world, optics), entry, sheet, &spot, (point, site), &target);
                     let Some(Solution { dir, factor }) = root.filter(|root| known.add(root.dir, SAME)) else {
                         continue;
@@ -158,9 +159,12 @@ impl<M: Mode> Screens<M> {
                     Cell::Interpolated => sheet
                         .interpolate(world, optics, &spot, lamp, off)
                         .is_some_and(|incoming| incoming.dir.distance(-dir) <= ABOUT_SAME),
-                    Cell::Solved => lit
-                        .solve((world, optics), entry, sheet, &spot, (point, site), target)
-                        .is_some_and(|found| found.dir.distance(-dir) <= SAME),
+                    Cell::Solved => {
+                        !sheet.is_dark(world, optics, &spot, off)
+                            && lit
+                                .solve((world, optics), entry, sheet, &spot, (point, site), target)
+                                .is_some_and(|found| found.dir.distance(-dir) <= SAME)
+                    }
                 })
             })
         })

@@ -1,6 +1,7 @@
 //! Where the solver starts: per train and lamp, the solution for the middle of the lamp on a grid over the picture, with
 //! its derivatives. A train whose map is folded has a sheet for each of its branches.
 
+use super::grid::Grid;
 use super::solve::{Family, Root, Target, newton, trace};
 use crate::film::train::{Connection, Train};
 use crate::world::World;
@@ -8,8 +9,6 @@ use crate::world::lamp::Lamp;
 use glam::{DMat2, DVec2};
 use std::collections::VecDeque;
 
-/// Cells of the grid along the picture's longer side.
-const CELLS: usize = 24;
 /// Sheets of one train and lamp; further branches stay with the estimator that owns the rest.
 const MOST_SHEETS: usize = 4;
 /// How far from its middle, in radii of the pupil, the solver looks for solutions.
@@ -46,53 +45,6 @@ pub struct Starts {
     size: f64,
     grid: Grid,
     sheets: Vec<Sheet>,
-}
-
-/// Cells over the picture.
-#[derive(Debug, Clone, Copy)]
-pub struct Grid {
-    half: DVec2,
-    count: [usize; 2],
-}
-
-impl Grid {
-    pub fn of(world: &World) -> Grid {
-        let half = world.eye.half();
-        let longer = half.max_element();
-        let along = |half: f64| ((CELLS as f64 * half / longer).ceil() as usize).clamp(1, CELLS);
-        Grid { half, count: [along(half.x), along(half.y)] }
-    }
-    pub fn cells(&self) -> usize {
-        self.count[0] * self.count[1]
-    }
-    /// The cell of a place; places outside belong to the nearest.
-    pub fn cell(&self, film: DVec2) -> usize {
-        let at = |x: f64, half: f64, count: usize| {
-            let cell = (0.5 + 0.5 * x / half) * count as f64;
-            (cell.max(0.0) as usize).min(count - 1)
-        };
-        at(film.y, self.half.y, self.count[1]) * self.count[0] + at(film.x, self.half.x, self.count[0])
-    }
-    fn middle(&self, cell: usize) -> DVec2 {
-        let at = |index: usize, half: f64, count: usize| half * ((2 * index + 1) as f64 / count as f64 - 1.0);
-        let [nx, ny] = self.count;
-        DVec2::new(at(cell % nx, self.half.x, nx), at(cell / nx, self.half.y, ny))
-    }
-    fn half_cell(&self) -> DVec2 {
-        self.half / DVec2::new(self.count[0] as f64, self.count[1] as f64)
-    }
-    /// The cells before and after one along an axis.
-    fn beside(&self, cell: usize, axis: usize) -> [Option<usize>; 2] {
-        let step = if axis == 0 { 1 } else { self.count[0] };
-        let at = if axis == 0 { cell % self.count[0] } else { cell / self.count[0] };
-        [(at > 0).then(|| cell - step), (at + 1 < self.count[axis]).then(|| cell + step)]
-    }
-    fn neighbours(&self, cell: usize) -> impl Iterator<Item = usize> + use<> {
-        let [nx, ny] = self.count;
-        let (x, y) = (cell % nx, cell / nx);
-        let all = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
-        all.into_iter().filter(move |(x, y)| *x < nx && *y < ny).map(move |(x, y)| y * nx + x)
-    }
 }
 
 /// What the tables are made with.
@@ -248,6 +200,30 @@ impl Starts {
         let (centre, radius) = lamp.around();
         let middle = Target::new(centre, middle.normal);
         Starts { lamp: index, middle, size: radius, grid, sheets: Vec::new() }
+    }
+
+    /// The middle of the lamp, and its radius in metres.
+    pub fn middle(&self) -> &Target {
+        &self.middle
+    }
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+    /// Branches of the map.
+    pub fn branches(&self) -> usize {
+        self.sheets.len()
+    }
+    /// Where the solver starts for a place in the picture and the middle of the lamp, on one branch: from the nearest cells
+    /// that know it.
+    pub fn start(&self, branch: usize, film: DVec2) -> Option<DVec2> {
+        let sheet = self.sheets.get(branch)?;
+        let half = self.grid.half_cell();
+        let around = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
+        around.into_iter().find_map(|(x, y)| {
+            let cell = self.grid.cell(film + half * DVec2::new(0.5 * x, 0.5 * y));
+            let node = sheet.nodes[cell].filter(|node| node.useful)?;
+            Some(node.predict(film - self.grid.middle(cell), DVec2::ZERO))
+        })
     }
 
     /// Whether light of the place in the picture may come this way.

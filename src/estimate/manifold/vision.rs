@@ -4,11 +4,13 @@
 //! With J the derivative of the place on the lamp by the place in the pupil, the pixel's mean over the pupil is
 //! ∫ L T dA_pupil/A = ∫ L T |det J|⁻¹ dA_lamp/A: what is left to chance is the point of the lamp and of the pixel, over
 //! which the integrand is smooth but for the slide's picture.
+//! Most of it is read from [`Tables`], whose errors a few solutions make good.
 
 use super::connections::{Connections, Entry};
 use super::look;
 use super::screens::Screens;
 use super::solve::{Root, Target};
+use super::tables::Tables;
 use crate::base::rng::Stream;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::pixel::Pixel;
@@ -18,7 +20,7 @@ use crate::film::accumulate::{Film, Light};
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
-use crate::world::mode::{Mode, plane_of};
+use crate::world::mode::{Mode, lanes, plane_of};
 use crate::world::optics::Optics;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -31,6 +33,7 @@ pub struct Manifold<'w, M: Mode> {
     pub(super) world: &'w World,
     pub(super) route: Route,
     connections: Arc<Connections>,
+    tables: Option<Tables<M>>,
     screens: Arc<Screens<M>>,
     pub(super) seed: u64,
 }
@@ -39,11 +42,11 @@ impl<'w, M: Mode> Manifold<'w, M> {
     pub fn new(
         world: &'w World,
         route: Route,
-        connections: Arc<Connections>,
+        (connections, tables): (Arc<Connections>, Option<Tables<M>>),
         screens: Arc<Screens<M>>,
         seed: u64,
     ) -> Self {
-        Manifold { mode: PhantomData, world, route, connections, screens, seed }
+        Manifold { mode: PhantomData, world, route, connections, tables, screens, seed }
     }
 
     /// Adds passes `first .. first + count` to the film. The ledger counts connections as paths, and what they bring, in
@@ -108,19 +111,35 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let at: [f64; 4] = pixel.start(self.seed, Stream::Connection, pixel.pass);
         let film = self.world.eye.film_of(pixel.x, pixel.y, [at[0], at[1]]);
         let mut choices = pixel.rng(self.seed, Stream::ConnectionChoice);
-        for entry in self.connections.at(film) {
+        let spot = self.tables.as_ref().and_then(|tables| Some((tables, tables.spot(film)?)));
+        for (index, entry) in self.connections.at(film) {
             let Some(lamp) = self.world.lamps.get(entry.starts.lamp) else { continue };
-            let chance = self.connections.chance(entry);
-            if chance < 1.0 && choices.uniform() >= chance {
+            let share = spot.as_ref().map_or(1.0, |(tables, spot)| tables.share(index, spot));
+            let chance = self.connections.chance(entry) * share;
+            let solved = chance >= 1.0 || choices.uniform() < chance;
+            let point = lamp.sample_point([at[2], at[3]]);
+            // What the table says, less what stands for it where the solver is asked.
+            let control = if solved { 1.0 - 1.0 / chance } else { 1.0 };
+            if let Some((tables, spot)) = spot.as_ref().filter(|_| control != 0.0) {
+                let middle = entry.starts.middle();
+                let off = middle.local(point.position - middle.point);
+                for brought in tables.brought((self.world, optics), index, spot, off) {
+                    let inside = brought.pupil.length() <= self.world.eye.pupil_radius_m();
+                    let plane = self.route.from_eye(lamp.group, brought.trail).filter(|_| inside);
+                    let Some(plane) = plane else { continue };
+                    let light = lanes::<M, _>(|lane| brought.light[lane].scaled(control));
+                    M::deposit(optics, plane_of::<M>(out, plane), light, brought.alone);
+                }
+            }
+            if !solved {
                 continue;
             }
-            let point = lamp.sample_point([at[2], at[3]]);
             let target = Target::new(point.position, point.normal);
             roots.clear();
             self.connections.roots((self.world, optics), entry, film, &target, roots);
             for root in roots.iter().filter(|root| root.u.length() <= self.world.eye.pupil_radius_m()) {
                 ledger.paths += 1;
-                let brought = self.connect((optics, entry), film, root, lamp.area_m2, pixel, out, scratch);
+                let brought = self.connect((optics, entry), film, root, lamp.area_m2 / chance, pixel, out, scratch);
                 ledger.emitted += brought;
                 ledger.arrived += brought;
             }
@@ -148,8 +167,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let links = train.0.iter().map(|lens| lens.link);
         let Some(seen) = walker.follow_to(links, entry.starts.lamp, ledger, |_, _, _| {}) else { return 0.0 };
         let Some(plane) = self.route.from_eye(seen.lamp.group, walker.trail) else { return 0.0 };
-        let chance = self.connections.chance(entry);
-        let factor = area_m2 / (root.slope.determinant().abs() * self.world.eye.pupil_area_m2() * chance);
+        let factor = area_m2 / (root.slope.determinant().abs() * self.world.eye.pupil_area_m2());
         if !factor.is_finite() {
             return 0.0;
         }

@@ -94,23 +94,24 @@ impl<M: Mode> Lit<M> {
         if known {
             return;
         }
-        let mut sheet = Sheet { nodes: vec![None; self.map.nodes()], cells: vec![Cell::Nothing; self.map.nodes()] };
-        let mut tried = vec![false; self.map.nodes()];
+        let mut sheet =
+            Sheet { nodes: vec![None; self.map.nodes.number()], cells: vec![Cell::Nothing; self.map.nodes.number()] };
+        let mut tried = vec![false; self.map.nodes.number()];
         let from_seed = |at: usize| {
             let step = -self.map.from_node(at, &spot);
             (at, seed.dir + seed.by_place[0] * step.x + seed.by_place[1] * step.y)
         };
-        let mut open: VecDeque<(usize, DVec3)> = self.map.corners(spot.cell).map(from_seed).into();
+        let mut open: VecDeque<(usize, DVec3)> = self.map.nodes.corners(spot.cell).map(from_seed).into();
         while let Some((at, start)) = open.pop_front() {
             if std::mem::replace(&mut tried[at], true) {
                 continue;
             }
-            let Some(node) = self.node((world, optics), entry, self.map.at_node(at), start) else { continue };
+            let Some(node) = self.node((world, optics), entry, self.map.nodes.at_node(at), start) else { continue };
             // A solution elsewhere than foretold belongs to another branch.
             if node.dir.distance(start) > FORETOLD * self.map.cell_size() * node.by_place_size() {
                 continue;
             }
-            for next in self.map.neighbours(at).filter(|next| !tried[*next]) {
+            for next in self.map.nodes.neighbours(at).filter(|next| !tried[*next]) {
                 let step = self.map.step(at, next);
                 open.push_back((next, node.dir + node.by_place[0] * step.x + node.by_place[1] * step.y));
             }
@@ -120,7 +121,7 @@ impl<M: Mode> Lit<M> {
             return;
         }
         self.complete((world, optics), &mut sheet);
-        for cell in self.map.cells() {
+        for cell in self.map.nodes.cells() {
             sheet.cells[cell] = self.judge((world, optics), entry, &sheet, cell);
         }
         if sheet.cells.iter().any(|cell| *cell != Cell::Nothing) {
@@ -141,7 +142,7 @@ impl<M: Mode> Lit<M> {
                 let (light, ..) = self.probe(tracing, entry.lamp, from, found.dir)?;
                 Some(light[0] * found.factor)
             };
-            let from = self.map.place(tracing.0, self.map.at_node(*at));
+            let from = self.map.place(tracing.0, self.map.nodes.at_node(*at));
             let all = from.and_then(|from| self.aside(tracing, entry, (from, node.dir), strength));
             all.is_some_and(|all| all.iter().all(|s| (s - node.strength[0]).abs() <= 0.5 * node.strength[0]))
         });
@@ -171,10 +172,10 @@ impl<M: Mode> Lit<M> {
     /// Adds nodes just beyond what is lit, by cubics through the four nodes next to them along a row or a column: where
     /// the edge is that of a slide's picture, cells on it can be interpolated, and the picture itself says where it ends.
     pub(super) fn complete(&self, (world, optics): (&World, &Optics<M>), sheet: &mut Sheet<M>) {
-        let missing = (0..self.map.nodes()).filter(|node| sheet.nodes[*node].is_none());
+        let missing = (0..self.map.nodes.number()).filter(|node| sheet.nodes[*node].is_none());
         let added: Vec<(usize, Node<M>)> = missing
             .filter_map(|node| {
-                let lines = self.map.lines(node);
+                let lines = self.map.nodes.lines(node);
                 let found = lines.into_iter().flatten().find_map(|line| {
                     let [a, b, c, d] = line.map(|node| sheet.nodes[node].as_ref());
                     beyond([a?, b?, c?, d?])
@@ -191,7 +192,7 @@ impl<M: Mode> Lit<M> {
 
     /// Whether a cell can be interpolated: by a solution in its middle.
     pub(super) fn judge(&self, tracing: (&World, &Optics<M>), entry: &Entry<M>, sheet: &Sheet<M>, cell: usize) -> Cell {
-        let at = self.map.middle(cell);
+        let at = self.map.nodes.middle(cell);
         let Some(spot) = self.map.spot_at(at) else { return Cell::Nothing };
         let nodes = || spot.nodes().map(|(node, _)| sheet.nodes[node].as_ref());
         if nodes().all(|node| node.is_none()) {

@@ -1,7 +1,7 @@
 //! One branch of a train for one lamp as a table over a face: solutions at nodes, and what lies between them.
 
 use super::Incoming;
-use crate::estimate::manifold::face_map::Spot;
+use crate::estimate::manifold::nodes::Spot;
 use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{Mode, lanes};
@@ -10,14 +10,14 @@ use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
 /// Slides that a train may cross to be interpolated.
-pub(super) const SLIDES: usize = 2;
+pub(in crate::estimate::manifold) const SLIDES: usize = 2;
 
 /// A place on a slide, mesh units, and how it moves with the place on the lamp.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Crossing {
-    pub(super) slide: usize,
-    pub(super) local: DVec3,
-    pub(super) by_lamp: [DVec3; 2],
+pub(in crate::estimate::manifold) struct Crossing {
+    pub(in crate::estimate::manifold) slide: usize,
+    pub(in crate::estimate::manifold) local: DVec3,
+    pub(in crate::estimate::manifold) by_lamp: [DVec3; 2],
 }
 
 /// A solution at a node, for the middle of the lamp.
@@ -70,6 +70,15 @@ impl<M: Mode> Sheet<M> {
             Cell::Interpolated if spot.outside => Cell::Solved,
             cell @ (Cell::Nothing | Cell::Interpolated | Cell::Solved) => cell,
         }
+    }
+
+    /// Whether a spot beyond the outer nodes is beside the slides' pictures, so that nothing need be solved for.
+    pub(super) fn is_dark(&self, world: &World, optics: &Optics<M>, spot: &Spot, off: DVec2) -> bool {
+        spot.outside
+            && self.cells[spot.cell] == Cell::Interpolated
+            && self.blend(spot, off).is_some_and(|blend| {
+                blend.slides.iter().any(|(slide, at)| optics.slide(&world.slides[*slide], *at).is_none())
+            })
     }
 
     /// The nodes' solutions in between; none where one is missing or they do not cross the same slides.

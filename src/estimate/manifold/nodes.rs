@@ -1,0 +1,127 @@
+//! A grid of nodes in two dimensions, and cubic interpolation between them.
+
+use glam::DVec2;
+
+/// Nodes along both axes; places are counted in cells from the first node.
+#[derive(Debug, Clone, Copy)]
+pub struct Nodes {
+    /// At least four along each.
+    pub count: [usize; 2],
+}
+
+/// Where something lies among the nodes, and the weights of the sixteen about it.
+#[derive(Debug, Clone, Copy)]
+pub struct Spot {
+    /// In cells, from the first node.
+    pub at: DVec2,
+    pub cell: usize,
+    /// The first of four nodes along both axes.
+    first: [usize; 2],
+    weights: [[f64; 4]; 2],
+    columns: usize,
+    /// Beyond the outer nodes.
+    pub outside: bool,
+}
+
+impl Nodes {
+    /// How many there are.
+    pub fn number(&self) -> usize {
+        self.count[0] * self.count[1]
+    }
+    pub fn at_node(&self, node: usize) -> DVec2 {
+        DVec2::new((node % self.count[0]) as f64, (node / self.count[0]) as f64)
+    }
+    /// The cells between the nodes, named by their nodes of least coordinates.
+    pub fn cells(&self) -> impl Iterator<Item = usize> + use<> {
+        let [nx, ny] = self.count;
+        (0..ny - 1).flat_map(move |y| (0..nx - 1).map(move |x| y * nx + x))
+    }
+    /// The middle of the cell whose corner of least coordinates is a node.
+    pub fn middle(&self, cell: usize) -> DVec2 {
+        self.at_node(cell) + 0.5
+    }
+    pub fn neighbours(&self, node: usize) -> impl Iterator<Item = usize> + use<> {
+        let [nx, ny] = self.count;
+        let (x, y) = (node % nx, node / nx);
+        let all = [(x.wrapping_sub(1), y), (x + 1, y), (x, y.wrapping_sub(1)), (x, y + 1)];
+        all.into_iter().filter(move |(x, y)| *x < nx && *y < ny).map(move |(x, y)| y * nx + x)
+    }
+    /// The four nodes next to a node along each half of its row and column; none where there are fewer.
+    pub fn lines(&self, node: usize) -> [Option<[usize; 4]>; 4] {
+        let [nx, ny] = self.count.map(|n| n as i64);
+        let (x, y) = ((node as i64) % nx, (node as i64) / nx);
+        [(1, 0), (-1, 0), (0, 1), (0, -1)].map(|(dx, dy)| {
+            let (last_x, last_y) = (x + 4 * dx, y + 4 * dy);
+            let inside = (0..nx).contains(&last_x) && (0..ny).contains(&last_y);
+            inside.then(|| [1, 2, 3, 4].map(|k| ((y + k * dy) * nx + x + k * dx) as usize))
+        })
+    }
+    /// The four nodes of a cell.
+    pub fn corners(&self, cell: usize) -> [usize; 4] {
+        [cell, cell + 1, cell + self.count[0], cell + self.count[0] + 1]
+    }
+
+    /// A place among the nodes; none farther than `beyond` cells from them.
+    pub fn spot(&self, at: DVec2, beyond: f64) -> Option<Spot> {
+        self.spot_by(at, beyond, [0; 2])
+    }
+
+    /// The same with sixteen nodes that lie aside of those about the place, by cells along both axes: −1 to 1.
+    pub fn spot_by(&self, at: DVec2, beyond: f64, aside: [i8; 2]) -> Option<Spot> {
+        // The cell, the first of the four nodes about it (all of which there are), and the place from the second of them.
+        let along = |x: f64, count: usize, aside: i8| {
+            (x >= -beyond && x <= (count - 1) as f64 + beyond).then(|| {
+                let cell = (x.max(0.0) as usize).min(count - 2);
+                let first = (cell + 1).saturating_add_signed(aside.into()).saturating_sub(2).min(count - 4);
+                (cell, first, x - (first + 1) as f64)
+            })
+        };
+        let (x, first_x, tx) = along(at.x, self.count[0], aside[0])?;
+        let (y, first_y, ty) = along(at.y, self.count[1], aside[1])?;
+        let (last_x, last_y) = ((self.count[0] - 1) as f64, (self.count[1] - 1) as f64);
+        Some(Spot {
+            at,
+            cell: y * self.count[0] + x,
+            first: [first_x, first_y],
+            weights: [cubic(tx), cubic(ty)],
+            columns: self.count[0],
+            outside: at.x < 0.0 || at.y < 0.0 || at.x > last_x || at.y > last_y,
+        })
+    }
+}
+
+/// Lagrange's weights of the nodes −1, 0, 1, 2 at t.
+fn cubic(t: f64) -> [f64; 4] {
+    let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
+    [-t * b * c / 6.0, a * b * c / 2.0, -a * t * c / 2.0, a * t * b / 6.0]
+}
+
+impl Spot {
+    /// The sixteen nodes and their weights.
+    pub fn nodes(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let spot = *self;
+        (0..16).map(move |k| {
+            let (i, j) = (k % 4, k / 4);
+            let node = (spot.first[1] + j) * spot.columns + spot.first[0] + i;
+            (node, spot.weights[0][i] * spot.weights[1][j])
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cubic;
+
+    /// Cubics are met exactly, and constants add up.
+    #[test]
+    fn weights_reproduce_cubics() {
+        for k in 0..=10 {
+            let t = 0.3 * f64::from(k) - 1.0;
+            let weights = cubic(t);
+            for power in 0..4 {
+                let got: f64 = weights.iter().zip([-1.0f64, 0.0, 1.0, 2.0]).map(|(w, x)| w * x.powi(power)).sum();
+                assert!((got - t.powi(power)).abs() < 1e-14, "{t} {power} {got}");
+            }
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! What connections with the eye bring, as tables over the picture.
+//!
+//! Per train and lamp the solutions are kept at the nodes of a grid over the picture, with their derivatives by the place
+//! on the lamp; in between, the place in the pupil, the strength and the places on slides are interpolated. No table is
+//! trusted: it is a control variate (e.g. A. Owen, "Monte Carlo theory, methods and examples", 2013, chapter 8.9). Every
+//! pixel takes what the table says, and now and then, the more seldom the better the table did on trial, the difference of
+//! the solved connection from it, so that the mean is the solver's whatever stands in the way between two nodes.
+
+mod make;
+
+use super::connections::Connections;
+use super::nodes::{Nodes, Spot};
+use super::screens::{Crossing, SLIDES};
+use crate::base::path::Trail;
+use crate::film::accumulate::Light;
+use crate::world::World;
+use crate::world::mode::{Mode, Spectral, lanes};
+use crate::world::optics::Optics;
+use arrayvec::ArrayVec;
+use glam::{DMat2, DVec2, DVec3};
+use make::Maker;
+use rayon::prelude::*;
+
+/// Most cells along the picture's longer side.
+const CELLS: usize = 48;
+/// A cell should have so many pixels along its sides, or the table costs more than it saves; and a table so many cells.
+const PIXELS: usize = 15;
+const FEWEST: usize = 8;
+
+/// The solution at a node, for the middle of the lamp.
+#[derive(Debug, Clone)]
+struct Node<M: Mode> {
+    /// m, and by metres on the lamp.
+    pupil: DVec2,
+    pupil_by: DMat2,
+    /// Luminance that the whole lamp brings, per lane, cd/m², with the slides open; and by metres on the lamp.
+    strength: M::Lanes<f64>,
+    strength_by: [M::Lanes<f64>; 2],
+    trail: Trail,
+    alone: bool,
+    slides: ArrayVec<Crossing, SLIDES>,
+}
+
+/// What a connection brings to a place of the picture from a point of its lamp.
+pub(super) struct Brought<M: Mode> {
+    /// Place in the pupil, m.
+    pub(super) pupil: DVec2,
+    /// Luminance per lane, cd/m².
+    pub(super) light: M::Lanes<Light>,
+    pub(super) alone: bool,
+    pub(super) trail: Trail,
+}
+
+/// A train and lamp.
+#[derive(Debug)]
+pub struct Table<M: Mode> {
+    /// Nodes of each branch.
+    branches: Vec<Vec<Option<Node<M>>>>,
+    /// Per cell.
+    uses: Vec<Use>,
+}
+
+/// What a table is good for in a cell.
+#[derive(Debug, Clone, Copy)]
+struct Use {
+    /// How often the solved connection is looked at.
+    share: f64,
+    /// Which sixteen nodes there are, see [`Nodes::spot_by`].
+    aside: [i8; 2],
+}
+/// Those of all [`Connections`], in the order of their entries.
+#[derive(Debug)]
+pub struct Tables<M: Mode> {
+    nodes: Nodes,
+    half: DVec2,
+    tables: Vec<Table<M>>,
+}
+
+impl<M: Mode> Tables<M> {
+    /// None where they would not pay, or where every pass has wavelengths of its own.
+    pub fn new(world: &World, optics: &Optics<M>, connections: &Connections) -> Option<Tables<M>> {
+        let [width, height] = world.eye.size();
+        let cells = (width.max(height) / PIXELS).min(CELLS);
+        if M::SPECTRAL == Spectral::Hero || cells < FEWEST || connections.is_empty() {
+            return None;
+        }
+        let half = world.eye.half();
+        let along = |half: f64, longer: f64| ((cells as f64 * half / longer).ceil() as usize).clamp(3, cells) + 1;
+        let nodes = Nodes { count: half.to_array().map(|side| along(side, half.max_element())) };
+        let mut tables = Tables { nodes, half, tables: Vec::new() };
+        let maker = Maker { world, optics, connections };
+        let made: Vec<Table<M>> = connections.entries.par_iter().map(|entry| maker.table(&tables, entry)).collect();
+        tables.tables = made;
+        Some(tables)
+    }
+
+    /// Where a place of the picture lies among the nodes.
+    pub(super) fn spot(&self, film: DVec2) -> Option<Spot> {
+        let [nx, ny] = self.nodes.count.map(|count| (count - 1) as f64);
+        self.nodes.spot((film / self.half * 0.5 + 0.5) * DVec2::new(nx, ny), 0.0)
+    }
+
+    /// The place in the picture at fractional node coordinates.
+    fn film(&self, at: DVec2) -> DVec2 {
+        let [nx, ny] = self.nodes.count.map(|count| (count - 1) as f64);
+        (at / DVec2::new(nx, ny) * 2.0 - 1.0) * self.half
+    }
+}
+
+impl<M: Mode> Tables<M> {
+    /// How often the solved connection of an entry is to be looked at.
+    pub(super) fn share(&self, entry: usize, spot: &Spot) -> f64 {
+        self.tables.get(entry).map_or(1.0, |table| table.uses[spot.cell].share)
+    }
+
+    /// What the branches of an entry bring; `off`: place on the lamp from its middle, m.
+    pub(super) fn brought<'t>(
+        &'t self,
+        (world, optics): (&'t World, &'t Optics<M>),
+        entry: usize,
+        spot: &Spot,
+        off: DVec2,
+    ) -> impl Iterator<Item = Brought<M>> + use<'t, M> {
+        let known = self.tables.get(entry).and_then(|table| {
+            let aside = table.uses[spot.cell].aside;
+            let spot = if aside == [0; 2] { *spot } else { self.nodes.spot_by(spot.at, 0.0, aside)? };
+            Some((table, spot))
+        });
+        let branches =
+            known.into_iter().flat_map(|(table, spot)| table.branches.iter().map(move |nodes| (nodes, spot)));
+        branches.filter_map(move |(nodes, spot)| {
+            let (brought, slides) = blend(nodes, &spot, off)?;
+            through_slides(world, optics, brought, &slides)
+        })
+    }
+}
+
+type Places = ArrayVec<(usize, DVec3), SLIDES>;
+
+/// The nodes' solutions in between, with the slides open, and where slides are crossed; none where a node is missing or
+/// they do not cross the same slides.
+fn blend<M: Mode>(nodes: &[Option<Node<M>>], spot: &Spot, off: DVec2) -> Option<(Brought<M>, Places)> {
+    let near = nodes[spot.cell].as_ref()?;
+    let mut pupil = DVec2::ZERO;
+    let mut strength = lanes::<M, _>(|_| 0.0);
+    let mut slides: Places = near.slides.iter().map(|crossing| (crossing.slide, DVec3::ZERO)).collect();
+    for (node, weight) in spot.nodes() {
+        let node = nodes[node].as_ref()?;
+        if node.slides.len() != near.slides.len() || (node.alone, node.trail) != (near.alone, near.trail) {
+            return None;
+        }
+        pupil += weight * (node.pupil + node.pupil_by * off);
+        for lane in 0..M::LANES {
+            let [by_x, by_y] = node.strength_by.map(|by| by[lane]);
+            strength[lane] += weight * (node.strength[lane] + by_x * off.x + by_y * off.y);
+        }
+        for ((_, at), crossing) in slides.iter_mut().zip(&node.slides) {
+            *at += weight * (crossing.local + crossing.by_lamp[0] * off.x + crossing.by_lamp[1] * off.y);
+        }
+    }
+    let light = lanes::<M, _>(|lane| Light::ONE.scaled(strength[lane]));
+    Some((Brought { pupil, light, alone: near.alone, trail: near.trail }, slides))
+}
+
+/// None beside a slide's picture.
+fn through_slides<M: Mode>(
+    world: &World,
+    optics: &Optics<M>,
+    mut brought: Brought<M>,
+    slides: &Places,
+) -> Option<Brought<M>> {
+    for (slide, at) in slides {
+        let map = &world.slides[*slide];
+        let s = optics.slide(map, *at)?;
+        for lane in 0..M::LANES {
+            brought.light[lane].cross(map.t_white(), map.transmittance(s[lane]), s[lane]);
+        }
+    }
+    Some(brought)
+}

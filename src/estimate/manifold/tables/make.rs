@@ -1,0 +1,227 @@
+//! How the tables are filled: node by node from the solver's starts, and cell by cell on trial.
+
+use super::{Node, Places, Table, Tables, Use, blend, through_slides};
+use crate::base::path::Trail;
+use crate::base::rng::{Rng, Stream};
+use crate::estimate::ledger::Ledger;
+use crate::estimate::manifold::connections::{Connections, Entry, index_of};
+use crate::estimate::manifold::nodes::Spot;
+use crate::estimate::manifold::screens::Crossing;
+use crate::estimate::manifold::solve::{Family, Root, Target, newton};
+use crate::estimate::walk::{Travel, Walker};
+use crate::world::World;
+use crate::world::geometry::Ray;
+use crate::world::interior::Interior;
+use crate::world::mode::{LaneArray, Mode, lanes};
+use crate::world::optics::Optics;
+use crate::world::surface::Surface;
+use glam::{DVec2, DVec3};
+
+/// The difference from the solved connection is looked at with this probability where the table did well on trial (less
+/// would save little more, and make what no trial saw bright and rare),
+const LEAST: f64 = 1.0 / 8.0;
+/// and always where it was off by this share.
+const POOR: f64 = 0.01;
+/// A place on a slide that is off by a share of the slide's size counts so many times: pictures have edges.
+const SHARP: f64 = 100.0;
+/// How far from a lamp's middle tables are tried and differences taken, in radii: within a square lamp.
+const ASIDE: f64 = 0.6;
+/// Nodes that are added beyond a slide's edge, so that the cells across it have all sixteen.
+const BEYOND: usize = 2;
+/// Solutions farther than this from the pupil's middle, in radii, are of no use to a table.
+const FAR: f64 = 3.0;
+/// The sixteen nodes about a place, or, near the rim of what is lit, as many on its lit side.
+const SIDES: [[i8; 2]; 9] = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, 1], [1, -1], [-1, -1]];
+
+/// A solution, followed.
+struct Found<M: Mode> {
+    root: Root,
+    strength: M::Lanes<f64>,
+    trail: Trail,
+    alone: bool,
+    slides: Places,
+}
+
+pub(super) struct Maker<'m, M: Mode> {
+    pub(super) world: &'m World,
+    pub(super) optics: &'m Optics<M>,
+    pub(super) connections: &'m Connections,
+}
+
+impl<M: Mode> Maker<'_, M> {
+    pub(super) fn table(&self, tables: &Tables<M>, entry: &Entry) -> Table<M> {
+        let node = |branch: usize, node: usize| {
+            let film = tables.film(tables.nodes.at_node(node));
+            self.node(entry, film, entry.starts.start(branch, film)?)
+        };
+        let branches: Vec<Vec<Option<Node<M>>>> = (0..entry.starts.branches())
+            .map(|branch| {
+                let mut nodes: Vec<_> = (0..tables.nodes.number()).map(|at| node(branch, at)).collect();
+                (0..BEYOND).for_each(|_| self.complete(tables, &mut nodes));
+                nodes
+            })
+            .collect();
+        let mut uses = vec![Use { share: 1.0, aside: [0; 2] }; tables.nodes.number()];
+        for cell in tables.nodes.cells() {
+            uses[cell] = self.use_of(tables, entry, &branches, cell);
+        }
+        Table { branches, uses }
+    }
+
+    /// The solution near a start, followed; none where there is none, or something else stands in the way.
+    fn found(&self, entry: &Entry, film: DVec2, start: DVec2, off: DVec2) -> Option<Found<M>> {
+        let (world, optics, middle) = (self.world, self.optics, entry.starts.middle());
+        let target = Target { point: middle.point + middle.across[0] * off.x + middle.across[1] * off.y, ..*middle };
+        let train = &self.connections.trains[entry.train];
+        let family = Family::Pupil { film };
+        let root = newton(world, &index_of(optics), &family, start, train, &target, entry.starts.size())?;
+        if root.u.length() > FAR * world.eye.pupil_radius_m() {
+            return None;
+        }
+        let (origin, (_, dir), ..) = world.eye.ray_of(film, root.u);
+        let ray = Ray { origin, dir, from: None };
+        let rng = Rng::new(0, Stream::Pilot, 4, 0);
+        let mut walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
+        let mut ledger = Ledger::new(world.solids.len());
+        let (mut slides, mut many) = (Places::new(), false);
+        let links = train.0.iter().map(|lens| lens.link);
+        let seen = walker.follow_to(links, entry.starts.lamp, &mut ledger, |_, vertex, _| {
+            let face = &world.faces[vertex.hit.site.part as usize][vertex.hit.site.face as usize];
+            if let Surface::Slide(index) = face.surface {
+                many |= slides.try_push((index, vertex.hit.local)).is_err();
+            }
+        })?;
+        let (light, alone) = walker.seen(&seen);
+        let factor = seen.lamp.area_m2 / (root.slope.determinant().abs() * world.eye.pupil_area_m2());
+        // The slides' share at full opening is the leading coefficient over what they let through when open.
+        let open: f64 = slides.iter().map(|(index, _)| world.slides[*index].t_white()).product();
+        let strength = lanes::<M, _>(|lane| light[lane].open() / open * factor);
+        let usable = !many && strength.as_slice().iter().all(|s| s.is_finite());
+        usable.then_some(Found { root, strength, trail: walker.trail, alone, slides })
+    }
+
+    fn node(&self, entry: &Entry, film: DVec2, start: DVec2) -> Option<Node<M>> {
+        let found = self.found(entry, film, start, DVec2::ZERO)?;
+        let pupil_by = found.root.slope.inverse();
+        let step = ASIDE * entry.starts.size();
+        // To the one side or to the other: on one of them something may end.
+        let aside = |axis: DVec2| {
+            let other = |off: DVec2| {
+                let other = self.found(entry, film, found.root.u + pupil_by * off, off)?;
+                let same = other.slides.iter().map(|(slide, _)| slide).eq(found.slides.iter().map(|(slide, _)| slide));
+                same.then_some((off.dot(axis), other))
+            };
+            other(axis * step).or_else(|| other(-axis * step))
+        };
+        let [x, y] = [aside(DVec2::X)?, aside(DVec2::Y)?];
+        let slope = |(step, other): &(f64, Found<M>)| {
+            lanes::<M, _>(|lane| (other.strength[lane] - found.strength[lane]) / step)
+        };
+        let crossing = |k: usize| {
+            let (slide, local) = found.slides[k];
+            let by_lamp = [&x, &y].map(|(step, other)| (other.slides[k].1 - local) / *step);
+            Crossing { slide, local, by_lamp }
+        };
+        let slides = (0..found.slides.len()).map(crossing).collect();
+        let strength_by = [slope(&x), slope(&y)];
+        let Found { root, strength, trail, alone, .. } = found;
+        let finite = pupil_by.is_finite() && strength_by.iter().all(|by| by.as_slice().iter().all(|s| s.is_finite()));
+        finite.then_some(Node { pupil: root.u, pupil_by, strength, strength_by, trail, alone, slides })
+    }
+
+    /// Adds nodes just beyond the edge of a slide's picture, by cubics through the four next to them along a row or a
+    /// column: the picture itself says where it ends.
+    fn complete(&self, tables: &Tables<M>, nodes: &mut [Option<Node<M>>]) {
+        let beyond = |at: usize| {
+            let lines = tables.nodes.lines(at);
+            let found = lines.into_iter().flatten().find_map(|line| {
+                let [a, b, c, d] = line.map(|node| nodes[node].as_ref());
+                Node::beyond([a?, b?, c?, d?])
+            })?;
+            let outside =
+                |crossing: &Crossing| self.optics.slide(&self.world.slides[crossing.slide], crossing.local).is_none();
+            found.slides.iter().any(outside).then_some((at, found))
+        };
+        let added: Vec<_> = (0..nodes.len()).filter(|at| nodes[*at].is_none()).filter_map(beyond).collect();
+        added.into_iter().for_each(|(at, found)| nodes[at] = Some(found));
+    }
+
+    /// How a cell is to be used. Where no branch has a node at its corners the table says nothing, and little is expected.
+    fn use_of(&self, tables: &Tables<M>, entry: &Entry, branches: &[Vec<Option<Node<M>>>], cell: usize) -> Use {
+        let corners = tables.nodes.corners(cell);
+        let lit = |nodes: &&Vec<Option<Node<M>>>| corners.iter().any(|node| nodes[*node].is_some());
+        let lit: Vec<&Vec<Option<Node<M>>>> = branches.iter().filter(lit).collect();
+        let at = tables.nodes.middle(cell);
+        let known = SIDES.into_iter().find_map(|aside| {
+            let spot = tables.nodes.spot_by(at, 0.0, aside)?;
+            let whole = lit.iter().all(|nodes| spot.nodes().all(|(node, _)| nodes[node].is_some()));
+            whole.then_some((aside, spot))
+        });
+        let off = known.and_then(|(aside, spot)| Some((aside, self.error(tables.film(at), entry, &lit, &spot)?)));
+        off.map_or(Use { share: 1.0, aside: [0; 2] }, |(aside, off)| Use {
+            share: (off / POOR).clamp(LEAST, 1.0),
+            aside,
+        })
+    }
+
+    /// By how much what these branches say of a place in the picture is off, by solutions for two points of the lamp; none
+    /// where one of both is missing.
+    fn error(&self, film: DVec2, entry: &Entry, branches: &[&Vec<Option<Node<M>>>], spot: &Spot) -> Option<f64> {
+        let size = entry.starts.size();
+        let mut worst = 0f64;
+        for nodes in branches {
+            for off in [DVec2::new(ASIDE, 0.5 * ASIDE) * size, DVec2::new(-0.5 * ASIDE, -ASIDE) * size] {
+                let (blend, places) = blend(nodes, spot, off)?;
+                let Some(found) = self.found(entry, film, blend.pupil, off) else {
+                    // Beside a slide's picture both know of nothing.
+                    if through_slides(self.world, self.optics, blend, &places).is_none() {
+                        continue;
+                    }
+                    return None;
+                };
+                let of_lane = |lane: usize| (blend.light[lane].open() / found.strength[lane] - 1.0).abs();
+                let strength = (0..M::LANES).map(of_lane).fold(0.0, f64::max);
+                let apart = |((slide, a), (_, b)): (&(usize, DVec3), &(usize, DVec3))| {
+                    SHARP * a.distance(*b) / self.world.slides[*slide].size()
+                };
+                let places = places.iter().zip(&found.slides).map(apart).fold(0.0, f64::max);
+                let pupil = blend.pupil.distance(found.root.u) / self.world.eye.pupil_radius_m();
+                let error = strength.max(places).max(pupil);
+                worst = worst.max(if error.is_nan() { 1.0 } else { error });
+            }
+        }
+        Some(worst)
+    }
+}
+
+impl<M: Mode> Node<M> {
+    /// The next of four in a row by a cubic: 4 a − 6 b + 4 c − d for equally spaced values a, b, c, d behind it.
+    fn beyond(nodes: [&Node<M>; 4]) -> Option<Node<M>> {
+        const WEIGHTS: [f64; 4] = [4.0, -6.0, 4.0, -1.0];
+        let next = nodes[0];
+        let alike = |node: &&Node<M>| {
+            let slides = node.slides.iter().map(|crossing| crossing.slide);
+            (node.alone, node.trail) == (next.alone, next.trail)
+                && slides.eq(next.slides.iter().map(|crossing| crossing.slide))
+        };
+        if !nodes.iter().all(alike) {
+            return None;
+        }
+        let sum = |of: &dyn Fn(&Node<M>) -> f64| nodes.iter().zip(WEIGHTS).map(|(node, w)| w * of(node)).sum::<f64>();
+        let place = |of: &dyn Fn(&Node<M>) -> DVec3| nodes.iter().zip(WEIGHTS).map(|(node, w)| w * of(node)).sum();
+        let crossing = |k: usize| Crossing {
+            slide: next.slides[k].slide,
+            local: place(&|node| node.slides[k].local),
+            by_lamp: [0, 1].map(|axis| place(&|node| node.slides[k].by_lamp[axis])),
+        };
+        Some(Node {
+            pupil: DVec2::new(sum(&|node| node.pupil.x), sum(&|node| node.pupil.y)),
+            pupil_by: next.pupil_by,
+            strength: lanes::<M, _>(|lane| sum(&|node| node.strength[lane])),
+            strength_by: next.strength_by,
+            trail: next.trail,
+            alone: next.alone,
+            slides: (0..next.slides.len()).map(crossing).collect(),
+        })
+    }
+}
