@@ -21,7 +21,7 @@ fn small_pupil() -> Scene {
 #[test]
 fn backward_and_forward_agree_on_the_picture() {
     let scene = gaze(small_pupil(), [0.0; 2], 2.0, [8, 4]);
-    let backward = Ready::new(&scene, BACKWARD).image(8192, 1);
+    let backward = Ready::new(&scene, BACKWARD).image(2048, 1);
     let forward = Ready::new(&scene, Choice::Only(Estimator::Manifold)).image(256, 2);
     let (worst, bound) = worst_z(&block_z(&backward, &forward, 8, 1), 1e-3);
     eprintln!("picture: {:?} {:?}, worst z {worst:.2} of {bound:.2}", mean(&backward), mean(&forward));
@@ -32,7 +32,7 @@ fn backward_and_forward_agree_on_the_picture() {
 #[test]
 fn backward_and_forward_agree_to_half_a_percent() {
     let scene = gaze(fill(small_pupil(), 1.0), [0.0; 2], 6.0, [8, 4]);
-    let backward = Ready::new(&scene, BACKWARD).image(40960, 1);
+    let backward = Ready::new(&scene, BACKWARD).image(12288, 1);
     let forward = Ready::new(&scene, FORWARD).image(240, 2);
     let ((b, b_sigma), (f, f_sigma)) = (mean(&backward), mean(&forward));
     eprintln!("white: backward {b:.2} ± {b_sigma:.2}, forward {f:.2} ± {f_sigma:.2}");
