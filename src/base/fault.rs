@@ -95,15 +95,21 @@ impl fmt::Display for Fault {
 
 impl std::error::Error for Fault {}
 
-/// The name in `valid` nearest to `given` by Jaro–Winkler similarity, if it is at least 0.75 similar.
+/// The name in `valid` nearest to `given` by Jaro–Winkler similarity, if it is at least 0.75 similar. That alone would take
+/// `forward_led_open` for a misspelling of `foo`: one has to begin the other, or more than half of the letters must fit.
 pub fn nearest_name<'a>(given: &str, valid: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let lower = given.to_lowercase();
     valid
         .into_iter()
         .map(|name| (strsim::jaro_winkler(&lower, &name.to_lowercase()), name))
-        .filter(|(score, _)| *score >= 0.75)
+        .filter(|(score, name)| *score >= 0.75 && alike(&lower, &name.to_lowercase()))
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name)| name.to_owned())
+}
+
+fn alike(a: &str, b: &str) -> bool {
+    let longer = a.chars().count().max(b.chars().count());
+    a.starts_with(b) || b.starts_with(a) || 2 * strsim::osa_distance(a, b) < longer
 }
 
 #[cfg(test)]
@@ -121,5 +127,8 @@ mod tests {
             "hud.optics.toml:12: unknown attribute `flux_lum`; expected an emitter attribute; did you mean `flux_lm`?"
         );
         assert_eq!(nearest_name("xyz", ["flux_lm"]), None);
+        assert_eq!(nearest_name("foo", ["forward_led_open_stderr"]), None);
+        assert_eq!(nearest_name("pupil", ["position", "pupil_diameter"]), Some("pupil_diameter".to_owned()));
+        assert_eq!(nearest_name("eb101", ["EB0311", "EB0101"]), Some("EB0101".to_owned()));
     }
 }

@@ -3,13 +3,13 @@
 use super::print_text;
 use super::progress::Signals;
 use super::render_args::parse_resolution;
+use super::source::sets;
 use crate::base::atomic::{check_writable, write_atomic};
 use crate::base::{Fault, Result, Where};
 use crate::bench::curve::asset::{Form, Task, measure};
 use crate::bench::curve::race::Budget;
 use crate::bench::curve::reference::Source;
 use crate::bench::curve::{Report, contenders, name};
-use crate::import::Set;
 use crate::plan::Choice;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -82,7 +82,7 @@ impl CurveArgs {
             self.estimators.iter().map(|text| choice("--estimators", text)).collect::<Result<Vec<_>>>()?
         };
         let budget = Budget { seconds: self.seconds, passes: self.passes };
-        let sets = self.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
+        let sets = sets(&self.sets)?;
         Ok(Task { contenders, source: self.source()?, seed: self.seed, budget, resolution: self.resolution, sets })
     }
 

@@ -1,16 +1,16 @@
 //! `eyebox inspect`: what an assembly is, as the program understands it.
 
+use super::source::Source;
 use super::{Format, print};
 use crate::base::{Fault, Result};
 use crate::check::check;
 use crate::import::deps::{Dependency, dependencies};
-use crate::import::{ImportOptions, ReadOptions, Set, geometry, import, outline};
+use crate::import::{geometry, outline};
 use crate::output::assembly_tree::AssemblyTree;
 use crate::output::geometry::GeometryFacts;
 use crate::scene::Scene;
 use crate::world::World;
 use clap::Args;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Show an assembly as a tree: media, faces, lamps, slides, eye, sky and every note.
@@ -28,17 +28,11 @@ Examples:
   eyebox inspect hud.optics.toml --set led.flux_lm=0.6 --format json
   eyebox inspect hud.usda --frame 12 --geometry")]
 pub struct InspectArgs {
-    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
-    asset: PathBuf,
     /// Say of each attribute of a part (name, path or pattern) which line won.
     #[arg(long, value_name = "PART")]
     explain: Option<String>,
-    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5.
-    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
-    sets: Vec<String>,
-    /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
-    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
-    frame: Option<f64>,
+    #[command(flatten)]
+    source: Source,
     /// Show the geometry alone, without optics: parts, triangles, bounds, materials, lights, cameras.
     #[arg(long, conflicts_with_all = ["explain", "sets"])]
     geometry: bool,
@@ -53,18 +47,17 @@ pub struct InspectArgs {
 /// Runs the command.
 pub fn run(args: &InspectArgs) -> Result<ExitCode> {
     if args.deps {
-        let all = dependencies(&args.asset, &args.reading())?;
+        let all = dependencies(&args.source.asset, &args.source.reading())?;
         print(args.format, || deps_text(&all), || serde_json::json!(all))?;
         let missing = all.iter().any(|dependency| dependency.used && !dependency.there);
         return Ok(ExitCode::from(u8::from(missing)));
     }
     if args.geometry {
-        let facts = GeometryFacts::new(&geometry(&args.asset, &args.reading())?);
+        let facts = GeometryFacts::new(&geometry(&args.source.asset, &args.source.reading())?);
         print(args.format, || facts.text(), || serde_json::json!(facts))?;
         return Ok(ExitCode::SUCCESS);
     }
-    let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let built = import(&args.asset, &ImportOptions { sets, frame: args.frame }).map_err(|fault| args.shown(fault))?;
+    let built = args.source.import().map_err(|fault| args.shown(fault))?;
     let refused = refusal(&built.scene);
     match &args.explain {
         Some(part) => {
@@ -104,12 +97,9 @@ fn show(format: Format, tree: &AssemblyTree) -> Result<()> {
 }
 
 impl InspectArgs {
-    fn reading(&self) -> ReadOptions {
-        ReadOptions { frame: self.frame }
-    }
     /// Shows what can be shown in spite of `fault`, if the asset itself can be read.
     fn shown(&self, fault: Box<Fault>) -> Box<Fault> {
-        if let (None, Ok(scene)) = (&self.explain, outline(&self.asset, &self.reading())) {
+        if let (None, Ok(scene)) = (&self.explain, outline(&self.source.asset, &self.source.reading())) {
             let _ = show(self.format, &AssemblyTree::without_optics(&scene, &fault));
         }
         fault

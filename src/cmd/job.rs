@@ -65,6 +65,16 @@ pub struct JobArgs {
 
 /// Runs the command.
 pub fn run(args: &JobArgs) -> Result<ExitCode> {
+    // openjd takes a template by its name for YAML or JSON.
+    let ends = |wanted: &str| args.job.extension().is_some_and(|e| e.eq_ignore_ascii_case(wanted));
+    if !["yaml", "yml", "json"].into_iter().any(ends) {
+        return Err(Fault::new(Where::Option(format!("--job {}", args.job.display())), "is no name for a template")
+            .expected("a name that ends in .yaml, .yml or .json"));
+    }
+    // What workers would find missing one by one.
+    if let Err(error) = std::fs::metadata(&args.asset) {
+        return Err(Fault::new(Where::file(&args.asset), format!("cannot be read: {error}")));
+    }
     let files: Vec<PathBuf> = dependencies(&args.asset, &ReadOptions::default())?
         .into_iter()
         .filter(|file| file.there)
@@ -122,8 +132,7 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
         checkpoint_s: 60,
     };
     let template = job.template();
-    let as_json = args.job.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-    let text = if as_json { format!("{template:#}\n") } else { yaml(&template) };
+    let text = if ends("json") { format!("{template:#}\n") } else { yaml(&template) };
     write_atomic(&args.job, text.as_bytes())?;
     let tasks = args.frames.map_or(1, Frames::count);
     let places = [("Asset", &job.asset, &asset), ("AssetFolder", &job.asset_folder, &folder)];
@@ -176,5 +185,28 @@ fn below(path: &Path, home: &Path) -> Result<Option<String>> {
         Some(_) | None => {
             Err(Fault::new(Where::file(path), "cannot stand in a job template").expected("a Unicode path without {{"))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::FromArgMatches;
+
+    #[test]
+    fn what_no_worker_could_run_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/samples/hud-direct/hud.optics.toml");
+        let fault = |asset: &str, job: &str| {
+            let job = folder.path().join(job);
+            let words = ["job", asset, "--shards", "2", "-o", job.to_str().unwrap()];
+            let matches = JobArgs::augment_args(clap::Command::new("job")).get_matches_from(words);
+            let ended = run(&JobArgs::from_arg_matches(&matches).unwrap());
+            assert_eq!(ended.is_ok(), job.is_file());
+            ended.err().map(|fault| fault.to_string())
+        };
+        assert_eq!(fault(sample, "job.yaml"), None);
+        assert!(fault("nothing.glb", "a.yaml").unwrap().starts_with("nothing.glb: cannot be read: "));
+        assert!(fault(sample, "job.txt").unwrap().ends_with("expected a name that ends in .yaml, .yml or .json"));
     }
 }

@@ -36,8 +36,8 @@ pub struct MixArgs {
     /// Factor on the light of a group; `plate` is the group of a plate
     #[arg(long = "gain", value_name = "GROUP=G", value_parser = parse_gain)]
     pub gains: Vec<(String, f64)>,
-    /// Contrast T_white/T_black of the slide, 1 to inf [default: as rendered]
-    #[arg(long, value_name = "C")]
+    /// Contrast T_white/T_black of the slide, 1 to inf; 300:1 is 300 [default: as rendered]
+    #[arg(long, value_name = "C", value_parser = parse_contrast)]
     pub contrast: Option<f64>,
     /// A picture in cd/m², as large as the frame, to put behind the optics
     #[arg(long, value_name = "BACKGROUND.exr")]
@@ -58,6 +58,11 @@ fn parse_gain(text: &str) -> std::result::Result<(String, f64), String> {
     // A group's name may hold anything, a number holds no `=`.
     let (group, gain) = text.rsplit_once('=').ok_or_else(bad)?;
     Ok((group.trim().to_owned(), gain.trim().parse().map_err(|_| bad())?))
+}
+
+fn parse_contrast(text: &str) -> std::result::Result<f64, String> {
+    let number = text.trim().strip_suffix(":1").unwrap_or(text.trim());
+    number.parse().map_err(|_| format!("`{text}` is no contrast; write e.g. 300, 300:1 or inf"))
 }
 
 /// Runs the command.
@@ -161,10 +166,12 @@ fn text(args: &MixArgs, record: &Record, warnings: &[String]) -> String {
         done.push(format!("contrast {before} to {after}"));
     }
     done.extend(record.plate.iter().map(|plate| format!("plate {plate}")));
-    if done.is_empty() {
+    let unchanged = done.is_empty();
+    if unchanged {
         done.push("nothing changed".to_owned());
     }
-    lines.push(format!("{}: {}; {}", args.output.display(), done.join(", "), record.errors.said()));
+    let errors = if unchanged { String::new() } else { format!("; {}", record.errors.said()) };
+    lines.push(format!("{}: {}{errors}", args.output.display(), done.join(", ")));
     lines.join("\n")
 }
 

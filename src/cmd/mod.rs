@@ -28,6 +28,7 @@ mod report;
 mod scan;
 mod sequence;
 mod shards;
+mod source;
 mod validate;
 mod view;
 

@@ -1,14 +1,14 @@
 //! `eyebox paths`: by which parts light gets to the eye, and how much of it.
 
+use super::source::Source;
 use super::{Format, print};
 use crate::base::Result;
 use crate::check::check;
-use crate::import::{Built, ImportOptions, Set, import};
+use crate::import::Built;
 use crate::plan::paths::{Asked, table};
 use crate::scene::Severity;
 use crate::world::World;
 use clap::Args;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// List the ways of light from the lamps to the eye, most light first: the main image, ghosts, stray light.
@@ -24,20 +24,14 @@ Examples:
   eyebox paths hud.optics.toml --set 'COMBINER.coating=none' --paths 65536
   eyebox render hud.optics.toml -o hud.exr --chain ghost=2")]
 pub struct PathsArgs {
-    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
-    asset: PathBuf,
     /// Leave out ways with less of all light than this.
     #[arg(long, value_name = "SHARE", default_value_t = Asked::LEAST, value_parser = share)]
     least: f64,
     /// Paths from the lamps, and from the eye where it looks too. Four times as many halve the errors.
     #[arg(long, value_name = "N", default_value_t = Asked::PATHS, value_parser = clap::value_parser!(u64).range(1..=1 << 28))]
     paths: u64,
-    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5.
-    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
-    sets: Vec<String>,
-    /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
-    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
-    frame: Option<f64>,
+    #[command(flatten)]
+    source: Source,
     /// Trace the polarisation of light: where a pilot finds that it matters, always, or never.
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
     polarisation: super::render_args::PolarisationArg,
@@ -55,8 +49,7 @@ fn share(text: &str) -> std::result::Result<f64, String> {
 
 /// Runs the command.
 pub fn run(args: &PathsArgs) -> Result<ExitCode> {
-    let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let Built { scene, .. } = import(&args.asset, &ImportOptions { sets, frame: args.frame })?;
+    let Built { scene, .. } = args.source.import()?;
     let checked = check(&scene)?;
     let world = World::freeze(&scene)?;
     let asked = Asked { least: args.least, paths: args.paths, polarisation: args.polarisation.asked() };

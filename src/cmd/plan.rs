@@ -1,12 +1,12 @@
 //! `eyebox plan`: what would be traced how, and why.
 
 use super::render_args::{EstimatorArg, PolarisationArg, parse_resolution};
+use super::source::Source;
 use super::{Format, print};
 use crate::base::atomic::write_atomic;
 use crate::base::{Fault, Result, Where};
 use crate::check::check;
 use crate::estimate::picture::plan_lines;
-use crate::import::{ImportOptions, Set, import};
 use crate::plan::forecast::{Forecast, forecast};
 use crate::plan::frozen::Frozen;
 use crate::plan::{Asked, plan};
@@ -28,8 +28,6 @@ Examples:
   eyebox plan hud.optics.toml --resolution 1024x768 --format json
   eyebox render hud.optics.toml --plan plan.json -o hud.exr")]
 pub struct PlanArgs {
-    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
-    asset: PathBuf,
     /// Write the plan to this JSON file.
     #[arg(short, long, value_name = "PLAN.json")]
     output: Option<PathBuf>,
@@ -42,12 +40,8 @@ pub struct PlanArgs {
     /// Width and height in pixels, instead of the eye's.
     #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
     resolution: Option<[usize; 2]>,
-    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5.
-    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
-    sets: Vec<String>,
-    /// The time code at which a USD asset is taken.
-    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
-    frame: Option<f64>,
+    #[command(flatten)]
+    source: Source,
     /// How the result is printed.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -55,8 +49,7 @@ pub struct PlanArgs {
 
 /// Runs the command.
 pub fn run(args: &PlanArgs) -> Result<ExitCode> {
-    let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let mut scene = import(&args.asset, &ImportOptions { sets, frame: args.frame })?.scene;
+    let mut scene = args.source.import()?.scene;
     if let Some(resolution) = args.resolution {
         scene.eye.resolution = resolution;
     }

@@ -1,10 +1,11 @@
 //! `eyebox rays`: some light paths as lines for a viewer, and what became of all of them.
 
+use super::source::Source;
 use super::{Format, print};
 use crate::base::atomic::check_writable;
 use crate::base::{Fault, Result, Where};
 use crate::check::check;
-use crate::import::{Built, ImportOptions, Set, import};
+use crate::import::Built;
 use crate::output::rays::{self, Space};
 use crate::plan::rays::{Asked, From, rays};
 use crate::scene::Severity;
@@ -30,8 +31,6 @@ Examples:
   eyebox rays hud.optics.toml -o rays.usda --from eye --pixel 512,384
   eyebox rays hud.optics.toml --from eye --format json")]
 pub struct RaysArgs {
-    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
-    asset: PathBuf,
     /// The file to write; without it only the table is printed.
     #[arg(short, long, value_name = "RAYS.glb|RAYS.usda")]
     output: Option<PathBuf>,
@@ -47,12 +46,8 @@ pub struct RaysArgs {
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5.
-    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
-    sets: Vec<String>,
-    /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
-    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
-    frame: Option<f64>,
+    #[command(flatten)]
+    source: Source,
     /// How the table is printed.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -87,8 +82,7 @@ pub fn run(args: &RaysArgs) -> Result<ExitCode> {
         return Err(Fault::new(Where::Option("--pixel".to_owned()), "a pixel is looked through from the eye")
             .expected("--from eye"));
     }
-    let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let built = import(&args.asset, &ImportOptions { sets, frame: args.frame })?;
+    let built = args.source.import()?;
     let Built { scene, .. } = &built;
     let checked = check(scene)?;
     let world = World::freeze(scene)?;

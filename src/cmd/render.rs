@@ -22,7 +22,7 @@ use crate::film::frame::Meta;
 use crate::film::plan::Plan;
 use crate::film::pupil::Pupil;
 use crate::film::sharpness::{GroupPupil, Sharpness};
-use crate::import::{Built, ImportOptions, Set, import};
+use crate::import::Built;
 use crate::output::exr::{COLOR_INTEROP_ID, write_exr};
 use crate::plan::frozen::Frozen;
 use crate::plan::pupil::survey;
@@ -60,14 +60,13 @@ pub enum Ended {
 /// Renders one frame. `partial`: whether the passes until a signal are written.
 pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended> {
     let start = Instant::now();
-    let args = &RenderArgs { output: named(&args.output, args.frame)?, ..args.clone() };
+    let args = &RenderArgs { output: named(&args.output, args.source.frame)?, ..args.clone() };
     check_destination(&args.output)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.map_or(0, usize::from))
         .build()
         .map_err(|error| Fault::new(Where::Option("--threads".to_owned()), error.to_string()))?;
-    let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let Built { mut scene, layers: wishes, .. } = import(&args.asset, &ImportOptions { sets, frame: args.frame })?;
+    let Built { mut scene, layers: wishes, .. } = args.source.import()?;
     // The path table has the asset's own resolution, so that its numbers are those of `eyebox paths`.
     let own = scene.eye.resolution;
     if let Some(resolution) = args.resolution {

@@ -4,6 +4,7 @@ use super::Format;
 use super::progress::ProgressArg;
 use super::sequence::{Frames, parse_frames};
 use super::shards::parse_shard;
+use super::source::Source;
 use crate::base::colour::ColourSpace;
 use crate::estimate::aov;
 use crate::estimate::finishing::{Finishing, Wanted};
@@ -36,8 +37,6 @@ const DEFAULT_PASSES: u64 = 64;
     eyebox render hud.usda -o hud.0012.exr --frame 12\n  \
     eyebox render hud.usda -o hud.####.exr --frames 1-24 --skip-existing")]
 pub struct RenderArgs {
-    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
-    pub asset: PathBuf,
     /// The EXR to write; in hud.####.exr the digits of the frame take the place of #.
     #[arg(short, long, value_name = "OUT.exr")]
     pub output: PathBuf,
@@ -118,12 +117,8 @@ pub struct RenderArgs {
     /// these, e.g. ghost=COMBINER*:back. In luminance; may be given several times.
     #[arg(long = "chain", value_name = "NAME=N|PART:HOW", conflicts_with = "shard")]
     pub chains: Vec<String>,
-    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5, eye.pupil_diameter="3 mm".
-    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
-    pub sets: Vec<String>,
-    /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
-    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
-    pub frame: Option<f64>,
+    #[command(flatten)]
+    pub source: Source,
     /// One file for each of these whole time codes, each imported by itself; limits hold for each. A frame that fails is
     /// reported and the others go on (exit code 2). Ctrl-C keeps what is done and does not write the frame under way.
     #[arg(long, value_name = "A-B[xS]", value_parser = parse_frames, allow_hyphen_values = true, conflicts_with = "frame")]
@@ -263,7 +258,8 @@ impl RenderArgs {
 
     /// The same for one frame of a sequence.
     pub fn of_frame(&self, output: PathBuf, frame: f64) -> RenderArgs {
-        RenderArgs { output, frame: Some(frame), frames: None, ..self.clone() }
+        let source = Source { frame: Some(frame), ..self.source.clone() };
+        RenderArgs { output, source, frames: None, ..self.clone() }
     }
 
     /// Standard errors of layers are kept if they are asked for, be it by name.

@@ -2,10 +2,10 @@
 
 use super::progress::Signals;
 use super::render_args::{PolarisationArg, parse_resolution};
+use super::source::Source;
 use super::{Format, print};
 use crate::base::atomic::{check_writable, write_atomic};
 use crate::base::{Fault, Result, Where};
-use crate::import::{ImportOptions, Set, import};
 use crate::plan::scan::light::LightAsked;
 use crate::plan::scan::table::{csv, lines};
 use crate::plan::scan::{ScanAsked, scan};
@@ -29,10 +29,8 @@ Examples:
   eyebox scan hud.optics.toml --eyebox 9x5 --width 130 --height 50 -o eyebox.csv
   eyebox scan hud.optics.toml --eyebox 3x3 --no-luminance --format json")]
 pub struct ScanArgs {
-    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
-    asset: PathBuf,
     /// Columns and rows of eye positions.
-    #[arg(long, value_name = "NxM", value_parser = parse_resolution)]
+    #[arg(long, value_name = "NxM", value_parser = parse_grid)]
     eyebox: [usize; 2],
     /// Width of the eyebox, mm [default: two pupil diameters]
     #[arg(long, value_name = "MM")]
@@ -44,7 +42,7 @@ pub struct ScanArgs {
     #[arg(long, value_name = "MM", default_value_t = 63.0)]
     ipd: f64,
     /// Columns and rows of points of the picture.
-    #[arg(long, value_name = "NxM", value_parser = parse_resolution, default_value = "9x9")]
+    #[arg(long, value_name = "NxM", value_parser = parse_grid, default_value = "9x9")]
     points: [usize; 2],
     /// The part that is the picture [default: the slide, lamp or screen that most of the field of view shows]
     #[arg(long, value_name = "PART")]
@@ -64,12 +62,8 @@ pub struct ScanArgs {
     /// Seed of the short renderings.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. eye.pupil_diameter="3 mm".
-    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
-    sets: Vec<String>,
-    /// The time code at which a USD asset is taken.
-    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
-    frame: Option<f64>,
+    #[command(flatten)]
+    source: Source,
     /// Write the table to this file: .csv (a line per position) or .json (with every point of the picture).
     #[arg(short, long, value_name = "OUT.csv|json")]
     output: Option<PathBuf>,
@@ -81,12 +75,15 @@ pub struct ScanArgs {
     format: Format,
 }
 
+fn parse_grid(text: &str) -> std::result::Result<[usize; 2], String> {
+    parse_resolution(text).map_err(|_| format!("`{text}` is no grid; write columns and rows, e.g. 5x3"))
+}
+
 /// Runs the command.
 pub fn run(args: &ScanArgs) -> Result<ExitCode> {
     let written = args.output.as_deref().map(table_of).transpose()?;
     let signals = Signals::install();
-    let sets = args.sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    let scene = import(&args.asset, &ImportOptions { sets, frame: args.frame })?.scene;
+    let scene = args.source.import()?.scene;
     let polarisation = args.polarisation.asked();
     let light = LightAsked {
         resolution: args.resolution.unwrap_or_else(|| smaller(scene.eye.resolution)),
@@ -114,7 +111,7 @@ pub fn run(args: &ScanArgs) -> Result<ExitCode> {
         anstream::eprintln!("eyebox: stopped; nothing was written");
         return Ok(signals.exit_code());
     };
-    let json = || serde_json::json!({ "asset": args.asset, "scan": found });
+    let json = || serde_json::json!({ "asset": args.source.asset, "scan": found });
     if let (Some(path), Some(table)) = (&args.output, written) {
         let text = match table {
             Table::Csv => csv(&found),

@@ -10,7 +10,12 @@ use toml::de::{DeTable, DeValue};
 
 /// Reads the TOML file `path`. Faults: it can't be read, isn't UTF-8, or isn't TOML (with the line).
 pub fn read(path: &Path) -> Result<Value> {
-    let bytes = super::files::read(path, &Where::Nowhere, "sidecar")?;
+    read_as(path, "sidecar")
+}
+
+/// The same for a file that is called something else in faults.
+pub fn read_as(path: &Path, what: &str) -> Result<Value> {
+    let bytes = super::files::read(path, &Where::Nowhere, what)?;
     let text = String::from_utf8(bytes).map_err(|_| Fault::new(Where::file(path), "this file is not UTF-8 text"))?;
     parse(&text, path)
 }

@@ -1,6 +1,8 @@
 //! Two frames compared by their standard errors: what differs by more than noise. `docs/diff.md` says what is claimed.
 
+mod blocks;
 mod header;
+mod within;
 
 use super::average::pixels_are_independent;
 use super::luminance::Luminance;
@@ -8,7 +10,10 @@ use crate::base::stats::normal_tail;
 use crate::base::student::{two_sided, welch};
 use crate::film::frame::{Channel, Frame};
 use crate::film::layer::Layer;
+use blocks::Trial;
 use header::{freedom, incomparable, notes};
+
+pub use within::{Deviation, Deviations, weighted_sum, within};
 
 /// Layers without error may differ by this share of their range: f32 rounding after different orders of sums.
 const ROUNDING: f64 = 1e-5;
@@ -31,7 +36,7 @@ pub enum Verdict {
     Unjudged,
 }
 
-/// A pixel of two frames.
+/// A pixel of two frames, or the mean of a block of them, by its upper left one.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Pair {
     pub x: usize,
@@ -76,6 +81,8 @@ pub struct Comparison {
     pub different: bool,
     /// Two-sided quantile of the normal distribution that all tests together must not exceed.
     pub sigma: f64,
+    /// Pixels of the side of the blocks that were judged; 1 for single pixels.
+    pub block: usize,
     /// Why the frames cannot be compared at all; then nothing below was compared.
     pub incomparable: Vec<String>,
     /// Layers that only one has, with whose it is.
@@ -88,9 +95,15 @@ pub struct Comparison {
 /// Compares the layers of two frames. `sigma`: how rare a difference must be among all that are tested: 3 is a chance of
 /// 0.27 % that frames of one scene with independent seeds are called different.
 pub fn compare(a: &Frame, b: &Frame, sigma: f64) -> Comparison {
+    compare_blocks(a, b, sigma, 1)
+}
+
+/// The same, with means of blocks of `side` × `side` pixels in place of single pixels.
+pub fn compare_blocks(a: &Frame, b: &Frame, sigma: f64, side: usize) -> Comparison {
     let mut found = Comparison {
         different: false,
         sigma,
+        block: side,
         incomparable: incomparable(a, b),
         only_in: Vec::new(),
         notes: notes(a, b),
@@ -100,23 +113,11 @@ pub fn compare(a: &Frame, b: &Frame, sigma: f64) -> Comparison {
         found.different = true;
         return found;
     }
-    let names = |frame: &Frame| -> Vec<String> {
-        let bare = |channel: &&Channel| channel.layer().is_empty() && !["R", "G", "B"].contains(&channel.component());
-        let lone = frame.channels.iter().filter(bare).map(|channel| channel.name.clone());
-        frame.layer_names().into_iter().map(str::to_owned).chain(lone).filter(|name| !is_error(name)).collect()
-    };
-    let (of_a, of_b) = (names(a), names(b));
-    // A share without light is not written, so where only one frame has it the other is black.
-    let light = |name: &str| is_light(name);
-    let only = |own: &[String], other: &[String], which: char| -> Vec<(String, char)> {
-        own.iter().filter(|name| !other.contains(name) && !light(name)).map(|name| (name.clone(), which)).collect()
-    };
-    found.only_in = only(&of_a, &of_b, 'A').into_iter().chain(only(&of_b, &of_a, 'B')).collect();
-    let mut all: Vec<&String> = of_a.iter().filter(|name| of_b.contains(name) || light(name)).collect();
-    all.extend(of_b.iter().filter(|name| !of_a.contains(name) && light(name)));
+    let (all, only_in) = common(a, b);
+    found.only_in = only_in;
     let brightest = [a, b].into_iter().filter_map(|frame| super::luminance::layer_luminance(frame, ""));
     let dark = DARK * brightest.flatten().filter(|value| value.is_finite()).fold(0.0, f64::max);
-    let mut layers: Vec<Layered> = all.into_iter().map(|name| Layered { dark, ..Layered::of(a, b, name) }).collect();
+    let mut layers: Vec<Layered> = all.iter().map(|name| Layered { dark, ..Layered::of(a, b, name) }).collect();
     // The default image and `hybrid` are the same picture: one test.
     let hybrid = layers.iter().position(|layer| layer.name == "hybrid");
     let default = layers.iter().position(|layer| layer.name.is_empty());
@@ -125,14 +126,37 @@ pub fn compare(a: &Frame, b: &Frame, sigma: f64) -> Comparison {
     {
         layers.remove(hybrid);
     }
-    let tests: usize = layers.iter().map(Layered::tests).sum();
-    let rate = 2.0 * normal_tail(sigma);
-    let freedoms = [freedom(a), freedom(b)];
-    let independent = [a, b].into_iter().all(pixels_are_independent);
-    found.layers = layers.iter().map(|layer| layer.judge(a.width, tests, rate, freedoms, independent)).collect();
+    let trial = Trial {
+        width: a.width,
+        side,
+        tests: layers.iter().map(|layer| layer.tests(a.width, side)).sum(),
+        rate: 2.0 * normal_tail(sigma),
+        freedoms: [freedom(a), freedom(b)],
+        independent: [a, b].map(pixels_are_independent),
+    };
+    found.layers = layers.iter().map(|layer| layer.judge(&trial)).collect();
     let differs = |layer: &LayerDifference| layer.verdict == Verdict::Different;
     found.different = !found.only_in.is_empty() || found.layers.iter().any(differs);
     found
+}
+
+/// The layers to compare, and those that only one frame has. A share of light without light is not written, so where only
+/// one frame has it the other is black.
+fn common(a: &Frame, b: &Frame) -> (Vec<String>, Vec<(String, char)>) {
+    let names = |frame: &Frame| -> Vec<String> {
+        let bare = |channel: &&Channel| channel.layer().is_empty() && !["R", "G", "B"].contains(&channel.component());
+        let lone = frame.channels.iter().filter(bare).map(|channel| channel.name.clone());
+        frame.layer_names().into_iter().map(str::to_owned).chain(lone).filter(|name| !is_error(name)).collect()
+    };
+    let (of_a, of_b) = (names(a), names(b));
+    let light = |name: &str| is_light(name);
+    let only = |own: &[String], other: &[String], which: char| -> Vec<(String, char)> {
+        own.iter().filter(|name| !other.contains(name) && !light(name)).map(|name| (name.clone(), which)).collect()
+    };
+    let only_in = only(&of_a, &of_b, 'A').into_iter().chain(only(&of_b, &of_a, 'B')).collect();
+    let mut all: Vec<String> = of_a.iter().filter(|name| of_b.contains(name) || light(name)).cloned().collect();
+    all.extend(of_b.into_iter().filter(|name| !of_a.contains(name) && light(name)));
+    (all, only_in)
 }
 
 /// Layers that tell errors of others are used, not compared.
@@ -200,12 +224,12 @@ impl Layered {
         Layered { name: name.to_owned(), pixels: a.width * a.height, picture, identical, values, errors, dark: 0.0 }
     }
 
-    /// Every pixel, and the mean.
-    fn tests(&self) -> usize {
-        if self.identical || self.errors.is_none() { 0 } else { self.values[0].len() + 1 }
+    /// Every pixel or block, and the mean.
+    fn tests(&self, width: usize, side: usize) -> usize {
+        if self.identical || self.errors.is_none() { 0 } else { blocks::count(width, self.values[0].len(), side) + 1 }
     }
 
-    fn judge(&self, width: usize, tests: usize, rate: f64, freedoms: [f64; 2], independent: bool) -> LayerDifference {
+    fn judge(&self, trial: &Trial) -> LayerDifference {
         let [a, b] = &self.values;
         let count = a.len().max(1) as f64;
         let mean = [a, b].map(|values| values.iter().sum::<f64>() / count);
@@ -238,28 +262,18 @@ impl Layered {
         }
         match &self.errors {
             Some([error_a, error_b]) => {
-                self.judge_by_errors(&mut found, width, tests, rate, freedoms, independent, [error_a, error_b]);
+                self.judge_by_errors(&mut found, trial, [error_a, error_b]);
             }
             None if self.picture => {
                 found.verdict = Verdict::Unjudged;
                 found.because = "no standard error of it in both files: render with --stderr layers".to_owned();
             }
-            None => self.judge_by_range(&mut found, width),
+            None => self.judge_by_range(&mut found, trial.width),
         }
         found
     }
 
-    #[expect(clippy::too_many_arguments, reason = "one caller, which has them all")]
-    fn judge_by_errors(
-        &self,
-        found: &mut LayerDifference,
-        width: usize,
-        tests: usize,
-        rate: f64,
-        freedoms: [f64; 2],
-        independent: bool,
-        [error_a, error_b]: [&[f64]; 2],
-    ) {
+    fn judge_by_errors(&self, found: &mut LayerDifference, trial: &Trial, [error_a, error_b]: [&[f64]; 2]) {
         let [a, b] = &self.values;
         let count = a.len().max(1) as f64;
         let floor = (0.01 * found.mean[1]).powi(2);
@@ -271,10 +285,11 @@ impl Layered {
             let sum = variances[0] + variances[1];
             let sigma = (sum + rounding * rounding).sqrt();
             let z = if a == b { 0.0 } else { (b - a) / sigma };
-            let freedom = welch([variances[0], freedoms[0]], [variances[1], freedoms[1]]);
+            let freedom = welch([variances[0], trial.freedoms[0]], [variances[1], trial.freedoms[1]]);
             let p = two_sided(z, freedom);
             if least.1.is_none() || p < least.0 {
-                least = (p, Some(Pair { x: pixel % width, y: pixel / width, a: *a, b: *b, z, p: sidak(p, tests) }));
+                let (x, y) = (pixel % trial.width, pixel / trial.width);
+                least = (p, Some(Pair { x, y, a: *a, b: *b, z, p: sidak(p, trial.tests) }));
             }
             if sum > 0.0 {
                 found.judged_pixels += 1;
@@ -286,23 +301,27 @@ impl Layered {
             at_most += sum.sqrt();
         }
         let judged = found.judged_pixels as f64;
-        found.largest = least.1;
+        let rounded = |value: f64| VALUE_ROUNDING * value + self.dark;
+        found.largest =
+            if trial.side > 1 { blocks::largest([a, b], [error_a, error_b], rounded, trial) } else { least.1 };
         found.mean_z2 = (judged > 0.0 && expected.is_finite()).then_some([squares / judged, expected / judged]);
         let error = variance.sqrt() / count;
         found.error_if_independent = Some(error);
         found.error_at_most = Some(at_most / count);
         found.relative_mse_of_noise = Some(noise / count);
+        let independent = trial.independent.iter().all(|independent| *independent);
         let error = if independent { error } else { at_most / count };
         let rounding = VALUE_ROUNDING * found.mean[0].abs().max(found.mean[1].abs()) + self.dark;
         let z_of_mean = found.difference / error.hypot(rounding);
         // The mean of many pixels has many degrees of freedom.
-        let p_of_mean = sidak(two_sided(if z_of_mean.is_nan() { 0.0 } else { z_of_mean }, f64::INFINITY), tests);
-        let pixel = found.largest.filter(|pair| pair.p < rate);
+        let p_of_mean = sidak(two_sided(if z_of_mean.is_nan() { 0.0 } else { z_of_mean }, f64::INFINITY), trial.tests);
+        let pixel = found.largest.filter(|pair| pair.p < trial.rate);
         (found.verdict, found.because) = match pixel {
             Some(pair) => {
-                (Verdict::Different, format!("pixel ({}, {}) is {:.2} standard errors off", pair.x, pair.y, pair.z))
+                let what = if trial.side > 1 { "the block at" } else { "pixel" };
+                (Verdict::Different, format!("{what} ({}, {}) is {:.2} standard errors off", pair.x, pair.y, pair.z))
             }
-            None if p_of_mean < rate => {
+            None if p_of_mean < trial.rate => {
                 let kind = if independent { "" } else { " at least" };
                 (Verdict::Different, format!("the mean is{kind} {:.2} standard errors off", z_of_mean.abs()))
             }

@@ -39,7 +39,7 @@ struct ForPath {
 impl Config {
     /// Reads a configuration. Faults: it can't be read, is not TOML, or says something that has no meaning: with the line.
     pub fn read(path: &Path) -> Result<Config> {
-        Config::of(&toml::read(path)?, path)
+        Config::of(&toml::read_as(path, "configuration")?, path)
     }
 
     /// The configuration in the working directory, if there is one.

@@ -159,3 +159,67 @@ fn layers_by_their_kind() {
     };
     assert_eq!(of(&compare(&one(1), &one(2), 3.0), "").verdict, Verdict::Unjudged);
 }
+
+/// Rare light: a pixel is hit once in 200 samples, of 16 each. Single pixels say "different" of two samples of the same light;
+/// blocks of 16 × 16 have some twenty hits each, and tell a fifth more light from the same.
+#[test]
+fn blocks_judge_rare_light() {
+    let rare = |seed: u64, light: f64| {
+        let mut frame = sampled(seed, |_| 0.0, 0.0, 16);
+        for pixel in 0..WIDTH * HEIGHT {
+            let mut rng = Rng::new(seed, Stream::Check, 1, pixel as u64);
+            let mut moments = crate::base::stats::Moments::default();
+            (0..16).for_each(|_| moments.add(if rng.uniform() < 0.005 { 200.0 * light } else { 0.0 }));
+            for channel in &mut frame.channels {
+                let error = channel.name.starts_with("stderr");
+                channel.data[pixel] = if error { moments.stderr() } else { moments.mean } as f32;
+            }
+        }
+        frame
+    };
+    // Light tracing knows it well: 1 ± 0.001, with errors that pixels may share.
+    let known = |seed: u64| {
+        let mut frame = sampled(seed, |_| 1.0, 0.004, 16);
+        frame.meta.insert("passes.forward".into(), Meta::Text("16".into()));
+        frame
+    };
+    assert!(compare(&known(1), &rare(2, 1.0), 3.0).different, "pixels without a hit are 0 ± 0");
+    let alarms =
+        |light: f64| (0..20).filter(|seed| compare_blocks(&known(100), &rare(*seed, light), 3.0, 16).different).count();
+    assert_eq!(alarms(1.0), 0);
+    assert_eq!(alarms(3.0), 20);
+    let found = compare_blocks(&known(100), &rare(1, 3.0), 3.0, 16);
+    assert!(found.block == 16 && found.layers[0].because.contains("the block at ("), "{:?}", found.layers[0]);
+    // Blocks of shared errors are not claimed to be better known than their pixels.
+    let one = compare_blocks(&known(1), &known(2), 3.0, 32).layers[0].largest.unwrap();
+    assert!(one.z.abs() < 0.2, "{one:?}");
+}
+
+#[test]
+fn values_within_a_tolerance() {
+    let a = sampled(1, |_| 10.0, 1.0, 4);
+    let mut b = a.clone();
+    b.channels[1].data[5] *= 1.00001;
+    let found = within(&a, &b, 1e-6);
+    let (layer, peak) =
+        (&found.layers[0], f64::from(a.channels.iter().take(3).flat_map(|c| &c.data).fold(0.0f32, |p, v| p.max(*v))));
+    assert!(found.different && found.layers.len() == 1, "errors are not compared: {found:?}");
+    assert_eq!((layer.x, layer.y, layer.channel.as_str()), (5, 0, "G"));
+    assert!((layer.relative - 1e-5 * layer.a / peak).abs() < 1e-7, "{layer:?}");
+    assert!(!within(&a, &b, 1e-4).different);
+    b.channels[0].data[1] = f32::NAN;
+    assert!(within(&a, &b, 1e30).different && within(&a, &Frame::new(1, 1), 1e30).different);
+    assert!(!within(&b, &b, 0.0).different);
+    // Light is summed, with black for a share that one frame has not; data are those of the first; errors are left out.
+    let mut c = a.clone();
+    for (frame, depth) in [(&mut b, 2.0), (&mut c, 4.0)] {
+        *frame = a.clone();
+        frame.push("Z", vec![depth; WIDTH * HEIGHT]);
+    }
+    c.push("forward_led.R", vec![8.0; WIDTH * HEIGHT]);
+    let sum = weighted_sum(&[b, c], &[0.25, -0.5]).unwrap();
+    assert_eq!(sum.get("R").unwrap().data[7], -0.25 * a.get("R").unwrap().data[7]);
+    assert_eq!((sum.get("Z").unwrap().data[0], sum.get("forward_led.R").unwrap().data[0]), (2.0, -4.0));
+    assert!(sum.get("stderr.R").is_none());
+    assert!(weighted_sum(&[a], &[f64::NAN]).is_err() && weighted_sum(&[], &[]).is_err());
+}

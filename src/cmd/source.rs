@@ -1,0 +1,66 @@
+//! The asset that a command looks at, as `--set` and `--frame` change it: the same arguments and the same import for all.
+
+use crate::base::Result;
+use crate::import::{Built, ImportOptions, ReadOptions, Set, import};
+use clap::Args;
+use std::path::PathBuf;
+
+// No doc comment: clap would take it for the description of every command that has these arguments.
+#[derive(Args, Debug, Clone)]
+pub struct Source {
+    /// Sidecar (*.optics.toml) or asset (.glb, .gltf, .usda, .usdc, .usdz).
+    pub asset: PathBuf,
+    /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5, eye.pupil_diameter="3 mm".
+    #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
+    pub sets: Vec<String>,
+    /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
+    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
+    pub frame: Option<f64>,
+}
+
+impl Source {
+    /// The asset with its optics, changed as asked. Faults: of a `--set` that cannot be read, and those of [`import`].
+    pub fn import(&self) -> Result<Built> {
+        import(&self.asset, &ImportOptions { sets: sets(&self.sets)?, frame: self.frame })
+    }
+
+    /// How the asset is read where its optics are not asked for.
+    pub fn reading(&self) -> ReadOptions {
+        ReadOptions { frame: self.frame }
+    }
+}
+
+/// What `--set` asks for, in order.
+pub fn sets(texts: &[String]) -> Result<Vec<Set>> {
+    texts.iter().map(|text| Set::parse(text)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser, Debug)]
+    struct Line {
+        #[command(flatten)]
+        source: Source,
+    }
+
+    fn of(words: &[&str]) -> Source {
+        Line::try_parse_from([&["eyebox"], words].concat()).unwrap().source
+    }
+
+    #[test]
+    fn sets_and_frame_reach_the_scene() {
+        let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/samples/hud-direct/hud.usda");
+        let plain = of(&[sample]).import().unwrap().scene;
+        let changed = of(&[sample, "--set", "eye.fov_deg=20", "--frame", "-3"]);
+        assert_eq!(changed.reading().frame, Some(-3.0));
+        let changed = changed.import().unwrap().scene;
+        assert_ne!(plain.eye, changed.eye);
+        assert_ne!(plain.hash, changed.hash);
+        let fault = of(&[sample, "--set", "eye.fov_deg"]).import().unwrap_err().to_string();
+        assert!(fault.contains("--set"), "{fault}");
+        assert!(Line::try_parse_from(["eyebox", sample, "--frame", "inf"]).is_err());
+    }
+}
