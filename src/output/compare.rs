@@ -2,16 +2,19 @@
 
 mod blocks;
 mod header;
+mod names;
 mod within;
 
 use super::average::pixels_are_independent;
 use super::luminance::Luminance;
 use crate::base::stats::normal_tail;
 use crate::base::student::{two_sided, welch};
-use crate::film::frame::{Channel, Frame};
-use crate::film::layer::Layer;
+use crate::film::frame::Frame;
 use blocks::Trial;
 use header::{freedom, incomparable, notes};
+use names::{belongs, common, is_light};
+
+pub(super) use names::is_data;
 
 pub use within::{Deviation, Deviations, weighted_sum, within};
 
@@ -138,46 +141,6 @@ pub fn compare_blocks(a: &Frame, b: &Frame, sigma: f64, side: usize) -> Comparis
     let differs = |layer: &LayerDifference| layer.verdict == Verdict::Different;
     found.different = !found.only_in.is_empty() || found.layers.iter().any(differs);
     found
-}
-
-/// The layers to compare, and those that only one frame has. A share of light without light is not written, so where only
-/// one frame has it the other is black.
-fn common(a: &Frame, b: &Frame) -> (Vec<String>, Vec<(String, char)>) {
-    let names = |frame: &Frame| -> Vec<String> {
-        let bare = |channel: &&Channel| channel.layer().is_empty() && !["R", "G", "B"].contains(&channel.component());
-        let lone = frame.channels.iter().filter(bare).map(|channel| channel.name.clone());
-        frame.layer_names().into_iter().map(str::to_owned).chain(lone).filter(|name| !is_error(name)).collect()
-    };
-    let (of_a, of_b) = (names(a), names(b));
-    let light = |name: &str| is_light(name);
-    let only = |own: &[String], other: &[String], which: char| -> Vec<(String, char)> {
-        own.iter().filter(|name| !other.contains(name) && !light(name)).map(|name| (name.clone(), which)).collect()
-    };
-    let only_in = only(&of_a, &of_b, 'A').into_iter().chain(only(&of_b, &of_a, 'B')).collect();
-    let mut all: Vec<String> = of_a.iter().filter(|name| of_b.contains(name) || light(name)).cloned().collect();
-    all.extend(of_b.into_iter().filter(|name| !of_a.contains(name) && light(name)));
-    (all, only_in)
-}
-
-/// Layers that tell errors of others are used, not compared.
-fn is_error(name: &str) -> bool {
-    name == "stderr" || ["_stderr", "_variance", "_covariance"].iter().any(|suffix| name.ends_with(suffix))
-}
-
-/// Light: layers and shares. Not the data.
-fn is_light(name: &str) -> bool {
-    Layer::SUM_ORDER
-        .iter()
-        .any(|layer| name.strip_prefix(layer.name()).is_some_and(|rest| rest.is_empty() || rest.starts_with('_')))
-}
-
-/// What has no noise: the data layers, also behind specular faces, with any prefix. All other layers with colours are
-/// pictures, whatever they are called.
-pub(super) fn is_data(name: &str) -> bool {
-    let base = name.strip_suffix("_seen").unwrap_or(name);
-    ["Z", "normal", "position", "albedo", "id", "seethrough"]
-        .iter()
-        .any(|data| base.strip_suffix(data).is_some_and(|before| before.is_empty() || before.ends_with('_')))
 }
 
 /// One layer of both frames, ready to be judged.
@@ -362,15 +325,6 @@ fn values(frame: &Frame, name: &str, picture: bool) -> Vec<f64> {
             let own = frame.channels.iter().filter(|channel| belongs(channel, name));
             own.flat_map(|channel| channel.data.iter().map(|value| f64::from(*value))).collect()
         }
-    }
-}
-
-/// Whether a channel is one of a layer's; a lone channel such as `Z` is a layer of its own.
-fn belongs(channel: &Channel, name: &str) -> bool {
-    if name.is_empty() {
-        ["R", "G", "B"].contains(&channel.name.as_str())
-    } else {
-        channel.layer() == name || channel.name == name
     }
 }
 

@@ -160,8 +160,8 @@ fn layers_by_their_kind() {
     assert_eq!(of(&compare(&one(1), &one(2), 3.0), "").verdict, Verdict::Unjudged);
 }
 
-/// Rare light: a pixel is hit once in 200 samples, of 16 each. Single pixels say "different" of two samples of the same light;
-/// blocks of 16 × 16 have some twenty hits each, and tell a fifth more light from the same.
+/// Rare light: a pixel is hit once in 200 samples, and has 16. Single pixels say "different" of two samples of the same light;
+/// blocks of 16 × 16 have some twenty hits each, one of 32 × 32 some eighty, and knows the light to a ninth.
 #[test]
 fn blocks_judge_rare_light() {
     let rare = |seed: u64, light: f64| {
@@ -184,12 +184,13 @@ fn blocks_judge_rare_light() {
         frame
     };
     assert!(compare(&known(1), &rare(2, 1.0), 3.0).different, "pixels without a hit are 0 ± 0");
-    let alarms =
-        |light: f64| (0..20).filter(|seed| compare_blocks(&known(100), &rare(*seed, light), 3.0, 16).different).count();
-    assert_eq!(alarms(1.0), 0);
-    assert_eq!(alarms(3.0), 20);
-    let found = compare_blocks(&known(100), &rare(1, 3.0), 3.0, 16);
-    assert!(found.block == 16 && found.layers[0].because.contains("the block at ("), "{:?}", found.layers[0]);
+    let alarms = |light: f64, side: usize| {
+        (0..20).filter(|seed| compare_blocks(&known(100), &rare(*seed, light), 3.0, side).different).count()
+    };
+    assert_eq!([alarms(1.0, 16), alarms(1.0, 32)], [0, 0]);
+    assert_eq!(alarms(3.0, 32), 20);
+    let found = compare_blocks(&known(100), &rare(1, 3.0), 3.0, 32);
+    assert!(found.block == 32 && found.layers[0].because.contains("the block at ("), "{:?}", found.layers[0]);
     // Blocks of shared errors are not claimed to be better known than their pixels.
     let one = compare_blocks(&known(1), &known(2), 3.0, 32).layers[0].largest.unwrap();
     assert!(one.z.abs() < 0.2, "{one:?}");

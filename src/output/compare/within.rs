@@ -1,6 +1,7 @@
 //! Two frames compared value by value, without statistics: relations that hold to rounding.
 
-use super::{belongs, common, header, is_data, is_error, is_light};
+use super::header;
+use super::names::{belongs, common, is_data, is_error, is_light};
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::Frame;
 
@@ -69,15 +70,15 @@ fn deviation(a: &Frame, b: &Frame, name: &str, tolerance: f64) -> Deviation {
     }
     let mut most = 0.0;
     for channel in channels {
-        let data = |frame: &Frame, pixel: usize| {
-            frame.get(channel).and_then(|channel| channel.data.get(pixel)).copied().unwrap_or(0.0)
-        };
+        let stored = [a, b].map(|frame| frame.get(channel).map_or(&[][..], |channel| channel.data.as_slice()));
         for pixel in 0..a.width * a.height {
-            let (one, other) = (data(a, pixel), data(b, pixel));
-            let off = match one.to_bits() == other.to_bits() {
-                true => 0.0,
-                false if one.is_finite() && other.is_finite() => (f64::from(other) - f64::from(one)).abs(),
-                false => f64::INFINITY,
+            let [one, other] = stored.map(|data| data.get(pixel).copied().unwrap_or(0.0));
+            let off = if one.to_bits() == other.to_bits() {
+                0.0
+            } else if one.is_finite() && other.is_finite() {
+                (f64::from(other) - f64::from(one)).abs()
+            } else {
+                f64::INFINITY
             };
             if off > most {
                 most = off;
@@ -88,8 +89,7 @@ fn deviation(a: &Frame, b: &Frame, name: &str, tolerance: f64) -> Deviation {
         }
     }
     found.relative = if most == 0.0 { 0.0 } else { most / found.peak };
-    // Also if it is no number.
-    found.different = !(found.relative <= tolerance);
+    found.different = found.relative.is_nan() || found.relative > tolerance;
     found
 }
 
@@ -118,7 +118,11 @@ pub fn weighted_sum(frames: &[Frame], weights: &[f64]) -> Result<Frame> {
         if out.get(&channel.name).is_some() || is_error(name) {
             continue;
         }
-        let picture = is_light(name) || !is_data(name) && first.rgb(name).is_some();
+        // `Z` stands beside the default image without a layer of its own.
+        let picture = match name {
+            "" => ["R", "G", "B", "Y"].contains(&channel.name.as_str()),
+            _ => is_light(name) || !is_data(name) && first.rgb(name).is_some(),
+        };
         if !picture {
             // Those of the first only.
             out.channels.extend(first.get(&channel.name).cloned());
