@@ -5,7 +5,7 @@ use crate::base::Result;
 use crate::base::atomic::check_writable;
 use crate::estimate::picture::{add_sharpness, add_sums};
 use crate::estimate::run::Stop;
-use crate::estimate::shard::{is_light, merge};
+use crate::estimate::shard::merge;
 use crate::film::sharpness::Sharpness;
 use crate::output::exr::write_exr;
 use clap::Args;
@@ -43,7 +43,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
     let finishing = &merged.head.finishing;
     let finished = finishing.picture(&merged.films)?;
     let mut frame = merged.picture;
-    frame.channels.retain(|channel| !is_light(channel));
+    frame.channels.retain(|channel| !finishing.wanted.is_light(channel));
     frame.channels.extend(finished.frame.channels);
     let whole = merged.head.total == Some(merged.films.passes) || merged.films.films.is_empty();
     let stop = if whole { Stop::Passes } else { Stop::Asked };

@@ -9,7 +9,7 @@ use super::shards::{Saver, checkpoint_of, resume};
 use crate::base::atomic::check_writable;
 use crate::base::{Fault, Result, Where};
 use crate::check::{Checked, check};
-use crate::estimate::aov;
+use crate::estimate::aov::{self, Granted};
 use crate::estimate::data::data_layers;
 use crate::estimate::finishing::{Finishing, Wanted};
 use crate::estimate::mattes;
@@ -74,7 +74,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     }
     let checked = check(&scene)?;
     check_layers(&args.layers, &scene.groups)?;
-    let world = World::freeze(&scene)?;
+    let mut world = World::freeze(&scene)?;
     let stop = || signals.caught().is_some();
     let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked() };
     let behind = if args.resume { resume(&args.output, &|head| args.is_mine(head, &scene))? } else { None };
@@ -96,12 +96,14 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     // What the command line asks for goes before what the asset asks for.
     let wishes: &[LayerWish] = if args.layers.is_empty() { &wishes } else { &[] };
     let (named_layers, ungranted) = wish::granted(wishes, &scene.groups);
-    let (aovs, refused) = aov::granted(&args.aovs, (wishes, &named_layers), &scene, &world, &plan)?;
+    let Granted { aovs, notes: refused, sieve } =
+        aov::granted(&args.aovs, (wishes, &named_layers), &scene, &world, &plan)?;
     let names = named_layers.iter().map(|own| own.name.as_str()).chain(aovs.iter().map(|own| own.name.as_str()));
     let Some(chains) = pool.install(|| Chains::find(args, (&scene, own), &names.collect::<Vec<_>>(), &stop))? else {
         return Ok(stopped(args, "before the first pass"));
     };
     scene.notes.extend(ungranted.into_iter().chain(refused));
+    world.sieve = sieve;
     plan.errors = args.errors(&named_layers);
     let mut limits = args.limits();
     // The time that was asked for includes the import, the plan and its pilots.

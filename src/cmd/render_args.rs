@@ -91,8 +91,8 @@ pub struct RenderArgs {
     /// --stderr layers.
     #[arg(long)]
     pub variance: bool,
-    /// Write a layer of your own: a light path expression in OSL's syntax that takes whole classes of paths of light
-    /// groups, e.g. glints='C<.[Ss]>*<.[DG]><.[Ss]>+<L.'led'>'. More than one may be given.
+    /// Write a layer of your own: the light that a light path expression in OSL's syntax takes, e.g.
+    /// ghosts='C.*<RS>.*<RS>.*<L.'led'>'. More than one may be given.
     #[arg(long = "aov", value_name = "NAME=LPE", value_parser = aov::parse_option)]
     pub aovs: Vec<(String, String)>,
     /// Write Cryptomatte layers, too: CryptoPart and CryptoRole of what is met first, CryptoPartSeen and CryptoRoleSeen

@@ -1,9 +1,10 @@
-//! Layers by light path expression. What films keep is whole classes of paths per light group, so an expression becomes
-//! a sum of stored shares, or is refused with the paths that it would part.
+//! Layers by light path expression. What films keep is whole classes of paths per light group, so an expression becomes a
+//! sum of stored shares if it takes all or nothing of each. Others part classes: the paths of a run are told to them, and
+//! what they take has planes of its own.
 
 use super::picture::possible_layers;
 use super::wish::{Named, plain};
-use crate::base::lpe::{Alphabet, Letter, Lpe, Source, Verdict};
+use crate::base::lpe::{Alphabet, Letter, Lpe, Sieve, Source, Verdict};
 use crate::base::path::{Class, Event};
 use crate::base::{Fault, Result, Where};
 use crate::film::aov::Aov;
@@ -17,6 +18,7 @@ use crate::world::World;
 use crate::world::scatter::Scatter;
 use crate::world::surface::Surface;
 use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
 
 /// `NAME=LPE`. Errors: no name that can be a layer's.
 pub fn parse_option(text: &str) -> std::result::Result<(String, String), String> {
@@ -29,8 +31,18 @@ pub fn parse_option(text: &str) -> std::result::Result<(String, String), String>
     Ok((name.to_owned(), lpe.trim().to_owned()))
 }
 
+/// What can be had of layers that were asked for.
+#[derive(Debug, Clone, Default)]
+pub struct Granted {
+    pub aovs: Vec<Aov>,
+    /// A warning for each wish that cannot be had.
+    pub notes: Vec<Note>,
+    /// For [`World::sieve`]: the expressions that part classes.
+    pub sieve: Option<Arc<Sieve>>,
+}
+
 /// The layers of `asked` (names and expressions of the command line) and of those `wishes` of the asset that are
-/// expressions; a warning for each wish that cannot be had.
+/// expressions.
 ///
 /// Errors: something asked that cannot be had, or a name that is a layer's already.
 pub fn granted(
@@ -39,34 +51,39 @@ pub fn granted(
     scene: &Scene,
     world: &World,
     plan: &Plan,
-) -> Result<(Vec<Aov>, Vec<Note>)> {
-    let (mut all, mut notes) = (Vec::<Aov>::new(), Vec::new());
+) -> Result<Granted> {
+    let mut granted = Granted::default();
     if asked.is_empty() && !wishes.iter().any(|wish| wish.expression) {
-        return Ok((all, notes));
+        return Ok(granted);
     }
-    let maker = Maker::new(scene, world, plan);
-    let mut taken = possible_layers(&scene.groups);
-    taken.extend(named.iter().map(|own| own.name.clone()));
+    let mut maker = Maker::new(scene, world, plan);
+    maker.taken.extend(named.iter().map(|own| own.name.clone()));
     for (name, lpe) in asked {
         let at = || Where::Option(format!("--aov {name}={lpe}"));
-        if taken.contains(name) || Matte::of_layer(name).is_some() || all.iter().any(|other| other.name == *name) {
-            return Err(Fault::new(at(), format!("there is a layer `{name}` already")).expected("a name of its own"));
-        }
-        let shares = maker.shares(lpe).map_err(|what| Fault::new(at(), format!("the expression {what}")))?;
-        all.push(Aov { name: name.clone(), lpe: lpe.clone(), shares });
+        granted.aovs.push(maker.aov(name.clone(), lpe).map_err(|refused| match refused {
+            Refused::Name(layer) => {
+                Fault::new(at(), format!("there is a layer `{layer}` already")).expected("a name of its own")
+            }
+            Refused::Expression(what) => Fault::new(at(), format!("the expression {what}")),
+        })?);
     }
     for wish in wishes.iter().filter(|wish| wish.expression) {
-        let mut refused = |text: String| notes.push(Note { severity: Severity::Warning, at: wish.at.clone(), text });
-        let name = plain(&wish.name);
-        match maker.shares(&wish.source) {
-            Ok(_) if all.iter().any(|other| other.name == name) || named.iter().any(|own| own.name == name) => {
-                refused(format!("`{}` asks for the name `{name}`, which another has", wish.source));
+        let text = match maker.aov(plain(&wish.name), &wish.source) {
+            Ok(aov) => {
+                granted.aovs.push(aov);
+                continue;
             }
-            Ok(shares) => all.push(Aov { name, lpe: wish.source.clone(), shares }),
-            Err(what) => refused(format!("the light path expression `{}` {what}: not written", wish.source)),
-        }
+            Err(Refused::Name(layer)) => {
+                format!("`{}` asks for the name `{layer}`, which another has", wish.source)
+            }
+            Err(Refused::Expression(what)) => {
+                format!("the light path expression `{}` {what}: not written", wish.source)
+            }
+        };
+        granted.notes.push(Note { severity: Severity::Warning, at: wish.at.clone(), text });
     }
-    Ok((all, notes))
+    granted.sieve = maker.sieve.map(Arc::new);
+    Ok(granted)
 }
 
 /// The channels of these layers, and what the header says of them.
@@ -75,23 +92,86 @@ pub fn layers(frame: &Frame, aovs: &[Aov]) -> (Vec<Channel>, Vec<(String, Meta)>
     (channels.into_iter().flatten().collect(), said)
 }
 
+/// Why a layer cannot be had.
+enum Refused {
+    /// A layer of this name is there.
+    Name(String),
+    Expression(String),
+}
+
+/// What an expression is among what films keep.
+enum Kind {
+    Shares(Vec<String>),
+    Parts,
+}
+
 struct Maker<'s> {
     scene: &'s Scene,
     plan: &'s Plan,
     events: Vec<Letter>,
     /// Per light group.
     sources: Vec<Vec<Source>>,
+    /// Names of layers.
+    taken: BTreeSet<String>,
+    /// The expressions that part classes, so far.
+    parting: Vec<Lpe>,
+    sieve: Option<Sieve>,
 }
 
 impl<'s> Maker<'s> {
     fn new(scene: &'s Scene, world: &World, plan: &'s Plan) -> Self {
-        Maker { scene, plan, events: events(scene, world), sources: sources(scene) }
+        Maker {
+            scene,
+            plan,
+            events: events(scene, world),
+            sources: sources(scene),
+            taken: possible_layers(&scene.groups),
+            parting: Vec::new(),
+            sieve: None,
+        }
     }
 
-    /// The shares that an expression is the sum of, or why it is none.
-    fn shares(&self, text: &str) -> std::result::Result<Vec<String>, String> {
-        let lpe = Lpe::parse(text)?;
-        let mut found: BTreeSet<(usize, usize)> = BTreeSet::new();
+    /// The layer of an expression.
+    fn aov(&mut self, name: String, text: &str) -> std::result::Result<Aov, Refused> {
+        if self.is_taken(&name) {
+            return Err(Refused::Name(name));
+        }
+        let lpe = Lpe::parse(text).map_err(Refused::Expression)?;
+        let aov = match self.kind(&lpe).map_err(Refused::Expression)? {
+            Kind::Shares(shares) => Aov { name, lpe: text.to_owned(), shares, part: None },
+            Kind::Parts => {
+                let all: Vec<Lpe> = self.parting.iter().cloned().chain([lpe]).collect();
+                let groups = self.scene.groups.iter().map(|group| group.name.as_str());
+                let groups: Vec<(&str, Vec<Source>)> = groups.zip(self.sources.iter().cloned()).collect();
+                let sieve = Sieve::new(&all, &groups, &self.events).map_err(Refused::Expression)?;
+                let bit = self.parting.len();
+                let takes = |group: usize| {
+                    Class::ALL.into_iter().any(|class| {
+                        let broad = |broad| sieve.possible(group, class, broad).any(|takes| takes >> bit & 1 == 1);
+                        !self.layers(group, class).is_empty() && [false, true].into_iter().any(broad)
+                    })
+                };
+                let taken = (0..groups.len()).filter(|group| takes(*group));
+                let shares = taken.map(|group| format!("{name}_{}", groups[group].0)).collect();
+                let aov = Aov { name, lpe: text.to_owned(), shares, part: u32::try_from(bit).ok() };
+                if let Some(layer) = aov.layers().find(|layer| self.is_taken(layer)) {
+                    return Err(Refused::Name(layer));
+                }
+                (self.parting, self.sieve) = (all, Some(sieve));
+                aov
+            }
+        };
+        self.taken.extend(aov.layers());
+        Ok(aov)
+    }
+
+    fn is_taken(&self, layer: &str) -> bool {
+        self.taken.contains(layer) || Matte::of_layer(layer).is_some()
+    }
+
+    /// The shares that an expression is the sum of, or that it is none; why not if it takes nothing.
+    fn kind(&self, lpe: &Lpe) -> std::result::Result<Kind, String> {
+        let (mut found, mut parts) = (BTreeSet::<(usize, usize)>::new(), false);
         // Groups of the same lamps that the expression does not name are alike.
         let mut known: HashMap<(Option<&str>, &[Source]), [Verdict; Class::ALL.len()]> = HashMap::new();
         for (index, (group, sources)) in self.scene.groups.iter().zip(&self.sources).enumerate() {
@@ -106,35 +186,22 @@ impl<'s> Maker<'s> {
                     verdicts
                 }
             };
-            let (mut taken, mut left) = (Vec::new(), Vec::new());
+            let (mut taken, mut left) = (BTreeSet::new(), BTreeSet::new());
             for (class, verdict) in Class::ALL.into_iter().zip(verdicts) {
                 let layers = self.layers(index, class);
                 match verdict {
                     Verdict::Impossible => {}
-                    Verdict::Nothing => left.extend(layers.into_iter().map(|layer| (layer, class))),
-                    Verdict::All => taken.extend(layers.into_iter().map(|layer| (layer, class))),
-                    Verdict::Some { .. } if layers.is_empty() => {}
-                    Verdict::Some { takes, leaves } => {
-                        return Err(format!(
-                            "takes {takes} and leaves {leaves}, both {} paths of `{name}`: a layer can be any sum of whole \
-                             classes (vision, primary, caustic, secondary) of light groups",
-                            class.name()
-                        ));
-                    }
+                    Verdict::Nothing => left.extend(layers),
+                    Verdict::All => taken.extend(layers),
+                    Verdict::Some { .. } => parts |= !layers.is_empty(),
                 }
             }
-            for (layer, class) in &taken {
-                if let Some((_, other)) = left.iter().find(|(own, _)| own == layer) {
-                    return Err(format!(
-                        "takes the {} paths of `{name}` and leaves the {} ones, which `{}_{name}` holds together in this \
-                         plan: take both or none",
-                        class.name(),
-                        other.name(),
-                        layer.name()
-                    ));
-                }
-                found.extend(Layer::SUM_ORDER.iter().position(|own| own == layer).map(|layer| (layer, index)));
-            }
+            parts |= !taken.is_disjoint(&left);
+            let place = |layer| Layer::SUM_ORDER.iter().position(|own| *own == layer);
+            found.extend(taken.into_iter().filter_map(place).map(|layer| (layer, index)));
+        }
+        if parts {
+            return Ok(Kind::Parts);
         }
         if found.is_empty() {
             return Err("takes no path of this scene".to_owned());
@@ -142,7 +209,7 @@ impl<'s> Maker<'s> {
         let share = |(layer, group): (usize, usize)| {
             format!("{}_{}", Layer::SUM_ORDER[layer].name(), self.scene.groups[group].name)
         };
-        Ok(found.into_iter().map(share).collect())
+        Ok(Kind::Shares(found.into_iter().map(share).collect()))
     }
 
     /// The layers that hold paths of this class from this group; none if nobody traces them.

@@ -7,6 +7,8 @@ use super::pixel::Pixel;
 use super::route::{Reach, Route};
 use super::vision::Vision;
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
+use crate::base::ids::GroupId;
+use crate::base::lpe::{Letter, Source};
 use crate::base::rng::Stream;
 use crate::base::warp::Frame;
 use crate::film::accumulate::{Film, Light};
@@ -55,6 +57,15 @@ struct Sent<M: Mode> {
     pdf: f64,
     /// A scattered ray could have found the lamp too.
     by_chance: bool,
+    from: Whose,
+}
+
+/// Whose light it is, and the share of the picture that it belongs to.
+#[derive(Clone, Copy)]
+struct Whose {
+    group: GroupId,
+    source: Source,
+    share: usize,
 }
 
 impl<'w, M: Mode> Backward<'w, M> {
@@ -205,7 +216,8 @@ impl<'w, M: Mode> Backward<'w, M> {
         }
         let Some(seen) = walker.lamp_at(vertex) else { return };
         let Shining { lamp, index, cos, .. } = seen;
-        let Some(plane) = self.route.from_eye(lamp.group, walker.trail) else { return };
+        let Some(share) = self.route.from_eye(lamp.group, walker.trail) else { return };
+        let plane = self.route.plane_from_eye(share, walker.told, lamp.group, Source::Face);
         let weight = match last {
             None => 1.0,
             Some(from) => {
@@ -219,7 +231,8 @@ impl<'w, M: Mode> Backward<'w, M> {
 
     fn see_sky(&self, walker: &Walker<'_, M>, last: Option<&Scattered>, out: &mut [Light]) {
         let Some(sky) = &self.world.sky else { return };
-        let Some(plane) = self.route.from_eye(sky.group, walker.trail) else { return };
+        let Some(share) = self.route.from_eye(sky.group, walker.trail) else { return };
+        let plane = self.route.plane_from_eye(share, walker.told, sky.group, Source::Sky);
         let weight = last.map_or(1.0, |from| from.pdf / (from.pdf + sky.pdf(walker.ray.dir)));
         let luminance = walker.optics.sky(sky, walker.ray.dir);
         walker.pick_up(plane_of::<M>(out, plane), &lanes::<M, _>(|lane| luminance[lane] * weight));
@@ -229,7 +242,8 @@ impl<'w, M: Mode> Backward<'w, M> {
     fn see_discs(&self, walker: &Walker<'_, M>, last: Option<&Scattered>, out: &mut [Light]) {
         for (index, luminance, density) in self.world.lights.met(walker.ray.dir, last.map(|from| from.point)) {
             let group = self.world.lights.all()[index].group();
-            let Some(plane) = self.route.from_eye(group, walker.trail) else { continue };
+            let Some(share) = self.route.from_eye(group, walker.trail) else { continue };
+            let plane = self.route.plane_from_eye(share, walker.told, group, Source::Light);
             let weight = last.map_or(1.0, |from| from.pdf / (from.pdf + density));
             let tint = walker.optics.light(index);
             walker.pick_up(plane_of::<M>(out, plane), &lanes::<M, _>(|lane| luminance * weight * tint[lane]));
@@ -249,7 +263,7 @@ impl<'w, M: Mode> Backward<'w, M> {
         let from = vertex.hit.point;
         let Some((index, probability)) = self.world.lamps.pick_for_point(from, pick) else { return };
         let lamp = &self.world.lamps.all()[index];
-        let Some(plane) = self.route.from_eye(lamp.group, walker.trail.then(scatter.event())) else { return };
+        let Some(share) = self.route.from_eye(lamp.group, walker.trail.then(scatter.event())) else { return };
         let target = lamp.sample_point(point);
         let offset = target.position - from;
         let distance = offset.length();
@@ -263,8 +277,9 @@ impl<'w, M: Mode> Backward<'w, M> {
         let site = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: target.triangle };
         let tint = walker.optics.lamp(index);
         let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
-        let sent = Sent { dir, distance, target: Some(site), luminance, pdf, by_chance: true };
-        self.connect(walker, vertex, scatter, frame, &sent, plane_of::<M>(out, plane));
+        let from = Whose { group: lamp.group, source: Source::Face, share };
+        let sent = Sent { dir, distance, target: Some(site), luminance, pdf, by_chance: true, from };
+        self.connect(walker, vertex, scatter, frame, &sent, out);
     }
 
     fn sample_sky(
@@ -276,12 +291,13 @@ impl<'w, M: Mode> Backward<'w, M> {
         out: &mut [Light],
     ) {
         let Some(sky) = &self.world.sky else { return };
-        let Some(plane) = self.route.from_eye(sky.group, walker.trail.then(scatter.event())) else { return };
+        let Some(share) = self.route.from_eye(sky.group, walker.trail.then(scatter.event())) else { return };
         let (dir, pdf) = sky.sample(walker.rng.pair());
         if pdf > 0.0 {
             let luminance = walker.optics.sky(sky, dir);
-            let sent = Sent { dir, distance: f64::INFINITY, target: None, luminance, pdf, by_chance: true };
-            self.connect(walker, vertex, scatter, frame, &sent, plane_of::<M>(out, plane));
+            let from = Whose { group: sky.group, source: Source::Sky, share };
+            let sent = Sent { dir, distance: f64::INFINITY, target: None, luminance, pdf, by_chance: true, from };
+            self.connect(walker, vertex, scatter, frame, &sent, out);
         }
     }
 
@@ -299,15 +315,16 @@ impl<'w, M: Mode> Backward<'w, M> {
         let (pick, uv) = (walker.rng.uniform(), walker.rng.pair());
         let Some((index, probability, toward)) = self.world.lights.sample(vertex.hit.point, pick, uv) else { return };
         let group = self.world.lights.all()[index].group();
-        let Some(plane) = self.route.from_eye(group, walker.trail.then(scatter.event())) else { return };
+        let Some(share) = self.route.from_eye(group, walker.trail.then(scatter.event())) else { return };
         let (luminance, pdf, by_chance) = match toward.light {
             Strength::Delta(illuminance) => (illuminance, probability, false),
             Strength::Area(luminance, density) => (luminance, probability * density, true),
         };
         let tint = walker.optics.light(index);
         let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
-        let sent = Sent { dir: toward.dir, distance: toward.distance, target: None, luminance, pdf, by_chance };
-        self.connect(walker, vertex, scatter, frame, &sent, plane_of::<M>(out, plane));
+        let from = Whose { group, source: Source::Light, share };
+        let sent = Sent { dir: toward.dir, distance: toward.distance, target: None, luminance, pdf, by_chance, from };
+        self.connect(walker, vertex, scatter, frame, &sent, out);
     }
 
     /// Adds the light that comes from a lamp, if nothing is in between.
@@ -320,7 +337,7 @@ impl<'w, M: Mode> Backward<'w, M> {
         sent: &Sent<M>,
         out: &mut [Light],
     ) {
-        let Sent { dir, distance, target, luminance, pdf, by_chance } = *sent;
+        let Sent { dir, distance, target, luminance, pdf, by_chance, from } = *sent;
         let (d_in, d_out) = (frame.to_local(walker.ray.dir), frame.to_local(dir));
         let sides = walker.sides(vertex, scatter);
         let (values, alone) = sides.eval(scatter, d_in, d_out);
@@ -333,7 +350,13 @@ impl<'w, M: Mode> Backward<'w, M> {
         {
             return;
         }
-        let (index, transmittance) = walker.beyond(vertex, d_out.z < 0.0, distance);
+        let through = d_out.z < 0.0;
+        let plane = self.route.plane(from.share, |sieve| {
+            let told = sieve.after(walker.told, Letter::of(scatter.event(), through));
+            sieve.takes(told, sieve.lamp(from.group.index(), from.source))
+        });
+        let out = plane_of::<M>(out, plane);
+        let (index, transmittance) = walker.beyond(vertex, through, distance);
         let weight = if by_chance { pdf / (pdf + scatter.pdf(d_in, d_out, sides.of(0))) } else { 1.0 };
         let factor = d_out.z.abs() / pdf * weight;
         let arriving = lanes::<M, _>(|lane| luminance[lane] * (values[lane] * factor) * transmittance[lane]);

@@ -5,6 +5,7 @@ use super::ledger::Ledger;
 use super::route::{Reach, Route};
 use super::walk::{Meeting, Met, Travel, Vertex, Walker};
 use crate::base::ids::GroupId;
+use crate::base::lpe;
 use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
 use crate::base::sobol::Sobol;
@@ -219,6 +220,13 @@ impl Emission {
         let dir = ray.dir;
         let weights = lanes::<M, _>(|lane| flux_lm * tint[lane]);
         let mut walker = Walker::with_weights((world, optics), Travel::FromLamp, ray, weights, interior, rng);
+        if let Some(sieve) = &world.sieve {
+            let source = match self.sources[drawn.lamp] {
+                Source::Face(_) => lpe::Source::Face,
+                Source::Light(_) => lpe::Source::Light,
+            };
+            walker.told = sieve.lamp(origin.group.index(), source);
+        }
         if let Source::Face(index) = self.sources[drawn.lamp]
             && let Some(light) = world.lamps.all()[index].polarisation
         {

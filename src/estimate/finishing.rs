@@ -11,12 +11,13 @@ use crate::film::accumulate::Film;
 use crate::film::aov::Aov;
 use crate::film::diffraction::Diffraction;
 use crate::film::finish::{Finished, GroupInfo, finish_through};
-use crate::film::frame::{Frame, Meta};
+use crate::film::frame::{Channel, Frame, Meta};
 use crate::film::layer::Layer;
 use crate::film::plan::Plan;
 use crate::film::variance;
 use crate::output::exr::{LAYER_PREFIX, MULTI_PART};
 use crate::scene::Scene;
+use std::collections::HashSet;
 
 /// How films become the frame that is written.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -55,7 +56,8 @@ impl Finishing {
     pub fn picture(&self, films: &Films) -> Result<Finished> {
         let films: Vec<&Film> = films.films.iter().map(|(_, film, _)| film).collect();
         let always = [Layer::Direct, Layer::Caustic, Layer::Forward];
-        let finished = finish_through(self.size, &films, &self.groups, &always, self.space, self.diffraction.as_ref());
+        let (aovs, diffraction) = (&self.wanted.aovs, self.diffraction.as_ref());
+        let finished = finish_through(self.size, &films, &self.groups, &always, aovs, self.space, diffraction);
         match finished.invalid.first() {
             Some(channel) => {
                 let what = format!("NaN or infinite light in channel {channel}; nothing is written");
@@ -67,17 +69,68 @@ impl Finishing {
 }
 
 impl Wanted {
+    /// Whether a channel of a complete frame is made of films.
+    pub fn is_light(&self, channel: &Channel) -> bool {
+        is_light(channel) || self.aovs.iter().flat_map(Aov::layers).any(|layer| layer == channel.layer())
+    }
+
     /// Makes of a complete frame the one that was asked for.
     pub fn keep(&self, frame: &mut Frame) {
         if self.variance {
             variance::add(frame);
         }
         let (own, said) = aov::layers(frame, &self.aovs);
+        // The shares of those that part classes stay, so that they can be summed up again.
+        let names: HashSet<String> = self.aovs.iter().flat_map(Aov::layers).collect();
+        let all = std::mem::take(&mut frame.channels);
+        let (shares, others): (Vec<Channel>, Vec<Channel>) =
+            all.into_iter().partition(|channel| names.contains(channel.layer()));
+        frame.channels = others;
         keep_layers(frame, &self.layers);
         wish::rename(frame, &self.named, self.only_named);
-        frame.channels.extend(own);
+        frame.channels.extend(own.into_iter().chain(shares));
         frame.meta.extend(said);
         frame.meta.extend(self.prefix.iter().map(|prefix| (LAYER_PREFIX.to_owned(), Meta::Text(prefix.clone()))));
         frame.meta.extend(self.multi_part.then(|| (MULTI_PART.to_owned(), Meta::Integer(1))));
+    }
+}
+
+/// Whether a channel is made of films, those of light path expressions left out.
+fn is_light(channel: &Channel) -> bool {
+    let of = |layer: Layer| {
+        channel.layer().strip_prefix(layer.name()).is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+    };
+    match channel.layer() {
+        "" => ["R", "G", "B"].contains(&channel.component()),
+        "hybrid" | "stderr" => true,
+        _ => Layer::SUM_ORDER.into_iter().any(of),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_is_told_from_data() {
+        let channel = |name: &str| Channel { name: name.to_owned(), data: Vec::new() };
+        let aov = Aov { name: "mine".into(), lpe: "C".into(), shares: vec!["mine_led".into()], part: Some(0) };
+        let wanted = Wanted { aovs: vec![aov], ..Wanted::default() };
+        for name in [
+            "R",
+            "hybrid.G",
+            "stderr.R",
+            "direct.B",
+            "forward_led_open.R",
+            "caustic_stderr.R",
+            "mine_led_open.G",
+            "mine.R",
+        ] {
+            assert!(wanted.is_light(&channel(name)), "{name}");
+        }
+        for name in ["Z", "normal.X", "seethrough.R", "id_seen.part", "forwardness.R", "mine_back.R", "CryptoPart00.R"]
+        {
+            assert!(!wanted.is_light(&channel(name)), "{name}");
+        }
     }
 }

@@ -165,8 +165,9 @@ impl<M: Mode> Visitor<M> for Arrivals<'_, M> {
         if self.is_connected(walker, from, arrival) {
             return;
         }
-        let plane = self.route.from_lamp(from.group, walker.trail);
-        if let (Some(pixel), Some(plane)) = (arrival.pixel, plane) {
+        let share = self.route.from_lamp(from.group, walker.trail);
+        if let (Some(pixel), Some(share)) = (arrival.pixel, share) {
+            let plane = self.route.plane(share, |sieve| sieve.takes(sieve.eye(), walker.told));
             let mut light = [Light::default(); 3];
             let each = lanes::<M, _>(|_| arrival.luminance_per_lumen);
             walker.beam.deposit(self.optics, &mut light[..M::COMPONENTS], &each);

@@ -24,8 +24,9 @@ pub fn light(films: &Films) -> Vec<PlaneLight> {
     for (estimator, film, _) in &films.films {
         for (plane, key) in film.planes.iter().enumerate() {
             let pixels = || 0..film.width * film.height;
+            let taken = if key.takes == 0 { String::new() } else { format!(", taken by {:b}", key.takes) };
             all.push(PlaneLight {
-                name: format!("{} of group {} by {}", key.layer.name(), key.group.index(), estimator.name()),
+                name: format!("{} of group {}{taken} by {}", key.layer.name(), key.group.index(), estimator.name()),
                 mean: pixels().map(|pixel| film.mean(pixel, plane).value).sum(),
                 variance: pixels().map(|pixel| film.variance(pixel, plane)).sum(),
                 passes: film.passes as f64,

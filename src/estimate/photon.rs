@@ -13,6 +13,7 @@ use super::route::{Reach, Route};
 use super::seen::Seen;
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::base::ids::GroupId;
+use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::film::accumulate::{Film, Light};
@@ -140,6 +141,7 @@ impl<M: Mode> Visitor<M> for Stored<'_, M> {
                 alone,
                 group: from.group,
                 trail: walker.trail,
+                told: walker.told,
                 connected,
                 site: vertex.hit.site,
                 outside: vertex.outside,
@@ -317,8 +319,11 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
                             return;
                         }
                         let trail = Trail::join(walker.trail, Event::Diffuse, photon.trail);
-                        let Some(plane) = self.route.from_eye(photon.group, trail) else { return };
+                        let Some(share) = self.route.from_eye(photon.group, trail) else { return };
                         let through = photon.outside != vertex.outside;
+                        let plane = self.route.plane(share, |sieve| {
+                            sieve.takes(sieve.after(walker.told, Letter::of(Event::Diffuse, through)), photon.told)
+                        });
                         let d_out = on_side(frame.to_local(-photon.dir), through);
                         let (index, _) = walker.beyond(&vertex, through, 0.0);
                         let (values, alone) = sides.eval(scatter, d_in, d_out);

@@ -2,6 +2,7 @@
 //! eight cells and always adds in the same order.
 
 use crate::base::ids::GroupId;
+use crate::base::lpe::Told;
 use crate::base::path::Trail;
 use crate::film::accumulate::Light;
 use crate::world::geometry::Site;
@@ -22,6 +23,8 @@ pub struct Photon<M: Mode> {
     pub group: GroupId,
     /// From the lamp up to, but without, this vertex.
     pub trail: Trail,
+    /// What light path expressions know of that.
+    pub told: Told,
     /// Specular connection has the path from the lamp to here.
     pub connected: bool,
     pub site: Site,
@@ -125,6 +128,7 @@ mod tests {
             alone: false,
             group: GroupId(0),
             trail: Trail::START,
+            told: Told::default(),
             connected: false,
             site: Site { part: 0, face, triangle: 0 },
             outside: true,

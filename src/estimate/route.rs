@@ -1,18 +1,29 @@
 //! Where an estimator puts the light of a path: the plan's ownership as a table.
 
 use crate::base::ids::GroupId;
+use crate::base::lpe::{Sieve, Source, Takes, Told};
 use crate::base::path::{Class, Event, Trail};
 use crate::film::accumulate::PlaneKey;
 use crate::film::layer::Layer;
 use crate::film::plan::{Estimator, Plan};
+use std::sync::Arc;
 
 /// The planes that one estimator fills, and which path goes where.
 #[derive(Debug, Clone)]
 pub struct Route {
     pub planes: Vec<PlaneKey>,
-    /// `[group][class][has_broad]` → plane.
+    /// `[group][class][has_broad]` → share: a group's light in a layer.
     table: Vec<Option<usize>>,
     groups: usize,
+    /// How light path expressions part shares; none: a share is a plane.
+    parted: Option<Parted>,
+}
+
+#[derive(Debug, Clone)]
+struct Parted {
+    sieve: Arc<Sieve>,
+    /// Share → what is taken of it, and the planes that hold it.
+    planes: Vec<Vec<(Takes, usize)>>,
 }
 
 impl Route {
@@ -25,7 +36,7 @@ impl Route {
                     // Without a scatterer there is no broad one; the plan's answer must not open a plane for it.
                     let possible = !(broad && class == Class::Vision);
                     let plane = (possible && plan.computes(estimator, group, class, broad)).then(|| {
-                        let key = PlaneKey { layer: Layer::of(class, estimator), group };
+                        let key = PlaneKey { layer: Layer::of(class, estimator), group, takes: 0 };
                         planes.iter().position(|&plane| plane == key).unwrap_or_else(|| {
                             planes.push(key);
                             planes.len() - 1
@@ -35,22 +46,65 @@ impl Route {
                 }
             }
         }
-        Route { planes, table, groups }
+        Route { planes, table, groups, parted: None }
     }
 
-    /// The plane for a complete path, or none if another estimator owns it.
-    pub fn plane(&self, group: GroupId, class: Class, has_broad: bool) -> Option<usize> {
+    /// The same with a plane for whatever the expressions of `sieve` take of a share.
+    #[must_use]
+    pub fn parted_by(self, sieve: Option<&Arc<Sieve>>) -> Route {
+        let Some(sieve) = sieve else { return self };
+        let (mut planes, mut parts) = (Vec::new(), vec![Vec::new(); self.planes.len()]);
+        for group in 0..self.groups {
+            for class in Class::ALL {
+                for broad in [false, true] {
+                    let Some(share) = self.share(GroupId::from_index(group), class, broad) else { continue };
+                    for takes in sieve.possible(group, class, broad) {
+                        if !parts[share].iter().any(|(own, _)| *own == takes) {
+                            parts[share].push((takes, planes.len()));
+                            planes.push(PlaneKey { takes, ..self.planes[share] });
+                        }
+                    }
+                }
+            }
+        }
+        // A share that no path of the scene has keeps its plane.
+        for (part, key) in parts.iter_mut().zip(&self.planes).filter(|(part, _)| part.is_empty()) {
+            part.push((0, planes.len()));
+            planes.push(*key);
+        }
+        Route { planes, parted: Some(Parted { sieve: sieve.clone(), planes: parts }), ..self }
+    }
+
+    /// The plane of a share's path of which expressions take what `takes` says.
+    #[inline]
+    pub fn plane(&self, share: usize, takes: impl FnOnce(&Sieve) -> Takes) -> usize {
+        let Some(Parted { sieve, planes }) = &self.parted else { return share };
+        let takes = takes(sieve);
+        let parts = &planes[share];
+        let plane = parts.iter().find(|(own, _)| *own == takes).or(parts.first());
+        debug_assert!(parts.iter().any(|(own, _)| *own == takes), "events that the scene cannot cause");
+        plane.map_or(0, |(_, plane)| *plane)
+    }
+
+    /// The plane of a path from the eye that has met a lamp of a group.
+    #[inline]
+    pub fn plane_from_eye(&self, share: usize, told: Told, group: GroupId, source: Source) -> usize {
+        self.plane(share, |sieve| sieve.takes(told, sieve.lamp(group.index(), source)))
+    }
+
+    /// The share of a complete path, or none if another estimator owns it.
+    pub fn share(&self, group: GroupId, class: Class, has_broad: bool) -> Option<usize> {
         self.table[(group.index() * Class::ALL.len() + class as usize) * 2 + usize::from(has_broad)]
     }
 
-    /// The plane for a path walked from the eye.
+    /// The share of a path walked from the eye.
     pub fn from_eye(&self, group: GroupId, trail: Trail) -> Option<usize> {
-        self.plane(group, trail.class_from_eye(), trail.has_broad())
+        self.share(group, trail.class_from_eye(), trail.has_broad())
     }
 
-    /// The plane for a path walked from the lamp.
+    /// The share of a path walked from the lamp.
     pub fn from_lamp(&self, group: GroupId, trail: Trail) -> Option<usize> {
-        self.plane(group, trail.class_from_lamp(), trail.has_broad())
+        self.share(group, trail.class_from_lamp(), trail.has_broad())
     }
 
     /// Whether any path that starts (from the eye) with `trail` and has at least one more vertex or ends now is ours.
@@ -63,7 +117,7 @@ impl Route {
         self.reachable(trail, |route, other, trail| if other == group { route.from_lamp(other, trail) } else { None })
     }
 
-    fn reachable(&self, trail: Trail, plane: impl Fn(&Self, GroupId, Trail) -> Option<usize>) -> bool {
+    fn reachable(&self, trail: Trail, share: impl Fn(&Self, GroupId, Trail) -> Option<usize>) -> bool {
         // The automaton saturates: three more events reach every state that can be reached.
         const EVENTS: [Event; 3] = [Event::Specular, Event::Glossy, Event::Diffuse];
         let mut trails = vec![trail];
@@ -82,7 +136,7 @@ impl Route {
         }
         (0..self.groups)
             .map(GroupId::from_index)
-            .any(|group| trails.iter().any(|&trail| plane(self, group, trail).is_some()))
+            .any(|group| trails.iter().any(|&trail| share(self, group, trail).is_some()))
     }
 }
 

@@ -218,6 +218,7 @@ fn begin_in<'w, M: Mode + 'w>(
         if route.planes.is_empty() {
             continue;
         }
+        let route = route.parted_by(world.sieve.as_ref());
         let sampling = match estimator {
             Estimator::Forward => Sampling::PerScramble { paths: plan.forward_paths },
             Estimator::Backward | Estimator::Photon | Estimator::Manifold => Sampling::PerPass,

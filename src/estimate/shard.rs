@@ -3,13 +3,12 @@
 //! Randomness is a function of the pass, and sums are carried in two doubles ([`crate::base::twofold`]): shards in any
 //! number and order add up to the bits of the run that made all passes itself.
 
-use super::finishing::Finishing;
+use super::finishing::{Finishing, Wanted};
 use super::ledger::{Books, Ledger};
 use super::run::Films;
 use crate::base::{Fault, Result, Where};
 use crate::film::accumulate::Film;
 use crate::film::frame::{Channel, Frame};
-use crate::film::layer::Layer;
 use crate::film::plan::Estimator;
 use crate::output::shard::{Shard, read_shard, write_shard};
 use serde_json::Value;
@@ -129,7 +128,7 @@ pub fn merge(paths: &[PathBuf], partial: bool) -> Result<Merged> {
         sum = Some(match sum {
             None => (films, picture),
             Some((whole, shown)) => {
-                same_data(path, &picture, &shown)?;
+                same_data((path, &head.finishing.wanted), &picture, &shown)?;
                 // The record of the run is that of its first passes, in whatever order they come.
                 let first = seen.iter().all(|(_, other)| head.first < other.first);
                 (added(path, whole, &films)?, if first { picture } else { shown })
@@ -242,9 +241,10 @@ fn complete(seen: &[(PathBuf, Head)]) -> Result<()> {
 }
 
 /// Layers that are no light do not depend on passes: all shards have the same.
-fn same_data(path: &Path, own: &Frame, other: &Frame) -> Result<()> {
+fn same_data((path, wanted): (&Path, &Wanted), own: &Frame, other: &Frame) -> Result<()> {
     let data = |frame: &Frame| {
-        let mut channels: Vec<Channel> = frame.channels.iter().filter(|channel| !is_light(channel)).cloned().collect();
+        let data = frame.channels.iter().filter(|channel| !wanted.is_light(channel));
+        let mut channels: Vec<Channel> = data.cloned().collect();
         channels.sort_by(|a, b| a.name.cmp(&b.name));
         channels
     };
@@ -257,18 +257,6 @@ fn same_data(path: &Path, own: &Frame, other: &Frame) -> Result<()> {
         Some((channel, _)) => {
             Err(Fault::new(Where::file(path), format!("shows another scene: channel {} differs", channel.name)))
         }
-    }
-}
-
-/// Whether a channel is made of films.
-pub fn is_light(channel: &Channel) -> bool {
-    let of = |layer: Layer| {
-        channel.layer().strip_prefix(layer.name()).is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
-    };
-    match channel.layer() {
-        "" => ["R", "G", "B"].contains(&channel.component()),
-        "hybrid" | "stderr" => true,
-        _ => Layer::SUM_ORDER.into_iter().any(of),
     }
 }
 
@@ -288,17 +276,6 @@ mod tests {
                 }
                 assert_eq!(next, total);
             }
-        }
-    }
-
-    #[test]
-    fn light_is_told_from_data() {
-        let channel = |name: &str| Channel { name: name.to_owned(), data: Vec::new() };
-        for name in ["R", "hybrid.G", "stderr.R", "direct.B", "forward_led_open.R", "caustic_stderr.R"] {
-            assert!(is_light(&channel(name)), "{name}");
-        }
-        for name in ["Z", "normal.X", "seethrough.R", "id_seen.part", "forwardness.R", "CryptoPart00.R"] {
-            assert!(!is_light(&channel(name)), "{name}");
         }
     }
 }

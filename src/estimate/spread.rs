@@ -2,6 +2,7 @@
 
 use super::ledger::Ledger;
 use super::walk::{Meeting, Vertex, Walker};
+use crate::base::lpe::Letter;
 use crate::base::path::Event;
 use crate::base::warp::Frame;
 use crate::world::mode::{Mode, lanes};
@@ -86,6 +87,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         let u = [self.rng.uniform(), self.rng.uniform(), self.rng.uniform()];
         let sampled = scatter.sample(d_in, sides.of(0), u)?;
         let through = sampled.dir.z < 0.0;
+        self.tell(Letter::of(scatter.event(), through));
         if M::LANES == 1 || !scatter.refracts() {
             self.beam.scale(sampled.weight);
         } else {

@@ -4,6 +4,8 @@
 use super::ledger::Ledger;
 use super::walk::{Meeting, Travel, Vertex, Walker};
 use crate::base::chain::Step;
+use crate::base::lpe::Letter;
+use crate::base::path::Event;
 #[cfg(test)]
 use crate::world::Planted;
 use crate::world::fresnel::{reflect, refract};
@@ -212,6 +214,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             // The lanes are not alike: what one choice for all of them makes of the sum is chance.
             ledger.by_chance(self.beam.carried() - expected);
         }
+        self.tell(Letter::of(Event::Specular, dir.is_some()));
         self.link(vertex, if dir.is_some() { Step::Through } else { Step::Back });
         match dir {
             Some(dir) => self.go(vertex, dir, true, ledger),

@@ -6,6 +6,7 @@ use super::ledger::Ledger;
 use super::pixel::Pixel;
 use super::route::Route;
 use super::walk::{Meeting, Met, Travel, Walker};
+use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::film::accumulate::Light;
@@ -80,8 +81,9 @@ impl<'w> Vision<'w> {
                 Met::Face(vertex) => vertex,
             };
             if let Some(seen) = walker.lamp_at(&vertex)
-                && let Some(plane) = route.from_eye(seen.lamp.group, walker.trail)
+                && let Some(share) = route.from_eye(seen.lamp.group, walker.trail)
             {
+                let plane = route.plane_from_eye(share, walker.told, seen.lamp.group, Source::Face);
                 walker.see(plane_of::<M>(out, plane), &seen, 1.0);
             }
             // Without the slides' factors, so that pictures at two contrasts share every path.

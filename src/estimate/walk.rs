@@ -4,6 +4,7 @@ use super::beam::Beam;
 use super::ledger::Ledger;
 use super::turn::{Branch, Turn};
 use crate::base::chain::{Chain, Link, Step};
+use crate::base::lpe::{Letter, Told};
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Rng;
 use crate::base::warp::Frame;
@@ -49,6 +50,8 @@ pub struct Walker<'w, M: Mode> {
     /// Weight at the start: roulette compares with it.
     start_weight: f64,
     pub trail: Trail,
+    /// What light path expressions know of it, where the world has any.
+    pub told: Told,
     pub interior: Interior,
     pub rng: Rng,
     /// Vertices so far.
@@ -142,6 +145,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             start_weight: beam.weight(),
             beam,
             trail: Trail::START,
+            told: Told::default(),
             interior,
             rng,
             events: 0,
@@ -151,6 +155,16 @@ impl<'w, M: Mode> Walker<'w, M> {
             splits: 0,
             chain: None,
             last: None,
+        }
+    }
+
+    /// Tells light path expressions of an event.
+    pub(super) fn tell(&mut self, letter: Letter) {
+        if let Some(sieve) = &self.world.sieve {
+            self.told = match self.travel {
+                Travel::FromEye => sieve.after(self.told, letter),
+                Travel::FromLamp => sieve.before(self.told, letter),
+            };
         }
     }
 
@@ -257,6 +271,7 @@ impl<'w, M: Mode> Walker<'w, M> {
                 self.cross(vertex, slide, &s);
                 self.absorb(part, before - self.beam.carried(), ledger);
                 self.trail = self.trail.then(Event::Specular);
+                self.tell(Letter::TransmitStraight);
                 self.link(vertex, Step::Through);
                 self.pass_through(vertex);
                 self.roulette(ledger)
@@ -264,6 +279,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             Surface::Sheet(sheet) => {
                 self.go_through(vertex, sheet, ledger);
                 self.trail = self.trail.then(Event::Specular);
+                self.tell(Letter::TransmitStraight);
                 self.link(vertex, Step::Through);
                 self.pass_through(vertex);
                 self.roulette(ledger)
@@ -287,6 +303,7 @@ impl<'w, M: Mode> Walker<'w, M> {
                 }
                 let specular = scatter.specular();
                 if specular > 0.0 && self.stays_specular(vertex, scatter, specular, ledger) {
+                    self.tell(Letter::ReflectSpecular);
                     self.link(vertex, Step::Back);
                     return self.go(vertex, reflect(self.ray.dir, vertex.normal), false, ledger);
                 }

@@ -5,6 +5,7 @@ use super::layer::Layer;
 use super::scrambles::Scrambles;
 use crate::base::colour::ColourSpace;
 use crate::base::ids::GroupId;
+use crate::base::lpe::Takes;
 use crate::base::twofold::Sum;
 
 /// Light of one path or pixel, cd/m² (or lm before it is measured), as it depends on the slide's contrast.
@@ -83,6 +84,34 @@ fn value_of([value, powers @ ..]: &LightSum) -> Light {
 pub struct PlaneKey {
     pub layer: Layer,
     pub group: GroupId,
+    /// Which light path expressions take it, of those that part classes: bit [`Aov::part`](super::aov::Aov::part).
+    #[serde(default, skip_serializing_if = "is_none_taken")]
+    pub takes: Takes,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde asks for it
+fn is_none_taken(takes: &Takes) -> bool {
+    *takes == 0
+}
+
+/// Planes whose light is one picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Together {
+    Layer(Layer),
+    /// A light group's share of a layer.
+    Share(Layer, GroupId),
+    /// What the light path expression of this bit takes.
+    Taken(u32),
+}
+
+impl Together {
+    pub fn has(self, key: &PlaneKey) -> bool {
+        match self {
+            Together::Layer(layer) => key.layer == layer,
+            Together::Share(layer, group) => (key.layer, key.group) == (layer, group),
+            Together::Taken(bit) => key.takes.checked_shr(bit).unwrap_or(0) & 1 == 1,
+        }
+    }
 }
 
 /// How the samples of a film are counted, for its standard error.
@@ -202,8 +231,9 @@ impl Film {
         self.detail.as_ref()
     }
 
-    pub fn plane(&self, key: PlaneKey) -> Option<usize> {
-        self.planes.iter().position(|&plane| plane == key)
+    /// The planes that make up something.
+    pub fn planes_of(&self, together: Together) -> impl Iterator<Item = usize> {
+        self.planes.iter().enumerate().filter(move |(_, key)| together.has(key)).map(|(plane, _)| plane)
     }
 
     /// The rows, top to bottom, to be filled in parallel; for films that are sampled per pass.
@@ -284,26 +314,36 @@ impl Film {
         self.covariance_of_means(sum, sum, self.squares[pixel * (planes + 1) + plane].value()).max(0.0)
     }
 
-    /// Variance of the mean `value` of a pixel's layer; none if it is not kept or the film has no such layer.
-    pub fn layer_variance(&self, pixel: usize, layer: Layer) -> Option<f64> {
+    /// Variance of the mean `value` of some of a pixel's planes together; none if it is not kept or the film has none of
+    /// them.
+    pub fn variance_of(&self, pixel: usize, together: Together) -> Option<f64> {
         let detail = self.detail.as_ref()?;
-        let index = detail.layers.iter().position(|own| *own == layer)?;
+        let planes = || self.planes_of(together);
+        let first = planes().next()?;
         if let Some(scrambles) = &self.scrambles {
-            return Some(scrambles.variance(pixel, detail.planes_of(index)) * self.per_pass2());
+            return Some(scrambles.variance(pixel, planes()) * self.per_pass2());
         }
-        let sum: f64 = detail.planes_of(index).map(|plane| self.sum(pixel, plane).value).sum();
-        Some(self.covariance_of_means(sum, sum, detail.square(pixel, index)).max(0.0))
+        match detail.square(pixel, together) {
+            Some(square) => {
+                let sum: f64 = planes().map(|plane| self.sum(pixel, plane).value).sum();
+                Some(self.covariance_of_means(sum, sum, square).max(0.0))
+            }
+            None => Some(self.variance(pixel, first)),
+        }
     }
 
-    /// What a mixture of `open` and `content` needs for its standard error; none if it is not kept.
-    pub fn mix_error(&self, pixel: usize, plane: usize) -> Option<MixError> {
+    /// What a mixture of `open` and `content` of a light group's share of a layer needs for its standard error; none if it
+    /// is not kept.
+    pub fn mix_error(&self, pixel: usize, (layer, group): (Layer, GroupId)) -> Option<MixError> {
+        let planes = || self.planes_of(Together::Share(layer, group));
         if let Some(scrambles) = &self.scrambles {
-            let MixError { open, content, covariance } = scrambles.mix_error(pixel * self.planes.len() + plane)?;
+            let MixError { open, content, covariance } = scrambles.mix_error(pixel, planes())?;
             let per = self.per_pass2();
             return Some(MixError { open: open * per, content: content * per, covariance: covariance * per });
         }
-        let mixed = self.detail.as_ref()?.mixed(pixel, plane);
-        let sum = self.sum(pixel, plane);
+        let mixed = self.detail.as_ref()?.mixed(pixel, (layer, group))?;
+        let mut sum = Light::default();
+        planes().for_each(|plane| sum.add(self.sum(pixel, plane)));
         let (open, content) = (sum.open(), sum.content());
         Some(MixError {
             open: self.covariance_of_means(open, open, mixed.open2).max(0.0),
@@ -341,7 +381,7 @@ impl Row<'_> {
             self.squares[x * (self.planes + 1) + plane].add(light.value * light.value);
             total += light.value;
             if let Some(detail) = &mut self.detail {
-                detail.add(x, plane, light);
+                detail.add(plane, light);
             }
         }
         self.squares[x * (self.planes + 1) + self.planes].add(total * total);
@@ -355,7 +395,7 @@ impl Row<'_> {
 mod tests {
     use super::*;
 
-    const KEY: PlaneKey = PlaneKey { layer: Layer::Direct, group: GroupId(0) };
+    const KEY: PlaneKey = PlaneKey { layer: Layer::Direct, group: GroupId(0), takes: 0 };
 
     fn light(value: f64) -> Light {
         Light::ONE.scaled(value)

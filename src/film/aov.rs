@@ -1,5 +1,5 @@
 //! Layers that a user defined: sums of stored shares, which the header names, so that they can be summed again after a
-//! light group has been dimmed.
+//! light group has been dimmed. One that parts the classes of paths has shares of its own, one per light group.
 
 use super::frame::{Channel, Frame, Meta};
 
@@ -13,11 +13,37 @@ pub struct Aov {
     pub name: String,
     /// The light path expression that asked for it.
     pub lpe: String,
-    /// `LAYER_GROUP`, by layers in the order in which `hybrid` adds them up, then by light groups.
+    /// `LAYER_GROUP`, by layers in the order in which `hybrid` adds them up, then by light groups. Of one that parts classes
+    /// `NAME_GROUP`, by light groups.
     pub shares: Vec<String>,
+    /// It parts classes: its bit in [`PlaneKey::takes`](super::accumulate::PlaneKey::takes).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<u32>,
 }
 
+/// What the names of layers that come with a share end with.
+pub const OF_SHARE: [&str; 6] = ["", "_open", "_content", "_cross", "_cross2", "_cross3"];
+/// The same for a layer of one's own.
+const OF_LAYER: [&str; 3] = ["", "_stderr", "_variance"];
+
 impl Aov {
+    /// The names of all layers that it may write.
+    pub fn layers(&self) -> impl Iterator<Item = String> + '_ {
+        let own: &[&str] = if self.part.is_some() { &OF_LAYER } else { &OF_LAYER[..1] };
+        let shares = if self.part.is_some() { self.shares.as_slice() } else { &[] };
+        let of_shares = shares.iter().flat_map(|share| OF_SHARE.map(|suffix| format!("{share}{suffix}")));
+        own.iter().map(|suffix| format!("{}{suffix}", self.name)).chain(of_shares)
+    }
+
+    /// The light group of each of its shares, where it parts classes; none of others.
+    pub fn groups(&self) -> impl Iterator<Item = (&str, &str)> {
+        let shares = if self.part.is_some() { self.shares.as_slice() } else { &[] };
+        shares.iter().filter_map(|share| {
+            let group = share.strip_prefix(self.name.as_str())?.strip_prefix('_')?;
+            Some((share.as_str(), group))
+        })
+    }
+
     /// The f32 sum of the shares that are stored, layer by layer as `hybrid` is made; a share without light is not there.
     pub fn picture(&self, frame: &Frame) -> [Vec<f32>; 3] {
         let pixels = frame.width.saturating_mul(frame.height);
@@ -90,7 +116,7 @@ mod tests {
             }
         }
         let shares = ["direct_a", "direct_b", "direct_dark", "caustic_a"].map(str::to_owned).to_vec();
-        let aov = Aov { name: "mine".into(), lpe: "C.*".into(), shares };
+        let aov = Aov { name: "mine".into(), lpe: "C.*".into(), shares, part: None };
         // Half a step above 1 is lost twice, not added up first.
         assert_eq!(aov.picture(&frame), [vec![1.0], vec![1.0], vec![1.0]]);
         let (channels, (key, said)) = aov.written(&frame);

@@ -102,11 +102,13 @@ fn named<S>(pixels: usize, all: [S; 8], length: impl Fn(&S) -> usize) -> Vec<Tab
 #[cfg(test)]
 mod tests {
     use crate::base::ids::GroupId;
-    use crate::film::accumulate::{Components, Film, Light, PlaneKey, Sampling};
+    use crate::film::accumulate::{Components, Film, Light, PlaneKey, Sampling, Together};
     use crate::film::layer::Layer;
 
-    const PLANES: [PlaneKey; 2] =
-        [PlaneKey { layer: Layer::Direct, group: GroupId(0) }, PlaneKey { layer: Layer::Forward, group: GroupId(1) }];
+    const PLANES: [PlaneKey; 2] = [
+        PlaneKey { layer: Layer::Direct, group: GroupId(0), takes: 0 },
+        PlaneKey { layer: Layer::Forward, group: GroupId(1), takes: 0 },
+    ];
 
     fn film(sampling: Sampling) -> Film {
         Film::new(3, 2, PLANES.to_vec(), Components::Rec709, sampling).with_detail()
@@ -153,9 +155,11 @@ mod tests {
             for pixel in 0..6 {
                 for (plane, key) in PLANES.iter().enumerate() {
                     assert_eq!(sum.mean(pixel, plane), whole.mean(pixel, plane));
-                    assert_eq!(sum.mix_error(pixel, plane), whole.mix_error(pixel, plane));
+                    let share = (key.layer, key.group);
+                    assert_eq!(sum.mix_error(pixel, share), whole.mix_error(pixel, share));
                     assert!(sum.mean_entries(pixel, plane).eq(whole.mean_entries(pixel, plane)));
-                    assert_eq!(sum.layer_variance(pixel, key.layer), whole.layer_variance(pixel, key.layer));
+                    let layer = Together::Layer(key.layer);
+                    assert_eq!(sum.variance_of(pixel, layer), whole.variance_of(pixel, layer));
                 }
                 assert_eq!(sum.variance(pixel, 2), whole.variance(pixel, 2));
                 assert!(whole.variance(pixel, 2) > 0.0);

@@ -1,8 +1,11 @@
 //! What a film keeps on request beyond the squares of its pixels: the squares of each layer, and of `open` and
-//! `content` with their product, so that a picture mixed for another contrast can say how uncertain it is.
+//! `content` with their product, so that a picture mixed for another contrast can say how uncertain it is. Where light path
+//! expressions part the light of a group, the squares of its whole share and of what each expression takes, too.
 
-use super::accumulate::{Light, PlaneKey};
+use super::accumulate::{Light, PlaneKey, Together};
 use super::layer::Layer;
+use crate::base::ids::GroupId;
+use crate::base::lpe;
 use crate::base::twofold::Sum;
 
 /// Whose standard errors a run keeps.
@@ -37,23 +40,29 @@ fn add([open2, content2, open_content]: &mut MixedSum, light: Light) {
 /// The further sums of a film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detail {
-    /// The layers of the film's planes, each once.
-    pub layers: Vec<Layer>,
-    /// Plane → index in `layers`.
+    /// Light groups' shares of layers, each once, in the order of their first planes.
+    shares: Vec<(Layer, GroupId)>,
+    /// Plane → index in `shares`.
     of_plane: Vec<usize>,
-    /// `[pixel][plane]`
+    /// What squares are kept of.
+    squared: Vec<Together>,
+    /// Plane → indices in `squared`.
+    squares_of: Vec<Vec<usize>>,
+    /// `[pixel][share]`
     pub(super) mixed: Vec<MixedSum>,
-    /// `[pixel][layer]`: squares of a layer's `value`.
+    /// `[pixel][squared]`: squares of the `value` of planes together.
     pub(super) squares: Vec<Sum>,
 }
 
 /// One row of it.
 pub struct DetailRow<'f> {
     of_plane: &'f [usize],
-    layers: usize,
+    squares_of: &'f [Vec<usize>],
     mixed: &'f mut [MixedSum],
     squares: &'f mut [Sum],
-    /// Luminance of each layer in the pass under way.
+    /// The light of each share in the pass under way.
+    light: Vec<Light>,
+    /// Luminance of what squares are kept of, in the pass under way.
     pass: Vec<f64>,
 }
 
@@ -62,49 +71,75 @@ impl Detail {
         let mut layers: Vec<Layer> = planes.iter().map(|key| key.layer).collect();
         layers.sort_unstable();
         layers.dedup();
-        let of_plane = planes.iter().filter_map(|key| layers.iter().position(|layer| *layer == key.layer)).collect();
+        let mut shares: Vec<(Layer, GroupId)> = Vec::new();
+        for key in planes {
+            if !shares.contains(&(key.layer, key.group)) {
+                shares.push((key.layer, key.group));
+            }
+        }
+        let mut squared: Vec<Together> = layers.into_iter().map(Together::Layer).collect();
+        if shares.len() < planes.len() {
+            // A plane is no longer a share: it has no squares of its own among those of planes.
+            squared.extend(shares.iter().map(|(layer, group)| Together::Share(*layer, *group)));
+        }
+        let bits = (0..lpe::MOST as u32).map(Together::Taken);
+        squared.extend(bits.filter(|taken| planes.iter().any(|key| taken.has(key))));
+        let share = |key: &PlaneKey| shares.iter().position(|share| *share == (key.layer, key.group));
+        let sums = |key: &PlaneKey| (0..squared.len()).filter(|index| squared[*index].has(key)).collect();
         Detail {
-            of_plane,
-            mixed: vec![MixedSum::default(); pixels * planes.len()],
-            squares: vec![Sum::ZERO; pixels * layers.len()],
-            layers,
+            of_plane: planes.iter().filter_map(share).collect(),
+            squares_of: planes.iter().map(sums).collect(),
+            mixed: vec![MixedSum::default(); pixels * shares.len()],
+            squares: vec![Sum::ZERO; pixels * squared.len()],
+            shares,
+            squared,
         }
     }
 
     /// The rows of a film that is `width` pixels wide.
     pub fn rows(&mut self, width: usize) -> impl Iterator<Item = DetailRow<'_>> {
-        let (of_plane, layers) = (self.of_plane.as_slice(), self.layers.len());
-        self.mixed
-            .chunks_mut((width * of_plane.len()).max(1))
-            .zip(self.squares.chunks_mut((width * layers).max(1)))
-            .map(move |(mixed, squares)| DetailRow { of_plane, layers, mixed, squares, pass: vec![0.0; layers] })
+        let (of_plane, squares_of) = (self.of_plane.as_slice(), self.squares_of.as_slice());
+        let (shares, squared) = (self.shares.len(), self.squared.len());
+        self.mixed.chunks_mut((width * shares).max(1)).zip(self.squares.chunks_mut((width * squared).max(1))).map(
+            move |(mixed, squares)| DetailRow {
+                of_plane,
+                squares_of,
+                mixed,
+                squares,
+                light: vec![Light::default(); shares],
+                pass: vec![0.0; squared],
+            },
+        )
     }
 
-    pub fn mixed(&self, pixel: usize, plane: usize) -> Mixed {
-        let [open2, content2, open_content] = self.mixed[pixel * self.of_plane.len() + plane].map(Sum::value);
-        Mixed { open2, content2, open_content }
+    /// Of a light group's share of a layer, if the film has it.
+    pub fn mixed(&self, pixel: usize, share: (Layer, GroupId)) -> Option<Mixed> {
+        let index = self.shares.iter().position(|own| *own == share)?;
+        let [open2, content2, open_content] = self.mixed[pixel * self.shares.len() + index].map(Sum::value);
+        Some(Mixed { open2, content2, open_content })
     }
-    /// Sum of the squares of a layer, by its index in `layers`.
-    pub fn square(&self, pixel: usize, layer: usize) -> f64 {
-        self.squares[pixel * self.layers.len() + layer].value()
-    }
-    /// Planes of a layer, by its index in `layers`.
-    pub fn planes_of(&self, layer: usize) -> impl Iterator<Item = usize> {
-        self.of_plane.iter().enumerate().filter(move |(_, of)| **of == layer).map(|(plane, _)| plane)
+    /// Sum of the squares of planes together; none if it is not kept, since one plane alone is meant.
+    pub fn square(&self, pixel: usize, together: Together) -> Option<f64> {
+        let index = self.squared.iter().position(|own| *own == together)?;
+        Some(self.squares[pixel * self.squared.len() + index].value())
     }
 }
 
 impl DetailRow<'_> {
     /// Adds one pass's luminance of pixel `x` in one plane.
-    pub fn add(&mut self, x: usize, plane: usize, light: Light) {
-        add(&mut self.mixed[x * self.of_plane.len() + plane], light);
-        self.pass[self.of_plane[plane]] += light.value;
+    pub fn add(&mut self, plane: usize, light: Light) {
+        self.light[self.of_plane[plane]].add(light);
+        self.squares_of[plane].iter().for_each(|index| self.pass[*index] += light.value);
     }
 
-    /// After the last plane of a pixel's pass.
+    /// After the last plane of the pass of pixel `x`.
     pub fn close(&mut self, x: usize) {
-        for (layer, value) in self.pass.iter_mut().enumerate() {
-            self.squares[x * self.layers + layer].add(*value * *value);
+        let (shares, squared) = (self.light.len(), self.pass.len());
+        for (share, light) in self.light.iter_mut().enumerate() {
+            add(&mut self.mixed[x * shares + share], std::mem::take(light));
+        }
+        for (index, value) in self.pass.iter_mut().enumerate() {
+            self.squares[x * squared + index].add(*value * *value);
             *value = 0.0;
         }
     }

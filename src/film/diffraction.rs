@@ -224,8 +224,18 @@ impl Diffraction {
                 Err(because) => (format!("none, since {because}"), 0.0),
             };
             let group = self.pupils.get(key.group.index()).map(|of| of.group.clone()).unwrap_or_default();
-            layers.push(Blurred { layer: key.layer.name().to_owned(), group, by: what, left });
+            layers.push((before, Blurred { layer: key.layer.name().to_owned(), group, by: what, left }));
         }
+        // Planes that only light path expressions tell apart are one layer's, spread alike.
+        layers.dedup_by(|(more, part), (before, sum)| {
+            let same = (&part.layer, &part.group) == (&sum.layer, &sum.group);
+            if same && *before + *more != 0.0 {
+                sum.left = (sum.left * *before + part.left * *more) / (*before + *more);
+                *before += *more;
+            }
+            same
+        });
+        let layers = layers.into_iter().map(|(_, blurred)| blurred).collect();
         Applied {
             wavelengths_nm: self.wavelengths_nm,
             layers,

@@ -207,8 +207,11 @@ fn what_cannot_be_spread_says_why() {
 #[test]
 fn layers_of_a_spread_picture_add_up() {
     let size = [24, 16];
-    let keys =
-        [(Layer::Direct, 1), (Layer::Forward, 0)].map(|(layer, group)| PlaneKey { layer, group: GroupId(group) });
+    let keys = [(Layer::Direct, 1), (Layer::Forward, 0)].map(|(layer, group)| PlaneKey {
+        layer,
+        group: GroupId(group),
+        takes: 0,
+    });
     let mut film =
         Film::new(size[0], size[1], keys.to_vec(), Components::Luminance, Sampling::PerScramble { paths: 10 });
     let mut open = Light::ONE.scaled(1000.0);
@@ -230,7 +233,7 @@ fn layers_of_a_spread_picture_add_up() {
         full,
         only_vision: true,
     };
-    let finished = finish_through(size, &[&film], &groups, &[], ColourSpace::Rec709, Some(&diffraction));
+    let finished = finish_through(size, &[&film], &groups, &[], &[], ColourSpace::Rec709, Some(&diffraction));
     assert!(finished.splits.iter().all(|split| split.written), "{:?}", finished.splits);
     let frame = &finished.frame;
     let [r, g, b] = frame.rgb("hybrid").unwrap();

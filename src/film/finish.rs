@@ -1,13 +1,16 @@
 //! From films to a frame: means, layers per group, the contrast split, `hybrid`, standard errors.
 
-use super::accumulate::{Components, Film, Light, MixError, PlaneKey};
+use super::accumulate::{Components, Film, Light, MixError, PlaneKey, Together};
+use super::aov::Aov;
 use super::diffraction::Diffraction;
 use super::frame::{Channel, Frame};
 use super::layer::Layer;
 use super::sharpness::Applied;
 use crate::base::colour::ColourSpace;
 use crate::base::ids::GroupId;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// What the frame's maker knows of a light group.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -41,7 +44,8 @@ type Coloured = [Light; 3];
 /// What was decided about splitting a group, for the header.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Split {
-    pub layer: Layer,
+    /// The layer, or the name of a layer by light path expression.
+    pub layer: String,
     pub group: String,
     pub written: bool,
     pub because: String,
@@ -69,15 +73,17 @@ pub fn finish(
     always: &[Layer],
     space: ColourSpace,
 ) -> Finished {
-    finish_through([width, height], films, groups, always, space, None)
+    finish_through([width, height], films, groups, always, &[], space, None)
 }
 
-/// The same with the light of each plane spread by diffraction first.
+/// The same with the light of each plane spread by diffraction first, and with the light groups' shares of those `aovs` that
+/// part classes, and their errors.
 pub fn finish_through(
     [width, height]: [usize; 2],
     films: &[&Film],
     groups: &[GroupInfo],
     always: &[Layer],
+    aovs: &[Aov],
     space: ColourSpace,
     diffraction: Option<&Diffraction>,
 ) -> Finished {
@@ -102,29 +108,58 @@ pub fn finish_through(
     let mut out = Maker { frame: Frame { width, height, ..Frame::default() }, splits: Vec::new() };
     let mut hybrid = Channels::black(pixels);
     for layer in Layer::SUM_ORDER {
-        let own: Vec<(GroupId, &Vec<Coloured>)> =
-            planes.iter().filter(|(key, _)| key.layer == layer).map(|(key, plane)| (key.group, plane)).collect();
-        let lit = |plane: &[Coloured]| plane.iter().flatten().any(|l| l.value != 0.0 || l.open() != 0.0);
-        let filled = own.iter().any(|(_, plane)| lit(plane));
+        let own = by_group(&planes, |key| key.layer == layer);
+        let filled = own.values().any(|plane| lit(plane));
         if !filled && !always.contains(&layer) {
             continue;
         }
         let mut sum = Channels::black(pixels);
         for (group, plane) in own.into_iter().filter(|(_, plane)| lit(plane)) {
             let info = &groups[group.index()];
-            let stored = out.group(layer, info, plane);
-            out.group_errors(films, PlaneKey { layer, group }, info);
+            let stored = out.group(layer.name(), info, &plane);
+            out.group_errors(films, (layer, group), info);
             sum.add(&stored);
         }
         hybrid.add(&sum);
         out.rgb(layer.name(), sum);
-        out.layer_errors(films, layer);
+        out.errors(films, Together::Layer(layer), layer.name());
+    }
+    for (aov, bit) in aovs.iter().filter_map(|aov| Some((aov, aov.part?))) {
+        let taken = Together::Taken(bit);
+        for (group, plane) in by_group(&planes, |key| taken.has(key)).into_iter().filter(|(_, plane)| lit(plane)) {
+            out.group(&aov.name, &groups[group.index()], &plane);
+        }
+        out.errors(films, taken, &aov.name);
     }
     out.rgb("hybrid", hybrid.clone());
     out.rgb("", hybrid);
     out.stderr(films, pixels);
     let invalid = out.frame.channels.iter().filter_map(first_invalid).collect();
     Finished { frame: out.frame, splits: out.splits, invalid, applied }
+}
+
+fn lit(plane: &[Coloured]) -> bool {
+    plane.iter().flatten().any(|l| l.value != 0.0 || l.open() != 0.0)
+}
+
+/// The light of each group in the planes of these keys.
+fn by_group(
+    planes: &BTreeMap<PlaneKey, Vec<Coloured>>,
+    has: impl Fn(&PlaneKey) -> bool,
+) -> BTreeMap<GroupId, Cow<'_, [Coloured]>> {
+    let mut groups: BTreeMap<GroupId, Cow<'_, [Coloured]>> = BTreeMap::new();
+    for (key, plane) in planes.iter().filter(|(key, _)| has(key)) {
+        match groups.entry(key.group) {
+            Entry::Vacant(first) => {
+                first.insert(Cow::Borrowed(plane));
+            }
+            Entry::Occupied(mut sum) => {
+                let entries = sum.get_mut().to_mut().iter_mut().flatten();
+                entries.zip(plane.iter().flatten()).for_each(|(sum, light)| sum.add(*light));
+            }
+        }
+    }
+    groups
 }
 
 /// The mean light of a pixel in a plane: luminance times the group's tint, or what the film holds.
@@ -196,8 +231,8 @@ impl Maker {
     }
 
     /// Adds the layers of one group; returns what was stored for the group itself.
-    fn group(&mut self, layer: Layer, group: &GroupInfo, plane: &[Coloured]) -> Channels {
-        let name = format!("{}_{}", layer.name(), group.name);
+    fn group(&mut self, layer: &str, group: &GroupInfo, plane: &[Coloured]) -> Channels {
+        let name = format!("{layer}_{}", group.name);
         if let Some(contrast) = group.contrast {
             self.split(layer, group, &name, contrast, plane);
         }
@@ -206,7 +241,7 @@ impl Maker {
         stored
     }
 
-    fn split(&mut self, layer: Layer, group: &GroupInfo, name: &str, contrast: f64, plane: &[Coloured]) {
+    fn split(&mut self, layer: &str, group: &GroupInfo, name: &str, contrast: f64, plane: &[Coloured]) {
         // Light that crossed no slide does not depend on the contrast: there is nothing to split.
         let all = || plane.iter().flatten();
         if all().all(|l| l.powers[1..].iter().all(|p| *p == 0.0)) {
@@ -230,7 +265,7 @@ impl Maker {
             let most = Light::DEGREE;
             format!("light that crosses the slide more than {most} times makes up to {share:.1e} of the peak")
         };
-        self.splits.push(Split { layer, group: group.name.clone(), written, because });
+        self.splits.push(Split { layer: layer.to_owned(), group: group.name.clone(), written, because });
         if !written {
             return;
         }
@@ -243,42 +278,40 @@ impl Maker {
         }
     }
 
-    /// `LAYER_stderr`, if it was kept. Films of different estimators are independent, here and below.
-    fn layer_errors(&mut self, films: &[&Film], layer: Layer) {
+    /// `NAME_stderr` of planes together, if it was kept. Films of different estimators are independent, here and below.
+    fn errors(&mut self, films: &[&Film], together: Together, name: &str) {
         if films.iter().any(|film| film.detail().is_none()) {
             return;
         }
-        let variance = |pixel: usize| films.iter().filter_map(|film| film.layer_variance(pixel, layer)).sum::<f64>();
-        self.sigma(&format!("{}_stderr", layer.name()), variance);
+        let variance = |pixel: usize| films.iter().filter_map(|film| film.variance_of(pixel, together)).sum::<f64>();
+        self.sigma(&format!("{name}_stderr"), variance);
     }
 
     /// `LAYER_GROUP_stderr`, and where the group's light was split `…_open_stderr`, `…_content_stderr` and their
     /// `…_covariance` in (cd/m²)²: the picture for contrast C has the variance u²·content² + v²·open² +
     /// 2uv·covariance with u = 1 − 1/C and v = 1/C.
-    fn group_errors(&mut self, films: &[&Film], key: PlaneKey, group: &GroupInfo) {
-        let own: Vec<(&Film, usize)> = films.iter().filter_map(|film| Some((*film, film.plane(key)?))).collect();
-        if own.iter().any(|(film, _)| film.detail().is_none()) {
+    fn group_errors(&mut self, films: &[&Film], (layer, of): (Layer, GroupId), group: &GroupInfo) {
+        let share = Together::Share(layer, of);
+        let own: Vec<&Film> = films.iter().copied().filter(|film| film.planes_of(share).next().is_some()).collect();
+        if own.iter().any(|film| film.detail().is_none()) {
             return;
         }
-        let name = format!("{}_{}", key.layer.name(), group.name);
+        let name = format!("{}_{}", layer.name(), group.name);
         self.sigma(&format!("{name}_stderr"), |pixel| {
-            own.iter().map(|(film, plane)| film.variance(pixel, *plane)).sum()
+            own.iter().filter_map(|film| film.variance_of(pixel, share)).sum()
         });
         if !self.frame.channels.iter().any(|channel| channel.name == format!("{name}_open.R")) {
             return;
         }
         let mix = |pixel: usize| {
-            own.iter().filter_map(|(film, plane)| film.mix_error(pixel, *plane)).fold(
-                MixError::default(),
-                |sum, one| {
-                    let MixError { open, content, covariance } = one;
-                    MixError {
-                        open: sum.open + open,
-                        content: sum.content + content,
-                        covariance: sum.covariance + covariance,
-                    }
-                },
-            )
+            own.iter().filter_map(|film| film.mix_error(pixel, (layer, of))).fold(MixError::default(), |sum, one| {
+                let MixError { open, content, covariance } = one;
+                MixError {
+                    open: sum.open + open,
+                    content: sum.content + content,
+                    covariance: sum.covariance + covariance,
+                }
+            })
         };
         self.sigma(&format!("{name}_open_stderr"), |pixel| mix(pixel).open);
         self.sigma(&format!("{name}_content_stderr"), |pixel| mix(pixel).content);

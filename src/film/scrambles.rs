@@ -102,9 +102,16 @@ impl Scrambles {
         if self.ratios.is_empty() { own } else { OWN * own + (1.0 - OWN) * of_plane }
     }
 
-    /// Variances and covariance of the sums of `open` and `content`; none if they are not kept.
-    pub fn mix_error(&self, entry: usize) -> Option<MixError> {
-        let (open, content) = (values(self.open.get(entry)?), values(self.content.get(entry)?));
+    /// Variances and covariance of the sums of `open` and `content` of a pixel in these planes together; none if they are
+    /// not kept.
+    pub fn mix_error(&self, pixel: usize, planes: impl Iterator<Item = usize>) -> Option<MixError> {
+        let (mut open, mut content) = ([0.0; SCRAMBLES], [0.0; SCRAMBLES]);
+        for plane in planes {
+            let entry = pixel * self.planes + plane;
+            let (own_open, own_content) = (values(self.open.get(entry)?), values(self.content.get(entry)?));
+            open.iter_mut().zip(own_open).for_each(|(sum, own)| *sum += own);
+            content.iter_mut().zip(own_content).for_each(|(sum, own)| *sum += own);
+        }
         Some(MixError {
             open: self.covariance(&open, &open).max(0.0),
             content: self.covariance(&content, &content).max(0.0),

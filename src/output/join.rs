@@ -11,7 +11,8 @@ use crate::output::exr::{COLOR_INTEROP_ID, WHITE_LUMINANCE};
 use serde_json::Value;
 
 /// Adds up frames that were rendered with different light groups on. Layers are summed, errors are independent, data
-/// layers and the header are those of the first frame; the lists of groups and splits are joined.
+/// layers and the header are those of the first frame; the lists of groups and splits are joined, and so are the shares of
+/// layers by the same light path expression. One that another frame does not have is left out.
 ///
 /// Errors: frames that differ in size, colour space, eye or contrast; two with light of the same group in the same layer,
 /// which would count it twice; frames whose shares are not complete.
@@ -29,6 +30,39 @@ pub fn join(frames: &[Frame]) -> Result<Frame> {
         variance::refresh(&mut sum);
     }
     Ok(sum)
+}
+
+/// Takes over the shares of layers by light path expression that part classes.
+fn join_aovs(sum: &mut Frame, other: &Frame) {
+    let theirs = aov::listed(other);
+    for mut own in aov::listed(sum).into_iter().filter(|own| own.part.is_some()) {
+        let key = format!("{}{}", aov::KEY, own.name);
+        let same = theirs.iter().find(|its| its.part.is_some() && (&its.name, &its.lpe) == (&own.name, &own.lpe));
+        let Some(its) = same else {
+            let names: Vec<String> = own.layers().collect();
+            sum.channels.retain(|channel| !names.iter().any(|name| name == channel.layer()));
+            sum.meta.remove(&key);
+            continue;
+        };
+        for share in &its.shares {
+            let layers = aov::OF_SHARE.map(|suffix| format!("{share}{suffix}"));
+            let is_new = sum.rgb(share).is_none();
+            let channels = other.channels.iter().filter(|c| is_new && layers.iter().any(|layer| layer == c.layer()));
+            sum.channels.extend(channels.cloned());
+            if !own.shares.contains(share) {
+                own.shares.push(share.clone());
+            }
+        }
+        let error = format!("{}_stderr", own.name);
+        match (sum.rgb(&error), other.rgb(&error)) {
+            (Some(a), Some(b)) => {
+                let data = [0, 1, 2].map(|c| a[c].iter().zip(b[c]).map(|(a, b)| a.hypot(*b)).collect());
+                set_layer(sum, &error, &data);
+            }
+            (_, _) => sum.channels.retain(|channel| channel.layer() != error),
+        }
+        sum.meta.insert(key, Meta::Text(serde_json::to_string(&own).unwrap_or_default()));
+    }
 }
 
 fn comparable(first: &Frame, other: &Frame, number: usize) -> Result<()> {
@@ -100,6 +134,7 @@ fn add(mut sum: Frame, other: &Frame, number: usize) -> Result<Frame> {
             sum.channels.retain(|channel| channel.layer() != error);
         }
     }
+    join_aovs(&mut sum, other);
     let mut groups = groups_of(&sum)?;
     let others = groups_of(other)?;
     let new: Vec<String> = others.into_iter().filter(|group| !groups.contains(group)).collect();

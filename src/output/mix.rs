@@ -102,7 +102,8 @@ impl Recipe {
             return Err(Fault::new(at(), "the frame has no slide whose contrast could be changed")
                 .expected("a scene with one slide"));
         };
-        let refused = rendering.shares.iter().find_map(|share| Some((share, share.refused.as_ref()?)));
+        let refused =
+            rendering.shares.iter().chain(&rendering.taken).find_map(|share| Some((share, share.refused.as_ref()?)));
         match refused {
             Some((share, because)) if contrast != rendered => {
                 Err(Fault::new(at(), format!("`{}` is not split by contrast: {because}", share.name))
@@ -126,7 +127,7 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
     let mut out = frame.clone();
     let contrast = recipe.contrast.filter(|contrast| Some(*contrast) != rendering.contrast);
     let mut changed = Vec::new();
-    for share in &rendering.shares {
+    for share in rendering.shares.iter().chain(&rendering.taken) {
         let (gain, new_contrast) = (recipe.gain(&share.group), contrast.filter(|_| share.split.is_some()));
         if gain == 1.0 && new_contrast.is_none() {
             continue;
@@ -142,7 +143,7 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
             scale_layer(&mut out, &format!("{}{suffix}", share.name), gain);
         }
         scale_layer(&mut out, &format!("{}_covariance", share.name), gain * gain);
-        changed.push(share.layer);
+        changed.push(share.layer.as_str());
     }
     let mut errors = if frame.rgb("stderr").is_some() { Errors::Exact } else { Errors::Absent };
     if !changed.is_empty() {

@@ -29,6 +29,12 @@ pub fn carry(rendering: &Rendering, recipe: &Recipe, contrast: Option<f64>, out:
         let own: Vec<&Share> = lit.iter().copied().filter(|share| share.layer == layer).collect();
         sum(frame, recipe, contrast, &own, &format!("{layer}_stderr"), out);
     }
+    let mut aovs: Vec<&str> = rendering.taken.iter().map(|share| share.layer.as_str()).collect();
+    aovs.dedup();
+    for aov in aovs {
+        let own: Vec<&Share> = rendering.taken.iter().filter(|share| share.layer == aov && is_lit(share)).collect();
+        sum(frame, recipe, contrast, &own, &format!("{aov}_stderr"), out);
+    }
     sum(frame, recipe, contrast, &lit, "stderr", out)
 }
 

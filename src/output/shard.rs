@@ -5,6 +5,7 @@
 //! left out. The attribute `eyebox.shard` says in JSON what the films are and whatever the writer wants to know again.
 
 use crate::base::fault::{Fault, Result, Where};
+use crate::base::lpe;
 use crate::base::twofold::Sum;
 use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
 use crate::film::columns::Table;
@@ -57,6 +58,7 @@ impl Kind {
             Sampling::PerScramble { .. } => 9 + if self.detail { 16 } else { 0 },
         };
         let sums = (light + further).checked_mul(self.planes.len() as u64 + 1)?;
+        let sums = sums.checked_add(if self.detail { lpe::MOST as u64 } else { 0 })?;
         pixels.checked_mul(sums)?.checked_mul(size_of::<Sum>() as u64)
     }
 }
@@ -190,7 +192,7 @@ mod tests {
     use crate::film::layer::Layer;
 
     fn film(sampling: Sampling) -> Film {
-        let planes = [0, 1].map(|group| PlaneKey { layer: Layer::Forward, group: GroupId(group) });
+        let planes = [0, 1].map(|group| PlaneKey { layer: Layer::Forward, group: GroupId(group), takes: 0 });
         let mut film = Film::new(3, 2, planes.to_vec(), Components::Luminance, sampling).with_detail();
         for pass in 0..5u64 {
             let light =

@@ -3,6 +3,7 @@
 
 use super::luminance::Luminance;
 use crate::base::fault::{Fault, Result, Where};
+use crate::film::aov;
 use crate::film::frame::Frame;
 use crate::film::layer::Layer;
 
@@ -30,8 +31,8 @@ pub struct Split<'f> {
 /// One light group's share of a layer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Share<'f> {
-    /// `direct`, `caustic`, `secondary`, `forward` or `plate`.
-    pub layer: &'static str,
+    /// `direct`, `caustic`, `secondary`, `forward` or `plate`; or a layer by light path expression that parts classes.
+    pub layer: String,
     pub group: String,
     /// `forward_led`; the plate's is `plate`.
     pub name: String,
@@ -51,6 +52,8 @@ pub struct Rendering<'f> {
     /// Light groups in the order in which their shares are added up, the plate's last.
     pub groups: Vec<String>,
     pub shares: Vec<Share<'f>>,
+    /// Those of layers by light path expression: their light is in `shares`, too.
+    pub taken: Vec<Share<'f>>,
     /// Contrast of the only slide.
     pub contrast: Option<f64>,
 }
@@ -76,34 +79,44 @@ impl<'f> Rendering<'f> {
         let mut groups = groups_of(frame)?;
         let contrast = frame.number("contrast");
         let splits = refusals(frame);
-        let mut shares = Vec::new();
+        let share = |layer: &str, group: &str| -> Result<Option<Share<'f>>> {
+            let name = format!("{layer}_{group}");
+            let Some(picture) = frame.rgb(&name) else { return Ok(None) };
+            let split = Split::of(frame, &name);
+            if let (Some(split), Some(contrast)) = (&split, contrast) {
+                split.check(&name, contrast, picture)?;
+            }
+            let refused = |(of, by, _): &&(String, String, String)| of == layer && by == group;
+            Ok(Some(Share {
+                layer: layer.to_owned(),
+                group: group.to_owned(),
+                picture,
+                split,
+                refused: splits.iter().find(refused).map(|(_, _, because)| because.clone()),
+                error: grey(frame, &format!("{name}_stderr")),
+                name,
+            }))
+        };
+        let (mut shares, mut taken) = (Vec::new(), Vec::new());
         for layer in Layer::SUM_ORDER {
-            let layer = layer.name();
             for group in &groups {
-                let name = format!("{layer}_{group}");
-                let Some(picture) = frame.rgb(&name) else { continue };
-                let split = Split::of(frame, &name);
-                if let (Some(split), Some(contrast)) = (&split, contrast) {
-                    split.check(&name, contrast, picture)?;
-                }
-                let refused = |(of, by, _): &&(String, String, String)| of == layer && by == group;
-                shares.push(Share {
-                    layer,
-                    group: group.clone(),
-                    picture,
-                    split,
-                    refused: splits.iter().find(refused).map(|(_, _, because)| because.clone()),
-                    error: grey(frame, &format!("{name}_stderr")),
-                    name,
-                });
+                shares.extend(share(layer.name(), group)?);
+            }
+        }
+        for aov in aov::listed(frame) {
+            for (_, group) in aov.groups().filter(|(_, group)| groups.iter().any(|own| own == group)) {
+                let own = share(&aov.name, group)?;
+                // A header may lie: what is a share already is scaled once.
+                taken.extend(own.filter(|own| shares.iter().chain(&taken).all(|share: &Share| share.name != own.name)));
             }
         }
         if let Some(picture) = frame.rgb(PLATE) {
             let (group, name) = (PLATE.to_owned(), PLATE.to_owned());
             groups.push(group.clone());
-            shares.push(Share { layer: PLATE, group, name, picture, split: None, refused: None, error: None });
+            let layer = PLATE.to_owned();
+            shares.push(Share { layer, group, name, picture, split: None, refused: None, error: None });
         }
-        let rendering = Rendering { frame, groups, shares, contrast };
+        let rendering = Rendering { frame, groups, shares, taken, contrast };
         rendering.check_sums()?;
         Ok(rendering)
     }

@@ -101,7 +101,7 @@ pub fn find(
     let mut totals = vec![0.0; groups];
     let mut chains: BTreeMap<(GroupId, Chain), Vec<Arrived>> = BTreeMap::new();
     for arrived in all.into_iter().flatten() {
-        if route.plane(arrived.group, Class::Vision, false).is_some() {
+        if route.share(arrived.group, Class::Vision, false).is_some() {
             totals[arrived.group.index()] += arrived.luminance;
             chains.entry((arrived.group, arrived.chain.clone())).or_default().push(arrived);
         }
@@ -231,7 +231,7 @@ pub fn screens(
     let mut totals: BTreeMap<(GroupId, (u32, u32)), f64> = BTreeMap::new();
     let mut chains: BTreeMap<(GroupId, (u32, u32), Chain), Vec<Struck>> = BTreeMap::new();
     for struck in all.into_iter().flatten() {
-        if route.plane(struck.group, Class::Caustic, true).is_some() {
+        if route.share(struck.group, Class::Caustic, true).is_some() {
             *totals.entry((struck.group, struck.face)).or_default() += struck.lumens;
             chains.entry((struck.group, struck.face, struck.chain.clone())).or_default().push(struck);
         }

@@ -26,6 +26,7 @@ pub mod tint;
 pub mod web;
 
 use crate::base::Result;
+use crate::base::lpe::Sieve;
 use crate::scene::{BeaconForm, Coating, Medium, Scene};
 use contact::Contacts;
 use eye::EyeLens;
@@ -36,6 +37,7 @@ use light::Lights;
 use rim::Rims;
 use sky::SkyLight;
 use slide::SlideMap;
+use std::sync::Arc;
 use surface::FaceOptics;
 use tint::Tints;
 
@@ -66,6 +68,8 @@ pub struct World {
     pub tints: Tints,
     /// The wavelength of [`mode::Mono`], nm.
     pub wavelength_nm: f64,
+    /// The light path expressions that paths are told to, if any was asked for that parts classes.
+    pub sieve: Option<Arc<Sieve>>,
     /// A fault that a test plants in the walk, to see that the balances find it.
     #[cfg(test)]
     pub planted: Planted,
@@ -147,6 +151,7 @@ impl World {
             tints,
             geometry,
             wavelength_nm,
+            sieve: None,
             #[cfg(test)]
             planted: Planted::Nothing,
         })

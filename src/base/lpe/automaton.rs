@@ -36,13 +36,13 @@ pub enum Verdict {
 
 /// Thompson's construction: states with empty moves and moves on letters.
 #[derive(Default)]
-struct Machine {
+pub(super) struct Machine {
     empty: Vec<Vec<usize>>,
-    on: Vec<Option<(Set, usize)>>,
+    pub(super) on: Vec<Option<(Set, usize)>>,
 }
 
 impl Machine {
-    fn state(&mut self) -> Result<usize, String> {
+    pub(super) fn state(&mut self) -> Result<usize, String> {
         if self.on.len() >= MOST_STATES {
             return Err(format!("has more than {MOST_STATES} states"));
         }
@@ -52,7 +52,7 @@ impl Machine {
     }
 
     /// Adds `node` after the state `from`; tells the state behind it.
-    fn add(&mut self, node: &Node, from: usize, group: &str) -> Result<usize, String> {
+    pub(super) fn add(&mut self, node: &Node, from: usize, group: &str) -> Result<usize, String> {
         match node {
             Node::Empty => Ok(from),
             Node::Event(choices) => {
@@ -104,7 +104,7 @@ impl Machine {
     }
 
     /// The states that can be reached from these without an event, sorted.
-    fn closed(&self, states: Vec<usize>) -> Vec<usize> {
+    pub(super) fn closed(&self, states: Vec<usize>) -> Vec<usize> {
         let mut found = vec![false; self.on.len()];
         let mut open = states;
         let mut all = Vec::new();
@@ -126,7 +126,7 @@ impl Machine {
 }
 
 /// The event of a path's trail that a letter is; none of a camera or a source.
-fn event(letter: Letter) -> Option<Event> {
+pub(super) fn event(letter: Letter) -> Option<Event> {
     match letter {
         Letter::ReflectSpecular | Letter::TransmitSpecular | Letter::TransmitStraight => Some(Event::Specular),
         Letter::ReflectGlossy | Letter::TransmitGlossy => Some(Event::Glossy),

@@ -6,10 +6,12 @@
 
 mod automaton;
 mod parse;
+mod sieve;
 
 pub use automaton::{Alphabet, Verdict};
+pub use sieve::{MOST, Sieve, Takes, Told};
 
-use super::path::Class;
+use super::path::{Class, Event};
 
 /// What emits at the end of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -66,6 +68,18 @@ impl Letter {
             Letter::Source(Source::Face) => "O",
             Letter::Source(Source::Light) => "L",
             Letter::Source(Source::Sky) => "B",
+        }
+    }
+
+    /// What happens at a scatterer, or at a specular face that bends.
+    pub fn of(event: Event, through: bool) -> Letter {
+        match (event, through) {
+            (Event::Specular, false) => Letter::ReflectSpecular,
+            (Event::Glossy, false) => Letter::ReflectGlossy,
+            (Event::Diffuse, false) => Letter::ReflectDiffuse,
+            (Event::Specular, true) => Letter::TransmitSpecular,
+            (Event::Glossy, true) => Letter::TransmitGlossy,
+            (Event::Diffuse, true) => Letter::TransmitDiffuse,
         }
     }
 

@@ -3,6 +3,7 @@
 
 use super::screens::{Incoming, Screens};
 use super::vision::Manifold;
+use crate::base::lpe::{Letter, Source};
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::base::warp::disk;
@@ -81,10 +82,16 @@ fn follow<M: Mode>(
                 let interior = |dir: glam::DVec3| walker.interior_at(&vertex, frame.to_local(dir).z < 0.0);
                 let trail = Trail::join(walker.trail, scatter.event(), Trail::START.then(Event::Specular));
                 let at = (vertex.hit.point, vertex.hit.site);
-                screens.gather(tracing, at, &interior, lamp, &mut rng, scratch, |incoming: Incoming<M>| {
+                screens.gather(tracing, at, &interior, lamp, &mut rng, scratch, |incoming: Incoming<'_, M>| {
                     let Some(lamp) = manifold.world.lamps.get(incoming.lamp) else { return };
-                    let Some(plane) = manifold.route.from_eye(lamp.group, trail) else { return };
+                    let Some(share) = manifold.route.from_eye(lamp.group, trail) else { return };
                     let d_out = frame.to_local(incoming.dir);
+                    let plane = manifold.route.plane(share, |sieve| {
+                        let start = sieve.lamp(lamp.group.index(), Source::Face);
+                        let arrived = incoming.letters.iter().fold(start, |told, letter| sieve.before(told, *letter));
+                        let letter = Letter::of(scatter.event(), d_out.z < 0.0);
+                        sieve.takes(sieve.after(walker.told, letter), arrived)
+                    });
                     let (values, alone) = sides.eval(scatter, d_in, d_out);
                     let factors = lanes::<M, _>(|lane| values[lane] * d_out.z.abs());
                     let light = (&incoming.light, incoming.alone || alone);

@@ -12,6 +12,7 @@ mod sheet;
 
 use super::solve::Target;
 use crate::base::chain::Chain;
+use crate::base::lpe::Letter;
 use crate::base::rng::Rng;
 use crate::estimate::ledger::Ledger;
 use crate::film::accumulate::Light;
@@ -63,8 +64,10 @@ impl Known {
 }
 
 /// Light that comes to a point of a scatterer.
-pub struct Incoming<M: Mode> {
+pub struct Incoming<'s, M: Mode> {
     pub lamp: usize,
+    /// What happened on its way, from the lamp.
+    pub letters: &'s [Letter],
     /// Unit direction towards where it comes from.
     pub dir: DVec3,
     /// Luminance × solid angle per lane, cd/m²·sr, with the slides as polynomials.
@@ -108,7 +111,7 @@ impl<M: Mode> Screens<M> {
         uv: [f64; 2],
         rng: &mut Rng,
         ledger: &mut Ledger,
-        mut visit: impl FnMut(Incoming<M>),
+        mut visit: impl FnMut(Incoming<'_, M>),
     ) {
         for lit in self.lit.iter().filter(|lit| (lit.map.part, lit.map.face) == (site.part, site.face)) {
             let Some(spot) = lit.map.spot(point) else { continue };
@@ -121,7 +124,7 @@ impl<M: Mode> Screens<M> {
                 for sheet in of(Cell::Interpolated) {
                     let incoming = sheet.interpolate(world, optics, &spot, entry.lamp, off);
                     if let Some(incoming) = incoming.filter(|incoming| known.add(incoming.dir, NEARLY_SAME)) {
-                        visit(incoming);
+                        visit(Incoming { letters: &lit.letters, ..incoming });
                     }
                 }
                 let target = Target::new(x.position, x.normal);
@@ -134,7 +137,7 @@ impl<M: Mode> Screens<M> {
                     let found = lit.follow((world, optics), entry.lamp, start, dir, ledger, |_| {});
                     let Some((light, alone)) = found else { continue };
                     let light = lanes::<M, _>(|lane| light[lane].scaled(factor));
-                    visit(Incoming { lamp: entry.lamp, dir, light, alone });
+                    visit(Incoming { lamp: entry.lamp, letters: &lit.letters, dir, light, alone });
                 }
             }
         }

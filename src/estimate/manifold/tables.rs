@@ -11,6 +11,7 @@ mod make;
 use super::connections::Connections;
 use super::nodes::{Nodes, Spot};
 use super::screens::{Crossing, SLIDES};
+use crate::base::lpe::Told;
 use crate::base::path::Trail;
 use crate::film::accumulate::Light;
 use crate::world::World;
@@ -37,6 +38,7 @@ struct Node<M: Mode> {
     strength: M::Lanes<f64>,
     strength_by: [M::Lanes<f64>; 2],
     trail: Trail,
+    told: Told,
     alone: bool,
     slides: ArrayVec<Crossing, SLIDES>,
 }
@@ -49,6 +51,7 @@ pub(super) struct Brought<M: Mode> {
     pub(super) light: M::Lanes<Light>,
     pub(super) alone: bool,
     pub(super) trail: Trail,
+    pub(super) told: Told,
 }
 
 /// A train and lamp.
@@ -159,7 +162,7 @@ fn blend<M: Mode>(nodes: &[Option<Node<M>>], spot: &Spot, off: DVec2) -> Option<
         }
     }
     let light = lanes::<M, _>(|lane| Light::ONE.scaled(strength[lane]));
-    Some((Brought { pupil, light, alone: near.alone, trail: near.trail }, slides))
+    Some((Brought { pupil, light, alone: near.alone, trail: near.trail, told: near.told }, slides))
 }
 
 /// None beside a slide's picture.

@@ -11,6 +11,7 @@ use super::look;
 use super::screens::Screens;
 use super::solve::{Root, Target};
 use super::tables::Tables;
+use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::pixel::Pixel;
@@ -125,8 +126,9 @@ impl<'w, M: Mode> Manifold<'w, M> {
                 let off = middle.local(point.position - middle.point);
                 for brought in tables.brought((self.world, optics), index, spot, off) {
                     let inside = brought.pupil.length() <= self.world.eye.pupil_radius_m();
-                    let plane = self.route.from_eye(lamp.group, brought.trail).filter(|_| inside);
-                    let Some(plane) = plane else { continue };
+                    let share = self.route.from_eye(lamp.group, brought.trail).filter(|_| inside);
+                    let Some(share) = share else { continue };
+                    let plane = self.route.plane_from_eye(share, brought.told, lamp.group, Source::Face);
                     let light = lanes::<M, _>(|lane| brought.light[lane].scaled(control));
                     M::deposit(optics, plane_of::<M>(out, plane), light, brought.alone);
                 }
@@ -166,7 +168,8 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let train = &self.connections.trains[entry.train];
         let links = train.0.iter().map(|lens| lens.link);
         let Some(seen) = walker.follow_to(links, entry.starts.lamp, ledger, |_, _, _| {}) else { return 0.0 };
-        let Some(plane) = self.route.from_eye(seen.lamp.group, walker.trail) else { return 0.0 };
+        let Some(share) = self.route.from_eye(seen.lamp.group, walker.trail) else { return 0.0 };
+        let plane = self.route.plane_from_eye(share, walker.told, seen.lamp.group, Source::Face);
         let factor = area_m2 / (root.slope.determinant().abs() * self.world.eye.pupil_area_m2());
         if !factor.is_finite() {
             return 0.0;

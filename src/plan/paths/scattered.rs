@@ -50,6 +50,7 @@ impl<M: Mode> Visitor<M> for Stored<M> {
             alone,
             group: from.group,
             trail: walker.trail,
+            told: walker.told,
             connected: false,
             site: vertex.hit.site,
             outside: vertex.outside,

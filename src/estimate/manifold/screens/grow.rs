@@ -1,6 +1,6 @@
 //! How the tables of a face are filled: from what a pilot found, node by node, and cell by cell on trial.
 
-use super::lit::{Entry, Lit, Solution};
+use super::lit::{Entry, Lit, Solution, letter};
 use super::sheet::{Cell, Crossing, Node, Sheet, beyond};
 use super::{MOST_SHEETS, SAME, TOLERANCE};
 use crate::estimate::manifold::face_map::FaceMap;
@@ -51,7 +51,8 @@ impl<M: Mode> Lit<M> {
     pub(super) fn with_cells(world: &World, optics: &Optics<M>, screen: &Screen, cells: usize) -> Option<Lit<M>> {
         let map = FaceMap::new(world, screen, cells)?;
         let chain = screen.train.chain().reversed();
-        let mut lit = Lit { map, train: screen.train.clone(), chain, entries: Vec::new() };
+        let letters = chain.0.iter().map(|link| letter(world, link)).collect();
+        let mut lit = Lit { map, train: screen.train.clone(), chain, letters, entries: Vec::new() };
         let lamps = world.lamps.all().iter().enumerate();
         let lamps: Vec<(usize, &Lamp)> =
             lamps.filter(|(_, lamp)| lamp.group == screen.group && lamp.flux_lm > 0.0).collect();

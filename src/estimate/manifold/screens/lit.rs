@@ -1,7 +1,9 @@
 //! A face and a train: the solver for points of the face, and what a solution brings.
 
 use super::sheet::{Crossing, Node, SLIDES, Sheet};
-use crate::base::chain::Chain;
+use crate::base::chain::{Chain, Link, Step};
+use crate::base::lpe::Letter;
+use crate::base::path::Event;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::connections::index_of;
@@ -45,7 +47,20 @@ pub(super) struct Lit<M: Mode> {
     pub(super) train: Train,
     /// From the lamp.
     pub(super) chain: Chain,
+    /// What happens on it.
+    pub(super) letters: Vec<Letter>,
     pub(super) entries: Vec<Entry<M>>,
+}
+
+/// What a path does at a face of a chain.
+pub(super) fn letter(world: &World, link: &Link) -> Letter {
+    let face = world.faces.get(link.part as usize).and_then(|faces| faces.get(link.face as usize));
+    let straight = face.is_some_and(|face| matches!(face.surface, Surface::Slide(_) | Surface::Sheet(_)));
+    match link.step {
+        Step::Through if straight => Letter::TransmitStraight,
+        Step::Through => Letter::of(Event::Specular, true),
+        Step::Back => Letter::of(Event::Specular, false),
+    }
 }
 
 /// How far a probe went aside on the lamp, m, and where it crossed slides.

@@ -113,7 +113,7 @@ impl<M: Mode> Sheet<M> {
         spot: &Spot,
         lamp: usize,
         off: DVec2,
-    ) -> Option<Incoming<M>> {
+    ) -> Option<Incoming<'static, M>> {
         let blend = self.blend(spot, off)?;
         let mut light = lanes::<M, _>(|lane| Light::ONE.scaled(blend.strength[lane]));
         for (slide, at) in &blend.slides {
@@ -123,7 +123,7 @@ impl<M: Mode> Sheet<M> {
                 light[lane].cross(map.t_white(), map.transmittance(s[lane]), s[lane]);
             }
         }
-        Some(Incoming { lamp, dir: blend.dir.normalize(), light, alone: blend.alone })
+        Some(Incoming { lamp, letters: &[], dir: blend.dir.normalize(), light, alone: blend.alone })
     }
 }
 

@@ -1,6 +1,7 @@
 //! How the tables are filled: node by node from the solver's starts, and cell by cell on trial.
 
 use super::{Node, Places, Table, Tables, Use, blend, through_slides};
+use crate::base::lpe::Told;
 use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
@@ -38,6 +39,7 @@ struct Found<M: Mode> {
     root: Root,
     strength: M::Lanes<f64>,
     trail: Trail,
+    told: Told,
     alone: bool,
     slides: Places,
 }
@@ -97,7 +99,7 @@ impl<M: Mode> Maker<'_, M> {
         let open: f64 = slides.iter().map(|(index, _)| world.slides[*index].t_white()).product();
         let strength = lanes::<M, _>(|lane| light[lane].open() / open * factor);
         let usable = !many && strength.as_slice().iter().all(|s| s.is_finite());
-        usable.then_some(Found { root, strength, trail: walker.trail, alone, slides })
+        usable.then_some(Found { root, strength, trail: walker.trail, told: walker.told, alone, slides })
     }
 
     fn node(&self, entry: &Entry, film: DVec2, start: DVec2) -> Option<Node<M>> {
@@ -124,9 +126,9 @@ impl<M: Mode> Maker<'_, M> {
         };
         let slides = (0..found.slides.len()).map(crossing).collect();
         let strength_by = [slope(&x), slope(&y)];
-        let Found { root, strength, trail, alone, .. } = found;
+        let Found { root, strength, trail, told, alone, .. } = found;
         let finite = pupil_by.is_finite() && strength_by.iter().all(|by| by.as_slice().iter().all(|s| s.is_finite()));
-        finite.then_some(Node { pupil: root.u, pupil_by, strength, strength_by, trail, alone, slides })
+        finite.then_some(Node { pupil: root.u, pupil_by, strength, strength_by, trail, told, alone, slides })
     }
 
     /// Adds nodes just beyond the edge of a slide's picture, by cubics through the four next to them along a row or a
@@ -220,6 +222,7 @@ impl<M: Mode> Node<M> {
             strength: lanes::<M, _>(|lane| sum(&|node| node.strength[lane])),
             strength_by: next.strength_by,
             trail: next.trail,
+            told: next.told,
             alone: next.alone,
             slides: (0..next.slides.len()).map(crossing).collect(),
         })
