@@ -22,14 +22,14 @@ impl Chains {
     pub fn find(
         args: &RenderArgs,
         (scene, resolution): (&Scene, [usize; 2]),
-        taken: &[&str],
+        taken: &[String],
         stop: &ShouldStop<'_>,
     ) -> Result<Option<Chains>> {
         if args.chains.is_empty() {
             return Ok(Some(Chains { table: None, wanted: Vec::new() }));
         }
         let mut names = possible_layers(&scene.groups);
-        names.extend(taken.iter().map(|name| (*name).to_owned()));
+        names.extend(taken.iter().cloned());
         for text in &args.chains {
             let name = paths::layer_name(text)?;
             if !names.insert(name.to_owned()) {

@@ -17,6 +17,7 @@ use crate::estimate::picture::{add_data_layers, add_meta, add_sharpness, check_l
 use crate::estimate::run::{Outcome, Start, Stop, begin, drive};
 use crate::estimate::shard;
 use crate::estimate::wish;
+use crate::film::aov::Aov;
 use crate::film::diffraction::{Diffraction, PRIMARIES_NM};
 use crate::film::frame::Meta;
 use crate::film::plan::Plan;
@@ -98,8 +99,9 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     let (named_layers, ungranted) = wish::granted(wishes, &scene.groups);
     let Granted { aovs, notes: refused, sieve } =
         aov::granted(&args.aovs, (wishes, &named_layers), &scene, &world, &plan)?;
-    let names = named_layers.iter().map(|own| own.name.as_str()).chain(aovs.iter().map(|own| own.name.as_str()));
-    let Some(chains) = pool.install(|| Chains::find(args, (&scene, own), &names.collect::<Vec<_>>(), &stop))? else {
+    let names: Vec<String> =
+        named_layers.iter().map(|own| own.name.clone()).chain(aovs.iter().flat_map(Aov::layers)).collect();
+    let Some(chains) = pool.install(|| Chains::find(args, (&scene, own), &names, &stop))? else {
         return Ok(stopped(args, "before the first pass"));
     };
     scene.notes.extend(ungranted.into_iter().chain(refused));

@@ -321,12 +321,15 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
                         let trail = Trail::join(walker.trail, Event::Diffuse, photon.trail);
                         let Some(share) = self.route.from_eye(photon.group, trail) else { return };
                         let through = photon.outside != vertex.outside;
-                        let plane = self.route.plane(share, |sieve| {
-                            sieve.takes(sieve.after(walker.told, Letter::of(Event::Diffuse, through)), photon.told)
-                        });
                         let d_out = on_side(frame.to_local(-photon.dir), through);
                         let (index, _) = walker.beyond(&vertex, through, 0.0);
                         let (values, alone) = sides.eval(scatter, d_in, d_out);
+                        if values.as_slice().iter().all(|value| *value == 0.0) {
+                            return;
+                        }
+                        let plane = self.route.plane(share, |sieve| {
+                            sieve.takes(sieve.after(walker.told, Letter::of(Event::Diffuse, through)), photon.told)
+                        });
                         let factors = lanes::<M, _>(|lane| values[lane] * density / (index[lane] * index[lane]));
                         let out = plane_of::<M>(out, plane);
                         walker.beam.join(walker.optics, out, (&photon.flux, photon.alone || alone), &factors);

@@ -144,3 +144,60 @@ impl DetailRow<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::accumulate::{Components, Film, Sampling};
+
+    const GROUP: GroupId = GroupId(0);
+    const SHARE: (Layer, GroupId) = (Layer::Direct, GROUP);
+
+    /// Light of a pass in a part of a share, with a slide on its way.
+    fn light(pass: u64, part: u64) -> Light {
+        let mut light = Light::ONE.scaled(((pass * 7 + part * 5) % 11) as f64);
+        light.cross(0.9, 0.4, 0.1 * part as f64);
+        light
+    }
+
+    /// A share in three parts has the errors of a film that was given their sums, and so has what an expression takes.
+    #[test]
+    fn parts_together_have_the_errors_of_their_sum() {
+        let key = |takes| PlaneKey { layer: SHARE.0, group: SHARE.1, takes };
+        for sampling in [Sampling::PerPass, Sampling::PerScramble { paths: 64 }] {
+            let film = |keys: Vec<PlaneKey>| Film::new(1, 1, keys, Components::Luminance, sampling).with_detail();
+            let mut parted = film(vec![key(0), key(1), key(3)]);
+            let (mut whole, mut taken) = (film(vec![key(0)]), film(vec![key(0)]));
+            for pass in 0..16 {
+                let parts = [0, 1, 2].map(|part| light(pass, part));
+                let sum = |parts: &[Light]| {
+                    let mut sum = Light::default();
+                    parts.iter().for_each(|part| sum.add(*part));
+                    [sum]
+                };
+                let films = [(&mut parted, &parts[..]), (&mut whole, &sum(&parts)), (&mut taken, &sum(&parts[1..]))];
+                for (film, planes) in films {
+                    match sampling {
+                        Sampling::PerPass => film.rows().for_each(|(_, mut row)| row.add_pass(0, planes)),
+                        Sampling::PerScramble { .. } => planes.iter().enumerate().for_each(|(plane, light)| {
+                            film.splat(0, plane, (pass % 8) as usize, &[*light]);
+                        }),
+                    }
+                    film.passes += 1;
+                }
+            }
+            let near = |a: f64, b: f64| assert!((a - b).abs() <= 1e-12 * b.abs() && b != 0.0, "{a} {b}");
+            let of = |film: &Film, together| film.variance_of(0, together).expect("it is kept");
+            let share = Together::Share(SHARE.0, SHARE.1);
+            near(of(&parted, share), of(&whole, share));
+            near(of(&parted, Together::Layer(SHARE.0)), of(&whole, share));
+            near(of(&parted, Together::Taken(0)), of(&taken, share));
+            near(of(&parted, Together::Taken(1)), parted.variance(0, 2));
+            assert_eq!(parted.variance_of(0, Together::Taken(2)), None);
+            let [a, b] = [&parted, &whole].map(|film| film.mix_error(0, SHARE).expect("it is kept"));
+            near(a.open, b.open);
+            near(a.content, b.content);
+            near(a.covariance, b.covariance);
+        }
+    }
+}

@@ -13,7 +13,7 @@ use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Walker};
 use crate::film::accumulate::Light;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
-use crate::world::mode::{Mode, lanes, plane_of};
+use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
 use crate::world::optics::Optics;
 use glam::DVec2;
 
@@ -86,13 +86,16 @@ fn follow<M: Mode>(
                     let Some(lamp) = manifold.world.lamps.get(incoming.lamp) else { return };
                     let Some(share) = manifold.route.from_eye(lamp.group, trail) else { return };
                     let d_out = frame.to_local(incoming.dir);
+                    let (values, alone) = sides.eval(scatter, d_in, d_out);
+                    if values.as_slice().iter().all(|value| *value == 0.0) {
+                        return;
+                    }
                     let plane = manifold.route.plane(share, |sieve| {
                         let start = sieve.lamp(lamp.group.index(), Source::Face);
                         let arrived = incoming.letters.iter().fold(start, |told, letter| sieve.before(told, *letter));
                         let letter = Letter::of(scatter.event(), d_out.z < 0.0);
                         sieve.takes(sieve.after(walker.told, letter), arrived)
                     });
-                    let (values, alone) = sides.eval(scatter, d_in, d_out);
                     let factors = lanes::<M, _>(|lane| values[lane] * d_out.z.abs());
                     let light = (&incoming.light, incoming.alone || alone);
                     walker.beam.join(walker.optics, plane_of::<M>(out, plane), light, &factors);
