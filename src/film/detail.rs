@@ -175,7 +175,9 @@ mod tests {
                     parts.iter().for_each(|part| sum.add(*part));
                     [sum]
                 };
-                let films = [(&mut parted, &parts[..]), (&mut whole, &sum(&parts)), (&mut taken, &sum(&parts[1..]))];
+                let (all, some) = (sum(&parts), sum(&parts[1..]));
+                let films: [(&mut Film, &[Light]); 3] =
+                    [(&mut parted, &parts), (&mut whole, &all), (&mut taken, &some)];
                 for (film, planes) in films {
                     match sampling {
                         Sampling::PerPass => film.rows().for_each(|(_, mut row)| row.add_pass(0, planes)),
