@@ -74,6 +74,9 @@ struct Net {
     back: Vec<States>,
 }
 
+/// Where events lead, the sets by number, and the numbers of sets.
+type Numbered = (Moves, Vec<States>, HashMap<States, Told>);
+
 impl Net {
     fn new(expressions: &[Lpe], group: &str) -> Result<Net, String> {
         let mut machine = Machine::default();
@@ -86,9 +89,9 @@ impl Net {
         let count = machine.on.len();
         let none = vec![0u64; count.div_ceil(64)];
         let (mut onward, mut back) = (vec![none.clone(); count], vec![none; count]);
-        for state in 0..count {
+        for (state, onward) in onward.iter_mut().enumerate() {
             for reached in machine.closed(vec![state]) {
-                with(&mut onward[state], reached);
+                with(onward, reached);
                 with(&mut back[reached], state);
             }
         }
@@ -129,7 +132,7 @@ impl Net {
     }
 
     /// All sets that events lead to from `first`, numbered in the order in which they are found, `first` before others.
-    fn number(&self, first: Vec<States>, onward: bool) -> Result<(Moves, Vec<States>, HashMap<States, Told>), String> {
+    fn number(&self, first: Vec<States>, onward: bool) -> Result<Numbered, String> {
         let mut known: HashMap<States, Told> = HashMap::new();
         let (mut sets, mut moves): (Vec<States>, Moves) = (Vec::new(), Vec::new());
         let mut number = |states: States, sets: &mut Vec<States>| -> Result<Told, String> {
