@@ -5,6 +5,7 @@ mod common;
 use common::*;
 use eyebox::base::Where;
 use eyebox::base::colour::ColourSpace;
+use eyebox::base::stats::Moments;
 use eyebox::check::check;
 use eyebox::estimate::aov::{Granted, granted, layers, parse_option};
 use eyebox::estimate::finishing::Finishing;
@@ -14,6 +15,7 @@ use eyebox::film::aov::Aov;
 use eyebox::film::detail::ErrorDetail;
 use eyebox::film::frame::{Frame, Meta};
 use eyebox::film::plan::{Estimator, Plan};
+use eyebox::import::{ImportOptions, import};
 use eyebox::output::mix::{Recipe, mix};
 use eyebox::output::shares::Rendering;
 use eyebox::plan::{Choice, plan};
@@ -21,6 +23,7 @@ use eyebox::scene::assembly::LayerWish;
 use eyebox::scene::*;
 use eyebox::world::World;
 use glam::DVec3;
+use std::path::Path;
 
 /// A white wall beside a mirror, lit by a lamp that is seen and by a dim one that is not.
 fn room() -> Scene {
@@ -135,6 +138,10 @@ struct Told {
 impl Told {
     /// Passes `passes` of a run with these layers besides.
     fn run(scene: Scene, choice: Choice, lpes: &[(&str, &str)], passes: std::ops::Range<u64>) -> Told {
+        Told::seeded(scene, choice, lpes, passes, 3)
+    }
+
+    fn seeded(scene: Scene, choice: Choice, lpes: &[(&str, &str)], passes: std::ops::Range<u64>, seed: u64) -> Told {
         let checked = check(&scene).expect("sound");
         let mut world = World::freeze(&scene).expect("traceable");
         let mut plan = plan(&checked, &world, choice);
@@ -143,7 +150,7 @@ impl Told {
         let Granted { aovs, notes, sieve } = granted(&asked, (&[], &[]), &scene, &world, &plan).expect("granted");
         assert!(notes.is_empty() && (lpes.is_empty() || sieve.is_some()));
         world.sieve = sieve;
-        let mut tracing = begin(&world, &plan, scene.groups.len(), scene.eye.resolution, 3);
+        let mut tracing = begin(&world, &plan, scene.groups.len(), scene.eye.resolution, seed);
         assert!(tracing.start(Start::Pass(passes.start)));
         tracing.step(passes.end - passes.start);
         let films = tracing.into_films();
@@ -287,5 +294,39 @@ fn pieces_are_the_run() {
                 && whole.iter().any(|(name, _)| name == "twice_stderr.R")
         );
         assert_eq!(sum, whole);
+    }
+}
+
+/// What the plate's back face shows beside its front face: connection (solved for, and read from tables in the larger
+/// picture) knows of the same share as light tracing does of the direct HUD, and photons of the diffuse one.
+#[test]
+fn a_ghost_is_the_same_for_all_estimators() {
+    let lpes = [("front", "C<RS>.*L"), ("ghost", "C<TS><RS><TS>.*L")];
+    let ghost = |name: &str, choice: Estimator, size: [usize; 2], passes: u64| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("samples/hud-{name}/hud.optics.toml"));
+        let mut share = Moments::default();
+        for seed in 0..4 {
+            let mut scene = import(&path, &ImportOptions::default()).expect("the sample imports").scene;
+            scene.sky = None;
+            scene.eye.resolution = size;
+            let frame = Told::seeded(scene, Choice::Only(choice), &lpes, 0..passes, seed).frame();
+            share.add(total(&frame, "ghost_led").0 / total(&frame, "front_led").0);
+        }
+        share
+    };
+    let (small, large) = ([40, 20], [120, 60]);
+    for (name, connected, others) in [
+        ("direct", [(small, 8), (large, 2)].as_slice(), (Estimator::Forward, 48)),
+        ("diffuse", [(small, 4)].as_slice(), (Estimator::Photon, 8)),
+    ] {
+        let other = ghost(name, others.0, small, others.1);
+        for (size, passes) in connected {
+            let own = ghost(name, Estimator::Manifold, *size, *passes);
+            println!("{name}: {:.5} ± {:.5}, {:.5} ± {:.5}", own.mean, own.stderr(), other.mean, other.stderr());
+            let sigma = own.stderr().hypot(other.stderr());
+            // Four seeds know their own scatter to a third: Student's t with 3 degrees of freedom is above 10 once in 1000.
+            assert!((own.mean - other.mean).abs() < 10.0 * sigma, "{name}");
+            assert!(sigma < 0.02 * own.mean && own.mean > 0.02, "{name}: too noisy to tell");
+        }
     }
 }
