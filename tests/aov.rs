@@ -316,7 +316,7 @@ fn a_ghost_is_the_same_for_all_estimators() {
     };
     let (small, large) = ([40, 20], [120, 60]);
     for (name, connected, others) in [
-        ("direct", [(small, 8), (large, 2)].as_slice(), (Estimator::Forward, 48)),
+        ("direct", [(small, 8), (large, 2)].as_slice(), (Estimator::Forward, 32)),
         ("diffuse", [(small, 4)].as_slice(), (Estimator::Photon, 8)),
     ] {
         let other = ghost(name, others.0, small, others.1);
