@@ -111,6 +111,7 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
         let what = format!("`{word}` would be read as a format string by the farm");
         return Err(Fault::new(Where::Option(word.clone()), what).expected("no {{ in options"));
     }
+    of_render_alone(&args.render)?;
     check_options(&plan_options, &args.render)?;
     if folder.parent().is_none() {
         let what = "and its files have no folder in common";
@@ -150,6 +151,15 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
         || serde_json::json!({ "job": args.job, "frames": tasks, "shards": args.shards, "parameters": parameters });
     print(args.format, said, json)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// What the plan depends on, too, is no option of `render` alone: workers would refuse a plan that was made without it.
+fn of_render_alone(render: &[String]) -> Result<()> {
+    const OF_BOTH: [&str; 4] = ["--resolution", "--estimator", "--polarisation", "--set"];
+    let of_both = |word: &&String| OF_BOTH.contains(&word.split('=').next().unwrap_or_default());
+    render.iter().find(of_both).map_or(Ok(()), |word| {
+        Err(Fault::new(Where::Option(word.clone()), "is for the plan, too").expected("it before `--`"))
+    })
 }
 
 /// Whether `render` takes these options: better now than on every worker.
@@ -197,15 +207,22 @@ mod tests {
     fn what_no_worker_could_run_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/samples/hud-direct/hud.optics.toml");
-        let fault = |asset: &str, job: &str| {
+        let fault_of = |asset: &str, job: &str, render: &[&str]| {
             let job = folder.path().join(job);
-            let words = ["job", asset, "--shards", "2", "-o", job.to_str().unwrap()];
+            let words = ["job", asset, "--shards", "2", "-o", job.to_str().unwrap(), "--"];
+            let words = words.iter().chain(render);
             let matches = JobArgs::augment_args(clap::Command::new("job")).get_matches_from(words);
             let ended = run(&JobArgs::from_arg_matches(&matches).unwrap());
             assert_eq!(ended.is_ok(), job.is_file());
             ended.err().map(|fault| fault.to_string())
         };
+        let fault = |asset: &str, job: &str| fault_of(asset, job, &[]);
         assert_eq!(fault(sample, "job.yaml"), None);
+        assert_eq!(fault_of(sample, "matte.yaml", &["--cryptomatte"]), None);
+        for option in ["--resolution=48x24", "--resolution", "--set"] {
+            let said = fault_of(sample, "b.yaml", &[option, "48x24"]).unwrap();
+            assert_eq!(said, format!("{option}: is for the plan, too; expected it before `--`"));
+        }
         assert!(fault("nothing.glb", "a.yaml").unwrap().starts_with("nothing.glb: cannot be read: "));
         assert!(fault(sample, "job.txt").unwrap().ends_with("expected a name that ends in .yaml, .yml or .json"));
     }
