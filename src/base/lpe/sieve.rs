@@ -22,16 +22,11 @@ const MOST_PAIRS: usize = 1 << 21;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Told(u16);
 
-/// The events between eye and lamp.
-const EVENTS: [Letter; 7] = [
-    Letter::ReflectSpecular,
-    Letter::ReflectGlossy,
-    Letter::ReflectDiffuse,
-    Letter::TransmitSpecular,
-    Letter::TransmitStraight,
-    Letter::TransmitGlossy,
-    Letter::TransmitDiffuse,
-];
+/// The events between eye and lamp: all letters but the camera and the sources.
+const EVENTS: [Letter; 7] = {
+    let [_, events @ .., _, _, _] = Letter::ALL;
+    events
+};
 const SOURCES: [Source; 3] = [Source::Face, Source::Light, Source::Sky];
 
 type Moves = Vec<[Told; EVENTS.len()]>;

@@ -86,6 +86,7 @@ impl FaceMap {
     pub fn cell_size(&self) -> f64 {
         self.cell.max_element()
     }
+
     /// From one node to another along the axes, m.
     pub fn step(&self, from: usize, to: usize) -> DVec2 {
         (self.nodes.at_node(to) - self.nodes.at_node(from)) * self.cell
