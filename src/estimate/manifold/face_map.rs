@@ -9,8 +9,10 @@ use glam::{DVec2, DVec3};
 /// The box of what a pilot found is a little smaller than what is lit; the grid stays this share inside of it, so that
 /// its outer nodes have solutions.
 const INSIDE: f64 = 2e-3;
-/// How far beyond the outer nodes connections are still tried, cells: what is lit there is a sliver, and most of what is
-/// tried is dark.
+/// Cells about that on each side, for what is lit there: there the tables tell where it ends.
+const RING: usize = 1;
+/// How far into the ring connections are tried where tables do not know where the light ends, cells: it is a sliver, and
+/// most of what is tried is dark.
 const BEYOND: f64 = 0.04;
 
 /// A grid over the lit part of a face: places are counted along two axes of a plane.
@@ -55,9 +57,11 @@ impl FaceMap {
         let size = (high - low).max(DVec2::splat(INSIDE * longer));
         // At least four nodes, for cubics.
         let nodes = |length: f64| ((cells as f64 * length / longer).ceil() as usize).clamp(3, cells.max(3)) + 1;
-        let count = [nodes(size.x), nodes(size.y)];
-        let cell = size / DVec2::new((count[0] - 1) as f64, (count[1] - 1) as f64);
+        let inner = [nodes(size.x), nodes(size.y)];
+        let cell = size / DVec2::new((inner[0] - 1) as f64, (inner[1] - 1) as f64);
+        let low = low - RING as f64 * cell;
         let corner = place + a * low.x + b * low.y + normal * (2.0 * longer);
+        let count = inner.map(|nodes| nodes + 2 * RING);
         Some(FaceMap {
             part: screen.part,
             face: screen.face,
@@ -97,7 +101,7 @@ impl FaceMap {
         (spot.at - self.nodes.at_node(node)) * self.cell
     }
 
-    /// Where a point of the face lies; none farther than [`BEYOND`] the outer nodes.
+    /// Where a point of the face lies; none beyond the outer nodes.
     pub fn spot(&self, point: DVec3) -> Option<Spot> {
         let off = point - self.corner;
         let at = DVec2::new(off.dot(self.across[0]), off.dot(self.across[1])) / self.cell;
@@ -105,6 +109,23 @@ impl FaceMap {
     }
 
     pub fn spot_at(&self, at: DVec2) -> Option<Spot> {
-        self.nodes.spot(at, BEYOND)
+        self.nodes.spot(at)
+    }
+
+    /// Of a cell of the ring the one beside it that a pilot found light in; none of others.
+    pub fn inner_of(&self, cell: usize) -> Option<usize> {
+        let [columns, rows] = self.nodes.count;
+        let inside = |at: usize, count: usize| at.clamp(RING, count - 2 - RING);
+        let inner = inside(cell / columns, rows) * columns + inside(cell % columns, columns);
+        (inner != cell).then_some(inner)
+    }
+
+    /// Whether a spot in the ring is a sliver beside the rest.
+    pub fn is_beside(&self, spot: &Spot) -> bool {
+        let along = |x: f64, count: usize| {
+            let (low, high) = (RING as f64, (count - 1 - RING) as f64);
+            x >= low - BEYOND && x <= high + BEYOND
+        };
+        along(spot.at.x, self.nodes.count[0]) && along(spot.at.y, self.nodes.count[1])
     }
 }

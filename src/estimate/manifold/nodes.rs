@@ -19,8 +19,6 @@ pub struct Spot {
     first: [usize; 2],
     weights: [[f64; 4]; 2],
     columns: usize,
-    /// Beyond the outer nodes.
-    pub outside: bool,
 }
 
 impl Nodes {
@@ -36,9 +34,14 @@ impl Nodes {
         let [nx, ny] = self.count;
         (0..ny - 1).flat_map(move |y| (0..nx - 1).map(move |x| y * nx + x))
     }
-    /// The middle of the cell whose corner of least coordinates is a node.
-    pub fn middle(&self, cell: usize) -> DVec2 {
-        self.at_node(cell) + 0.5
+    /// Places in a cell: its middle, and eight near its rim.
+    pub fn trials(&self, cell: usize) -> impl Iterator<Item = DVec2> + use<> {
+        const ASIDE: f64 = 0.46;
+        let middle = self.at_node(cell) + 0.5;
+        // The middle is number 4 of the nine.
+        [4, 0, 1, 2, 3, 5, 6, 7, 8]
+            .into_iter()
+            .map(move |k: u32| middle + (DVec2::new(f64::from(k % 3), f64::from(k / 3)) - 1.0) * ASIDE)
     }
     pub fn neighbours(&self, node: usize) -> impl Iterator<Item = usize> + use<> {
         let [nx, ny] = self.count;
@@ -61,31 +64,29 @@ impl Nodes {
         [cell, cell + 1, cell + self.count[0], cell + self.count[0] + 1]
     }
 
-    /// A place among the nodes; none farther than `beyond` cells from them.
-    pub fn spot(&self, at: DVec2, beyond: f64) -> Option<Spot> {
-        self.spot_by(at, beyond, [0; 2])
+    /// A place among the nodes; none beyond them.
+    pub fn spot(&self, at: DVec2) -> Option<Spot> {
+        self.spot_by(at, [0; 2])
     }
 
     /// The same with sixteen nodes that lie aside of those about the place, by cells along both axes: −1 to 1.
-    pub fn spot_by(&self, at: DVec2, beyond: f64, aside: [i8; 2]) -> Option<Spot> {
+    pub fn spot_by(&self, at: DVec2, aside: [i8; 2]) -> Option<Spot> {
         // The cell, the first of the four nodes about it (all of which there are), and the place from the second of them.
         let along = |x: f64, count: usize, aside: i8| {
-            (x >= -beyond && x <= (count - 1) as f64 + beyond).then(|| {
-                let cell = (x.max(0.0) as usize).min(count - 2);
+            (x >= 0.0 && x <= (count - 1) as f64).then(|| {
+                let cell = (x as usize).min(count - 2);
                 let first = (cell + 1).saturating_add_signed(aside.into()).saturating_sub(2).min(count - 4);
                 (cell, first, x - (first + 1) as f64)
             })
         };
         let (x, first_x, tx) = along(at.x, self.count[0], aside[0])?;
         let (y, first_y, ty) = along(at.y, self.count[1], aside[1])?;
-        let (last_x, last_y) = ((self.count[0] - 1) as f64, (self.count[1] - 1) as f64);
         Some(Spot {
             at,
             cell: y * self.count[0] + x,
             first: [first_x, first_y],
             weights: [cubic(tx), cubic(ty)],
             columns: self.count[0],
-            outside: at.x < 0.0 || at.y < 0.0 || at.x > last_x || at.y > last_y,
         })
     }
 }

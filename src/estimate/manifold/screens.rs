@@ -95,6 +95,11 @@ impl<M: Mode> Screens<M> {
         Arc::new(Screens::new(world, optics, &self.plan))
     }
 
+    /// Whether a face (part, face) is joined with lamps.
+    pub fn has_face(&self, face: (u32, u32)) -> bool {
+        self.lit.iter().any(|lit| (lit.map.part, lit.map.face) == face)
+    }
+
     /// Nothing is connected.
     pub fn is_empty(&self) -> bool {
         self.lit.is_empty()
@@ -117,7 +122,7 @@ impl<M: Mode> Screens<M> {
             let Some(spot) = lit.map.spot(point) else { continue };
             for entry in &lit.entries {
                 let Some(lamp) = world.lamps.get(entry.lamp) else { continue };
-                let of = |wanted: Cell| entry.sheets.iter().filter(move |sheet| sheet.cell(&spot) == wanted);
+                let of = |wanted: Cell| entry.sheets.iter().filter(move |sheet| sheet.cell(&lit.map, &spot) == wanted);
                 let x = lamp.sample_point(uv);
                 let off = entry.middle.local(x.position - entry.middle.point);
                 let mut known = Known::default();
@@ -128,7 +133,7 @@ impl<M: Mode> Screens<M> {
                     }
                 }
                 let target = Target::new(x.position, x.normal);
-                for sheet in of(Cell::Solved).filter(|sheet| !sheet.is_dark(world, optics, &spot, off)) {
+                for sheet in of(Cell::Solved) {
                     let root = lit.solve((world, optics), entry, sheet, &spot, (point, site), &target);
                     let Some(Solution { dir, factor }) = root.filter(|root| known.add(root.dir, SAME)) else {
                         continue;
@@ -157,17 +162,14 @@ impl<M: Mode> Screens<M> {
             let Some(spot) = lit.map.spot(point) else { return false };
             lit.entries.iter().filter(|entry| entry.lamp == lamp).any(|entry| {
                 let off = entry.middle.local(target.point - entry.middle.point);
-                entry.sheets.iter().any(|sheet| match sheet.cell(&spot) {
-                    Cell::Nothing => false,
+                entry.sheets.iter().any(|sheet| match sheet.cell(&lit.map, &spot) {
+                    Cell::Nothing | Cell::Rim => false,
                     Cell::Interpolated => sheet
                         .interpolate(world, optics, &spot, lamp, off)
                         .is_some_and(|incoming| incoming.dir.distance(-dir) <= ABOUT_SAME),
-                    Cell::Solved => {
-                        !sheet.is_dark(world, optics, &spot, off)
-                            && lit
-                                .solve((world, optics), entry, sheet, &spot, (point, site), target)
-                                .is_some_and(|found| found.dir.distance(-dir) <= SAME)
-                    }
+                    Cell::Solved => lit
+                        .solve((world, optics), entry, sheet, &spot, (point, site), target)
+                        .is_some_and(|found| found.dir.distance(-dir) <= SAME),
                 })
             })
         })

@@ -100,7 +100,7 @@ impl<M: Mode> Tables<M> {
     /// Where a place of the picture lies among the nodes.
     pub(super) fn spot(&self, film: DVec2) -> Option<Spot> {
         let [nx, ny] = self.nodes.count.map(|count| (count - 1) as f64);
-        self.nodes.spot((film / self.half * 0.5 + 0.5) * DVec2::new(nx, ny), 0.0)
+        self.nodes.spot((film / self.half * 0.5 + 0.5) * DVec2::new(nx, ny))
     }
 
     /// The place in the picture at fractional node coordinates.
@@ -126,7 +126,7 @@ impl<M: Mode> Tables<M> {
     ) -> impl Iterator<Item = Brought<M>> + use<'t, M> {
         let known = self.tables.get(entry).and_then(|table| {
             let aside = table.uses[spot.cell].aside;
-            let spot = if aside == [0; 2] { *spot } else { self.nodes.spot_by(spot.at, 0.0, aside)? };
+            let spot = if aside == [0; 2] { *spot } else { self.nodes.spot_by(spot.at, aside)? };
             Some((table, spot))
         });
         let branches =

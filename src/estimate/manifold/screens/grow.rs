@@ -4,6 +4,7 @@ use super::lit::{Entry, Lit, Solution, letter};
 use super::sheet::{Cell, Crossing, Node, Sheet, beyond};
 use super::{MOST_SHEETS, SAME, TOLERANCE};
 use crate::estimate::manifold::face_map::FaceMap;
+use crate::estimate::manifold::nodes::Spot;
 use crate::estimate::manifold::solve::Target;
 use crate::film::train::Screen;
 use crate::world::World;
@@ -95,8 +96,7 @@ impl<M: Mode> Lit<M> {
         if known {
             return;
         }
-        let mut sheet =
-            Sheet { nodes: vec![None; self.map.nodes.number()], cells: vec![Cell::Nothing; self.map.nodes.number()] };
+        let mut sheet = Sheet::new(self.map.nodes.number());
         let mut tried = vec![false; self.map.nodes.number()];
         let from_seed = |at: usize| {
             let step = -self.map.from_node(at, &spot);
@@ -122,8 +122,15 @@ impl<M: Mode> Lit<M> {
             return;
         }
         self.complete((world, optics), &mut sheet);
+        sheet.gather();
         for cell in self.map.nodes.cells() {
             sheet.cells[cell] = self.judge((world, optics), entry, &sheet, cell);
+        }
+        for cell in self.map.nodes.cells().filter(|cell| sheet.cells[*cell] == Cell::Nothing).collect::<Vec<_>>() {
+            let beside = self.map.inner_of(cell).map(|inner| sheet.cells[inner]);
+            if matches!(beside, Some(Cell::Interpolated | Cell::Solved)) {
+                sheet.cells[cell] = Cell::Rim;
+            }
         }
         if sheet.cells.iter().any(|cell| *cell != Cell::Nothing) {
             entry.sheets.push(sheet);
@@ -173,6 +180,13 @@ impl<M: Mode> Lit<M> {
     /// Adds nodes just beyond what is lit, by cubics through the four nodes next to them along a row or a column: where
     /// the edge is that of a slide's picture, cells on it can be interpolated, and the picture itself says where it ends.
     pub(super) fn complete(&self, (world, optics): (&World, &Optics<M>), sheet: &mut Sheet<M>) {
+        // Corners of what is lit lie beside nodes that are only there the second time.
+        for _ in 0..2 {
+            self.extend((world, optics), sheet);
+        }
+    }
+
+    fn extend(&self, (world, optics): (&World, &Optics<M>), sheet: &mut Sheet<M>) {
         let missing = (0..self.map.nodes.number()).filter(|node| sheet.nodes[*node].is_none());
         let added: Vec<(usize, Node<M>)> = missing
             .filter_map(|node| {
@@ -191,42 +205,78 @@ impl<M: Mode> Lit<M> {
         }
     }
 
-    /// Whether a cell can be interpolated: by a solution in its middle.
+    /// How the connections of a cell are made: by a solution in its middle or, where the slides' pictures end in the cell,
+    /// by those about it.
     pub(super) fn judge(&self, tracing: (&World, &Optics<M>), entry: &Entry<M>, sheet: &Sheet<M>, cell: usize) -> Cell {
-        let at = self.map.nodes.middle(cell);
-        let Some(spot) = self.map.spot_at(at) else { return Cell::Nothing };
-        let nodes = || spot.nodes().map(|(node, _)| sheet.nodes[node].as_ref());
-        if nodes().all(|node| node.is_none()) {
-            return Cell::Nothing;
+        let mut found = Cell::Nothing;
+        for (k, at) in self.map.nodes.trials(cell).enumerate() {
+            let Some(spot) = self.map.spot_at(at) else { continue };
+            let nodes = || spot.nodes().map(|(node, _)| sheet.nodes[node].as_ref());
+            if nodes().all(|node| node.is_none()) {
+                return Cell::Nothing;
+            }
+            let start = self.foretell(entry, sheet, &spot, &entry.middle).map(|(dir, _)| dir);
+            let solved = start.zip(self.map.place(tracing.0, at)).and_then(|(start, from)| {
+                let middle = self.newton(tracing, entry, from, start, &entry.middle)?;
+                Some((from, middle))
+            });
+            let whole = sheet.is_whole(&spot);
+            match solved {
+                Some((from, middle)) => match self.try_at(tracing, entry, sheet, (&spot, whole), from, &middle) {
+                    Some(Cell::Interpolated) => found = Cell::Interpolated,
+                    Some(other @ (Cell::Nothing | Cell::Solved | Cell::Rim)) => return other,
+                    None => {}
+                },
+                None if !whole => return Cell::Nothing,
+                None => {}
+            }
+            if k == 0 && found == Cell::Interpolated {
+                return found;
+            }
         }
-        let start = self.foretell(entry, sheet, &spot, &entry.middle).map(|(dir, _)| dir);
-        let Some((start, from)) = start.zip(self.map.place(tracing.0, at)) else { return Cell::Nothing };
+        found
+    }
+
+    /// The same by the solution for one place of a cell; none where nodes and solution agree that a slide's picture has
+    /// ended. `whole`: all nodes about it are there.
+    fn try_at(
+        &self,
+        tracing: (&World, &Optics<M>),
+        entry: &Entry<M>,
+        sheet: &Sheet<M>,
+        (spot, whole): (&Spot, bool),
+        from: (DVec3, Site),
+        middle: &Solution,
+    ) -> Option<Cell> {
         // Near a fold the lamp's points have solutions of very different strength, or none: few would bring much.
-        let Some(middle) = self.newton(tracing, entry, from, start, &entry.middle) else { return Cell::Nothing };
         let factors = self.aside(tracing, entry, (from, middle.dir), |_, found| Some(found.factor));
         let alike = |factor: &f64| (factor - middle.factor).abs() <= UNEVEN * middle.factor;
-        let Some(factors) = factors.filter(|factors| factors.iter().all(alike)) else { return Cell::Nothing };
-        if !nodes().all(|node| node.is_some_and(|node| !node.exact_only)) {
-            return Cell::Solved;
+        let Some(factors) = factors.filter(|factors| factors.iter().all(alike)) else { return Some(Cell::Nothing) };
+        if !whole {
+            return Some(Cell::Solved);
         }
-        let Some(found) = self.node(tracing, entry, at, middle.dir) else { return Cell::Solved };
-        let Some(blend) = sheet.blend(&spot, DVec2::ZERO) else { return Cell::Solved };
+        let Some(blend) = sheet.blend(spot, DVec2::ZERO) else { return Some(Cell::Solved) };
+        let (world, optics) = tracing;
+        let Some(found) = self.node(tracing, entry, spot.at, middle.dir) else {
+            let ended = |(slide, at): &(usize, DVec3)| optics.slide(&world.slides[*slide], *at).is_none();
+            return if blend.slides.iter().any(ended) { None } else { Some(Cell::Solved) };
+        };
         if blend.slides.len() != found.slides.len() || blend.alone != found.alone {
-            return Cell::Solved;
+            return Some(Cell::Solved);
         }
         let errs =
             |lane: usize| (blend.strength[lane] - found.strength[lane]).abs() > TOLERANCE * found.strength[lane].abs();
         let moved = |((_, at), crossing): (&(usize, DVec3), &Crossing)| {
-            at.distance(crossing.local) > TOLERANCE * tracing.0.slides[crossing.slide].size()
+            at.distance(crossing.local) > TOLERANCE * world.slides[crossing.slide].size()
         };
         let turned = blend.dir.distance(found.dir) > TOLERANCE;
         let wrong = turned || (0..M::LANES).any(errs) || blend.slides.iter().zip(&found.slides).any(moved);
         if wrong {
-            return Cell::Solved;
+            return Some(Cell::Solved);
         }
         // The middle of the lamp has to stand for all of it.
         let mean = factors.iter().sum::<f64>() / factors.len() as f64;
         let even = (mean - middle.factor).abs() <= EVEN * middle.factor;
-        if even { Cell::Interpolated } else { Cell::Solved }
+        Some(if even { Cell::Interpolated } else { Cell::Solved })
     }
 }

@@ -1,6 +1,7 @@
 //! One branch of a train for one lamp as a table over a face: solutions at nodes, and what lies between them.
 
 use super::Incoming;
+use crate::estimate::manifold::face_map::FaceMap;
 use crate::estimate::manifold::nodes::Spot;
 use crate::film::accumulate::Light;
 use crate::world::World;
@@ -45,12 +46,34 @@ pub(super) enum Cell {
     Nothing,
     Interpolated,
     Solved,
+    /// Of the ring about what a pilot found, beside a cell with solutions, where no table tells how far the light reaches.
+    Rim,
+}
+
+/// What of a node is blended with others, apart from the rest so that sixteen of them lie close together.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lean<M: Mode> {
+    dir: DVec3,
+    strength: M::Lanes<f64>,
+    local: [DVec3; SLIDES],
+}
+
+impl<M: Mode> Lean<M> {
+    fn new(node: Option<&Node<M>>) -> Self {
+        let local = |k: usize| node.and_then(|node| Some(node.slides.get(k)?.local)).unwrap_or_default();
+        Lean {
+            dir: node.map_or(DVec3::ZERO, |node| node.dir),
+            strength: node.map_or(lanes::<M, _>(|_| 0.0), |node| node.strength),
+            local: std::array::from_fn(local),
+        }
+    }
 }
 
 /// One branch of a train for one lamp.
 #[derive(Debug)]
 pub(super) struct Sheet<M: Mode> {
     pub(super) nodes: Vec<Option<Node<M>>>,
+    lean: Vec<Lean<M>>,
     pub(super) cells: Vec<Cell>,
 }
 
@@ -64,41 +87,51 @@ pub(super) struct Blend<M: Mode> {
 }
 
 impl<M: Mode> Sheet<M> {
-    /// How connections at a spot are made.
-    pub(super) fn cell(&self, spot: &Spot) -> Cell {
+    /// Of so many nodes, none of which has a solution yet.
+    pub(super) fn new(nodes: usize) -> Self {
+        Sheet { nodes: vec![None; nodes], lean: Vec::new(), cells: vec![Cell::Nothing; nodes] }
+    }
+
+    /// To be called when all nodes are there, before they are blended.
+    pub(super) fn gather(&mut self) {
+        self.lean = self.nodes.iter().map(|node| Lean::new(node.as_ref())).collect();
+    }
+
+    /// Whether the nodes about a spot are all there and can be blended.
+    pub(super) fn is_whole(&self, spot: &Spot) -> bool {
+        let Some(near) = self.nodes[spot.cell].as_ref() else { return false };
+        spot.nodes().all(|(node, _)| {
+            self.nodes[node].as_ref().is_some_and(|node| {
+                !node.exact_only && node.alone == near.alone && node.slides.len() == near.slides.len()
+            })
+        })
+    }
+
+    /// How connections at a spot of a map are made.
+    pub(super) fn cell(&self, map: &FaceMap, spot: &Spot) -> Cell {
         match self.cells[spot.cell] {
-            Cell::Interpolated if spot.outside => Cell::Solved,
+            Cell::Rim if map.is_beside(spot) => Cell::Solved,
+            Cell::Rim => Cell::Nothing,
             cell @ (Cell::Nothing | Cell::Interpolated | Cell::Solved) => cell,
         }
     }
 
-    /// Whether a spot beyond the outer nodes is beside the slides' pictures, so that nothing need be solved for.
-    pub(super) fn is_dark(&self, world: &World, optics: &Optics<M>, spot: &Spot, off: DVec2) -> bool {
-        spot.outside
-            && self.cells[spot.cell] == Cell::Interpolated
-            && self.blend(spot, off).is_some_and(|blend| {
-                blend.slides.iter().any(|(slide, at)| optics.slide(&world.slides[*slide], *at).is_none())
-            })
-    }
-
-    /// The nodes' solutions in between; none where one is missing or they do not cross the same slides.
+    /// The nodes' solutions in between; only where they are whole.
     pub(super) fn blend(&self, spot: &Spot, off: DVec2) -> Option<Blend<M>> {
         let near = self.nodes[spot.cell].as_ref()?;
         let mut dir = DVec3::ZERO;
         let mut strength = lanes::<M, _>(|_| 0.0);
-        let mut slides: ArrayVec<(usize, DVec3), SLIDES> =
-            near.slides.iter().map(|crossing| (crossing.slide, DVec3::ZERO)).collect();
+        let mut local = [DVec3::ZERO; SLIDES];
         for (node, weight) in spot.nodes() {
-            let node = self.nodes[node].as_ref()?;
-            if node.slides.len() != near.slides.len() || node.alone != near.alone {
-                return None;
-            }
+            let node = self.lean.get(node)?;
             dir += weight * node.dir;
             for lane in 0..M::LANES {
                 strength[lane] += weight * node.strength[lane];
             }
-            slides.iter_mut().zip(&node.slides).for_each(|((_, at), crossing)| *at += weight * crossing.local);
+            local.iter_mut().zip(node.local).for_each(|(sum, at)| *sum += weight * at);
         }
+        let mut slides: ArrayVec<(usize, DVec3), SLIDES> =
+            near.slides.iter().zip(local).map(|(crossing, at)| (crossing.slide, at)).collect();
         dir += near.by_lamp[0] * off.x + near.by_lamp[1] * off.y;
         for ((_, at), crossing) in slides.iter_mut().zip(&near.slides) {
             *at += crossing.by_lamp[0] * off.x + crossing.by_lamp[1] * off.y;

@@ -153,9 +153,9 @@ impl<M: Mode> Maker<'_, M> {
         let corners = tables.nodes.corners(cell);
         let lit = |nodes: &&Vec<Option<Node<M>>>| corners.iter().any(|node| nodes[*node].is_some());
         let lit: Vec<&Vec<Option<Node<M>>>> = branches.iter().filter(lit).collect();
-        let at = tables.nodes.middle(cell);
+        let at = tables.nodes.at_node(cell) + 0.5;
         let known = SIDES.into_iter().find_map(|aside| {
-            let spot = tables.nodes.spot_by(at, 0.0, aside)?;
+            let spot = tables.nodes.spot_by(at, aside)?;
             let whole = lit.iter().all(|nodes| spot.nodes().all(|(node, _)| nodes[node].is_some()));
             whole.then_some((aside, spot))
         });
