@@ -164,12 +164,11 @@ fn what_connection_leaves_is_kept_by_photons() {
 }
 
 /// A hair between the nodes of the tables that connections are read from is seen as in a picture that is too small to have
-/// tables, column by column; and it takes enough light to be missed.
-#[test]
-fn tables_hide_nothing() {
+/// tables, column by column; and it takes enough light to be missed. `passes`: of the picture with tables, of the others.
+fn a_hair_is_seen(name: &str, passes: [u64; 2]) {
     const SMALL: [usize; 2] = [100, 50];
     const TIMES: usize = 3;
-    let mut dark = sample("hud-direct/hud.optics.toml", SMALL);
+    let mut dark = sample(name, SMALL);
     dark.slides[0].pixels = Arc::new(vec![1.0; dark.slides[0].width * dark.slides[0].height]);
     let with_hair = |size: [usize; 2]| {
         let mut scene = dark.clone();
@@ -197,12 +196,23 @@ fn tables_hide_nothing() {
         };
         (0..width / times).map(mean).collect::<Vec<(f64, f64)>>()
     };
-    let tables = columns(&with_hair(SMALL.map(|side| TIMES * side)), 16, 1, TIMES);
-    let solved = columns(&with_hair(SMALL), 16, 2, 1);
-    let without = columns(&dark, 16, 3, 1);
+    let tables = columns(&with_hair(SMALL.map(|side| TIMES * side)), passes[0], 1, TIMES);
+    let solved = columns(&with_hair(SMALL), passes[1], 2, 1);
+    let without = columns(&dark, passes[1], 3, 1);
     let z = |a: &[(f64, f64)], b: &[(f64, f64)]| worst_z(&block_z(a, b, SMALL[0], 1), 1e-3);
     let ((worst, bound), (hair, _)) = (z(&tables, &solved), z(&tables, &without));
     println!("worst z {worst:.2} of {bound:.2}; without the hair {hair:.0}");
     assert!(worst < bound, "{worst} of {bound}");
     assert!(hair > 2.0 * bound, "the hair is not seen: {hair}");
+}
+
+#[test]
+fn tables_hide_nothing() {
+    a_hair_is_seen("hud-direct/hud.optics.toml", [16, 16]);
+}
+
+/// The same for tables of where rays from the eye land on a lit screen.
+#[test]
+fn glances_hide_nothing() {
+    a_hair_is_seen("hud-diffuse/hud.optics.toml", [4, 8]);
 }

@@ -109,6 +109,20 @@ impl<'w, M: Mode> Walker<'w, M> {
         None
     }
 
+    /// Goes on to a face of a part; none if something else is on the way.
+    pub fn reach_face(&mut self, face: (u32, u32), ledger: &mut Ledger) -> Option<Vertex> {
+        loop {
+            let Met::Face(vertex) = self.advance(ledger) else { return None };
+            if (vertex.hit.site.part, vertex.hit.site.face) == face {
+                return Some(vertex);
+            }
+            self.last = None;
+            if !matches!(self.meet(&vertex, ledger), Meeting::Went) || self.last.is_some() {
+                return None;
+            }
+        }
+    }
+
     /// Goes on to what shines next on the way; none if something else is there.
     pub fn reach_lamp(&mut self, ledger: &mut Ledger) -> Option<Shining<'w>> {
         loop {

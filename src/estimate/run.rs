@@ -7,6 +7,7 @@ use super::backward::Backward;
 use super::forward::Forward;
 use super::ledger::Ledger;
 use super::manifold::connections::Connections;
+use super::manifold::glances::Glances;
 use super::manifold::screens::Screens;
 use super::manifold::tables::Tables;
 use super::manifold::vision::Manifold;
@@ -243,7 +244,9 @@ fn begin_in<'w, M: Mode + 'w>(
             )),
             Estimator::Manifold => {
                 let tables = Tables::new(world, &optics, &connections);
-                Engine::Manifold(Manifold::new(world, route, (connections.clone(), tables), screens.clone(), seed))
+                let glances = Glances::new(world, &optics, &screens);
+                let (from_eye, lit) = ((connections.clone(), tables), (screens.clone(), glances));
+                Engine::Manifold(Manifold::new(world, route, from_eye, lit, seed))
             }
             Estimator::Photon => Engine::Photon(PhotonMapper::new(
                 world,

@@ -3,6 +3,7 @@
 pub mod bundle;
 pub mod connections;
 pub mod face_map;
+pub mod glances;
 pub mod grid;
 mod look;
 pub mod nodes;

@@ -7,6 +7,7 @@
 //! Most of it is read from [`Tables`], whose errors a few solutions make good.
 
 use super::connections::{Connections, Entry};
+use super::glances::Glances;
 use super::look;
 use super::screens::Screens;
 use super::solve::{Root, Target};
@@ -35,6 +36,7 @@ pub struct Manifold<'w, M: Mode> {
     pub(super) route: Route,
     connections: Arc<Connections>,
     tables: Option<Tables<M>>,
+    pub(super) glances: Option<Glances<M>>,
     screens: Arc<Screens<M>>,
     pub(super) seed: u64,
 }
@@ -44,10 +46,10 @@ impl<'w, M: Mode> Manifold<'w, M> {
         world: &'w World,
         route: Route,
         (connections, tables): (Arc<Connections>, Option<Tables<M>>),
-        screens: Arc<Screens<M>>,
+        (screens, glances): (Arc<Screens<M>>, Option<Glances<M>>),
         seed: u64,
     ) -> Self {
-        Manifold { mode: PhantomData, world, route, connections, tables, screens, seed }
+        Manifold { mode: PhantomData, world, route, connections, tables, glances, screens, seed }
     }
 
     /// Adds passes `first .. first + count` to the film. The ledger counts connections as paths, and what they bring, in

@@ -1,0 +1,201 @@
+//! How the tables are filled: trains as rays from the eye find them, node by node, and cell by cell on trial.
+
+use super::{Glance, Glances, Landing, OUTER, OVER_PUPIL, Use};
+use crate::base::chain::{Chain, Link};
+use crate::base::rng::{Rng, Stream};
+use crate::estimate::ledger::Ledger;
+use crate::estimate::manifold::look::to_scatterer;
+use crate::estimate::manifold::nodes::Spot;
+use crate::estimate::manifold::screens::Screens;
+use crate::estimate::walk::{Travel, Vertex, Walker};
+use crate::world::World;
+use crate::world::geometry::Ray;
+use crate::world::interior::Interior;
+use crate::world::mode::{LaneArray, Mode, lanes};
+use crate::world::optics::Optics;
+use crate::world::stokes::Amount;
+use crate::world::surface::Surface;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Rays from the eye that look for trains, along both axes of the picture.
+const LOOKS: usize = 12;
+/// Most trains, and the least light of one over that of the best.
+const MOST: usize = 4;
+const WORTH: f64 = 1e-3;
+/// Trains with less than this share are done without in cells where they end.
+const FAINT: f64 = 0.02;
+/// The ray itself is followed with this probability where the tables did well on trial, and always where they were off by
+/// this share. A place that is off by a pixel counts as this much.
+const LEAST: f64 = 1.0 / 8.0;
+const POOR: f64 = 0.01;
+const SHARP: f64 = 0.2;
+/// Where a cell is tried, in radii of the pupil.
+const TRIALS: [DVec2; 4] = [DVec2::new(0.6, 0.3), DVec2::new(-0.3, 0.6), DVec2::new(-0.6, -0.3), DVec2::new(0.3, -0.6)];
+
+/// The ray itself is always followed.
+const NONE: Use = Use { share: 1.0, known: 0 };
+
+type Tracing<'t, M> = (&'t World, &'t Optics<M>);
+
+impl<M: Mode> Glances<M> {
+    pub(super) fn make(mut self, tracing: Tracing<'_, M>, screens: &Screens<M>) -> Self {
+        let trains = self.trains(tracing, screens);
+        let filled = |(chain, face)| self.fill(tracing, chain, face);
+        let glances: Vec<Glance<M>> = trains.into_iter().filter_map(filled).collect();
+        self.glances = glances;
+        let cells: Vec<usize> = self.nodes.cells().collect();
+        let uses: Vec<(usize, Use)> = cells.par_iter().map(|cell| (*cell, self.use_of(tracing, *cell))).collect();
+        self.uses = vec![NONE; self.nodes.number()];
+        for (cell, usage) in uses {
+            self.uses[cell] = usage;
+        }
+        self
+    }
+
+    /// The trains over which rays from the eye come to faces that are joined with lamps, those with the most light first.
+    fn trains(&self, (world, optics): Tracing<'_, M>, screens: &Screens<M>) -> Vec<(Chain, (u32, u32))> {
+        let mut found: BTreeMap<(Chain, (u32, u32)), f64> = BTreeMap::new();
+        let mut ledger = Ledger::new(world.solids.len());
+        for k in 0..LOOKS * LOOKS {
+            let at = DVec2::new((k % LOOKS) as f64 + 0.5, (k / LOOKS) as f64 + 0.5) / LOOKS as f64;
+            let film = (2.0 * at - 1.0) * self.half;
+            let rng = Rng::new(0, Stream::Pilot, 5, k as u64);
+            let walker = start((world, optics), film, DVec2::ZERO, rng).recording();
+            to_scatterer(walker, 1.0, &mut ledger, &mut |walker: &mut Walker<'_, M>, vertex: &Vertex, _, _, _| {
+                let face = (vertex.hit.site.part, vertex.hit.site.face);
+                let chain = walker.chain().filter(|_| screens.has_face(face));
+                if let Some(chain) = chain {
+                    *found.entry((chain.clone(), face)).or_default() += walker.beam.weight();
+                }
+            });
+        }
+        let plain = |link: &Link| {
+            let face = world.faces.get(link.part as usize).and_then(|faces| faces.get(link.face as usize));
+            face.is_some_and(|face| !matches!(face.surface, Surface::Slide(_)))
+        };
+        let best = found.values().fold(0.0, |a: f64, b| a.max(*b));
+        let mut found: Vec<_> = found.into_iter().filter(|(_, weight)| *weight >= WORTH * best).collect();
+        found.retain(|((chain, _), _)| chain.0.iter().all(plain));
+        found.sort_by(|a, b| b.1.total_cmp(&a.1));
+        found.into_iter().map(|(train, _)| train).take(MOST).collect()
+    }
+
+    /// Follows a ray over a train to a face.
+    fn follow<'w>(
+        &self,
+        (world, optics): Tracing<'w, M>,
+        (film, pupil): (DVec2, DVec2),
+        chain: &Chain,
+        face: (u32, u32),
+    ) -> Option<(Walker<'w, M>, Vertex)> {
+        let mut ledger = Ledger::new(world.solids.len());
+        let mut walker = start((world, optics), film, pupil, Rng::new(0, Stream::Pilot, 6, 0));
+        let whole = walker.follow(chain.0.iter().copied(), &mut ledger, |_, _, _| {});
+        let vertex = whole.then(|| walker.reach_face(face, &mut ledger)).flatten()?;
+        walker.heal(&vertex, &mut ledger);
+        (walker.beam.count() == M::LANES).then_some((walker, vertex))
+    }
+
+    fn fill(&self, tracing: Tracing<'_, M>, chain: Chain, face: (u32, u32)) -> Option<Glance<M>> {
+        let over_pupil = |k: usize| DVec2::new(k as f64 % 3.0 - 1.0, (k / 3) as f64 - 1.0) * (OUTER * self.radius);
+        let landed = |at: usize| -> [Option<(Walker<'_, M>, Vertex)>; OVER_PUPIL] {
+            let film = self.film(self.nodes.at_node(at));
+            std::array::from_fn(|k| self.follow(tracing, (film, over_pupil(k)), &chain, face))
+        };
+        let first = (0..self.nodes.number()).find_map(|at| landed(at).into_iter().flatten().next());
+        let (walker, vertex) = first?;
+        // What the nodes do not say has to be the same everywhere.
+        let alike = |(other, at): &(Walker<'_, M>, Vertex)| {
+            let touching =
+                |vertex: &Vertex| vertex.touching.map(|other| (other.site.part, other.site.face, other.flush));
+            other.trail == walker.trail
+                && other.told == walker.told
+                && other.interior == walker.interior
+                && at.outside == vertex.outside
+                && touching(at) == touching(&vertex)
+        };
+        let node = |at: usize| -> Option<[Landing<M>; OVER_PUPIL]> {
+            let all = landed(at);
+            let landing = |one: &Option<(Walker<'_, M>, Vertex)>| one.as_ref().filter(|one| alike(one)).map(landing);
+            let all: Option<Vec<Landing<M>>> = all.iter().map(landing).collect();
+            all?.try_into().ok()
+        };
+        let nodes = (0..self.nodes.number()).into_par_iter().map(node).collect();
+        let Walker { trail, told, interior, events, .. } = walker;
+        Some(Glance { chain, vertex, trail, told, interior, events, nodes })
+    }
+
+    /// How a cell is to be used, by rays through its middle.
+    fn use_of(&self, tracing: Tracing<'_, M>, cell: usize) -> Use {
+        let middle = self.nodes.at_node(cell) + 0.5;
+        let Some(spot) = self.nodes.spot(middle) else { return NONE };
+        let film = self.film(middle);
+        let (mut known, mut worst, mut best) = (0u32, 0f64, 0f64);
+        for (k, glance) in self.glances.iter().enumerate() {
+            let has = |(node, _): &(usize, f64)| glance.nodes[*node].is_some();
+            let count = spot.nodes().filter(has).count();
+            let trial = if count == 16 { self.error(tracing, glance, &spot, film) } else { None };
+            let Some((off, weight)) = trial else {
+                // Its light is left to the rays that are followed: much of it must not be.
+                let share = self.share_beside(tracing, glance, film, best);
+                if share > FAINT {
+                    return NONE;
+                }
+                continue;
+            };
+            best = best.max(weight);
+            known |= 1 << k;
+            worst = worst.max(off * weight / best);
+        }
+        if known == 0 { NONE } else { Use { share: (worst / POOR).clamp(LEAST, 1.0), known } }
+    }
+
+    /// Of the light of the best train, the share that comes over another one to a place in the picture.
+    fn share_beside(&self, tracing: Tracing<'_, M>, glance: &Glance<M>, film: DVec2, best: f64) -> f64 {
+        let face = (glance.vertex.hit.site.part, glance.vertex.hit.site.face);
+        let weight = |trial: &DVec2| {
+            let found = self.follow(tracing, (film, *trial * self.radius), &glance.chain, face);
+            found.map_or(0.0, |(walker, _)| walker.beam.weight())
+        };
+        let most = TRIALS.iter().map(weight).fold(0.0, f64::max);
+        if best > 0.0 { most / best } else { most }
+    }
+
+    /// By how much the table of a train is off in the middle of a cell, as a share, and what light it brings; none where a
+    /// ray does not land.
+    fn error(&self, tracing: Tracing<'_, M>, glance: &Glance<M>, spot: &Spot, film: DVec2) -> Option<(f64, f64)> {
+        let site = glance.vertex.hit.site;
+        let (mut worst, mut light) = (0f64, 0f64);
+        let aside = glance.nodes[spot.cell].as_ref()?[OVER_PUPIL / 2].point;
+        let next = glance.nodes[spot.cell + 1].as_ref()?[OVER_PUPIL / 2].point;
+        let pixel_m = aside.distance(next) / super::PIXELS as f64;
+        for trial in TRIALS {
+            let pupil = trial * self.radius;
+            let (walker, vertex) = self.follow(tracing, (film, pupil), &glance.chain, (site.part, site.face))?;
+            let blend = glance.blend(&self.look_at(*spot, pupil, NONE))?;
+            let (table, _) = glance.land(tracing, &blend, 1.0, Rng::new(0, Stream::Pilot, 6, 1))?;
+            let real = landing(&(walker, vertex));
+            let of_lane = |lane: usize| (table.beam.amount(lane).power() / real.weight[lane] - 1.0).abs();
+            let strength = (0..M::LANES).map(of_lane).fold(0.0, f64::max);
+            let place = SHARP * blend.point.distance(real.point) / pixel_m;
+            let turned = blend.dir.normalize_or_zero().distance(real.dir);
+            worst = worst.max(strength + place + turned);
+            light = light.max(real.weight.as_slice().iter().sum::<f64>() / M::LANES as f64);
+        }
+        worst.is_finite().then_some((worst, light))
+    }
+}
+
+fn start<'w, M: Mode>((world, optics): Tracing<'w, M>, film: DVec2, pupil: DVec2, rng: Rng) -> Walker<'w, M> {
+    let (origin, (_, dir), ..) = world.eye.ray_of(film, pupil);
+    let ray = Ray { origin, dir, from: None };
+    Walker::new((world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng)
+}
+
+fn landing<M: Mode>((walker, vertex): &(Walker<'_, M>, Vertex)) -> Landing<M> {
+    let weight = lanes::<M, _>(|lane| walker.beam.amount(lane).power());
+    let point: DVec3 = vertex.hit.point;
+    Landing { point, dir: walker.ray.dir, weight }
+}
