@@ -9,18 +9,23 @@
 use eyebox::base::ids::MeshId;
 use eyebox::base::rng::{Rng, Stream};
 use eyebox::base::warp;
-use eyebox::check::check;
 use eyebox::import::{ImportOptions, import};
 use eyebox::scene::{Eye, Face, FaceRange, Finish, Mesh, Part, Scene, Shape};
 use eyebox::world::geometry::{Geometry, Ray};
 use glam::{DAffine3, DVec3};
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::io::Write;
 use std::path::Path;
-use std::time::Instant;
+
+#[path = "rays/embree.rs"]
+mod embree;
+use embree::{Embree, KINDS};
 
 const RAYS: usize = 1_000_000;
-const ROUNDS: usize = 5;
+/// Each batch of rays is timed this many times, the fastest counts: what else the machine does comes and goes.
+const ROUNDS: usize = 7;
+const BATCH: usize = 25_000;
 
 /// What is traced: one mesh and rays as origin and direction.
 struct Case {
@@ -71,11 +76,9 @@ impl Case {
         Case::new(name, positions, triangles)
     }
 
-    /// All parts of the direct sample as triangles in world metres.
-    fn hud() -> Case {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/hud-direct/hud.optics.toml");
-        let scene = import(&path, &ImportOptions::default()).expect("the sample imports").scene;
-        check(&scene).expect("the sample is sound");
+    /// All parts of an assembly as triangles in world metres.
+    fn asset(path: &Path) -> Case {
+        let scene = import(path, &ImportOptions::default()).expect("the asset imports").scene;
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         for part in &scene.parts {
             let mesh = &scene.meshes[part.mesh.index()];
@@ -86,7 +89,9 @@ impl Case {
                 triangles.extend(mesh.triangles[range.triangles()].iter().map(|t| t.map(|v| v + base)));
             }
         }
-        Case::new("hud", positions, triangles)
+        let folder = path.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy();
+        let name = if path.ends_with("hud.optics.toml") { folder } else { name_of(path) };
+        Case::new(&name, positions, triangles)
     }
 
     fn write(&self, folder: &Path) -> std::io::Result<()> {
@@ -107,7 +112,7 @@ impl Case {
         let mut word = || words.next().expect("the file is whole");
         let [vertices, triangles, rays] = [(); 3].map(|()| u32::from_le_bytes(word()));
         Case {
-            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            name: name_of(path).into_owned(),
             positions: (0..vertices).map(|_| [(); 3].map(|()| f32::from_le_bytes(word()))).collect(),
             triangles: (0..triangles).map(|_| [(); 3].map(|()| u32::from_le_bytes(word()))).collect(),
             rays: (0..rays).map(|_| [(); 6].map(|()| f32::from_le_bytes(word()))).collect(),
@@ -163,7 +168,8 @@ impl Case {
         }
     }
 
-    fn time(&self) {
+    /// Traces it, and beside it with the Embree library at `embree`: rounds take turns.
+    fn time(&self, embree: Option<&Path>) {
         let scene = self.scene();
         let start = cpu_seconds();
         let geometry = Geometry::build(&scene).expect("triangles can be traced");
@@ -171,48 +177,91 @@ impl Case {
         let vector = |v: &[f32]| DVec3::new(f64::from(v[0]), f64::from(v[1]), f64::from(v[2]));
         let origin = geometry.origin();
         let ray = |r: &[f32; 6]| Ray { origin: vector(&r[..3]) - origin, dir: vector(&r[3..]), from: None };
-        let (mut best, mut hits, mut sum) = (f64::INFINITY, 0, 0.0);
-        for _ in 0..ROUNDS {
-            (hits, sum) = (0, 0.0);
-            let start = cpu_seconds();
-            for hit in self.rays.iter().filter_map(|r| geometry.intersect(&ray(r), f64::INFINITY)) {
-                hits += 1;
-                sum += hit.t;
+        let other = |kind| embree.map(|library| Embree::new(library, &self.positions, &self.triangles, kind));
+        let others = KINDS.map(other);
+        let (mut total, mut hits, mut sum) = ([0.0; 1 + KINDS.len()], [0; 1 + KINDS.len()], 0.0);
+        for rays in self.rays.chunks(BATCH) {
+            let mut best = [f64::INFINITY; 1 + KINDS.len()];
+            for round in 0..ROUNDS {
+                let mut met = [0; 1 + KINDS.len()];
+                let start = cpu_seconds();
+                for hit in rays.iter().filter_map(|r| geometry.intersect(&ray(r), f64::INFINITY)) {
+                    met[0] += 1;
+                    sum += if round == 0 { hit.t } else { 0.0 };
+                }
+                best[0] = best[0].min(cpu_seconds() - start);
+                for (i, other) in (1..).zip(&others) {
+                    if let Some(other) = other {
+                        let start = cpu_seconds();
+                        met[i] = rays.iter().filter(|ray| other.intersect(ray).is_finite()).count();
+                        best[i] = best[i].min(cpu_seconds() - start);
+                    }
+                }
+                if round == 0 {
+                    hits.iter_mut().zip(met).for_each(|(all, met)| *all += met);
+                }
             }
-            best = best.min(cpu_seconds() - start);
+            total.iter_mut().zip(best).for_each(|(total, best)| *total += best);
         }
         let count = self.rays.len() as f64;
         println!(
-            "{:12} {:8} triangles, build {build:.2} s: {:.3} Mrays/s, {:.0} ns a ray; {hits} hits, sum of t {sum:.6}",
+            "{:12} {:8} triangles, build {build:.2} s: {:.3} Mrays/s, {:.0} ns a ray; {} hits, sum of t {sum:.6}",
             self.name,
             self.triangles.len(),
-            count / best * 1e-6,
-            best / count * 1e9
+            count / total[0] * 1e-6,
+            total[0] / count * 1e9,
+            hits[0]
         );
+        for (i, kind) in (1..).zip(KINDS).filter(|_| embree.is_some()) {
+            println!(
+                "{:12} Embree {kind:?}: {:.3} Mrays/s, {:.0} ns a ray; {} hits; we trace {:.3} times as many",
+                "",
+                count / total[i] * 1e-6,
+                total[i] / count * 1e9,
+                hits[i],
+                total[i] / total[0]
+            );
+        }
     }
 }
 
-/// CPU seconds of this thread where the system says them (Linux), else of the wall clock.
+fn name_of(path: &Path) -> Cow<'_, str> {
+    path.file_stem().unwrap_or_default().to_string_lossy()
+}
+
+/// CPU seconds of this thread where the system says them, else of the wall clock.
 fn cpu_seconds() -> f64 {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanos = told.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
-    match nanos {
-        Some(nanos) => nanos * 1e-9,
-        None => {
-            static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
-            START.get_or_init(Instant::now).elapsed().as_secs_f64()
-        }
+    #[cfg(target_os = "linux")]
+    {
+        let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+        now.tv_sec as f64 + now.tv_nsec as f64 * 1e-9
+    }
+    #[cfg(not(target_os = "linux"))]
+    {
+        static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+        START.get_or_init(std::time::Instant::now).elapsed().as_secs_f64()
     }
 }
 
 fn main() {
-    let named: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let mut named: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let asked = named.iter().position(|a| a == "--embree");
+    let embree =
+        asked.map(|at| named.drain(at..(at + 2).min(named.len())).next_back().expect("a path behind --embree"));
+    let embree = embree.as_deref().map(Path::new);
     let (folders, files): (Vec<&Path>, Vec<&Path>) = named.iter().map(Path::new).partition(|path| path.is_dir());
-    files.iter().for_each(|file| Case::read(file).time());
+    let is_asset = |file: &Path| file.extension().is_none_or(|end| end != "rays");
+    let case = |file: &&Path| if is_asset(file) { Case::asset(file) } else { Case::read(file) };
+    files.iter().for_each(|file| case(file).time(embree));
     if files.is_empty() {
-        for case in [Case::ball("ball-1e5", 1e5), Case::ball("ball-1e6", 1e6), Case::hud()] {
+        let sample = |name: &str| {
+            let path = format!("samples/{name}/hud.optics.toml");
+            Case::asset(&Path::new(env!("CARGO_MANIFEST_DIR")).join(path))
+        };
+        let cases = [Case::ball("ball-1e5", 1e5), Case::ball("ball-1e6", 1e6)];
+        for case in cases.into_iter().chain(["hud-direct", "hud-diffuse"].map(sample)) {
             folders.iter().for_each(|folder| case.write(folder).expect("the folder can be written"));
-            case.time();
+            case.time(embree);
         }
     }
 }

@@ -37,6 +37,7 @@ impl Bounds {
     pub fn reach(self) -> f64 {
         self.lo.abs().max(self.hi.abs()).max_element()
     }
+    #[inline(always)]
     pub fn contains(self, p: DVec3) -> bool {
         p.cmpge(self.lo).all() && p.cmple(self.hi).all()
     }
@@ -50,6 +51,12 @@ impl Bounds {
         let spread = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
         let centre = by.transform_point3(self.centre());
         Bounds { lo: centre - spread, hi: centre + spread }
+    }
+    /// Where the ray enters the box, 0 inside.
+    #[inline(always)]
+    pub fn enter(&self, origin: DVec3, inverse: DVec3) -> Option<f64> {
+        // A ray that starts inside, as most do, need not wait for its inverse.
+        if self.contains(origin) { Some(0.0) } else { self.clip(origin, inverse).map(|(near, _)| near) }
     }
     /// Parameters between which the ray is inside, if it ever is. `inverse` is 1/direction per component.
     #[inline]

@@ -87,7 +87,7 @@ impl Instance {
     }
 
     /// The ray in mesh units, and mesh units per metre along it.
-    #[inline]
+    #[inline(always)]
     fn line(&self, solid: &Solid, ray: &Ray, beside: Option<Site>, reach: f64) -> Option<(Line, f64)> {
         let origin = self.to_local.transform_point3(ray.origin);
         let along = self.to_local.transform_vector3(ray.dir);
@@ -122,7 +122,7 @@ impl Instance {
 
     /// The nearest touch nearer than `reach` metres, and its distance in metres. `beside`: the origin lies on this
     /// surface too.
-    #[inline]
+    #[inline(always)]
     pub fn nearest(&self, solid: &Solid, ray: &Ray, beside: Option<Site>, reach: f64) -> Option<(Touch, f64)> {
         let (line, scale) = self.line(solid, ray, beside, reach)?;
         let touch = solid.nearest(&line, reach * scale)?;
@@ -136,8 +136,8 @@ impl Instance {
         Some((touch, touch.t / scale))
     }
 
-    #[inline]
-    pub fn blocks(&self, solid: &Solid, ray: &Ray, beside: Option<Site>, reach: f64, target: Option<Site>) -> bool {
+    #[inline(always)]
+    pub fn blocks(&self, solid: &Solid, ray: &Ray, [beside, target]: [Option<Site>; 2], reach: f64) -> bool {
         let Some((mut line, scale)) = self.line(solid, ray, beside, reach) else { return false };
         if let Some(site) = target
             && site.part == self.part
@@ -147,6 +147,7 @@ impl Instance {
         solid.blocks(&line, reach * scale)
     }
 
+    #[inline]
     pub fn hit(&self, solid: &Solid, touch: &Touch, t: f64) -> Option<Hit> {
         let (normal, shading) = solid.normals_at(touch)?;
         let local = solid.settle(touch);

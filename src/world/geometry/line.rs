@@ -62,14 +62,16 @@ pub struct Roots {
 
 impl Line {
     /// A ray from `origin` along the unit vector `dir`; none if it misses the solid's bounds.
+    #[inline(always)]
     pub fn new(solid: &Solid, origin: DVec3, dir: DVec3, reach: f64, grain: f64) -> Option<Line> {
         let inverse = dir.recip();
-        let (start, _) = solid.bounds.clip(origin, inverse)?;
+        let start = solid.bounds.enter(origin, inverse)?;
         let [from, from_triangle, skip] = [u32::MAX; 3];
         (start <= reach).then_some(Line { origin, dir, inverse, start, from, from_triangle, skip, grain })
     }
 
     /// The ray starts on this face and triangle.
+    #[inline]
     pub fn leave(&mut self, solid: &Solid, face: u32, triangle: u32) {
         if let Some(sheet) = solid.faces.get(face as usize) {
             self.from = sheet.identity;

@@ -8,10 +8,12 @@
 
 pub mod bend;
 mod bound;
+mod cast;
 pub mod curved;
 pub mod exact;
 mod grid;
 mod huge;
+mod hunt;
 mod instance;
 mod line;
 mod pack;
@@ -31,6 +33,8 @@ mod hostile_tests;
 #[cfg(test)]
 mod leave_tests;
 #[cfg(test)]
+mod plain_tests;
+#[cfg(test)]
 pub(crate) mod scenes;
 #[cfg(test)]
 mod tests;
@@ -41,10 +45,8 @@ use crate::scene::Scene;
 use bound::Bounds;
 use glam::{DAffine3, DVec3};
 use instance::Instance;
-use line::Touch;
 use solid::Solid;
 use std::collections::HashMap;
-use std::ops::ControlFlow;
 use top::Top;
 
 /// A ray in the recentred world.
@@ -190,52 +192,6 @@ impl Geometry {
         (bounds.lo, bounds.hi)
     }
 
-    /// The first thing that the ray meets at 0 < t < `t_max`. A ray that is not finite or not unit meets nothing.
-    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
-        self.intersect_beside(ray, None, t_max)
-    }
-
-    /// The same for a ray whose origin lies on the surface `beside` too: it leaves both.
-    pub fn intersect_beside(&self, ray: &Ray, beside: Option<Site>, t_max: f64) -> Option<Hit> {
-        if !is_valid(ray) {
-            return None;
-        }
-        let mut best: Option<(u32, Touch)> = None;
-        let mut reach = t_max;
-        let _ = self.top.along(ray.origin, ray.dir, reach, |slot| {
-            if let Some(instance) = self.instances.get(slot as usize)
-                && let Some((touch, t)) = instance.nearest(&self.solids[instance.solid], ray, beside, reach)
-            {
-                reach = t;
-                best = Some((slot, touch));
-            }
-            ControlFlow::Continue(reach)
-        });
-        let (slot, touch) = best?;
-        let instance = &self.instances[slot as usize];
-        instance.hit(&self.solids[instance.solid], &touch, reach)
-    }
-
-    /// Whether anything but the face of `target` is met at 0 < t < `t_max`.
-    pub fn occluded(&self, ray: &Ray, t_max: f64, target: Option<Site>) -> bool {
-        self.occluded_beside(ray, None, t_max, target)
-    }
-
-    /// The same for a ray whose origin lies on the surface `beside` too.
-    pub fn occluded_beside(&self, ray: &Ray, beside: Option<Site>, t_max: f64, target: Option<Site>) -> bool {
-        let blocks = |slot: u32| {
-            let instance = self.instances.get(slot as usize);
-            instance.is_some_and(|instance| instance.blocks(&self.solids[instance.solid], ray, beside, t_max, target))
-        };
-        is_valid(ray)
-            && self
-                .top
-                .along(ray.origin, ray.dir, t_max, |slot| {
-                    if blocks(slot) { ControlFlow::Break(()) } else { ControlFlow::Continue(t_max) }
-                })
-                .is_break()
-    }
-
     /// The parts with a medium that the point is inside of, ascending. A part contains the point if most of several
     /// rays meet it from inside first, so a missing side or a hit on a seam does not turn it.
     pub fn solids_containing(&self, p: DVec3) -> Vec<u32> {
@@ -249,9 +205,4 @@ impl Geometry {
         parts.sort_unstable();
         parts
     }
-}
-
-/// Finite, and unit as far as it matters.
-fn is_valid(ray: &Ray) -> bool {
-    ray.origin.is_finite() && (0.25..=4.0).contains(&ray.dir.length_squared())
 }

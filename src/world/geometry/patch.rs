@@ -28,16 +28,16 @@ pub struct Crossing {
 }
 
 impl Shear {
+    #[inline(always)]
     pub fn along(dir: DVec3) -> Shear {
-        let d = dir.to_array();
+        let [a, b, c] = dir.to_array();
         // Selections, not branches: which component is the largest is anybody's guess.
-        let [a, b, c] = d.map(f64::abs);
-        let (largest, z) = if a > b { (a, 0) } else { (b, 1) };
-        let z = if largest > c { z } else { 2 };
-        let x = if z == 2 { 0 } else { z + 1 };
-        let y = if x == 2 { 0 } else { x + 1 };
-        let inverse = 1.0 / d[z];
-        Shear { axes: [x, y, z], shear: [d[x] * inverse, d[y] * inverse, inverse] }
+        let first = a.abs() > b.abs();
+        let (largest, axes, [x, y, z]) = if first { (a, [1, 2, 0], [b, c, a]) } else { (b, [2, 0, 1], [c, a, b]) };
+        let last = !(largest.abs() > c.abs());
+        let (axes, [x, y, z]) = if last { ([0, 1, 2], [a, b, c]) } else { (axes, [x, y, z]) };
+        let inverse = 1.0 / z;
+        Shear { axes, shear: [x * inverse, y * inverse, inverse] }
     }
 
     /// Coordinates of a point across the direction.
@@ -75,12 +75,14 @@ impl Shear {
 }
 
 /// The point with these weights on a triangle.
+#[inline]
 pub fn point_on(triangle: &[[f32; 3]; 3], weights: [f64; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(vertex);
     a * weights[0] + b * weights[1] + c * weights[2]
 }
 
 /// A mesh vertex in f64.
+#[inline]
 pub fn vertex(v: [f32; 3]) -> DVec3 {
     DVec3::new(f64::from(v[0]), f64::from(v[1]), f64::from(v[2]))
 }

@@ -1,6 +1,7 @@
 //! Assemblies for tests.
 
-use super::{Geometry, Hit, Ray, Site, Touch};
+use super::line::Touch;
+use super::{Geometry, Hit, Ray, Site};
 use crate::base::ids::{GroupId, MediumId, MeshId};
 use crate::base::rng::Rng;
 use crate::base::warp;

@@ -4,11 +4,13 @@ use super::bound::Bounds;
 use super::curved::Curved;
 use super::exact::Quadric;
 use super::grid::Grid;
+use super::huge;
+use super::hunt::Hunt;
 use super::line::{Line, Probe, Roots, Touch};
 use super::pack::Pack;
 use super::patch::{Projection, Shear, point_on};
 use super::tree::Tree;
-use super::wide::{Lanes, Leaf};
+use super::wide::Leaf;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -88,7 +90,7 @@ impl Surface {
 
 impl Solid {
     /// The nearest point of the line on the solid with 0 < t < reach; of equally near ones the first triangle's.
-    #[inline]
+    #[inline(always)]
     pub fn nearest(&self, line: &Line, reach: f64) -> Option<Touch> {
         let mut best: Option<Touch> = None;
         let mut reach = reach;
@@ -108,54 +110,42 @@ impl Solid {
                 consider(touch, &mut reach);
             }
         }
-        if let Some(mut probe) = self.probe(line, reach) {
-            let (along, range) = ([line.origin, line.dir, line.inverse], [probe.start, reach]);
-            let _ = self.tree.candidates(along, range, &self.packs, |leaf, lanes| {
-                self.each(leaf, lanes, &mut probe, |slot, triangle, probe| {
-                    if let Some(touch) = self.touch(slot, triangle, line, reach, probe) {
-                        consider(touch, &mut reach);
-                    }
-                    ControlFlow::Continue(())
-                })?;
-                ControlFlow::Continue(reach)
-            });
+        let Some(start) = self.start(line).filter(|start| *start <= reach) else { return best };
+        let along = [line.origin, line.dir, line.inverse];
+        if !self.packs.is_empty() {
+            let mut hunt = Hunt::<false>::new(self, line, start, reach, best.map(|best| best.triangle.index));
+            let _ = self.tree.walk(along, [start, reach], &self.packs, &mut hunt);
+            return hunt.touch().or(best);
         }
+        let mut probe = Probe::new(line, start);
+        let _ = self.tree.candidates(along, [start, reach], |leaf| {
+            self.each(leaf, |slot, triangle| {
+                if let Some(touch) = self.touch(slot, triangle, line, reach, &mut probe) {
+                    consider(touch, &mut reach);
+                }
+                ControlFlow::Continue(())
+            })?;
+            ControlFlow::Continue(reach)
+        });
         best
     }
 
-    /// Calls `visit` with the slots of a leaf that the line may touch, and their triangles.
+    /// Calls `visit` with the slots of a leaf and their triangles.
     #[inline(always)]
-    fn each(
-        &self,
-        leaf: u32,
-        lanes: Option<Lanes>,
-        probe: &mut Probe,
-        mut visit: impl FnMut(u32, &Triangle, &mut Probe) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        if let Some(pack) = self.packs.get(leaf as usize) {
-            for (slot, triangle) in pack.cross(lanes, &probe.shear, probe.through) {
-                visit(slot, &triangle, probe)?;
-            }
-        } else if let Some(Leaf { first, count }) = self.tree.leaves().get(leaf as usize).copied() {
+    fn each(&self, leaf: u32, mut visit: impl FnMut(u32, &Triangle) -> ControlFlow<()>) -> ControlFlow<()> {
+        if let Some(Leaf { first, count }) = self.tree.leaves().get(leaf as usize).copied() {
             for slot in first..first + count {
                 let Some(triangle) = self.triangles.get(slot as usize) else { break };
-                visit(slot, triangle, probe)?;
+                visit(slot, triangle)?;
             }
         }
         ControlFlow::Continue(())
     }
 
-    /// The line for the triangles of the tree, if it enters the tree's bounds.
-    #[inline]
-    fn probe(&self, line: &Line, reach: f64) -> Option<Probe> {
-        let start = self.start(line)?;
-        (start <= reach).then(|| Probe::new(line, start))
-    }
-
     /// Where the line enters the tree's bounds. Without grids the tree holds all that the solid's bounds do.
     #[inline]
     fn start(&self, line: &Line) -> Option<f64> {
-        if self.grids.is_empty() { Some(line.start) } else { Some(self.tree.bounds.clip(line.origin, line.inverse)?.0) }
+        if self.grids.is_empty() { Some(line.start) } else { self.tree.bounds.enter(line.origin, line.inverse) }
     }
 
     /// Where the line meets a face that has a grid, with 0 < t ≤ reach.
@@ -259,22 +249,27 @@ impl Solid {
     }
 
     /// Whether the line meets the solid with 0 < t < reach.
-    #[inline]
+    #[inline(always)]
     pub fn blocks(&self, line: &Line, reach: f64) -> bool {
         let touches = |touch: Option<Touch>| touch.is_some_and(|touch| touch.t < reach);
         if self.grids.iter().any(|(face, grid)| touches(self.look_up(*face, grid, line, reach, Grid::find))) {
             return true;
         }
-        let Some(mut probe) = self.probe(line, reach) else { return false };
-        let (along, range) = ([line.origin, line.dir, line.inverse], [probe.start, reach]);
-        let visit = |leaf, lanes| {
-            self.each(leaf, lanes, &mut probe, |slot, triangle, probe| {
-                let blocked = touches(self.touch(slot, triangle, line, reach, probe));
+        let Some(start) = self.start(line).filter(|start| *start <= reach) else { return false };
+        let along = [line.origin, line.dir, line.inverse];
+        if !self.packs.is_empty() {
+            let mut hunt = Hunt::<true>::new(self, line, start, reach, None);
+            return self.tree.walk(along, [start, reach], &self.packs, &mut hunt).is_break();
+        }
+        let mut probe = Probe::new(line, start);
+        let visit = |leaf| {
+            self.each(leaf, |slot, triangle| {
+                let blocked = touches(self.touch(slot, triangle, line, reach, &mut probe));
                 if blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })?;
             ControlFlow::Continue(reach)
         };
-        self.tree.candidates(along, range, &self.packs, visit).is_break()
+        self.tree.candidates(along, [start, reach], visit).is_break()
     }
 
     /// Where the line meets the part of the surface that a slot's triangle stands for, with 0 < t ≤ reach.
@@ -296,7 +291,7 @@ impl Solid {
                 let least = if starts_here { line.grain } else { 0.0 };
                 let at = || point_on(&triangle.corners, crossing.weights);
                 (t > least && t <= reach).then(|| {
-                    self.fetch_normals(slot);
+                    huge::fetch(&self.normals, slot as usize);
                     Touch { t, slot, triangle: *triangle, at: at(), weights: crossing.weights }
                 })
             }
@@ -325,21 +320,9 @@ impl Solid {
         }
     }
 
-    /// Asks the memory for what [`Solid::normals_at`] will need.
-    #[inline]
-    fn fetch_normals(&self, slot: u32) {
-        #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            // SAFETY: a hint that has no effect on what is computed, whatever the address.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(self.normals.as_ptr().wrapping_add(slot as usize).cast::<i8>()) };
-        }
-        #[cfg(not(target_arch = "x86_64"))]
-        let _ = slot;
-    }
-
     /// Normals at a touch, of any length, outward of the solid in its coordinates: of the surface, and for shading, which
     /// may be zero where a file says nothing.
+    #[inline]
     pub fn normals_at(&self, touch: &Touch) -> Option<(DVec3, DVec3)> {
         let triangle = &touch.triangle;
         match &self.faces.get(triangle.face as usize)?.surface {
@@ -360,6 +343,7 @@ impl Solid {
     }
 
     /// The touch moved onto the exact surface as far as f64 can say.
+    #[inline]
     pub fn settle(&self, touch: &Touch) -> DVec3 {
         match self.faces.get(touch.triangle.face as usize).map(|sheet| &sheet.surface) {
             Some(Surface::Exact { quadric, .. }) => quadric.settle(touch.at),
@@ -370,6 +354,7 @@ impl Solid {
 }
 
 /// Twice the area times the normal that the winding gives.
+#[inline]
 pub fn winding(corners: &[[f32; 3]; 3]) -> DVec3 {
     let [a, b, c] = corners.map(super::patch::vertex);
     (b - a).cross(c - a)

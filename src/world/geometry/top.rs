@@ -2,7 +2,8 @@
 //! entering one costs a transform and a walk through its own tree.
 
 use super::bound::Bounds;
-use super::tree::Tree;
+use super::tree::{Each, Tree};
+use super::wide::{Lanes, Leaf, Visit};
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -26,28 +27,45 @@ impl Top {
 
     /// Calls `visit` with the slots whose boxes are entered at t ≤ reach, near ones first. It returns a new reach, or
     /// breaks.
-    #[inline]
     pub fn along(
         &self,
         origin: DVec3,
         dir: DVec3,
         reach: f64,
-        mut visit: impl FnMut(u32) -> ControlFlow<(), f64>,
+        visit: impl FnMut(u32) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
-        // A part alone has its own box.
-        if let [alone] = self.tree.leaves() {
-            return visit(alone.first).map_continue(|_| ());
-        }
+        self.walk(origin, dir, reach, &mut Each(visit))
+    }
+
+    /// [`Top::along`] for a visitor of slots.
+    #[inline(always)]
+    pub fn walk(&self, origin: DVec3, dir: DVec3, reach: f64, visitor: &mut impl Visit) -> ControlFlow<()> {
         let inverse = dir.recip();
-        let Some((start, _)) = self.tree.bounds.clip(origin, inverse) else { return ControlFlow::Continue(()) };
-        if start > reach {
-            return ControlFlow::Continue(());
+        // A part alone has its own box.
+        let start = match self.tree.leaves() {
+            [_] => 0.0,
+            _ => match self.tree.bounds.enter(origin, inverse) {
+                Some(start) if start <= reach => start,
+                Some(_) | None => return ControlFlow::Continue(()),
+            },
+        };
+        let mut slots = Slots { leaves: self.tree.leaves(), visitor };
+        self.tree.walk([origin, dir, inverse], [start, reach], &[(); 0], &mut slots)
+    }
+}
+
+/// From leaves, of one slot each, to slots.
+struct Slots<'a, V> {
+    leaves: &'a [Leaf],
+    visitor: &'a mut V,
+}
+
+impl<V: Visit> Visit for Slots<'_, V> {
+    #[inline(always)]
+    fn leaf(&mut self, leaf: u32, lanes: Option<Lanes>) -> ControlFlow<(), Option<f64>> {
+        match self.leaves.get(leaf as usize) {
+            Some(leaf) => self.visitor.leaf(leaf.first, lanes),
+            None => ControlFlow::Break(()),
         }
-        self.tree.candidates([origin, dir, inverse], [start, reach], &[(); 0], |leaf, _| {
-            match self.tree.leaves().get(leaf as usize) {
-                Some(leaf) => visit(leaf.first),
-                None => ControlFlow::Break(()),
-            }
-        })
     }
 }

@@ -7,7 +7,7 @@
 
 use super::bound::Bounds;
 use super::split::Item;
-use super::wide::{Beam, Lanes, Leaf, Wide};
+use super::wide::{Beam, Lanes, Leaf, Visit, Wide};
 use glam::{DVec3, Vec3A};
 use std::ops::ControlFlow;
 
@@ -57,17 +57,28 @@ impl Tree {
 
     /// Calls `visit` with the leaves along origin + t·dir for t in [start, reach], roughly from near to far. It returns a
     /// new reach, or breaks. `dir` is unit, `inverse` is 1/`dir`; `start` is inside the bounds or on them, as
-    /// [`Bounds::clip`] of them gives it. `contents` is what `visit` looks at: one per leaf, or none.
-    #[inline]
-    pub fn candidates<T>(
+    /// [`Bounds::clip`] of them gives it.
+    #[inline(always)]
+    pub fn candidates(
+        &self,
+        along: [DVec3; 3],
+        range: [f64; 2],
+        visit: impl FnMut(u32) -> ControlFlow<(), f64>,
+    ) -> ControlFlow<()> {
+        self.walk(along, range, &[(); 0], &mut Each(visit))
+    }
+
+    /// [`Tree::candidates`] for a visitor; `contents` is what it looks at: one per leaf, or none.
+    #[inline(always)]
+    pub fn walk<T>(
         &self,
         [origin, dir, inverse]: [DVec3; 3],
         [start, reach]: [f64; 2],
         contents: &[T],
-        mut visit: impl FnMut(u32, Option<Lanes>) -> ControlFlow<(), f64>,
+        visitor: &mut impl Visit,
     ) -> ControlFlow<()> {
         if self.wide.is_one_leaf() {
-            return visit(0, None).map_continue(|_| ());
+            return visitor.leaf(0, None).map_continue(|_| ());
         }
         let begin = ((origin - self.centre) + start * dir) * self.scale;
         if begin.is_nan() {
@@ -75,10 +86,24 @@ impl Tree {
         }
         // Inside the unit cube, unless the numbers are beyond any meaning.
         let begin = begin.clamp(DVec3::splat(-4.0), DVec3::splat(4.0));
-        let to_unit = |t: f64| (((t - start) * self.scale + PAD) as f32).next_up();
-        let beam = Beam { origin: begin.as_vec3().to_array(), inverse: inverse.as_vec3().to_array() };
-        let visit = |leaf, lanes| ControlFlow::Continue(to_unit(visit(leaf, lanes)?));
-        self.wide.walk(&beam, to_unit(reach), contents, visit)
+        let beam = Beam {
+            origin: begin.as_vec3().to_array(),
+            inverse: inverse.as_vec3().to_array(),
+            start,
+            scale: self.scale,
+            pad: PAD,
+        };
+        self.wide.walk(&beam, reach, contents, visitor)
+    }
+}
+
+/// A function of leaves as a visitor.
+pub struct Each<F>(pub F);
+
+impl<F: FnMut(u32) -> ControlFlow<(), f64>> Visit for Each<F> {
+    #[inline(always)]
+    fn leaf(&mut self, leaf: u32, _: Option<Lanes>) -> ControlFlow<(), Option<f64>> {
+        (self.0)(leaf).map_continue(Some)
     }
 }
 
@@ -106,7 +131,7 @@ mod tests {
             ] {
                 let (start, _) = tree.bounds.clip(origin, dir.recip()).expect("towards the boxes");
                 let mut seen = Vec::new();
-                let _ = tree.candidates([origin, dir, dir.recip()], [start, f64::INFINITY], &[(); 0], |leaf, _| {
+                let _ = tree.candidates([origin, dir, dir.recip()], [start, f64::INFINITY], |leaf| {
                     let Leaf { first, count } = tree.leaves()[leaf as usize];
                     seen.extend_from_slice(&order[first as usize..(first + count) as usize]);
                     ControlFlow::Continue(f64::INFINITY)

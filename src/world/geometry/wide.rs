@@ -48,6 +48,16 @@ pub struct Wide {
 pub struct Beam {
     pub origin: [f32; 3],
     pub inverse: [f32; 3],
+    /// The ray's own parameter at the origin, unit coordinates per step of it, and what is added for rounding.
+    pub start: f64,
+    pub scale: f64,
+    pub pad: f64,
+}
+
+/// Looks at the leaves that a walk proposes.
+pub trait Visit {
+    /// Returns a new reach in the ray's own parameter where it has changed, or breaks.
+    fn leaf(&mut self, leaf: u32, lanes: Option<Lanes>) -> ControlFlow<(), Option<f64>>;
 }
 
 /// Says that the processor has eight lanes of f32 with fused products (AVX2 and FMA).
@@ -65,6 +75,12 @@ struct Slopes {
 }
 
 impl Beam {
+    #[inline(always)]
+    fn to_unit(self, t: f64) -> f32 {
+        (((t - self.start) * self.scale + self.pad) as f32).next_up()
+    }
+
+    #[inline(always)]
     fn slopes(&self) -> Slopes {
         // A component below 1.2e-7 counts as that.
         let inverse = self.inverse.map(|x| x.clamp(-1.0 / f32::EPSILON, 1.0 / f32::EPSILON));
@@ -116,55 +132,45 @@ impl Wide {
         Some(wide)
     }
 
-    /// Calls `visit` with leaves whose boxes are met at 0 ≤ t ≤ reach, roughly from near to far. It returns a new reach,
-    /// or breaks. `contents` is what it will look at: one per leaf, or none.
-    #[inline]
-    pub fn walk<T>(
-        &self,
-        beam: &Beam,
-        reach: f32,
-        contents: &[T],
-        mut visit: impl FnMut(u32, Option<Lanes>) -> ControlFlow<(), f32>,
-    ) -> ControlFlow<()> {
+    /// Shows `visitor` the leaves whose boxes are met up to a reach, roughly from near to far. `contents` is what it will
+    /// look at: one per leaf, or none.
+    #[inline(always)]
+    pub fn walk<T>(&self, beam: &Beam, reach: f64, contents: &[T], visitor: &mut impl Visit) -> ControlFlow<()> {
         #[cfg(target_arch = "x86_64")]
         if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
             // SAFETY: the processor has what the function needs.
-            return unsafe { self.walk_in_lanes(beam, reach, contents, visit) };
+            return unsafe { self.walk_in_lanes(beam, reach, contents, visitor) };
         }
-        self.walk_by(beam, reach, contents, |leaf| visit(leaf, None), enter)
+        self.walk_by(None, beam, reach, contents, visitor)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2,fma")]
-    fn walk_in_lanes<T>(
-        &self,
-        beam: &Beam,
-        reach: f32,
-        contents: &[T],
-        mut visit: impl FnMut(u32, Option<Lanes>) -> ControlFlow<(), f32>,
-    ) -> ControlFlow<()> {
-        let visit = |leaf| visit(leaf, Some(Lanes(())));
-        self.walk_by(beam, reach, contents, visit, |node, slopes, reach| enter_in_lanes(node, slopes, reach))
+    fn walk_in_lanes<T>(&self, beam: &Beam, reach: f64, contents: &[T], visitor: &mut impl Visit) -> ControlFlow<()> {
+        self.walk_by(Some(Lanes(())), beam, reach, contents, visitor)
     }
 
     #[inline(always)]
     fn walk_by<T>(
         &self,
+        lanes: Option<Lanes>,
         beam: &Beam,
-        mut reach: f32,
+        reach: f64,
         contents: &[T],
-        mut visit: impl FnMut(u32) -> ControlFlow<(), f32>,
-        enter: impl Fn(&Node, &Slopes, f32) -> (u32, [f32; 8]),
+        visitor: &mut impl Visit,
     ) -> ControlFlow<()> {
+        let mut reach = beam.to_unit(reach);
         let slopes = beam.slopes();
         let mut stack = Stack::new();
         let mut next = 0u32;
         loop {
             if next & LEAF != 0 {
-                reach = visit(next & !LEAF)?;
+                if let Some(nearer) = visitor.leaf(next & !LEAF, lanes)? {
+                    reach = beam.to_unit(nearer);
+                }
             } else {
                 let Some(node) = self.nodes.get(next as usize) else { return ControlFlow::Continue(()) };
-                let (mut mask, near) = enter(node, &slopes, reach);
+                let (mut mask, near) = enter(lanes, node, &slopes, reach);
                 // Nearness in the high half: it is not negative, and such numbers are in the order of their bits.
                 let mut pull = || {
                     let lane = (mask.trailing_zeros() & 7) as usize;
@@ -237,7 +243,19 @@ const EMPTY: Node = {
 
 /// Which boxes are met at 0 ≤ t ≤ reach, a bit each, and where they are entered.
 #[inline(always)]
-fn enter(node: &Node, slopes: &Slopes, reach: f32) -> (u32, [f32; 8]) {
+fn enter(lanes: Option<Lanes>, node: &Node, slopes: &Slopes, reach: f32) -> (u32, [f32; 8]) {
+    match lanes {
+        // SAFETY: `Lanes` says that the processor has what the function needs.
+        #[cfg(target_arch = "x86_64")]
+        Some(_) => unsafe { enter_in_lanes(node, slopes, reach) },
+        #[cfg(not(target_arch = "x86_64"))]
+        Some(_) => enter_by_one(node, slopes, reach),
+        None => enter_by_one(node, slopes, reach),
+    }
+}
+
+#[inline(always)]
+fn enter_by_one(node: &Node, slopes: &Slopes, reach: f32) -> (u32, [f32; 8]) {
     let (mut near, mut far) = ([0.0f32; 8], [reach; 8]);
     for axis in 0..3 {
         let first = slopes.first[axis];

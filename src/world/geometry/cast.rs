@@ -1,0 +1,90 @@
+//! What a ray meets first, and whether it meets anything: walks through the parts and the trees within.
+
+use super::instance::Instance;
+use super::line::Touch;
+use super::wide::{Lanes, Visit};
+use super::{Geometry, Hit, Ray, Site};
+use std::ops::ControlFlow;
+
+/// Whose nearest point on a ray is looked for.
+struct Nearest<'a> {
+    all: &'a Geometry,
+    ray: &'a Ray,
+    beside: Option<Site>,
+    reach: f64,
+    best: Option<(&'a Instance, Touch)>,
+}
+
+impl Visit for Nearest<'_> {
+    #[inline(always)]
+    fn leaf(&mut self, slot: u32, _: Option<Lanes>) -> ControlFlow<(), Option<f64>> {
+        if let Some(instance) = self.all.instances.get(slot as usize)
+            && let Some(solid) = self.all.solids.get(instance.solid)
+            && let Some((touch, t)) = instance.nearest(solid, self.ray, self.beside, self.reach)
+        {
+            self.reach = t;
+            self.best = Some((instance, touch));
+            return ControlFlow::Continue(Some(t));
+        }
+        ControlFlow::Continue(None)
+    }
+}
+
+/// Whether anything but a target is in the way.
+struct Blocked<'a> {
+    all: &'a Geometry,
+    ray: &'a Ray,
+    beside: Option<Site>,
+    target: Option<Site>,
+    reach: f64,
+}
+
+impl Visit for Blocked<'_> {
+    #[inline(always)]
+    fn leaf(&mut self, slot: u32, _: Option<Lanes>) -> ControlFlow<(), Option<f64>> {
+        if let Some(instance) = self.all.instances.get(slot as usize)
+            && let Some(solid) = self.all.solids.get(instance.solid)
+            && instance.blocks(solid, self.ray, [self.beside, self.target], self.reach)
+        {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(None)
+    }
+}
+
+impl Geometry {
+    /// The first thing that the ray meets at 0 < t < `t_max`. A ray that is not finite or not unit meets nothing.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
+        self.intersect_beside(ray, None, t_max)
+    }
+
+    /// The same for a ray whose origin lies on the surface `beside` too: it leaves both.
+    pub fn intersect_beside(&self, ray: &Ray, beside: Option<Site>, t_max: f64) -> Option<Hit> {
+        if !is_valid(ray) {
+            return None;
+        }
+        let mut nearest = Nearest { all: self, ray, beside, reach: t_max, best: None };
+        let _ = self.top.walk(ray.origin, ray.dir, t_max, &mut nearest);
+        let (instance, touch) = nearest.best.as_ref()?;
+        instance.hit(self.solids.get(instance.solid)?, touch, nearest.reach)
+    }
+
+    /// Whether anything but the face of `target` is met at 0 < t < `t_max`.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray, t_max: f64, target: Option<Site>) -> bool {
+        self.occluded_beside(ray, None, t_max, target)
+    }
+
+    /// The same for a ray whose origin lies on the surface `beside` too.
+    pub fn occluded_beside(&self, ray: &Ray, beside: Option<Site>, t_max: f64, target: Option<Site>) -> bool {
+        let mut blocked = Blocked { all: self, ray, beside, target, reach: t_max };
+        is_valid(ray) && self.top.walk(ray.origin, ray.dir, t_max, &mut blocked).is_break()
+    }
+}
+
+/// Finite, and unit as far as it matters.
+#[inline(always)]
+fn is_valid(ray: &Ray) -> bool {
+    ray.origin.is_finite() && (0.25..=4.0).contains(&ray.dir.length_squared())
+}
