@@ -30,12 +30,14 @@ pub struct Crossing {
 impl Shear {
     #[inline(always)]
     pub fn along(dir: DVec3) -> Shear {
-        let [a, b, c] = dir.to_array();
-        // Selections, not branches: which component is the largest is anybody's guess.
-        let first = a.abs() > b.abs();
-        let (largest, axes, [x, y, z]) = if first { (a, [1, 2, 0], [b, c, a]) } else { (b, [2, 0, 1], [c, a, b]) };
-        let last = !(largest.abs() > c.abs());
-        let (axes, [x, y, z]) = if last { ([0, 1, 2], [a, b, c]) } else { (axes, [x, y, z]) };
+        // Numbers, not branches: which component is the largest is anybody's guess.
+        const AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
+        let [a, b, c] = dir.abs().to_array();
+        let second = usize::from(a <= b);
+        let last = usize::from(a.max(b) <= c);
+        let axes = AXES[(second | last << 1) & 3];
+        let d = [dir.x, dir.y, dir.z, 0.0];
+        let [x, y, z] = axes.map(|axis| d[axis & 3]);
         let inverse = 1.0 / z;
         Shear { axes, shear: [x * inverse, y * inverse, inverse] }
     }

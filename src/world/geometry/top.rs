@@ -40,17 +40,16 @@ impl Top {
     /// [`Top::along`] for a visitor of slots.
     #[inline(always)]
     pub fn walk(&self, origin: DVec3, dir: DVec3, reach: f64, visitor: &mut impl Visit) -> ControlFlow<()> {
-        let inverse = dir.recip();
         // A part alone has its own box.
-        let start = match self.tree.leaves() {
-            [_] => 0.0,
-            _ => match self.tree.bounds.enter(origin, inverse) {
-                Some(start) if start <= reach => start,
-                Some(_) | None => return ControlFlow::Continue(()),
-            },
+        if let [alone] = self.tree.leaves() {
+            return visitor.leaf(alone.first, None).map_continue(|_| ());
+        }
+        let inverse = dir.recip();
+        let Some(start) = self.tree.bounds.enter(origin, inverse).filter(|start| *start <= reach) else {
+            return ControlFlow::Continue(());
         };
         let mut slots = Slots { leaves: self.tree.leaves(), visitor };
-        self.tree.walk([origin, dir, inverse], [start, reach], &[(); 0], &mut slots)
+        self.tree.walk_nodes([origin, dir, inverse], [start, reach], &[(); 0], &mut slots)
     }
 }
 

@@ -80,6 +80,18 @@ impl Tree {
         if self.wide.is_one_leaf() {
             return visitor.leaf(0, None).map_continue(|_| ());
         }
+        self.walk_nodes([origin, dir, inverse], [start, reach], contents, visitor)
+    }
+
+    /// The same for a tree of more than one leaf.
+    #[inline(always)]
+    pub fn walk_nodes<T>(
+        &self,
+        [origin, dir, inverse]: [DVec3; 3],
+        [start, reach]: [f64; 2],
+        contents: &[T],
+        visitor: &mut impl Visit,
+    ) -> ControlFlow<()> {
         let begin = ((origin - self.centre) + start * dir) * self.scale;
         if begin.is_nan() {
             return ControlFlow::Continue(());

@@ -7,6 +7,7 @@
 use super::huge;
 use super::split::{Extent, Item, halve, split};
 use arrayvec::ArrayVec;
+use std::mem::MaybeUninit;
 use std::ops::{ControlFlow, Range};
 
 /// Boxes in unit coordinates and what is in them.
@@ -28,7 +29,48 @@ const LEAF: u32 = 1 << 31;
 pub const LEAF_SIZE: usize = 4;
 /// Levels of a tree: each of them leaves at most seven entries on the stack.
 pub const DEEPEST: usize = 36;
-type Stack = ArrayVec<u64, 256>;
+const ROOM: usize = 256;
+
+/// What is left to look at: places below `top` are written, the others are not, so that starting costs nothing.
+struct Stack {
+    items: [MaybeUninit<u64>; ROOM],
+    top: usize,
+}
+
+impl Stack {
+    #[inline(always)]
+    fn new() -> Stack {
+        Stack { items: [const { MaybeUninit::uninit() }; ROOM], top: 0 }
+    }
+
+    /// Puts a key among those at `base` and above, which descend. False if there is no room.
+    #[inline(always)]
+    fn insert(&mut self, key: u64, base: usize) -> bool {
+        if self.top >= ROOM {
+            return false;
+        }
+        let mut at = self.top;
+        while at > base {
+            // SAFETY: a place below the top, see above.
+            let below = unsafe { self.items[(at - 1) % ROOM].assume_init() };
+            if below >= key {
+                break;
+            }
+            self.items[at % ROOM].write(below);
+            at -= 1;
+        }
+        self.items[at % ROOM].write(key);
+        self.top += 1;
+        true
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<u64> {
+        self.top = self.top.checked_sub(1)?;
+        // SAFETY: it was below the top, see above.
+        Some(unsafe { self.items[self.top % ROOM].assume_init() })
+    }
+}
 
 /// The slots of a leaf.
 #[derive(Debug, Clone, Copy)]
@@ -182,20 +224,13 @@ impl Wide {
                 };
                 if let Some(mut best) = pull() {
                     self.fetch(best as u32, contents);
-                    let base = stack.len();
+                    let base = stack.top;
                     while let Some(other) = pull() {
                         self.fetch(other as u32, contents);
-                        let far = best.max(other);
-                        best = best.min(other);
-                        if stack.try_push(far).is_err() {
+                        if !stack.insert(best.max(other), base) {
                             break;
                         }
-                        let mut at = stack.len() - 1;
-                        while at > base && stack[at - 1] < far {
-                            stack[at] = stack[at - 1];
-                            at -= 1;
-                        }
-                        stack[at] = far;
+                        best = best.min(other);
                     }
                     next = best as u32;
                     continue;
