@@ -1,10 +1,13 @@
 //! Incoherent rays against a mesh: rays per CPU second on one thread, closest hit, on a bumpy ball of 1e5 and of 1e6
-//! triangles and on the direct sample HUD as triangles. Origins are uniform in the box of the mesh, directions on the
-//! sphere. Run with `cargo bench --ignore-rust-version --bench rays`.
+//! triangles and on the sample HUDs as triangles. Origins are uniform in the box of the mesh, directions on the sphere.
+//! Run with `cargo bench --ignore-rust-version --bench rays`.
 //!
-//! `cargo bench … --bench rays -- FOLDER` also writes what was traced there (`*.rays`: three little-endian u32 counts of
-//! vertices, triangles and rays, then f32 vertices, u32 triangles, f32 rays as origin and direction), which
-//! `tests/python/embree_rays.py` gives to Embree. Files named behind `--` are traced instead.
+//! `… -- --embree LIBRARY` traces the same rays beside it with Embree 4 through `rtcIntersect1`, batch by batch in turn;
+//! the library lies in the PyPI package embreex (`embreex.libs/libembree4-*`).
+//!
+//! `… -- FOLDER` also writes what was traced there (`*.rays`: three little-endian u32 counts of vertices, triangles and
+//! rays, then f32 vertices, u32 triangles, f32 rays as origin and direction), which `tests/python/embree_rays.py` gives to
+//! Embree. Files named behind `--` are traced instead, `.rays` or assets.
 
 use eyebox::base::ids::MeshId;
 use eyebox::base::rng::{Rng, Stream};

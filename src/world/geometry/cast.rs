@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 struct Nearest<'a> {
     all: &'a Geometry,
     ray: &'a Ray,
-    beside: Option<Site>,
+    beside: Option<&'a Site>,
     reach: f64,
     best: Option<(&'a Instance, Touch)>,
 }
@@ -20,7 +20,7 @@ impl Visit for Nearest<'_> {
     fn leaf(&mut self, slot: u32, _: Option<Lanes>) -> ControlFlow<(), Option<f64>> {
         if let Some(instance) = self.all.instances.get(slot as usize)
             && let Some(solid) = self.all.solids.get(instance.solid)
-            && let Some((touch, t)) = instance.nearest(solid, self.ray, self.beside, self.reach)
+            && let Some((touch, t)) = instance.nearest(solid, self.ray, self.beside.copied(), self.reach)
         {
             self.reach = t;
             self.best = Some((instance, touch));
@@ -34,7 +34,7 @@ impl Visit for Nearest<'_> {
 struct Blocked<'a> {
     all: &'a Geometry,
     ray: &'a Ray,
-    beside: Option<Site>,
+    beside: Option<&'a Site>,
     target: Option<Site>,
     reach: f64,
 }
@@ -44,7 +44,7 @@ impl Visit for Blocked<'_> {
     fn leaf(&mut self, slot: u32, _: Option<Lanes>) -> ControlFlow<(), Option<f64>> {
         if let Some(instance) = self.all.instances.get(slot as usize)
             && let Some(solid) = self.all.solids.get(instance.solid)
-            && instance.blocks(solid, self.ray, [self.beside, self.target], self.reach)
+            && instance.blocks(solid, self.ray, [self.beside.copied(), self.target], self.reach)
         {
             return ControlFlow::Break(());
         }
@@ -64,7 +64,7 @@ impl Geometry {
         if !is_valid(ray) {
             return None;
         }
-        let mut nearest = Nearest { all: self, ray, beside, reach: t_max, best: None };
+        let mut nearest = Nearest { all: self, ray, beside: beside.as_ref(), reach: t_max, best: None };
         let _ = self.top.walk(ray.origin, ray.dir, t_max, &mut nearest);
         let (instance, touch) = nearest.best.as_ref()?;
         instance.hit(self.solids.get(instance.solid)?, touch, nearest.reach)
@@ -78,7 +78,7 @@ impl Geometry {
 
     /// The same for a ray whose origin lies on the surface `beside` too.
     pub fn occluded_beside(&self, ray: &Ray, beside: Option<Site>, t_max: f64, target: Option<Site>) -> bool {
-        let mut blocked = Blocked { all: self, ray, beside, target, reach: t_max };
+        let mut blocked = Blocked { all: self, ray, beside: beside.as_ref(), target, reach: t_max };
         is_valid(ray) && self.top.walk(ray.origin, ray.dir, t_max, &mut blocked).is_break()
     }
 }
