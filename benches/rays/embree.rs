@@ -41,6 +41,7 @@ struct RayHit {
 }
 
 type Handle = *mut c_void;
+type Intersect = unsafe extern "C" fn(Handle, *mut RayHit, *const c_void);
 
 /// How a scene is built and walked.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +62,7 @@ pub const KINDS: [Kind; 4] = [
 /// A scene of one triangle mesh.
 pub struct Embree {
     scene: Handle,
-    intersect: unsafe extern "C" fn(Handle, *mut RayHit, *const c_void),
+    intersect: Intersect,
 }
 
 impl Embree {
@@ -102,7 +103,7 @@ impl Embree {
             call!("rtcCommitScene", (Handle) -> (), scene);
             let fault = call!("rtcGetDeviceError", (Handle) -> c_int, device);
             assert_eq!(fault, 0, "Embree refuses the mesh");
-            Embree { scene, intersect: std::mem::transmute::<*mut c_void, _>(function("rtcIntersect1")) }
+            Embree { scene, intersect: std::mem::transmute::<*mut c_void, Intersect>(function("rtcIntersect1")) }
         }
     }
 
