@@ -69,16 +69,20 @@ impl Row {
 }
 
 /// Lets all choices trace the scene of a seed for `seconds` each; the references are from the eye, `factor` times as long
-/// each.
+/// each. Where they don't know the light of every block to a tenth, they can't tell who is fast either: then the automatic
+/// choice makes two more for that, and brute force says what it can of a bias.
 ///
 /// Errors: those of checking and freezing.
 pub fn judge(seed: u64, seconds: f64, factor: f64, stop: &ShouldStop<'_>) -> Result<Row> {
     let start = cpu_seconds();
     let scene = scene(seed);
     let ready = Ready::new(&scene, cpu_seconds() - start)?;
-    let brute = Choice::Only(Estimator::Backward);
-    let source = Source::Traced { choice: brute, passes: None, seconds: factor * seconds };
-    let (references, _) = references(&ready, &source, seed, stop)?;
+    let trace = |choice: Choice| -> Result<References> {
+        let source = Source::Traced { choice, passes: None, seconds: factor * seconds };
+        Ok(references(&ready, &source, seed, stop)?.0)
+    };
+    let brute = trace(Choice::Only(Estimator::Backward))?;
+    let references = if brute.know_all() { brute } else { trace(Choice::Auto)?.with_bias_by(brute) };
     let budget = Budget { seconds, passes: None };
     let curves = race(&ready, &contenders(), &references, seed, budget, stop);
     Ok(row(seed, &curves, &references))

@@ -9,5 +9,7 @@ pub mod curve;
 pub mod generate;
 pub mod kit;
 pub mod measure;
+#[cfg(test)]
+mod plan_tests;
 pub mod stated;
 pub mod stress;

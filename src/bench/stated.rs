@@ -10,7 +10,9 @@ use super::curve::{ReferenceFacts, name};
 use crate::base::Result;
 use crate::estimate::ShouldStop;
 use crate::estimate::run::{Films, Limits, Observer, Status, run};
-use crate::plan::{Choice, plan};
+use crate::film::plan::Plan;
+use crate::plan::plan;
+use crate::scene::Scene;
 use std::path::Path;
 use std::time::Duration;
 
@@ -77,8 +79,21 @@ impl Observer for Nobody<'_> {
 ///
 /// Errors: those of import, checking, freezing and of reference files.
 pub fn measure(path: &Path, task: &Task, error: f64, count: u64, stop: &ShouldStop<'_>) -> Result<Stated> {
-    let (scene, import_seconds) = open(path, task)?;
-    let ready = Ready::new(&scene, import_seconds)?;
+    let (scene, _) = open(path, task)?;
+    measure_scene(&scene, path.display().to_string(), task, (error, count), stop)
+}
+
+/// The same for a scene of this name.
+///
+/// Errors: those of checking, freezing and of reference files.
+pub fn measure_scene(
+    scene: &Scene,
+    asset: String,
+    task: &Task,
+    (error, count): (f64, u64),
+    stop: &ShouldStop<'_>,
+) -> Result<Stated> {
+    let ready = Ready::new(scene, 0.0)?;
     let (references, reference) = references(&ready, &task.source, task.seed, stop)?;
     let choice = task.contenders.first().copied().unwrap_or_default();
     let limits = Limits {
@@ -86,23 +101,23 @@ pub fn measure(path: &Path, task: &Task, error: f64, count: u64, stop: &ShouldSt
         time: Duration::try_from_secs_f64(task.budget.seconds).ok(),
         error: Some(error),
     };
-    let runs = runs(&ready, choice, &references, task.seed..task.seed.saturating_add(count), &limits, stop);
-    Ok(Stated { asset: path.display().to_string(), estimator: name(choice), error, reference, runs })
+    let plan = plan(&ready.checked, &ready.world, choice);
+    let runs = runs(&ready, &plan, &references, task.seed..task.seed.saturating_add(count), &limits, stop);
+    Ok(Stated { asset, estimator: name(choice), error, reference, runs })
 }
 
 /// Traces with these seeds.
 pub fn runs(
     ready: &Ready<'_>,
-    choice: Choice,
+    plan: &Plan,
     references: &References,
     seeds: std::ops::Range<u64>,
     limits: &Limits,
     stop: &ShouldStop<'_>,
 ) -> Vec<Run> {
     let (size, groups) = (ready.scene().eye.resolution, ready.scene().groups.len());
-    let plan = plan(&ready.checked, &ready.world, choice);
     let one = |seed| {
-        let films = run(&ready.world, &plan, groups, size, seed, limits, &mut Nobody(stop)).films;
+        let films = run(&ready.world, plan, groups, size, seed, limits, &mut Nobody(stop)).films;
         let real = references.relative_error(&Picture::of_films(&films, size));
         Run { seed, passes: films.passes, stated: films.relative_error(), real }
     };
@@ -115,6 +130,7 @@ mod tests {
     use crate::bench::curve::reference::Source;
     use crate::bench::kit;
     use crate::film::plan::Estimator;
+    use crate::plan::Choice;
     use crate::scene::Finish;
     use glam::DVec3;
 
@@ -131,7 +147,8 @@ mod tests {
         let source = Source::Traced { choice, passes: Some(600), seconds: 1e9 };
         let (references, _) = references(&ready, &source, 1, &|| false).unwrap();
         let limits = Limits { passes: Some(12), time: None, error: None };
-        let runs = runs(&ready, choice, &references, 0..12, &limits, &|| false);
+        let plan = plan(&ready.checked, &ready.world, choice);
+        let runs = runs(&ready, &plan, &references, 0..12, &limits, &|| false);
         assert_eq!(runs.len(), 12);
         let ratios: Vec<f64> = runs.iter().filter_map(|run| Some(run.real / run.stated?)).collect();
         let mean = ratios.iter().sum::<f64>() / 12.0;

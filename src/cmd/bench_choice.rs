@@ -7,7 +7,8 @@ use crate::base::{Fault, Result, Where};
 use crate::bench::choice::{head, judge, line};
 use crate::bench::curve::asset::Form;
 use crate::bench::curve::race::Budget;
-use crate::bench::stated::{Stated, measure};
+use crate::bench::generate::scene;
+use crate::bench::stated::{Stated, measure, measure_scene};
 use clap::Args;
 use std::ops::Range;
 use std::process::ExitCode;
@@ -21,11 +22,11 @@ const HONEST: f64 = 0.9;
 pub struct ChoiceArgs {
     /// Hold the automatic choice against every choice by hand on the scenes of these seeds; exit 1 if it is slower than
     /// 1.3 of the best, or differs from brute force.
-    #[arg(long, value_name = "SEED..SEED", value_parser = parse_range, conflicts_with_all = ["assets", "stress", "error"])]
+    #[arg(long, value_name = "SEED..SEED", value_parser = parse_range, conflicts_with_all = ["assets", "stress"])]
     generate: Option<Range<u64>>,
-    /// Trace the asset with many seeds until this relative error is stated, and hold the true error against it; exit 1
-    /// if fewer than nine in ten are true within 1.2 of it.
-    #[arg(long, value_name = "REL", value_parser = parse_error, requires = "assets")]
+    /// Trace the asset, or the scenes of `--generate`, with many seeds until this relative error is stated, and hold the
+    /// true error against it; exit 1 if fewer than nine in ten are true within 1.2 of it.
+    #[arg(long, value_name = "REL", value_parser = parse_error)]
     error: Option<f64>,
     /// How many seeds.
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u64).range(1..), default_value_t = 100, requires = "error")]
@@ -60,8 +61,8 @@ pub fn run(args: &ChoiceArgs, curve: &CurveArgs, form: Form) -> Result<Option<Ex
         }
     };
     match (&args.generate, args.error) {
-        (Some(seeds), _) => generated(seeds.clone(), curve, json).map(Some),
-        (None, Some(error)) => stated(error, args.runs, curve, json).map(Some),
+        (Some(seeds), None) => generated(seeds.clone(), curve, json).map(Some),
+        (seeds, Some(error)) => stated(error, args.runs, seeds.clone(), curve, json).map(Some),
         (None, None) => Ok(None),
     }
 }
@@ -92,17 +93,28 @@ fn generated(seeds: Range<u64>, curve: &CurveArgs, json: bool) -> Result<ExitCod
     Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!sound)) })
 }
 
-fn stated(error: f64, runs: u64, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
+fn stated(error: f64, runs: u64, seeds: Option<Range<u64>>, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
     let signals = Signals::install();
     let stop = || signals.caught().is_some();
     let (pool, task) = (curve.pool()?, curve.task()?);
+    if seeds.is_none() && !curve.has_assets() {
+        let fault = Fault::new(Where::Option("--error".to_owned()), "there is nothing to trace");
+        return Err(fault.expected("an asset or --generate SEED..SEED"));
+    }
     let mut reports: Vec<Stated> = Vec::new();
-    for path in curve.assets().iter().take_while(|_| !stop()) {
-        let report = pool.install(|| measure(path, &task, error, runs, &stop))?;
+    let mut tell = |report: Stated| {
         if !json {
             print_text(report.text());
         }
         reports.push(report);
+    };
+    for path in curve.assets().iter().take_while(|_| !stop()) {
+        tell(pool.install(|| measure(path, &task, error, runs, &stop))?);
+    }
+    for seed in seeds.into_iter().flatten().take_while(|_| !stop()) {
+        let scene = scene(seed);
+        let of_scene = || measure_scene(&scene, scene.name.clone(), &task, (error, runs), &stop);
+        tell(pool.install(of_scene)?);
     }
     if json {
         print_text(to_json(&reports));

@@ -245,7 +245,7 @@ fn sources(scene: &Scene) -> Vec<Vec<Source>> {
 /// What can happen on the faces of a scene; rather too much than too little.
 fn events(scene: &Scene, world: &World) -> Vec<Letter> {
     let mut found = BTreeSet::new();
-    for (part, faces) in scene.parts.iter().zip(&world.faces) {
+    for (part, faces) in scene.parts.iter().zip(world.faces.iter()) {
         for (face, optics) in part.faces.iter().zip(faces) {
             match &optics.surface {
                 Surface::Absent | Surface::Absorber => {}

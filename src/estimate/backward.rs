@@ -1,7 +1,7 @@
 //! Path tracing from the eye: next-event estimation with multiple importance sampling, unbiased roulette.
 
 use super::ShouldStop;
-use super::ledger::Ledger;
+use super::ledger::{Ledger, cost};
 use super::pick_up::Shining;
 use super::pixel::Pixel;
 use super::route::{Reach, Route};
@@ -31,6 +31,8 @@ pub struct Backward<'w, M: Mode> {
     reach: Reach,
     /// Sees what lamps show through specular faces alone; the paths here leave that out.
     vision: Option<Vision<'w>>,
+    /// Kinds of lamps that a scatterer asks for.
+    asked: u64,
     /// Per pixel that a pass looks at.
     paths: u32,
     /// Share of the pixels that a pass looks at.
@@ -73,7 +75,9 @@ impl<'w, M: Mode> Backward<'w, M> {
     /// 1/share.
     pub fn new(world: &'w World, route: Route, (paths, share): (u32, f64), seed: u64) -> Self {
         let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, seed));
-        Backward { world, mode: PhantomData, reach, vision, route, paths, share, seed }
+        let asked = [world.lamps.all().is_empty(), world.sky.is_none(), world.lights.all().is_empty()];
+        let asked = asked.iter().filter(|none| !**none).count() as u64;
+        Backward { world, mode: PhantomData, reach, vision, route, asked, paths, share, seed }
     }
 
     /// Looks at `count` pixels spread over the picture and tells whether any of them has light of ours. Once `stop` says
@@ -196,6 +200,7 @@ impl<'w, M: Mode> Backward<'w, M> {
                     last = None;
                 }
                 Meeting::Scatter(scatter, frame) => {
+                    ledger.work += cost::SHADOW * self.asked;
                     self.sample_lamps(walker, &vertex, scatter, &frame, out);
                     self.sample_sky(walker, &vertex, scatter, &frame, out);
                     self.sample_lights(walker, &vertex, scatter, &frame, out);

@@ -3,11 +3,30 @@
 
 use crate::base::twofold::Sum;
 
+/// What the steps of tracing cost, in sixteenths of a ray: a fixed table, so that counted work is the same on any machine.
+pub mod cost {
+    /// Following a path to the next face and turning there.
+    pub const STEP: u64 = 16;
+    /// Asking whether a lamp is seen from a scatterer.
+    pub const SHADOW: u64 = 12;
+    /// Keeping a photon for gathering.
+    pub const STORED: u64 = 8;
+    /// Looking at a photon near what the eye sees.
+    pub const GATHERED: u64 = 2;
+    /// Solving for a specular connection, per face of its train.
+    pub const SOLVED: u64 = 24;
+    /// Reading one off a table.
+    pub const READ: u64 = 4;
+}
+
 /// Where light went. Lamp side in lm, eye side in units of importance.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct Ledger {
     /// Paths started.
     pub paths: u64,
+    /// Counted work, see [`cost`].
+    #[serde(skip)]
+    pub work: u64,
     pub emitted: f64,
     /// Arrived in the pupil.
     pub arrived: f64,
@@ -45,6 +64,8 @@ pub struct Ledger {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Books {
     paths: u64,
+    #[serde(default)]
+    work: u64,
     invalid_paths: u64,
     mismatches: u64,
     vertex_error: f64,
@@ -82,6 +103,7 @@ impl Ledger {
     /// depend on the pieces that a run was cut into.
     pub fn merge(&mut self, other: &Ledger) {
         self.paths = self.paths.saturating_add(other.paths);
+        self.work = self.work.saturating_add(other.work);
         self.invalid_paths = self.invalid_paths.saturating_add(other.invalid_paths);
         self.mismatches = self.mismatches.saturating_add(other.mismatches);
         self.vertex_error = self.vertex_error.max(other.vertex_error);
@@ -112,6 +134,7 @@ impl Ledger {
         let all = own.into_iter().chain(self.absorbed.iter().copied());
         Books {
             paths: self.paths,
+            work: self.work,
             invalid_paths: self.invalid_paths,
             mismatches: self.mismatches,
             vertex_error: self.vertex_error,
@@ -123,6 +146,7 @@ impl Ledger {
     pub fn of_books(books: &Books, parts: usize) -> Option<Ledger> {
         let mut ledger = Ledger {
             paths: books.paths,
+            work: books.work,
             invalid_paths: books.invalid_paths,
             mismatches: books.mismatches,
             vertex_error: books.vertex_error,

@@ -4,7 +4,7 @@
 
 use super::ShouldStop;
 use super::emission::{Emission, Origin, Shots, Starts, Visitor};
-use super::ledger::Ledger;
+use super::ledger::{Ledger, cost};
 use super::manifold::screens::Screens;
 use super::manifold::solve::Target;
 use super::photon_map::{Photon, PhotonMap};
@@ -16,7 +16,7 @@ use crate::base::ids::GroupId;
 use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
-use crate::film::accumulate::{Film, Light};
+use crate::film::accumulate::{Film, Light, Row};
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::Radii;
 use crate::world::World;
@@ -201,7 +201,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             let (photons, ledger) = self.emit(self.shots(Stream::PhotonEmission, pass), &optics, &screens);
             total.merge(&ledger);
             let maps = Maps::new(photons, radii_of_pass(self.first_radii_m, pass));
-            self.gather(film, (pass, &optics), &maps);
+            total.work += self.gather(film, (pass, &optics), &maps);
             film.passes += 1;
         }
         total
@@ -219,6 +219,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         let mut all = Vec::with_capacity(done.iter().map(|(photons, _)| photons.len()).sum());
         let mut total = Ledger::new(self.world.solids.len());
         for (photons, ledger) in done {
+            total.work += cost::STORED * photons.len() as u64;
             all.extend(photons);
             total.merge(&ledger);
         }
@@ -273,10 +274,11 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         Shots { seed: self.seed, stream, pass, paths: self.photons, starts: self.starts }
     }
 
-    fn gather(&self, film: &mut Film, (pass, optics): (u64, &Optics<M>), maps: &Maps<M>) {
+    /// Returns the counted work.
+    fn gather(&self, film: &mut Film, (pass, optics): (u64, &Optics<M>), maps: &Maps<M>) -> u64 {
         let width = film.width;
         let mut rows: Vec<_> = film.rows().collect();
-        rows.par_iter_mut().for_each(|(y, row)| {
+        let of_row = |(y, row): &mut (usize, Row<'_>)| {
             let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
             let mut ledger = Ledger::new(self.world.solids.len());
             for x in 0..width {
@@ -288,7 +290,9 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
                 self.eye_path(walker, maps, &mut light, &mut ledger);
                 row.add_pass(x, &light);
             }
-        });
+            ledger.work
+        };
+        rows.par_iter_mut().map(of_row).sum()
     }
 
     fn eye_path(&self, mut walker: Walker<'_, M>, maps: &Maps<M>, out: &mut [Light], ledger: &mut Ledger) {
@@ -314,6 +318,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
                     let d_in = frame.to_local(walker.ray.dir);
                     let sides = walker.sides(&vertex, scatter);
                     let visit = |photon: &Photon<M>, density: f64| {
+                        ledger.work += cost::GATHERED;
                         // Of what connection has, the path over one scatterer is not ours.
                         if photon.connected && !walker.trail.has_scatter() {
                             return;

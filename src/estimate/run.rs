@@ -202,6 +202,19 @@ pub fn begin<'w>(world: &'w World, plan: &Plan, groups: usize, size: [usize; 2],
     begin(world, plan, groups, size, seed)
 }
 
+/// The same for a pilot: at one wavelength, without polarisation, and with coarse tables.
+pub fn begin_trial<'w>(
+    world: &'w World,
+    plan: &Plan,
+    groups: usize,
+    size: [usize; 2],
+    seed: u64,
+) -> Box<dyn Tracing + 'w> {
+    let optics = Mono::<f64>::optics(world, seed, 0);
+    let screens = Screens::coarse(world, &optics, &plan.screens);
+    begin_with::<Mono<f64>>(world, plan, groups, size, seed, screens)
+}
+
 fn begin_in<'w, M: Mode + 'w>(
     world: &'w World,
     plan: &Plan,
@@ -209,9 +222,21 @@ fn begin_in<'w, M: Mode + 'w>(
     size: [usize; 2],
     seed: u64,
 ) -> Box<dyn Tracing + 'w> {
+    let screens = Screens::new(world, &M::optics(world, seed, 0), &plan.screens);
+    begin_with::<M>(world, plan, groups, size, seed, screens)
+}
+
+fn begin_with<'w, M: Mode + 'w>(
+    world: &'w World,
+    plan: &Plan,
+    groups: usize,
+    size: [usize; 2],
+    seed: u64,
+    screens: Screens<M>,
+) -> Box<dyn Tracing + 'w> {
     let optics = M::optics(world, seed, 0);
     let connections = Arc::new(Connections::new(world, &optics, &plan.connections));
-    let screens = Arc::new(Screens::new(world, &optics, &plan.screens));
+    let screens = Arc::new(screens);
     let mut engines: Vec<Engine<'_, M>> = Vec::new();
     let mut films = Films { films: Vec::new(), first: 0, passes: 0 };
     for estimator in Estimator::ALL {

@@ -1,7 +1,7 @@
 //! The vertex step that all estimators share: advance to the next thing, and turn there.
 
 use super::beam::Beam;
-use super::ledger::Ledger;
+use super::ledger::{Ledger, cost};
 use super::turn::{Branch, Turn};
 use crate::base::chain::{Chain, Link, Step};
 use crate::base::lpe::{Letter, Told};
@@ -175,6 +175,7 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     /// Runs along the ray to the next thing.
     pub fn advance(&mut self, ledger: &mut Ledger) -> Met {
+        ledger.work += cost::STEP;
         let pending = self.pending.take().map(|hit| Hit { t: 0.0, ..hit });
         let at_once = pending.is_some();
         let hit = pending.or_else(|| self.world.geometry.intersect_beside(&self.ray, self.beside, f64::INFINITY));

@@ -1,5 +1,6 @@
 //! A pilot that finds the trains of specular faces by which the light of each group reaches the pupil.
 
+use super::glimpses;
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -24,7 +25,7 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Pilots have a seed of their own: the plan is a function of the scene alone.
-const SEED: u64 = 0x77a1;
+pub(super) const SEED: u64 = 0x77a1;
 const PATHS: u64 = 1 << 12;
 /// A path is followed both ways where each carries this share of what it started with.
 const LEAST: f64 = 1e-6;
@@ -40,13 +41,15 @@ const MOST_ENTRIES: usize = 512;
 const MOST_LIT: usize = 128;
 
 /// Light that arrived over one chain, and where.
-struct Arrived {
-    group: GroupId,
-    chain: Chain,
-    lamp: usize,
-    film: DVec2,
-    pupil: DVec2,
-    luminance: f64,
+pub(super) struct Arrived {
+    pub group: GroupId,
+    /// From the lamp.
+    pub chain: Chain,
+    pub lamp: usize,
+    pub film: DVec2,
+    pub pupil: DVec2,
+    /// What it adds to the sum of all pixels' luminance, cd/m².
+    pub luminance: f64,
 }
 
 #[derive(Default)]
@@ -104,6 +107,23 @@ pub fn find(
         if route.share(arrived.group, Class::Vision, false).is_some() {
             totals[arrived.group.index()] += arrived.luminance;
             chains.entry((arrived.group, arrived.chain.clone())).or_default().push(arrived);
+        }
+    }
+    // What only rays from the eye have found; of the other chains they know more lamps and places.
+    let mut glimpses: BTreeMap<(GroupId, Chain), Vec<Arrived>> = BTreeMap::new();
+    for arrived in glimpses::look((world, &optics), stop) {
+        if route.share(arrived.group, Class::Vision, false).is_some() {
+            glimpses.entry((arrived.group, arrived.chain.clone())).or_default().push(arrived);
+        }
+    }
+    for (key, mut arrived) in glimpses {
+        match chains.get_mut(&key) {
+            Some(known) => known.extend(arrived.into_iter().map(|a| Arrived { luminance: 0.0, ..a })),
+            None => {
+                arrived.retain(|a| a.luminance > 0.0);
+                totals[key.0.index()] += arrived.iter().map(|a| a.luminance).sum::<f64>();
+                chains.insert(key, arrived);
+            }
         }
     }
     let mut found: Vec<Connection> = chains

@@ -1,8 +1,10 @@
 //! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is; scans an eyebox.
 
 pub mod chains;
+pub mod contest;
 pub mod forecast;
 pub mod frozen;
+mod glimpses;
 mod mode;
 pub mod paths;
 mod pilot;
@@ -17,9 +19,10 @@ use crate::estimate::ShouldStop;
 use crate::estimate::backward::Backward;
 use crate::estimate::route::Route;
 use crate::estimate::seen::Seen;
-use crate::film::plan::{Estimator, Plan, Row, Verdict};
+use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
 use crate::world::World;
 use crate::world::mode::Mono;
+use contest::Handicap;
 use std::collections::BTreeSet;
 
 /// Which estimators may be used.
@@ -55,22 +58,29 @@ impl From<Choice> for Asked {
 
 /// Makes the plan: facts decide who owns what, and pilots where facts do not tell.
 pub fn plan(checked: &Checked, world: &World, asked: impl Into<Asked>) -> Plan {
-    make(checked, world, asked.into(), &|| false)
+    make(checked, world, asked.into(), &|| false, &Handicap::default())
 }
 
 /// The same; none if `stop` says true (Ctrl-C) before the pilots are through. It is asked before each path of a pilot, but
 /// for one of 4096 photons.
 pub fn plan_unless(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -> Option<Plan> {
-    let plan = make(checked, world, asked, stop);
+    let plan = make(checked, world, asked, stop, &Handicap::default());
     (!stop()).then_some(plan)
 }
 
-fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -> Plan {
-    let mut plan = Plan::of(rows(checked, world, asked.choice), mode::decide(checked, world, asked.polarisation, stop));
-    let making = Making { checked, world, choice: asked.choice, stop };
-    making.light_paths(&mut plan);
-    making.photons(&mut plan);
-    making.eye_paths(&mut plan);
+/// The plan of the automatic choice if its pilot saw some estimators' work or noise multiplied: for tests that want to see
+/// it change.
+pub fn plan_handicapped(checked: &Checked, world: &World, handicap: &Handicap) -> Plan {
+    make(checked, world, Choice::Auto.into(), &|| false, handicap)
+}
+
+fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>, handicap: &Handicap) -> Plan {
+    let mode = mode::decide(checked, world, asked.polarisation, stop);
+    let making = Making { checked, world, choice: asked.choice, mode, stop };
+    let mut plan = making.plan_of(rows(checked, world, asked.choice), None);
+    if asked.choice == Choice::Auto {
+        plan = contest::settle(&making, plan, handicap);
+    }
     making.remarks(&mut plan);
     plan
 }
@@ -95,10 +105,42 @@ struct Making<'m> {
     checked: &'m Checked<'m>,
     world: &'m World,
     choice: Choice,
+    mode: PathMode,
     stop: &'m ShouldStop<'m>,
 }
 
 impl Making<'_> {
+    /// A plan of these rows with what pilots say of it; `known`: another whose pilots hold for the classes that it has
+    /// the same verdicts for.
+    fn plan_of(&self, rows: Vec<Row>, known: Option<&Plan>) -> Plan {
+        let same = |classes: &[Class]| {
+            known.filter(|known| {
+                let pairs = known.rows.iter().zip(&rows);
+                pairs.filter(|(row, _)| classes.contains(&row.class)).all(|(a, b)| a.verdict == b.verdict)
+            })
+        };
+        let (vision, scattered) = (same(&[Class::Vision]), same(&[Class::Caustic, Class::Secondary]));
+        let mut plan = Plan::of(rows, self.mode.clone());
+        match vision {
+            Some(known) => {
+                plan.forward_guide.clone_from(&known.forward_guide);
+                plan.connections.clone_from(&known.connections);
+                plan.forward_paths = known.forward_paths;
+            }
+            None => self.light_paths(&mut plan),
+        }
+        match scattered {
+            Some(known) => {
+                plan.screens.clone_from(&known.screens);
+                plan.photon_guide.clone_from(&known.photon_guide);
+                (plan.photons, plan.photon_radii_m) = (known.photons, known.photon_radii_m);
+            }
+            None => self.photons(&mut plan),
+        }
+        self.eye_paths(&mut plan);
+        plan
+    }
+
     fn groups(&self) -> usize {
         self.checked.scene().groups.len()
     }
@@ -269,6 +311,11 @@ fn skip(because: impl Into<String>) -> Verdict {
     Verdict::Skip { because: because.into() }
 }
 
+/// Etendue of lamps of this area, m², over the eye's.
+fn lamps_over_eye(world: &World, area_m2: f64) -> f64 {
+    std::f64::consts::PI * area_m2 / world.eye.etendue_m2_sr()
+}
+
 fn auto(checked: &Checked, world: &World, group: GroupId, class: Class, is_sky: bool) -> Verdict {
     let facts = checked.facts();
     if class != Class::Vision && !facts.scatters {
@@ -281,17 +328,10 @@ fn auto(checked: &Checked, world: &World, group: GroupId, class: Class, is_sky: 
         Class::Vision if !facts.specular => own(Estimator::Backward, "no specular face is between lamp and eye"),
         Class::Vision if facts.pinhole => own(Estimator::Backward, "the pupil is a point: no ray from a lamp arrives"),
         Class::Vision => {
-            let eye = world.eye.etendue_m2_sr();
-            let lamps: f64 = world
-                .lamps
-                .all()
-                .iter()
-                .filter(|lamp| lamp.group == group)
-                .map(|lamp| std::f64::consts::PI * lamp.area_m2)
-                .sum();
+            let lamps = world.lamps.all().iter().filter(|lamp| lamp.group == group);
             // Rays from the eye hit the lamps, and rays from the lamps the eye, in proportion to the other's etendue;
             // the margin is for light from the lamps that a housing stops.
-            let ratio = lamps / eye;
+            let ratio = lamps_over_eye(world, lamps.map(|lamp| lamp.area_m2).sum());
             if ratio <= 64.0 {
                 connect(
                     Estimator::Forward,

@@ -249,6 +249,8 @@ const LITTLE: f64 = 0.03;
 /// Scattered light is soft: on scene A1 twelve pixels blur it by less than 1 % (5e-5 of relMSE), and four pixels blur its
 /// caustic more than their noise would be.
 const SOFT: (f64, f64) = (64.0, 12.0);
+/// Pixels of the longer side for one of blur: what is soft in a large picture is not in a small one.
+const PER_BLUR: f64 = 20.0;
 const SHARP: (f64, f64) = (16.0, 2.0);
 
 /// Learns what photons the plan needs. `pixel_m`: the distance between what neighbouring pixels see; `seen`: at that.
@@ -287,7 +289,9 @@ pub fn photon(
             (of_pilot * (gathered * PATHS as f64 / photons as f64).sqrt()).clamp(pixel_m, most_blur * pixel_m)
         })
     };
-    let secondary = radius(&|landing| landing.scattered, SOFT);
+    let longer = world.eye.size().into_iter().max().unwrap_or(1) as f64;
+    let soft = (SOFT.0, SOFT.1.min(longer / PER_BLUR).max(1.0));
+    let secondary = radius(&|landing| landing.scattered, soft);
     let caustic = radius(&|landing| !landing.scattered && !landing.connected, SHARP);
     PhotonPilot { guide, photons, radii_m: Radii { caustic, secondary } }
 }

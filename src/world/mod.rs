@@ -27,7 +27,7 @@ pub mod web;
 
 use crate::base::Result;
 use crate::base::lpe::Sieve;
-use crate::scene::{BeaconForm, Coating, Medium, Scene};
+use crate::scene::{BeaconForm, Coating, Eye, Medium, Scene};
 use contact::Contacts;
 use eye::EyeLens;
 use geometry::Geometry;
@@ -42,29 +42,29 @@ use surface::FaceOptics;
 use tint::Tints;
 
 /// Everything that a ray can meet, in a frame whose origin is the middle of the scene (so that an assembly 10 km from
-/// the world's origin renders the same).
+/// the world's origin renders the same). What is large is shared by the [same world seen otherwise](World::seen_by).
 pub struct World {
-    pub geometry: Geometry,
+    pub geometry: Arc<Geometry>,
     /// Per part, per face: what it does with light.
-    pub faces: Vec<Vec<FaceOptics>>,
+    pub faces: Arc<Vec<Vec<FaceOptics>>>,
     /// Per part: where it stands among nested ones, if it is a solid.
     pub solids: Vec<Option<Solid>>,
     /// Where faces that scatter end.
-    pub rims: Rims,
+    pub rims: Arc<Rims>,
     /// Faces of solids that touch.
-    pub contacts: Contacts,
+    pub contacts: Arc<Contacts>,
     /// Per part: the medium it is filled with, if it is a solid.
-    pub media_of_parts: Vec<Option<Medium>>,
-    pub coatings: Vec<Coating>,
-    pub lamps: Lamps,
+    pub media_of_parts: Arc<Vec<Option<Medium>>>,
+    pub coatings: Arc<Vec<Coating>>,
+    pub lamps: Arc<Lamps>,
     /// Solids that contain each lamp's surface: where its light starts.
     pub lamp_interiors: Vec<Interior>,
     pub lights: Lights,
     /// Solids that each light is inside of.
     pub light_interiors: Vec<Interior>,
-    pub sky: Option<SkyLight>,
+    pub sky: Option<Arc<SkyLight>>,
     pub eye: EyeLens,
-    pub slides: Vec<SlideMap>,
+    pub slides: Arc<Vec<SlideMap>>,
     pub tints: Tints,
     /// The wavelength of [`mode::Mono`], nm.
     pub wavelength_nm: f64,
@@ -135,25 +135,50 @@ impl World {
             })
             .collect();
         Ok(World {
-            rims: Rims::find(scene, &geometry, &faces),
-            faces,
+            rims: Arc::new(Rims::find(scene, &geometry, &faces)),
+            faces: Arc::new(faces),
             solids,
-            contacts,
-            media_of_parts,
-            coatings: scene.coatings.clone(),
-            lamps,
+            contacts: Arc::new(contacts),
+            media_of_parts: Arc::new(media_of_parts),
+            coatings: Arc::new(scene.coatings.clone()),
+            lamps: Arc::new(lamps),
             lamp_interiors,
             lights,
             light_interiors,
-            sky: scene.sky.as_ref().map(SkyLight::build).transpose()?,
+            sky: scene.sky.as_ref().map(SkyLight::build).transpose()?.map(Arc::new),
             eye,
-            slides: scene.slides.iter().map(SlideMap::build).collect::<Result<_>>()?,
+            slides: Arc::new(scene.slides.iter().map(SlideMap::build).collect::<Result<_>>()?),
             tints,
-            geometry,
+            geometry: Arc::new(geometry),
             wavelength_nm,
             sieve: None,
             #[cfg(test)]
             planted: Planted::Nothing,
+        })
+    }
+
+    /// The same world in a picture of another size. Errors: a picture without pixels.
+    pub fn seen_by(&self, eye: &Eye) -> Result<World> {
+        Ok(World {
+            geometry: self.geometry.clone(),
+            faces: self.faces.clone(),
+            solids: self.solids.clone(),
+            rims: self.rims.clone(),
+            contacts: self.contacts.clone(),
+            media_of_parts: self.media_of_parts.clone(),
+            coatings: self.coatings.clone(),
+            lamps: self.lamps.clone(),
+            lamp_interiors: self.lamp_interiors.clone(),
+            lights: self.lights.clone(),
+            light_interiors: self.light_interiors.clone(),
+            sky: self.sky.clone(),
+            eye: EyeLens::build(eye, self.geometry.origin())?,
+            slides: self.slides.clone(),
+            tints: self.tints.clone(),
+            wavelength_nm: self.wavelength_nm,
+            sieve: self.sieve.clone(),
+            #[cfg(test)]
+            planted: self.planted,
         })
     }
 }

@@ -82,7 +82,7 @@ impl Connections {
         self.chances[entry.train]
     }
 
-    /// The solutions of an entry for a place in the picture and a point of its lamp.
+    /// The solutions of an entry for a place in the picture and a point of its lamp. Returns how often it was solved for one.
     pub fn roots<M: Mode>(
         &self,
         (world, optics): (&World, &Optics<M>),
@@ -90,8 +90,8 @@ impl Connections {
         film: DVec2,
         target: &Target,
         out: &mut Vec<Root>,
-    ) {
-        entry.starts.roots(world, &index_of(optics), &self.trains[entry.train], film, target, out);
+    ) -> u64 {
+        entry.starts.roots(world, &index_of(optics), &self.trains[entry.train], film, target, out)
     }
 
     /// Whether a path from a point of `lamp` over `chain` (from the lamp) that crosses picture and pupil at these places is

@@ -14,7 +14,7 @@ use super::solve::Target;
 use crate::base::chain::Chain;
 use crate::base::lpe::Letter;
 use crate::base::rng::Rng;
-use crate::estimate::ledger::Ledger;
+use crate::estimate::ledger::{Ledger, cost};
 use crate::film::accumulate::Light;
 use crate::film::train::Screen;
 use crate::world::World;
@@ -127,6 +127,7 @@ impl<M: Mode> Screens<M> {
                 let off = entry.middle.local(x.position - entry.middle.point);
                 let mut known = Known::default();
                 for sheet in of(Cell::Interpolated) {
+                    ledger.work += cost::READ;
                     let incoming = sheet.interpolate(world, optics, &spot, entry.lamp, off);
                     if let Some(incoming) = incoming.filter(|incoming| known.add(incoming.dir, NEARLY_SAME)) {
                         visit(Incoming { letters: &lit.letters, ..incoming });
@@ -134,6 +135,7 @@ impl<M: Mode> Screens<M> {
                 }
                 let target = Target::new(x.position, x.normal);
                 for sheet in of(Cell::Solved) {
+                    ledger.work += cost::SOLVED * lit.chain.0.len() as u64;
                     let root = lit.solve((world, optics), entry, sheet, &spot, (point, site), &target);
                     let Some(Solution { dir, factor }) = root.filter(|root| known.add(root.dir, SAME)) else {
                         continue;

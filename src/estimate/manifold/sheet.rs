@@ -231,7 +231,8 @@ impl Starts {
         self.sheets.iter().any(|sheet| sheet.nodes[cell].is_some_and(|node| node.useful))
     }
 
-    /// Adds the solutions for a place in the picture and a point of the lamp: a function of these alone.
+    /// Adds the solutions for a place in the picture and a point of the lamp: a function of these alone. Returns how often it
+    /// was solved for one.
     pub fn roots(
         &self,
         world: &World,
@@ -240,8 +241,9 @@ impl Starts {
         film: DVec2,
         target: &Target,
         out: &mut Vec<Root>,
-    ) {
+    ) -> u64 {
         let first = out.len();
+        let mut solved = 0;
         let cell = self.grid.cell(film);
         let off = self.middle.local(target.point - self.middle.point);
         for sheet in &self.sheets {
@@ -252,6 +254,7 @@ impl Starts {
                 continue;
             }
             let family = Family::Pupil { film };
+            solved += 1;
             if let Some(root) = newton(world, index, &family, start, train, target, self.size) {
                 let same = SAME * world.eye.pupil_radius_m();
                 if !out[first..].iter().any(|other| other.u.distance(root.u) <= same) {
@@ -259,5 +262,6 @@ impl Starts {
                 }
             }
         }
+        solved
     }
 }

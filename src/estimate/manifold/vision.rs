@@ -14,7 +14,7 @@ use super::solve::{Root, Target};
 use super::tables::Tables;
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
-use crate::estimate::ledger::Ledger;
+use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::route::Route;
 use crate::estimate::walk::{Travel, Walker};
@@ -97,6 +97,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
                     total.merge(&ledger);
                 }
                 total.vertex_error = scratch.vertex_error;
+                total.work += scratch.work;
                 total
             })
             .collect();
@@ -121,6 +122,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
             let chance = self.connections.chance(entry) * share;
             let solved = chance >= 1.0 || choices.uniform() < chance;
             let point = lamp.sample_point([at[2], at[3]]);
+            ledger.work += cost::READ;
             // What the table says, less what stands for it where the solver is asked.
             let control = if solved { 1.0 - 1.0 / chance } else { 1.0 };
             if let Some((tables, spot)) = spot.as_ref().filter(|_| control != 0.0) {
@@ -140,7 +142,8 @@ impl<'w, M: Mode> Manifold<'w, M> {
             }
             let target = Target::new(point.position, point.normal);
             roots.clear();
-            self.connections.roots((self.world, optics), entry, film, &target, roots);
+            let solved = self.connections.roots((self.world, optics), entry, film, &target, roots);
+            ledger.work += cost::SOLVED * solved * self.connections.trains[entry.train].0.len() as u64;
             for root in roots.iter().filter(|root| root.u.length() <= self.world.eye.pupil_radius_m()) {
                 ledger.paths += 1;
                 let brought = self.connect((optics, entry), film, root, lamp.area_m2 / chance, pixel, out, scratch);

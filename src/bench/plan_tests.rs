@@ -1,0 +1,139 @@
+//! Plans follow what their pilots measure, and what pilots miss is still in the stated error.
+
+use super::curve::error::References;
+use super::curve::race::Ready;
+use super::curve::reference::{Source, references};
+use super::stated::{Run, runs};
+use super::{generate, kit};
+use crate::base::chain::Step;
+use crate::base::ids::GroupId;
+use crate::base::path::Class;
+use crate::estimate::run::Limits;
+use crate::film::plan::{Estimator, Plan, Verdict};
+use crate::plan::contest::Handicap;
+use crate::plan::{Choice, plan, plan_handicapped};
+use crate::scene::{Finish, Scene};
+use glam::{DAffine3, DVec3};
+
+/// Who has the paths of a class of the first light group, but for what connection takes of them.
+fn owner(plan: &Plan, class: Class) -> (Estimator, bool) {
+    match plan.row(GroupId(0), class).verdict {
+        Verdict::Own { owner, .. } => (owner, false),
+        Verdict::Connect { rest, .. } => (rest, true),
+        Verdict::Skip { .. } => panic!("{class:?} is skipped"),
+    }
+}
+
+/// A handicap of this factor for some estimators: as if they were slower, and as if they were noisier.
+fn sabotage(estimators: &[Estimator], factor: f64) -> [Handicap; 2] {
+    let mut all = [Handicap::default(); 2];
+    for estimator in estimators {
+        all[0].work[*estimator as usize] = factor;
+        all[1].noise[*estimator as usize] = factor;
+    }
+    all
+}
+
+/// Owners in the plan of a scene, and in the plans that see these estimators a hundred times slower or noisier.
+fn owners(seed: u64, class: Class, sabotaged: &[Estimator]) -> [(Estimator, bool); 3] {
+    let scene = generate::scene(seed);
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    let [slow, noisy] = sabotage(sabotaged, 100.0);
+    [Handicap::default(), slow, noisy]
+        .map(|handicap| owner(&plan_handicapped(&ready.checked, &ready.world, &handicap), class))
+}
+
+/// LEDs of 700 times the eye's etendue behind a lens: connection is six times as fast as rays from the eye, which facts
+/// don't tell.
+#[test]
+fn sabotaged_connection_loses_its_lamps() {
+    let [plain, slow, noisy] = owners(7, Class::Vision, &[Estimator::Manifold]);
+    assert_eq!(plain, (Estimator::Forward, true));
+    assert_eq!([slow, noisy], [(Estimator::Backward, false); 2]);
+    let [_, slow, noisy] = owners(7, Class::Vision, &[Estimator::Backward]);
+    assert_eq!([slow, noisy], [(Estimator::Forward, true); 2]);
+}
+
+/// LEDs over a matt floor: photons bring what is scattered twice several times as fast as rays from the eye.
+#[test]
+fn sabotaged_photons_lose_their_light() {
+    let [plain, slow, noisy] = owners(5, Class::Secondary, &[Estimator::Photon]);
+    assert_eq!(plain, (Estimator::Photon, false));
+    assert_eq!([slow, noisy], [(Estimator::Backward, false); 2]);
+}
+
+fn by_brute_force(ready: &Ready<'_>, passes: u64) -> References {
+    let choice = Choice::Only(Estimator::Backward);
+    let source = Source::Traced { choice, passes: Some(passes), seconds: 1e9 };
+    references(ready, &source, 1, &|| false).unwrap().0
+}
+
+/// At least nine in ten.
+fn assert_honest(runs: &[Run]) {
+    let honest = runs.iter().filter(|run| run.is_honest()).count();
+    assert!(10 * honest >= 9 * runs.len(), "{honest} of {}: {runs:?}", runs.len());
+}
+
+/// The pilot knows nothing of how the lamps' light gets to the eye: no train and no guide. What little finds its way is
+/// noise, and the error says so.
+#[test]
+fn what_the_pilot_missed_is_in_the_stated_error() {
+    let mut scene = generate::scene(0);
+    scene.eye.resolution = [12, 9];
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    let mut plan = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
+    assert!(!plan.connections.is_empty());
+    plan.connections.clear();
+    plan.forward_guide = None;
+    plan.forward_paths = 1 << 12;
+    let references = by_brute_force(&ready, 2000);
+    let limits = Limits { passes: Some(16), time: None, error: Some(0.3) };
+    let runs = runs(&ready, &plan, &references, 0..40, &limits, &|| false);
+    assert!(runs.iter().all(|run| run.stated.is_some_and(|stated| stated > 0.05)), "{runs:?}");
+    assert_honest(&runs);
+}
+
+/// One lamp behind a pane, and one that is seen in a mirror which its light hardly ever hits on the way to the pupil.
+fn mirrored() -> Scene {
+    let mut scene = kit::scene(20.0, 1);
+    scene.eye.resolution = [32, 24];
+    scene.eye.pupil_diameter_m = 3e-3;
+    let group = kit::group(&mut scene, "led");
+    let mut lamp = |centre: DVec3, a: DVec3, b: DVec3, luminance: f64| {
+        let faces = vec![kit::shining(group, luminance)];
+        kit::add(&mut scene, kit::mesh(&[kit::quad(centre, a, b)]), DAffine3::IDENTITY, None, faces);
+    };
+    lamp(DVec3::new(-0.05, 0.0, -0.6), DVec3::X * 0.02, DVec3::Y * 0.02, 1e3);
+    // Beside the eye, seen in the mirror at (0.06, 0, −0.6), which is tilted by half the angle to it.
+    let (mirror, place) = (DVec3::new(0.06, 0.0, -0.6), DVec3::new(0.4, 0.0, -0.3));
+    let towards = (mirror - place).normalize();
+    let side = towards.cross(DVec3::Y).normalize();
+    lamp(place, DVec3::Y * 0.01, side * 0.01, 2e4);
+    let normal = ((place - mirror).normalize() - mirror.normalize()).normalize();
+    let side = DVec3::Y.cross(normal).normalize();
+    let quad = kit::quad(mirror, side * 0.012, DVec3::Y * 0.012);
+    let face = kit::face(Finish::MirrorIdeal { reflectance: 0.9 });
+    kit::add(&mut scene, kit::mesh(&[quad]), DAffine3::IDENTITY, None, vec![face]);
+    let mut faces: Vec<_> = (0..6).map(|_| kit::face(Finish::Absorber)).collect();
+    (faces[4], faces[5]) = (kit::face(Finish::Polished), kit::face(Finish::Polished));
+    let pane = DAffine3::from_translation(DVec3::new(-0.05, 0.0, -0.5));
+    kit::add(&mut scene, kit::mesh(&kit::cuboid(DVec3::new(0.04, 0.04, 5e-4))), pane, Some(1.5), faces);
+    scene
+}
+
+/// Of the lamps' paths some millionths come to the pupil, too few for a pilot; most of the picture's light comes by the
+/// mirror. Rays from the eye show the pilot both trains.
+#[test]
+fn a_mirror_in_plain_sight_is_not_missed() {
+    let scene = mirrored();
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    let plan = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
+    let back = |connection: &&crate::film::train::Connection| {
+        connection.train.0.len() == 1 && connection.train.0[0].link.step == Step::Back
+    };
+    let share: f64 = plan.connections.iter().filter(back).map(|connection| connection.share).sum();
+    assert!(share > 0.5, "{:?}", plan.connections);
+    let references = by_brute_force(&ready, 400);
+    let limits = Limits { passes: Some(400), time: None, error: Some(0.02) };
+    assert_honest(&runs(&ready, &plan, &references, 0..40, &limits, &|| false));
+}
