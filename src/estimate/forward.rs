@@ -59,6 +59,8 @@ struct Arrivals<'r, M: Mode> {
     splats: Vec<Splat>,
     /// Where the splats of the path under way begin.
     first: usize,
+    /// Counted work of asking what is connected.
+    work: u64,
 }
 
 impl<'w, M: Mode> Forward<'w, M> {
@@ -99,7 +101,8 @@ impl<'w, M: Mode> Forward<'w, M> {
                     let optics = &optics[(pass - first_pass) as usize];
                     let mut arrivals = self.arrivals(optics);
                     let shots = self.shots(Stream::Forward, pass);
-                    let ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut arrivals);
+                    let mut ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut arrivals);
+                    ledger.work += arrivals.work;
                     (arrivals.splats, ledger)
                 })
                 .collect();
@@ -145,7 +148,7 @@ impl<'w, M: Mode> Forward<'w, M> {
     }
 
     fn arrivals<'r>(&'r self, optics: &'r Optics<M>) -> Arrivals<'r, M> {
-        Arrivals { route: &self.route, optics, connections: &self.connections, splats: Vec::new(), first: 0 }
+        Arrivals { route: &self.route, optics, connections: &self.connections, splats: Vec::new(), first: 0, work: 0 }
     }
 }
 
@@ -187,12 +190,12 @@ impl<M: Mode> Visitor<M> for Arrivals<'_, M> {
 
 impl<M: Mode> Arrivals<'_, M> {
     /// Whether the path is one that specular connection returns for its ends.
-    fn is_connected(&self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival) -> bool {
+    fn is_connected(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival) -> bool {
         let (Some(chain), Some((lamp, point, normal))) = (walker.chain(), from.face) else { return false };
         arrival.pixel.is_some() && walker.trail.class_from_lamp() == Class::Vision && {
             let target = Target::new(point, normal);
             let places = (arrival.film, arrival.pupil);
-            self.connections.owns((walker.world, self.optics), chain, (lamp, &target), places)
+            self.connections.owns((walker.world, self.optics), chain, (lamp, &target), places, &mut self.work)
         }
     }
 }

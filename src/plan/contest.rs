@@ -15,9 +15,9 @@ const OPEN: [f64; 2] = [8.0, 1e5];
 const SMALL: f64 = 3e-4;
 /// Longer side of the pilot's picture, pixels.
 const SIDE: usize = 32;
-/// Counted work after which a trial has seen enough, and its fewest and most passes.
-const WORK: u64 = 1 << 21;
-const PASSES: [u64; 2] = [4, 64];
+/// Counted work after which a trial has seen enough (some 35 ms), and its fewest and most passes.
+const WORK: u64 = 1 << 20;
+const PASSES: [u64; 2] = [2, 64];
 /// How much better a rival must be than what facts say: a pilot is not exact.
 const MARGIN: f64 = 1.25;
 /// Share of the mean luminance that counts as full error where the picture is black, as in `eyebox bench`.
@@ -162,9 +162,12 @@ impl Open {
             [vision, seen || !facts.specular]
         };
         let all: Vec<[bool; 2]> = (0..scene.groups.len()).map(of).collect();
+        // What a pilot has given up is not asked again.
+        let said = super::rows(making.checked, making.world, making.choice);
         let given_up = |group: usize| {
-            let row = base.rows.get(group * Class::ALL.len() + Class::Vision as usize);
-            row.is_none_or(|row| matches!(&row.verdict, Verdict::Own { because, .. } if because.contains("a pilot")))
+            let of =
+                |rows: &[Row]| rows.get(group * Class::ALL.len() + Class::Vision as usize).map(|r| kind(&r.verdict));
+            of(&base.rows) != of(&said)
         };
         Open {
             vision: all.iter().enumerate().map(|(group, [vision, _])| *vision && !given_up(group)).collect(),
@@ -223,6 +226,8 @@ struct Trial {
 struct Small {
     world: World,
     size: [usize; 2],
+    /// Longer side of the real one.
+    longer: usize,
     /// Of the pixels of the real one.
     share: f64,
 }
@@ -235,7 +240,7 @@ impl Small {
         let size = [width, height].map(|n| ((n as f64 * scale).round() as usize).max(1));
         eye.resolution = size;
         let share = (size[0] * size[1]) as f64 / (width * height).max(1) as f64;
-        Some(Small { world: making.world.seen_by(&eye).ok()?, size, share })
+        Some(Small { world: making.world.seen_by(&eye).ok()?, size, longer: width.max(height), share })
     }
 
     fn trial(&self, making: &Making<'_>, plan: &Plan) -> Trial {
@@ -246,7 +251,7 @@ impl Small {
             (own.forward_paths, own.photons) = (fewer(plan.forward_paths), fewer(plan.photons));
             own.photon_radii_m = plan.photon_radii_m.scaled(self.share.sqrt().recip());
         }
-        let mut tracing = begin_trial(&self.world, &own, making.groups(), self.size, super::pilot::SEED);
+        let mut tracing = begin_trial(&self.world, &own, making.groups(), (self.size, self.longer), super::pilot::SEED);
         while !tracing.films().films.is_empty() && !making.stopped() {
             let films = tracing.films();
             let work: u64 = films.films.iter().map(|(_, _, ledger)| ledger.work).sum();

@@ -5,6 +5,7 @@ use super::grid::Grid;
 use super::sheet::{Builder, SAME, Starts};
 use super::solve::{Root, Target};
 use crate::base::chain::Chain;
+use crate::estimate::ledger::cost;
 use crate::film::train::{Connection, Train};
 use crate::world::World;
 use crate::world::mode::Mode;
@@ -95,19 +96,21 @@ impl Connections {
     }
 
     /// Whether a path from a point of `lamp` over `chain` (from the lamp) that crosses picture and pupil at these places is
-    /// one that the solver returns.
+    /// one that the solver returns. Adds to the counted work.
     pub fn owns<M: Mode>(
         &self,
         tracing: (&World, &Optics<M>),
         chain: &Chain,
         (lamp, target): (usize, &Target),
         (film, pupil): (DVec2, DVec2),
+        work: &mut u64,
     ) -> bool {
         let Some(train) = self.known.get(chain) else { return false };
         let same = SAME * tracing.0.eye.pupil_radius_m();
         let mut roots = Vec::new();
         for (_, entry) in self.at(film).filter(|(_, entry)| entry.train == *train && entry.starts.lamp == lamp) {
-            self.roots(tracing, entry, film, target, &mut roots);
+            let solved = self.roots(tracing, entry, film, target, &mut roots);
+            *work += cost::SOLVED * solved * self.trains[*train].0.len() as u64;
         }
         roots.iter().any(|root| root.u.distance(pupil) <= same)
     }

@@ -93,7 +93,15 @@ impl<M: Mode> Glances<M> {
     /// None where they would not pay, or where every pass has wavelengths of its own.
     pub fn new(world: &World, optics: &Optics<M>, screens: &Screens<M>) -> Option<Glances<M>> {
         let [width, height] = world.eye.size();
-        let cells = (width.max(height) / PIXELS).min(CELLS);
+        Glances::with_cells(world, optics, screens, (width.max(height) / PIXELS).min(CELLS))
+    }
+
+    /// Coarse ones for a pilot's small picture of one whose longer side has so many pixels, where that one has tables.
+    pub fn coarse(world: &World, optics: &Optics<M>, screens: &Screens<M>, longer: usize) -> Option<Glances<M>> {
+        Glances::with_cells(world, optics, screens, (longer / PIXELS).min(FEWEST))
+    }
+
+    fn with_cells(world: &World, optics: &Optics<M>, screens: &Screens<M>, cells: usize) -> Option<Glances<M>> {
         if M::SPECTRAL == Spectral::Hero || cells < FEWEST || screens.is_empty() {
             return None;
         }

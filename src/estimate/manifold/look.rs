@@ -8,7 +8,7 @@ use crate::base::lpe::{Letter, Source};
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::base::warp::{Frame, disk};
-use crate::estimate::ledger::Ledger;
+use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::film::accumulate::Light;
@@ -46,6 +46,8 @@ pub(super) fn look<M: Mode>(
             let control = if followed { 1.0 - 1.0 / share } else { 1.0 };
             glances.each((world, optics), &look, OF_PAIR * control, &mut rng, |mut walker, vertex| {
                 let Surface::Scatter(scatter) = &walker.face(&vertex).surface else { return };
+                // The nodes over picture and pupil, and one face to be met.
+                scratch.work += cost::STEP;
                 let landed = (&mut walker, &vertex, &**scatter, Frame::about(vertex.normal));
                 gather(manifold, landed, (screens, lamp), out, scratch);
             });

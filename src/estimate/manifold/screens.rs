@@ -151,13 +151,14 @@ impl<M: Mode> Screens<M> {
     }
 
     /// Whether the path from a point of `lamp` over `chain` (from the lamp) that arrives at a point of a face along `dir` is
-    /// one that [`Screens::gather`] finds for these ends.
+    /// one that [`Screens::gather`] finds for these ends. Adds to the counted work.
     pub fn owns(
         &self,
         (world, optics): (&World, &Optics<M>),
         chain: &Chain,
         (lamp, target): (usize, &Target),
         (point, site, dir): (DVec3, Site, DVec3),
+        work: &mut u64,
     ) -> bool {
         let face = |lit: &&Lit<M>| (lit.map.part, lit.map.face) == (site.part, site.face) && lit.chain == *chain;
         self.lit.iter().filter(face).any(|lit| {
@@ -166,12 +167,17 @@ impl<M: Mode> Screens<M> {
                 let off = entry.middle.local(target.point - entry.middle.point);
                 entry.sheets.iter().any(|sheet| match sheet.cell(&lit.map, &spot) {
                     Cell::Nothing | Cell::Rim => false,
-                    Cell::Interpolated => sheet
-                        .interpolate(world, optics, &spot, lamp, off)
-                        .is_some_and(|incoming| incoming.dir.distance(-dir) <= ABOUT_SAME),
-                    Cell::Solved => lit
-                        .solve((world, optics), entry, sheet, &spot, (point, site), target)
-                        .is_some_and(|found| found.dir.distance(-dir) <= SAME),
+                    Cell::Interpolated => {
+                        *work += cost::READ;
+                        sheet
+                            .interpolate(world, optics, &spot, lamp, off)
+                            .is_some_and(|incoming| incoming.dir.distance(-dir) <= ABOUT_SAME)
+                    }
+                    Cell::Solved => {
+                        *work += cost::SOLVED * chain.0.len() as u64;
+                        lit.solve((world, optics), entry, sheet, &spot, (point, site), target)
+                            .is_some_and(|found| found.dir.distance(-dir) <= SAME)
+                    }
                 })
             })
         })

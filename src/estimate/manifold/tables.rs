@@ -83,7 +83,16 @@ impl<M: Mode> Tables<M> {
     /// None where they would not pay, or where every pass has wavelengths of its own.
     pub fn new(world: &World, optics: &Optics<M>, connections: &Connections) -> Option<Tables<M>> {
         let [width, height] = world.eye.size();
-        let cells = (width.max(height) / PIXELS).min(CELLS);
+        Tables::with_cells(world, optics, connections, (width.max(height) / PIXELS).min(CELLS))
+    }
+
+    /// Coarse ones for a pilot's small picture of one whose longer side has so many pixels, where that one has tables: a
+    /// pilot without would count solutions that it does not need.
+    pub fn coarse(world: &World, optics: &Optics<M>, connections: &Connections, longer: usize) -> Option<Tables<M>> {
+        Tables::with_cells(world, optics, connections, (longer / PIXELS).min(FEWEST))
+    }
+
+    fn with_cells(world: &World, optics: &Optics<M>, connections: &Connections, cells: usize) -> Option<Tables<M>> {
         if M::SPECTRAL == Spectral::Hero || cells < FEWEST || connections.is_empty() {
             return None;
         }

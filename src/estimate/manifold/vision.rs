@@ -92,6 +92,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
                         if !screens.is_empty() {
                             look::look(self, (optics, screens), pixel, &mut light, (&mut ledger, &mut scratch));
                         }
+                        ledger.work += cost::KEPT;
                         row.add_pass(x, &light);
                     }
                     total.merge(&ledger);
