@@ -9,15 +9,12 @@ use super::curve::reference::references;
 use super::curve::{ReferenceFacts, name};
 use crate::base::Result;
 use crate::estimate::ShouldStop;
-use crate::estimate::run::{Films, Limits, Observer, Status, run};
+use crate::estimate::run::{Films, LEEWAY, Limits, Observer, Status, run};
 use crate::film::plan::Plan;
 use crate::plan::plan;
 use crate::scene::Scene;
 use std::path::Path;
 use std::time::Duration;
-
-/// How much larger than stated a true error may be.
-pub const MOST: f64 = 1.2;
 
 /// One run.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -32,7 +29,7 @@ pub struct Run {
 
 impl Run {
     pub fn is_honest(&self) -> bool {
-        self.stated.is_some_and(|stated| self.real <= MOST * stated)
+        self.stated.is_some_and(|stated| self.real <= LEEWAY * stated)
     }
 }
 
@@ -63,7 +60,7 @@ impl Stated {
             out += &format!("{seed:>6} {passes:>8} {stated:>10.5} {:>10.5} {ratio:>6.2}\n", run.real);
         }
         let (honest, all) = (self.honest(), self.runs.len());
-        out + &format!("{honest} of {all} runs have a true error of at most {MOST} of the stated one\n")
+        out + &format!("{honest} of {all} runs have a true error of at most {LEEWAY} of the stated one\n")
     }
 }
 

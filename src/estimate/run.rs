@@ -13,6 +13,7 @@ use super::manifold::tables::Tables;
 use super::manifold::vision::Manifold;
 use super::photon::PhotonMapper;
 use super::route::Route;
+use crate::base::stats::chi2_over_mean;
 use crate::film::accumulate::{Film, Sampling};
 use crate::film::detail::ErrorDetail;
 use crate::film::plan::{Estimator, Plan};
@@ -22,6 +23,11 @@ use crate::world::stokes::Stokes;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// How much larger than [`Films::relative_error`] a true error may be.
+pub const LEEWAY: f64 = 1.2;
+/// The normal quantile of 19 in 20.
+const Z_OF_95: f64 = 1.644_853_627;
 
 /// When to stop. The first limit that is reached counts.
 #[derive(Debug, Clone, Default)]
@@ -86,24 +92,33 @@ pub struct Outcome {
 impl Films {
     /// Root of (sum of the variances of all pixels' luminance) over (sum of their squares): the noise's share of the
     /// picture. None before the second pass or for a black picture.
+    ///
+    /// Where few pixels have most of the variance, the squared error of a run is often larger than its mean. Then this is as
+    /// much larger as it takes for [`LEEWAY`] times it to cover 19 in 20 of them. The pixels' sum counts as χ² of
+    /// (Σv)²/Σv² degrees of freedom (F. E. Satterthwaite, Biometrics Bulletin 2, 1946).
     pub fn relative_error(&self) -> Option<f64> {
         let (_, first, _) = self.films.first()?;
         // Rows side by side, summed in their order whatever thread made them.
         let of_row = |row: usize| {
-            let (mut noise, mut signal) = (0.0, 0.0);
+            let (mut noise, mut squares, mut signal) = (0.0, 0.0, 0.0);
             for pixel in row * first.width..(row + 1) * first.width {
-                let mut value = 0.0;
+                let (mut value, mut variance) = (0.0, 0.0);
                 for (_, film, _) in &self.films {
                     value += (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum::<f64>();
-                    noise += film.variance(pixel, film.planes.len());
+                    variance += film.variance(pixel, film.planes.len());
                 }
+                noise += variance;
+                squares += variance * variance;
                 signal += value * value;
             }
-            [noise, signal]
+            [noise, squares, signal]
         };
-        let rows: Vec<[f64; 2]> = (0..first.height).into_par_iter().map(of_row).collect();
-        let [noise, signal] = rows.iter().fold([0.0; 2], |[n, s], [noise, signal]| [n + noise, s + signal]);
-        (self.passes >= 2 && signal > 0.0).then(|| (noise / signal).sqrt())
+        let rows: Vec<[f64; 3]> = (0..first.height).into_par_iter().map(of_row).collect();
+        let add = |sum: [f64; 3], row: &[f64; 3]| std::array::from_fn(|k| sum[k] + row[k]);
+        let [noise, squares, signal] = rows.iter().fold([0.0; 3], add);
+        let freedom = if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
+        let most = (chi2_over_mean(freedom, Z_OF_95) / (LEEWAY * LEEWAY)).max(1.0);
+        (self.passes >= 2 && signal > 0.0).then(|| (noise * most / signal).sqrt())
     }
 
     /// The ledger of one estimator, if it ran.

@@ -326,9 +326,9 @@ fn costs(trials: [&Trial; 2], handicap: &Handicap) -> Option<[f64; 2]> {
     let plain = Handicap::default();
     let cost = |one: usize| {
         let (mut stated, mut differs) = (0.0, 0.0);
-        for pixel in 0..pixels {
+        for (pixel, smooth) in smooth.iter().enumerate() {
             let reference = trials[knows].values[pixel];
-            let scale = smooth[pixel].powi(2) + (FLOOR * mean).powi(2);
+            let scale = smooth.powi(2) + (FLOOR * mean).powi(2);
             stated += trials[one].variance(pixel, handicap) / scale;
             let of_reference = trials[knows].variance(pixel, &plain);
             differs += ((trials[one].values[pixel] - reference).powi(2) - of_reference) / scale;
