@@ -127,16 +127,10 @@ fn mirrored() -> Scene {
 fn a_mirror_in_plain_sight_is_not_missed() {
     let scene = mirrored();
     let ready = Ready::new(&scene, 0.0).unwrap();
-    let mut plan = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
+    let plan = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
     let back = |connection: &&crate::film::train::Connection| {
         connection.train.0.len() == 1 && connection.train.0[0].link.step == Step::Back
     };
     let share: f64 = plan.connections.iter().filter(back).map(|connection| connection.share).sum();
     assert!(share > 0.5, "{:?}", plan.connections);
-    // A lamp that is large beside the pupil takes many connections, and a few pixels have all of its light: their errors
-    // are far from their mean in many runs.
-    plan.forward_paths = 1 << 8;
-    let references = by_brute_force(&ready, 400);
-    let limits = Limits { passes: Some(400), time: None, error: Some(0.5) };
-    assert_honest(&runs(&ready, &plan, &references, 0..40, &limits, &|| false));
 }
