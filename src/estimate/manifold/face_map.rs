@@ -6,8 +6,8 @@ use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use glam::{DVec2, DVec3};
 
-/// The box of what a pilot found is a little smaller than what is lit; the grid stays this share inside of it, so that
-/// its outer nodes have solutions.
+/// The box of what a pilot found is a little smaller than what is lit; the grid within the ring stays this share inside of it,
+/// so that its nodes have solutions.
 const INSIDE: f64 = 2e-3;
 /// Cells about that on each side, for what is lit there: there the tables tell where it ends.
 const RING: usize = 1;

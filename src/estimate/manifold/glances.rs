@@ -22,7 +22,7 @@ use crate::world::mode::{Mode, Spectral, lanes};
 use crate::world::optics::Optics;
 use glam::{DVec2, DVec3};
 
-/// A cell has so many pixels along its sides, or its nodes cost more than they save; and there are so many cells.
+/// A cell has at least so many pixels along its sides, or its nodes cost more than they save; and there are so many cells.
 const PIXELS: usize = 15;
 const FEWEST: usize = 8;
 const CELLS: usize = 48;
@@ -69,6 +69,8 @@ pub struct Glances<M: Mode> {
     half: DVec2,
     /// m
     radius: f64,
+    /// Along a cell.
+    pixels: f64,
     glances: Vec<Glance<M>>,
     /// Per cell.
     uses: Vec<Use>,
@@ -93,15 +95,22 @@ impl<M: Mode> Glances<M> {
     /// None where they would not pay, or where every pass has wavelengths of its own.
     pub fn new(world: &World, optics: &Optics<M>, screens: &Screens<M>) -> Option<Glances<M>> {
         let [width, height] = world.eye.size();
-        Glances::with_cells(world, optics, screens, (width.max(height) / PIXELS).min(CELLS))
+        let longer = width.max(height);
+        Glances::with_cells(world, optics, screens, (longer, (longer / PIXELS).min(CELLS)))
     }
 
     /// Coarse ones for a pilot's small picture of one whose longer side has so many pixels, where that one has tables.
     pub fn coarse(world: &World, optics: &Optics<M>, screens: &Screens<M>, longer: usize) -> Option<Glances<M>> {
-        Glances::with_cells(world, optics, screens, (longer / PIXELS).min(FEWEST))
+        Glances::with_cells(world, optics, screens, (longer, (longer / PIXELS).min(FEWEST)))
     }
 
-    fn with_cells(world: &World, optics: &Optics<M>, screens: &Screens<M>, cells: usize) -> Option<Glances<M>> {
+    /// `longer`: pixels along the picture's longer side, `cells`: as many along it.
+    fn with_cells(
+        world: &World,
+        optics: &Optics<M>,
+        screens: &Screens<M>,
+        (longer, cells): (usize, usize),
+    ) -> Option<Glances<M>> {
         if M::SPECTRAL == Spectral::Hero || cells < FEWEST || screens.is_empty() {
             return None;
         }
@@ -109,7 +118,8 @@ impl<M: Mode> Glances<M> {
         let along = |half: f64, longer: f64| ((cells as f64 * half / longer).ceil() as usize).clamp(3, cells) + 1;
         let nodes = Nodes { count: half.to_array().map(|side| along(side, half.max_element())) };
         let radius = world.eye.pupil_radius_m();
-        let empty = Glances { nodes, half, radius, glances: Vec::new(), uses: Vec::new() };
+        let pixels = longer as f64 / cells as f64;
+        let empty = Glances { nodes, half, radius, pixels, glances: Vec::new(), uses: Vec::new() };
         let glances = empty.make((world, optics), screens);
         (!glances.glances.is_empty()).then_some(glances)
     }
@@ -180,7 +190,7 @@ impl<M: Mode> Glance<M> {
         weight: f64,
         rng: Rng,
     ) -> Option<(Walker<'w, M>, Vertex)> {
-        /// How far before the face the ray begins, of its distance from the eye: farther than tables err.
+        /// How far before the face the ray begins, of its distance from the eye: about as far as tables err.
         const BEFORE: f64 = 1e-4;
         let dir = landing.dir.try_normalize()?;
         let (site, known) = (self.vertex.hit.site, &self.vertex);

@@ -3,7 +3,7 @@
 //! For a point y of the face and a point x of the lamp the solver finds the direction from y. What a train brings is
 //! smooth over a face but for the slides' pictures: so per train and lamp the solutions are kept at the nodes of a grid,
 //! and between them direction, strength and places on slides are interpolated wherever a solution in the middle of a cell
-//! says that this errs by no more than `TOLERANCE`. In other cells every connection is solved for. Cells without a
+//! (or, where that is dark, eight about it) says that this errs by no more than `TOLERANCE`. In other cells every connection is solved for. Cells without a
 //! solution are left to whoever computes the rest.
 
 mod grow;

@@ -24,7 +24,7 @@ const LOOKS: usize = 12;
 /// Most trains, and the least light of one over that of the best.
 const MOST: usize = 4;
 const WORTH: f64 = 1e-3;
-/// Trains with less than this share are done without in cells where they end.
+/// Trains with less than this share are done without where they end, or can't be kept in a table.
 const FAINT: f64 = 0.02;
 /// The ray itself is followed with this probability where the tables did well on trial, and always where they were off by
 /// this share. A place that is off by a pixel counts as this much.
@@ -37,14 +37,25 @@ const TRIALS: [DVec2; 4] = [DVec2::new(0.6, 0.3), DVec2::new(-0.3, 0.6), DVec2::
 /// The ray itself is always followed.
 const NONE: Use = Use { share: 1.0, known: 0 };
 
+/// Specular faces, and the scatterer behind them as (part, face).
+type Way = (Chain, (u32, u32));
+
 type Tracing<'t, M> = (&'t World, &'t Optics<M>);
 
 impl<M: Mode> Glances<M> {
     pub(super) fn make(mut self, tracing: Tracing<'_, M>, screens: &Screens<M>) -> Self {
         let trains = self.trains(tracing, screens);
-        let filled = |(chain, face)| self.fill(tracing, chain, face);
-        let glances: Vec<Glance<M>> = trains.into_iter().filter_map(filled).collect();
-        self.glances = glances;
+        let best = trains.iter().fold(0.0, |best: f64, (_, weight)| best.max(*weight));
+        for (index, ((chain, face), weight)) in trains.into_iter().enumerate() {
+            let usable = index < MOST && chain.0.iter().all(|link| is_smooth(tracing.0, link));
+            let glance = if usable { self.fill(tracing, chain, face) } else { None };
+            if glance.is_none() && weight > FAINT * best {
+                // Light that only followed rays bring: they must not be few.
+                self.glances.clear();
+                break;
+            }
+            self.glances.extend(glance);
+        }
         let cells: Vec<usize> = self.nodes.cells().collect();
         let uses: Vec<(usize, Use)> = cells.par_iter().map(|cell| (*cell, self.use_of(tracing, *cell))).collect();
         self.uses = vec![NONE; self.nodes.number()];
@@ -55,8 +66,8 @@ impl<M: Mode> Glances<M> {
     }
 
     /// The trains over which rays from the eye come to faces that are joined with lamps, those with the most light first.
-    fn trains(&self, (world, optics): Tracing<'_, M>, screens: &Screens<M>) -> Vec<(Chain, (u32, u32))> {
-        let mut found: BTreeMap<(Chain, (u32, u32)), f64> = BTreeMap::new();
+    fn trains(&self, (world, optics): Tracing<'_, M>, screens: &Screens<M>) -> Vec<(Way, f64)> {
+        let mut found: BTreeMap<Way, f64> = BTreeMap::new();
         let mut ledger = Ledger::new(world.solids.len());
         for k in 0..LOOKS * LOOKS {
             let at = DVec2::new((k % LOOKS) as f64 + 0.5, (k / LOOKS) as f64 + 0.5) / LOOKS as f64;
@@ -71,15 +82,10 @@ impl<M: Mode> Glances<M> {
                 }
             });
         }
-        let plain = |link: &Link| {
-            let face = world.faces.get(link.part as usize).and_then(|faces| faces.get(link.face as usize));
-            face.is_some_and(|face| !matches!(face.surface, Surface::Slide(_)))
-        };
         let best = found.values().fold(0.0, |a: f64, b| a.max(*b));
         let mut found: Vec<_> = found.into_iter().filter(|(_, weight)| *weight >= WORTH * best).collect();
-        found.retain(|((chain, _), _)| chain.0.iter().all(plain));
         found.sort_by(|a, b| b.1.total_cmp(&a.1));
-        found.into_iter().map(|(train, _)| train).take(MOST).collect()
+        found
     }
 
     /// Follows a ray over a train to a face.
@@ -168,9 +174,8 @@ impl<M: Mode> Glances<M> {
     fn error(&self, tracing: Tracing<'_, M>, glance: &Glance<M>, spot: &Spot, film: DVec2) -> Option<(f64, f64)> {
         let site = glance.vertex.hit.site;
         let (mut worst, mut light) = (0f64, 0f64);
-        let aside = glance.nodes[spot.cell].as_ref()?[OVER_PUPIL / 2].point;
-        let next = glance.nodes[spot.cell + 1].as_ref()?[OVER_PUPIL / 2].point;
-        let pixel_m = aside.distance(next) / super::PIXELS as f64;
+        let point = |node: usize| Some(glance.nodes.get(node)?.as_ref()?[OVER_PUPIL / 2].point);
+        let pixel_m = point(spot.cell)?.distance(point(spot.cell + 1)?) / self.pixels;
         for trial in TRIALS {
             let pupil = trial * self.radius;
             let (walker, vertex) = self.follow(tracing, (film, pupil), &glance.chain, (site.part, site.face))?;
@@ -186,6 +191,12 @@ impl<M: Mode> Glances<M> {
         }
         worst.is_finite().then_some((worst, light))
     }
+}
+
+/// Whether what a face of a train lets through is smooth: a slide's picture is not, and a lobe beside a reflection is chance.
+fn is_smooth(world: &World, link: &Link) -> bool {
+    let face = world.faces.get(link.part as usize).and_then(|faces| faces.get(link.face as usize));
+    face.is_some_and(|face| !matches!(face.surface, Surface::Slide(_) | Surface::Scatter(_)))
 }
 
 fn start<'w, M: Mode>((world, optics): Tracing<'w, M>, film: DVec2, pupil: DVec2, rng: Rng) -> Walker<'w, M> {

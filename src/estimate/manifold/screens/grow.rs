@@ -215,20 +215,20 @@ impl<M: Mode> Lit<M> {
             if nodes().all(|node| node.is_none()) {
                 return Cell::Nothing;
             }
-            let start = self.foretell(entry, sheet, &spot, &entry.middle).map(|(dir, _)| dir);
-            let solved = start.zip(self.map.place(tracing.0, at)).and_then(|(start, from)| {
-                let middle = self.newton(tracing, entry, from, start, &entry.middle)?;
-                Some((from, middle))
-            });
             let whole = sheet.is_whole(&spot);
-            match solved {
+            let start = self.foretell(entry, sheet, &spot, &entry.middle).map(|(dir, _)| dir);
+            let from = self.map.place(tracing.0, at);
+            let solved =
+                start.zip(from).and_then(|(start, from)| self.newton(tracing, entry, from, start, &entry.middle));
+            match from.zip(solved) {
                 Some((from, middle)) => match self.try_at(tracing, entry, sheet, (&spot, whole), from, &middle) {
                     Some(Cell::Interpolated) => found = Cell::Interpolated,
                     Some(other @ (Cell::Nothing | Cell::Solved | Cell::Rim)) => return other,
                     None => {}
                 },
-                None if !whole => return Cell::Nothing,
-                None => {}
+                // Where the face has ended, or a slide's picture, there is nothing to find; elsewhere the nodes are wrong.
+                None if whole && (from.is_none() || has_ended(tracing, sheet, &spot)) => {}
+                None => return Cell::Nothing,
             }
             if k == 0 && found == Cell::Interpolated {
                 return found;
@@ -256,10 +256,9 @@ impl<M: Mode> Lit<M> {
             return Some(Cell::Solved);
         }
         let Some(blend) = sheet.blend(spot, DVec2::ZERO) else { return Some(Cell::Solved) };
-        let (world, optics) = tracing;
+        let (world, _) = tracing;
         let Some(found) = self.node(tracing, entry, spot.at, middle.dir) else {
-            let ended = |(slide, at): &(usize, DVec3)| optics.slide(&world.slides[*slide], *at).is_none();
-            return if blend.slides.iter().any(ended) { None } else { Some(Cell::Solved) };
+            return if has_ended(tracing, sheet, spot) { None } else { Some(Cell::Solved) };
         };
         if blend.slides.len() != found.slides.len() || blend.alone != found.alone {
             return Some(Cell::Solved);
@@ -279,4 +278,10 @@ impl<M: Mode> Lit<M> {
         let even = (mean - middle.factor).abs() <= EVEN * middle.factor;
         Some(if even { Cell::Interpolated } else { Cell::Solved })
     }
+}
+
+/// Whether the nodes about a spot, which are whole, say that it lies beside a slide's picture.
+fn has_ended<M: Mode>((world, optics): (&World, &Optics<M>), sheet: &Sheet<M>, spot: &Spot) -> bool {
+    let ended = |(slide, at): &(usize, DVec3)| optics.slide(&world.slides[*slide], *at).is_none();
+    sheet.blend(spot, DVec2::ZERO).is_some_and(|blend| blend.slides.iter().any(ended))
 }
