@@ -72,9 +72,9 @@ struct Whose {
 
 impl<'w, M: Mode> Backward<'w, M> {
     /// `paths`: per pixel that a pass looks at. `share`: of the pixels, chosen by chance; what is seen there counts
-    /// 1/share. `vision`: of these, the share in which lamps are looked for over specular faces, in the same way.
-    pub fn new(world: &'w World, route: Route, (paths, [share, vision]): (u32, [f64; 2]), seed: u64) -> Self {
-        let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, vision, seed));
+    /// 1/share.
+    pub fn new(world: &'w World, route: Route, (paths, share): (u32, f64), seed: u64) -> Self {
+        let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, seed));
         let asked = [world.lamps.all().is_empty(), world.sky.is_none(), world.lights.all().is_empty()];
         let asked = asked.iter().filter(|none| !**none).count() as u64;
         Backward { world, mode: PhantomData, reach, vision, route, asked, paths, share, seed }
@@ -83,24 +83,6 @@ impl<'w, M: Mode> Backward<'w, M> {
     /// Looks at `count` pixels spread over the picture and tells whether any of them has light of ours. Once `stop` says
     /// true the rest is left out, and the result is worthless.
     pub fn finds_light(&self, count: u64, stop: &ShouldStop<'_>) -> bool {
-        self.finds(count, stop, |optics, pixel, light, ledger| self.pixel(optics, pixel, light, ledger))
-    }
-
-    /// The same of lamps over specular faces alone; none if that is left to others.
-    pub fn finds_vision(&self, count: u64, stop: &ShouldStop<'_>) -> Option<bool> {
-        let vision = self.vision.as_ref()?;
-        let look = |optics: &Optics<M>, pixel, light: &mut [Light], ledger: &mut Ledger| {
-            vision.look(&self.route, optics, pixel, light, ledger);
-        };
-        Some(self.finds(count, stop, look))
-    }
-
-    fn finds(
-        &self,
-        count: u64,
-        stop: &ShouldStop<'_>,
-        look: impl Fn(&Optics<M>, Pixel, &mut [Light], &mut Ledger) + Sync,
-    ) -> bool {
         let [width, height] = self.world.eye.size();
         let pixels = (width * height) as u64;
         let optics = M::optics(self.world, self.seed, 0);
@@ -112,7 +94,7 @@ impl<'w, M: Mode> Backward<'w, M> {
                 return false;
             }
             let pixel = Pixel::new((pixel % width, pixel / width), width, k);
-            look(&optics, pixel, &mut light, &mut ledger);
+            self.pixel(&optics, pixel, &mut light, &mut ledger);
             light.iter().any(|light| light.value != 0.0 || light.open() != 0.0)
         })
     }

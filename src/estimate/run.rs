@@ -292,8 +292,7 @@ fn begin_with<'w, M: Mode + 'w>(
         };
         engines.push(match estimator {
             Estimator::Backward => {
-                let shares = [plan.backward_share, plan.vision_share];
-                Engine::Backward(Backward::new(world, route, (plan.backward_paths, shares), seed))
+                Engine::Backward(Backward::new(world, route, (plan.backward_paths, plan.backward_share), seed))
             }
             Estimator::Forward => Engine::Forward(Forward::new(
                 world,

@@ -26,23 +26,15 @@ const SPLIT_FROM: f64 = 1.0 / 256.0;
 pub struct Vision<'w> {
     world: &'w World,
     paths: u64,
-    /// Of the pixels of a pass that are looked at, chosen by chance.
-    share: f64,
     seed: u64,
 }
 
 impl<'w> Vision<'w> {
-    /// None if the route leaves direct vision of all lamps to others. `share`: of the pixels that a pass looks at; what is
-    /// seen there counts 1/share.
-    pub fn new(world: &'w World, route: &Route, share: f64, seed: u64) -> Option<Self> {
+    /// None if the route leaves direct vision of all lamps to others.
+    pub fn new(world: &'w World, route: &Route, seed: u64) -> Option<Self> {
         let owned = |trail: Trail| world.lamps.all().iter().any(|lamp| route.from_eye(lamp.group, trail).is_some());
         let paths = if world.eye.pupil_radius_m() > 0.0 { PATHS } else { PATHS_OF_A_PINHOLE };
-        (owned(Trail::START) || owned(Trail::START.then(Event::Specular))).then_some(Vision {
-            world,
-            paths,
-            share,
-            seed,
-        })
+        (owned(Trail::START) || owned(Trail::START.then(Event::Specular))).then_some(Vision { world, paths, seed })
     }
 
     /// Adds what one pass sees in a pixel to `out`, by plane.
@@ -55,15 +47,12 @@ impl<'w> Vision<'w> {
         ledger: &mut Ledger,
     ) {
         let mut rng = pixel.rng(self.seed, Stream::Vision);
-        if self.share < 1.0 && rng.uniform() >= self.share {
-            return;
-        }
         for path in 0..self.paths {
             // The pupil is left to chance: all points are spent on the picture, where a small image is hard to find.
             let jitter = pixel.start(self.seed, Stream::Vision, pixel.pass.wrapping_mul(self.paths).wrapping_add(path));
             let (origin, dir) = self.world.eye.ray(pixel.x, pixel.y, jitter, rng.pair());
             let ray = Ray { origin, dir, from: None };
-            let weight = 1.0 / (self.paths as f64 * self.share);
+            let weight = 1.0 / self.paths as f64;
             let mut walker =
                 Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
             let balance = ledger.imbalance();

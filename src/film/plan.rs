@@ -108,10 +108,6 @@ impl Radii {
     }
 }
 
-fn whole() -> f64 {
-    1.0
-}
-
 /// Everything that was decided before pass 0.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Plan {
@@ -133,9 +129,6 @@ pub struct Plan {
     pub backward_paths: u32,
     /// Share of the pixels that a pass of the backward estimator looks at: less than 1 where a pilot found no light of its.
     pub backward_share: f64,
-    /// Of these pixels, the share in which lamps are looked for over specular faces: less than 1 where a pilot found none.
-    #[serde(default = "whole")]
-    pub vision_share: f64,
     /// Trains over which lamps and eye are joined.
     pub connections: Vec<Connection>,
     /// Trains over which lamps and faces that scatter are joined.
@@ -166,15 +159,15 @@ impl Plan {
         if let Some(part) = used.into_iter().find(|part| *part as usize >= parts) {
             return Err(format!("names part {part} of {}", parts));
         }
-        let shares = [self.backward_share, self.vision_share];
+        let share = self.backward_share;
         if !(1..=MOST_PATHS).contains(&self.backward_paths) {
             return Err(format!(
                 "has {} backward paths per pixel and pass, not 1 to {MOST_PATHS}",
                 self.backward_paths
             ));
         }
-        if !(shares.iter().all(|share| *share > 0.0 && *share <= 1.0) && self.photon_radii_m.is_valid()) {
-            return Err(format!("has shares of {shares:?} and radii of {:?} m", self.photon_radii_m));
+        if !(share > 0.0 && share <= 1.0 && self.photon_radii_m.is_valid()) {
+            return Err(format!("has a share of {share} and radii of {:?} m", self.photon_radii_m));
         }
         Ok(())
     }
@@ -187,7 +180,6 @@ impl Plan {
             photons: 0,
             photon_radii_m: Radii::default(),
             backward_share: 1.0,
-            vision_share: 1.0,
             backward_paths: 1,
             connections: Vec::new(),
             screens: Vec::new(),

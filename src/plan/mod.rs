@@ -196,20 +196,14 @@ impl Making<'_> {
     fn eye_paths(&self, plan: &mut Plan) {
         if self.choice == Choice::Auto && plan.runs(Estimator::Backward) && !self.stopped() {
             let route = Route::new(plan, self.groups(), Estimator::Backward);
-            let backward = Backward::<Mono>::new(self.world, route, (1, [1.0; 2]), pilot::SEED);
-            let seldom = 1.0 / SELDOM;
+            let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), pilot::SEED);
             if !backward.finds_light(LOOKS, self.stop) {
                 plan.backward_share = SELDOM;
                 plan.notes.push(format!(
-                    "backward looks at 1 pixel in {seldom:.0} a pass: {LOOKS} paths of a pilot found no light of its own"
+                    "backward looks at 1 pixel in {:.0} a pass: {LOOKS} paths of a pilot found no light of its own",
+                    1.0 / SELDOM
                 ));
                 return;
-            }
-            if backward.finds_vision(GLANCES, self.stop) == Some(false) {
-                plan.vision_share = SELDOM;
-                plan.notes.push(format!(
-                    "backward looks for lamps over specular faces in 1 pixel in {seldom:.0} a pass: a pilot that looked in {GLANCES} pixels found none"
-                ));
             }
         }
         if plan.runs(Estimator::Photon) || plan.runs(Estimator::Manifold) {
@@ -238,10 +232,8 @@ impl Making<'_> {
     }
 }
 
-/// Paths of the pilot that looks whether rays from the eye find anything, pixels from which it looks for lamps over specular
-/// faces, some paths each, and how many pixels are looked at if nothing is found.
+/// Paths of the pilot that looks whether rays from the eye find anything, and how many pixels are looked at if not.
 const LOOKS: u64 = 2048;
-const GLANCES: u64 = 512;
 const SELDOM: f64 = 1.0 / 64.0;
 
 /// Backward paths per pixel and pass beside dearer estimators.
