@@ -111,24 +111,23 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     /// Goes on to a face of a part; none if something else is on the way.
     pub fn reach_face(&mut self, face: (u32, u32), ledger: &mut Ledger) -> Option<Vertex> {
-        loop {
-            let Met::Face(vertex) = self.advance(ledger) else { return None };
-            if (vertex.hit.site.part, vertex.hit.site.face) == face {
-                return Some(vertex);
-            }
-            self.last = None;
-            if !matches!(self.meet(&vertex, ledger), Meeting::Went) || self.last.is_some() {
-                return None;
-            }
-        }
+        self.reach(ledger, |_, vertex| {
+            let site = vertex.hit.site;
+            ((site.part, site.face) == face).then(|| vertex.clone())
+        })
     }
 
     /// Goes on to what shines next on the way; none if something else is there.
     pub fn reach_lamp(&mut self, ledger: &mut Ledger) -> Option<Shining<'w>> {
+        self.reach(ledger, |walker, vertex| walker.lamp_at(vertex))
+    }
+
+    /// Goes on, past faces that do nothing, to the first that is `wanted`.
+    fn reach<T>(&mut self, ledger: &mut Ledger, wanted: impl Fn(&Self, &Vertex) -> Option<T>) -> Option<T> {
         loop {
             let Met::Face(vertex) = self.advance(ledger) else { return None };
-            if let Some(seen) = self.lamp_at(&vertex) {
-                return Some(seen);
+            if let Some(found) = wanted(self, &vertex) {
+                return Some(found);
             }
             self.last = None;
             if !matches!(self.meet(&vertex, ledger), Meeting::Went) || self.last.is_some() {

@@ -8,6 +8,7 @@ use super::forward::Forward;
 use super::ledger::Ledger;
 use super::manifold::connections::Connections;
 use super::manifold::glances::Glances;
+use super::manifold::over_film::OverFilm;
 use super::manifold::screens::Screens;
 use super::manifold::tables::Tables;
 use super::manifold::vision::Manifold;
@@ -19,6 +20,7 @@ use crate::film::detail::ErrorDetail;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
 use crate::world::mode::{Hero, Mode, Mono, Rgb, Spectral, components};
+use crate::world::optics::Optics;
 use crate::world::stokes::Stokes;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -227,14 +229,8 @@ pub fn begin_trial<'w>(
     seed: u64,
 ) -> Box<dyn Tracing + 'w> {
     let optics = Mono::<f64>::optics(world, seed, 0);
-    let connections = Connections::new(world, &optics, &plan.connections);
     let screens = Screens::coarse(world, &optics, &plan.screens);
-    let kept = Kept {
-        tables: Tables::coarse(world, &optics, &connections, longer),
-        glances: Glances::coarse(world, &optics, &screens, longer),
-        screens: Arc::new(screens),
-        connections: Arc::new(connections),
-    };
+    let kept = Kept::new((world, &optics), plan, screens, OverFilm::coarse(world, longer));
     begin_with::<Mono<f64>>(world, plan, groups, size, seed, kept)
 }
 
@@ -246,14 +242,8 @@ fn begin_in<'w, M: Mode + 'w>(
     seed: u64,
 ) -> Box<dyn Tracing + 'w> {
     let optics = M::optics(world, seed, 0);
-    let connections = Connections::new(world, &optics, &plan.connections);
     let screens = Screens::new(world, &optics, &plan.screens);
-    let kept = Kept {
-        tables: Tables::new(world, &optics, &connections),
-        glances: Glances::new(world, &optics, &screens),
-        screens: Arc::new(screens),
-        connections: Arc::new(connections),
-    };
+    let kept = Kept::new((world, &optics), plan, screens, OverFilm::new(world));
     begin_with::<M>(world, plan, groups, size, seed, kept)
 }
 
@@ -263,6 +253,19 @@ struct Kept<M: Mode> {
     tables: Option<Tables<M>>,
     screens: Arc<Screens<M>>,
     glances: Option<Glances<M>>,
+}
+
+impl<M: Mode> Kept<M> {
+    /// `over`: the grid of tables over the picture, if they pay.
+    fn new((world, optics): (&World, &Optics<M>), plan: &Plan, screens: Screens<M>, over: Option<OverFilm>) -> Self {
+        let connections = Connections::new(world, optics, &plan.connections);
+        Kept {
+            tables: over.and_then(|over| Tables::new(world, optics, &connections, over)),
+            glances: over.and_then(|over| Glances::new(world, optics, &screens, over)),
+            screens: Arc::new(screens),
+            connections: Arc::new(connections),
+        }
+    }
 }
 
 fn begin_with<'w, M: Mode + 'w>(

@@ -7,7 +7,8 @@
 
 mod make;
 
-use super::nodes::{Nodes, Spot};
+use super::nodes::Spot;
+use super::over_film::OverFilm;
 use super::screens::Screens;
 use crate::base::chain::Chain;
 use crate::base::lpe::Told;
@@ -22,10 +23,6 @@ use crate::world::mode::{Mode, Spectral, lanes};
 use crate::world::optics::Optics;
 use glam::{DVec2, DVec3};
 
-/// A cell has at least so many pixels along its sides, or its nodes cost more than they save; and there are so many cells.
-const PIXELS: usize = 15;
-const FEWEST: usize = 8;
-const CELLS: usize = 48;
 /// Nodes over the pupil: three along both axes.
 const OVER_PUPIL: usize = 9;
 /// The outer of them, in radii.
@@ -65,12 +62,9 @@ struct Use {
 
 /// All trains from the eye to faces that are joined with lamps.
 pub struct Glances<M: Mode> {
-    nodes: Nodes,
-    half: DVec2,
+    over: OverFilm,
     /// m
     radius: f64,
-    /// Along a cell.
-    pixels: f64,
     glances: Vec<Glance<M>>,
     /// Per cell.
     uses: Vec<Use>,
@@ -92,48 +86,19 @@ impl Look {
 }
 
 impl<M: Mode> Glances<M> {
-    /// None where they would not pay, or where every pass has wavelengths of its own.
-    pub fn new(world: &World, optics: &Optics<M>, screens: &Screens<M>) -> Option<Glances<M>> {
-        let [width, height] = world.eye.size();
-        let longer = width.max(height);
-        Glances::with_cells(world, optics, screens, (longer, (longer / PIXELS).min(CELLS)))
-    }
-
-    /// Coarse ones for a pilot's small picture of one whose longer side has so many pixels, where that one has tables.
-    pub fn coarse(world: &World, optics: &Optics<M>, screens: &Screens<M>, longer: usize) -> Option<Glances<M>> {
-        Glances::with_cells(world, optics, screens, (longer, (longer / PIXELS).min(FEWEST)))
-    }
-
-    /// `longer`: pixels along the picture's longer side, `cells`: as many along it.
-    fn with_cells(
-        world: &World,
-        optics: &Optics<M>,
-        screens: &Screens<M>,
-        (longer, cells): (usize, usize),
-    ) -> Option<Glances<M>> {
-        if M::SPECTRAL == Spectral::Hero || cells < FEWEST || screens.is_empty() {
+    /// None without lit faces and trains to them, or where every pass has wavelengths of its own.
+    pub fn new(world: &World, optics: &Optics<M>, screens: &Screens<M>, over: OverFilm) -> Option<Glances<M>> {
+        if M::SPECTRAL == Spectral::Hero || screens.is_empty() {
             return None;
         }
-        let half = world.eye.half();
-        let along = |half: f64, longer: f64| ((cells as f64 * half / longer).ceil() as usize).clamp(3, cells) + 1;
-        let nodes = Nodes { count: half.to_array().map(|side| along(side, half.max_element())) };
         let radius = world.eye.pupil_radius_m();
-        let pixels = longer as f64 / cells as f64;
-        let empty = Glances { nodes, half, radius, pixels, glances: Vec::new(), uses: Vec::new() };
-        let glances = empty.make((world, optics), screens);
+        let glances = Glances { over, radius, glances: Vec::new(), uses: Vec::new() }.make((world, optics), screens);
         (!glances.glances.is_empty()).then_some(glances)
-    }
-
-    /// The place in the picture at fractional node coordinates.
-    fn film(&self, at: DVec2) -> DVec2 {
-        let [nx, ny] = self.nodes.count.map(|count| (count - 1) as f64);
-        (at / DVec2::new(nx, ny) * 2.0 - 1.0) * self.half
     }
 
     /// Places in picture (tangents) and pupil (m).
     pub(super) fn look(&self, film: DVec2, pupil: DVec2) -> Option<Look> {
-        let [nx, ny] = self.nodes.count.map(|count| (count - 1) as f64);
-        let spot = self.nodes.spot((film / self.half * 0.5 + 0.5) * DVec2::new(nx, ny))?;
+        let spot = self.over.spot(film)?;
         let usage = *self.uses.get(spot.cell)?;
         Some(self.look_at(spot, pupil, usage))
     }

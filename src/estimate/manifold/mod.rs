@@ -7,6 +7,7 @@ pub mod glances;
 pub mod grid;
 mod look;
 pub mod nodes;
+pub mod over_film;
 pub mod screens;
 pub mod sheet;
 pub mod solve;

@@ -9,7 +9,8 @@
 mod make;
 
 use super::connections::Connections;
-use super::nodes::{Nodes, Spot};
+use super::nodes::Spot;
+use super::over_film::OverFilm;
 use super::screens::{Crossing, SLIDES};
 use crate::base::lpe::Told;
 use crate::base::path::Trail;
@@ -21,12 +22,6 @@ use arrayvec::ArrayVec;
 use glam::{DMat2, DVec2, DVec3};
 use make::Maker;
 use rayon::prelude::*;
-
-/// Most cells along the picture's longer side.
-const CELLS: usize = 48;
-/// A cell should have so many pixels along its sides, or the table costs more than it saves; and a table so many cells.
-const PIXELS: usize = 15;
-const FEWEST: usize = 8;
 
 /// The solution at a node, for the middle of the lamp.
 #[derive(Debug, Clone)]
@@ -74,32 +69,17 @@ struct Use {
 /// Those of all [`Connections`], in the order of their entries.
 #[derive(Debug)]
 pub struct Tables<M: Mode> {
-    nodes: Nodes,
-    half: DVec2,
+    over: OverFilm,
     tables: Vec<Table<M>>,
 }
 
 impl<M: Mode> Tables<M> {
-    /// None where they would not pay, or where every pass has wavelengths of its own.
-    pub fn new(world: &World, optics: &Optics<M>, connections: &Connections) -> Option<Tables<M>> {
-        let [width, height] = world.eye.size();
-        Tables::with_cells(world, optics, connections, (width.max(height) / PIXELS).min(CELLS))
-    }
-
-    /// Coarse ones for a pilot's small picture of one whose longer side has so many pixels, where that one has tables: a
-    /// pilot without would count solutions that it does not need.
-    pub fn coarse(world: &World, optics: &Optics<M>, connections: &Connections, longer: usize) -> Option<Tables<M>> {
-        Tables::with_cells(world, optics, connections, (longer / PIXELS).min(FEWEST))
-    }
-
-    fn with_cells(world: &World, optics: &Optics<M>, connections: &Connections, cells: usize) -> Option<Tables<M>> {
-        if M::SPECTRAL == Spectral::Hero || cells < FEWEST || connections.is_empty() {
+    /// None without connections, or where every pass has wavelengths of its own.
+    pub fn new(world: &World, optics: &Optics<M>, connections: &Connections, over: OverFilm) -> Option<Tables<M>> {
+        if M::SPECTRAL == Spectral::Hero || connections.is_empty() {
             return None;
         }
-        let half = world.eye.half();
-        let along = |half: f64, longer: f64| ((cells as f64 * half / longer).ceil() as usize).clamp(3, cells) + 1;
-        let nodes = Nodes { count: half.to_array().map(|side| along(side, half.max_element())) };
-        let mut tables = Tables { nodes, half, tables: Vec::new() };
+        let mut tables = Tables { over, tables: Vec::new() };
         let maker = Maker { world, optics, connections };
         let made: Vec<Table<M>> = connections.entries.par_iter().map(|entry| maker.table(&tables, entry)).collect();
         tables.tables = made;
@@ -108,14 +88,7 @@ impl<M: Mode> Tables<M> {
 
     /// Where a place of the picture lies among the nodes.
     pub(super) fn spot(&self, film: DVec2) -> Option<Spot> {
-        let [nx, ny] = self.nodes.count.map(|count| (count - 1) as f64);
-        self.nodes.spot((film / self.half * 0.5 + 0.5) * DVec2::new(nx, ny))
-    }
-
-    /// The place in the picture at fractional node coordinates.
-    fn film(&self, at: DVec2) -> DVec2 {
-        let [nx, ny] = self.nodes.count.map(|count| (count - 1) as f64);
-        (at / DVec2::new(nx, ny) * 2.0 - 1.0) * self.half
+        self.over.spot(film)
     }
 }
 
@@ -135,7 +108,7 @@ impl<M: Mode> Tables<M> {
     ) -> impl Iterator<Item = Brought<M>> + use<'t, M> {
         let known = self.tables.get(entry).and_then(|table| {
             let aside = table.uses[spot.cell].aside;
-            let spot = if aside == [0; 2] { *spot } else { self.nodes.spot_by(spot.at, aside)? };
+            let spot = if aside == [0; 2] { *spot } else { self.over.nodes.spot_by(spot.at, aside)? };
             Some((table, spot))
         });
         let branches =

@@ -56,9 +56,9 @@ impl<M: Mode> Glances<M> {
             }
             self.glances.extend(glance);
         }
-        let cells: Vec<usize> = self.nodes.cells().collect();
+        let cells: Vec<usize> = self.over.nodes.cells().collect();
         let uses: Vec<(usize, Use)> = cells.par_iter().map(|cell| (*cell, self.use_of(tracing, *cell))).collect();
-        self.uses = vec![NONE; self.nodes.number()];
+        self.uses = vec![NONE; self.over.nodes.number()];
         for (cell, usage) in uses {
             self.uses[cell] = usage;
         }
@@ -71,7 +71,7 @@ impl<M: Mode> Glances<M> {
         let mut ledger = Ledger::new(world.solids.len());
         for k in 0..LOOKS * LOOKS {
             let at = DVec2::new((k % LOOKS) as f64 + 0.5, (k / LOOKS) as f64 + 0.5) / LOOKS as f64;
-            let film = (2.0 * at - 1.0) * self.half;
+            let film = self.over.film_at(at);
             let rng = Rng::new(0, Stream::Pilot, 5, k as u64);
             let walker = start((world, optics), film, DVec2::ZERO, rng).recording();
             to_scatterer(walker, 1.0, &mut ledger, &mut |walker: &mut Walker<'_, M>, vertex: &Vertex, _, _, _| {
@@ -107,10 +107,10 @@ impl<M: Mode> Glances<M> {
     fn fill(&self, tracing: Tracing<'_, M>, chain: Chain, face: (u32, u32)) -> Option<Glance<M>> {
         let over_pupil = |k: usize| DVec2::new(k as f64 % 3.0 - 1.0, (k / 3) as f64 - 1.0) * (OUTER * self.radius);
         let landed = |at: usize| -> [Option<(Walker<'_, M>, Vertex)>; OVER_PUPIL] {
-            let film = self.film(self.nodes.at_node(at));
+            let film = self.over.film(self.over.nodes.at_node(at));
             std::array::from_fn(|k| self.follow(tracing, (film, over_pupil(k)), &chain, face))
         };
-        let first = (0..self.nodes.number()).find_map(|at| landed(at).into_iter().flatten().next());
+        let first = (0..self.over.nodes.number()).find_map(|at| landed(at).into_iter().flatten().next());
         let (walker, vertex) = first?;
         // What the nodes do not say has to be the same everywhere.
         let alike = |(other, at): &(Walker<'_, M>, Vertex)| {
@@ -128,16 +128,16 @@ impl<M: Mode> Glances<M> {
             let all: Option<Vec<Landing<M>>> = all.iter().map(landing).collect();
             all?.try_into().ok()
         };
-        let nodes = (0..self.nodes.number()).into_par_iter().map(node).collect();
+        let nodes = (0..self.over.nodes.number()).into_par_iter().map(node).collect();
         let Walker { trail, told, interior, events, .. } = walker;
         Some(Glance { chain, vertex, trail, told, interior, events, nodes })
     }
 
     /// How a cell is to be used, by rays through its middle.
     fn use_of(&self, tracing: Tracing<'_, M>, cell: usize) -> Use {
-        let middle = self.nodes.at_node(cell) + 0.5;
-        let Some(spot) = self.nodes.spot(middle) else { return NONE };
-        let film = self.film(middle);
+        let middle = self.over.nodes.at_node(cell) + 0.5;
+        let Some(spot) = self.over.nodes.spot(middle) else { return NONE };
+        let film = self.over.film(middle);
         let (mut known, mut worst, mut best) = (0u32, 0f64, 0f64);
         for (k, glance) in self.glances.iter().enumerate() {
             let has = |(node, _): &(usize, f64)| glance.nodes[*node].is_some();
@@ -175,7 +175,7 @@ impl<M: Mode> Glances<M> {
         let site = glance.vertex.hit.site;
         let (mut worst, mut light) = (0f64, 0f64);
         let point = |node: usize| Some(glance.nodes.get(node)?.as_ref()?[OVER_PUPIL / 2].point);
-        let pixel_m = point(spot.cell)?.distance(point(spot.cell + 1)?) / self.pixels;
+        let pixel_m = point(spot.cell)?.distance(point(spot.cell + 1)?) / self.over.pixels;
         for trial in TRIALS {
             let pupil = trial * self.radius;
             let (walker, vertex) = self.follow(tracing, (film, pupil), &glance.chain, (site.part, site.face))?;

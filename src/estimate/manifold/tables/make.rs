@@ -53,18 +53,18 @@ pub(super) struct Maker<'m, M: Mode> {
 impl<M: Mode> Maker<'_, M> {
     pub(super) fn table(&self, tables: &Tables<M>, entry: &Entry) -> Table<M> {
         let node = |branch: usize, node: usize| {
-            let film = tables.film(tables.nodes.at_node(node));
+            let film = tables.over.film(tables.over.nodes.at_node(node));
             self.node(entry, film, entry.starts.start(branch, film)?)
         };
         let branches: Vec<Vec<Option<Node<M>>>> = (0..entry.starts.branches())
             .map(|branch| {
-                let mut nodes: Vec<_> = (0..tables.nodes.number()).map(|at| node(branch, at)).collect();
+                let mut nodes: Vec<_> = (0..tables.over.nodes.number()).map(|at| node(branch, at)).collect();
                 (0..BEYOND).for_each(|_| self.complete(tables, &mut nodes));
                 nodes
             })
             .collect();
-        let mut uses = vec![Use { share: 1.0, aside: [0; 2] }; tables.nodes.number()];
-        for cell in tables.nodes.cells() {
+        let mut uses = vec![Use { share: 1.0, aside: [0; 2] }; tables.over.nodes.number()];
+        for cell in tables.over.nodes.cells() {
             uses[cell] = self.use_of(tables, entry, &branches, cell);
         }
         Table { branches, uses }
@@ -135,7 +135,7 @@ impl<M: Mode> Maker<'_, M> {
     /// column: the picture itself says where it ends.
     fn complete(&self, tables: &Tables<M>, nodes: &mut [Option<Node<M>>]) {
         let beyond = |at: usize| {
-            let lines = tables.nodes.lines(at);
+            let lines = tables.over.nodes.lines(at);
             let found = lines.into_iter().flatten().find_map(|line| {
                 let [a, b, c, d] = line.map(|node| nodes[node].as_ref());
                 Node::beyond([a?, b?, c?, d?])
@@ -150,16 +150,16 @@ impl<M: Mode> Maker<'_, M> {
 
     /// How a cell is to be used. Where no branch has a node at its corners the table says nothing, and little is expected.
     fn use_of(&self, tables: &Tables<M>, entry: &Entry, branches: &[Vec<Option<Node<M>>>], cell: usize) -> Use {
-        let corners = tables.nodes.corners(cell);
+        let corners = tables.over.nodes.corners(cell);
         let lit = |nodes: &&Vec<Option<Node<M>>>| corners.iter().any(|node| nodes[*node].is_some());
         let lit: Vec<&Vec<Option<Node<M>>>> = branches.iter().filter(lit).collect();
-        let at = tables.nodes.at_node(cell) + 0.5;
+        let at = tables.over.nodes.at_node(cell) + 0.5;
         let known = SIDES.into_iter().find_map(|aside| {
-            let spot = tables.nodes.spot_by(at, aside)?;
+            let spot = tables.over.nodes.spot_by(at, aside)?;
             let whole = lit.iter().all(|nodes| spot.nodes().all(|(node, _)| nodes[node].is_some()));
             whole.then_some((aside, spot))
         });
-        let off = known.and_then(|(aside, spot)| Some((aside, self.error(tables.film(at), entry, &lit, &spot)?)));
+        let off = known.and_then(|(aside, spot)| Some((aside, self.error(tables.over.film(at), entry, &lit, &spot)?)));
         off.map_or(Use { share: 1.0, aside: [0; 2] }, |(aside, off)| Use {
             share: (off / POOR).clamp(LEAST, 1.0),
             aside,

@@ -1,0 +1,64 @@
+//! Nodes over the picture, for tables of what changes little from pixel to pixel.
+
+use super::nodes::{Nodes, Spot};
+use crate::world::World;
+use glam::DVec2;
+
+/// Most cells along the picture's longer side.
+const CELLS: usize = 48;
+/// A cell should have so many pixels along its sides, or the table costs more than it saves; and a table so many cells.
+const PIXELS: usize = 15;
+const FEWEST: usize = 8;
+
+/// A grid over the picture.
+#[derive(Debug, Clone, Copy)]
+pub struct OverFilm {
+    pub nodes: Nodes,
+    half: DVec2,
+    /// Pixels along a cell.
+    pub pixels: f64,
+}
+
+impl OverFilm {
+    /// None where tables would not pay.
+    pub fn new(world: &World) -> Option<OverFilm> {
+        let [width, height] = world.eye.size();
+        OverFilm::with_cells(world, width.max(height), CELLS)
+    }
+
+    /// A coarse one for a pilot's small picture of one whose longer side has so many pixels, where that one has tables.
+    pub fn coarse(world: &World, longer: usize) -> Option<OverFilm> {
+        OverFilm::with_cells(world, longer, FEWEST)
+    }
+
+    fn with_cells(world: &World, longer: usize, most: usize) -> Option<OverFilm> {
+        let cells = (longer / PIXELS).min(most);
+        if cells < FEWEST {
+            return None;
+        }
+        let half = world.eye.half();
+        let along = |half: f64, longer: f64| ((cells as f64 * half / longer).ceil() as usize).clamp(3, cells) + 1;
+        let nodes = Nodes { count: half.to_array().map(|side| along(side, half.max_element())) };
+        Some(OverFilm { nodes, half, pixels: longer as f64 / cells as f64 })
+    }
+
+    fn cells(&self) -> DVec2 {
+        let [nx, ny] = self.nodes.count.map(|count| (count - 1) as f64);
+        DVec2::new(nx, ny)
+    }
+
+    /// Where a place in the picture (tangents) lies among the nodes.
+    pub fn spot(&self, film: DVec2) -> Option<Spot> {
+        self.nodes.spot((film / self.half * 0.5 + 0.5) * self.cells())
+    }
+
+    /// The place in the picture at fractional node coordinates.
+    pub fn film(&self, at: DVec2) -> DVec2 {
+        (at / self.cells() * 2.0 - 1.0) * self.half
+    }
+
+    /// The place in the picture at a share of its width and height.
+    pub fn film_at(&self, share: DVec2) -> DVec2 {
+        (2.0 * share - 1.0) * self.half
+    }
+}
