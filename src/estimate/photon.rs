@@ -70,9 +70,13 @@ impl<M: Mode> Maps<M> {
     fn each(&self, world: &World, vertex: &Vertex, mut visit: impl FnMut(&Photon<M>, f64)) {
         let Hit { point, site, normal, .. } = vertex.hit;
         for map in [&self.caustic, &self.secondary] {
-            // What of the kernel lies beside the face is made up for by what lies on it.
-            let share = world.rims.share(site, point, normal, map.radius());
-            map.gather(point, site, |photon, density| visit(photon, density / share));
+            // What of the kernel lies beside the face, or behind what stands on it, is made up for by the rest.
+            let around = world.rims.around(site, point, normal, map.radius());
+            map.gather(point, site, |photon, density| {
+                if around.counts(photon.position) {
+                    visit(photon, density / around.share);
+                }
+            });
         }
     }
 }

@@ -17,6 +17,7 @@ pub mod optics;
 pub mod rim;
 pub mod role;
 pub mod scatter;
+pub mod seam;
 pub mod sky;
 pub mod slide;
 pub mod stokes;
@@ -49,7 +50,7 @@ pub struct World {
     pub faces: Arc<Vec<Vec<FaceOptics>>>,
     /// Per part: where it stands among nested ones, if it is a solid.
     pub solids: Vec<Option<Solid>>,
-    /// Where faces that scatter end.
+    /// Where faces that scatter end, or are crossed by others.
     pub rims: Arc<Rims>,
     /// Faces of solids that touch.
     pub contacts: Arc<Contacts>,

@@ -1,7 +1,9 @@
-//! Rims: the edges where faces that scatter end. A kernel about a point near one lies partly beside the face, where no
-//! photon can be; how much of it does is known in closed form.
+//! Rims and seams: the edges where faces that scatter end, and the lines where something else crosses or stands on one. A
+//! kernel about a point near a rim lies partly beside the face, where no photon can be; behind a seam there are photons,
+//! but of light that need not be the point's. How much of a kernel is left is known in closed form.
 
 use super::geometry::{Geometry, Site};
+use super::seam;
 use super::surface::{FaceOptics, Surface};
 use crate::scene::Scene;
 use crate::scene::mesh::{FaceRange, Mesh};
@@ -12,9 +14,9 @@ use std::f64::consts::PI;
 /// Edges that one leaf of a tree holds.
 const LEAF: usize = 2;
 
-/// An edge, recentred world, m: the face is on its left, seen against the face's normal.
+/// An edge, recentred world, m: of a rim, the face is on its left, seen against the face's normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Edge([DVec3; 2]);
+pub struct Edge(pub [DVec3; 2]);
 
 /// A box about the edges `first .. end`. Nodes stand in the order of a walk; `next` is where it goes on without this one.
 #[derive(Debug, Clone, Copy)]
@@ -27,22 +29,63 @@ struct Node {
     leaf: bool,
 }
 
-/// The edges of one face in a tree of boxes.
+/// Edges in a tree of boxes.
 #[derive(Debug, Default)]
-struct Rim {
+pub struct Rim {
     edges: Vec<Edge>,
     nodes: Vec<Node>,
 }
 
-/// The rims of all faces that scatter.
+/// The lines of one face.
+#[derive(Debug, Default)]
+struct Lines {
+    rim: Rim,
+    seams: Rim,
+}
+
+/// The rims and seams of all faces that scatter.
 #[derive(Debug, Default)]
 pub struct Rims {
-    by_face: HashMap<(u32, u32), Rim>,
+    by_face: HashMap<(u32, u32), Lines>,
+}
+
+/// What of a kernel about a point counts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Around {
+    /// The share of the kernel that does.
+    pub share: f64,
+    /// Where the point has seams near it: what bounds its view, in a plane about it.
+    view: Option<View>,
+}
+
+/// Lines about a point, in its tangent plane, m.
+#[derive(Debug, Clone, PartialEq)]
+struct View {
+    point: DVec3,
+    plane: [DVec3; 2],
+    walls: Vec<[DVec2; 2]>,
+}
+
+impl View {
+    fn flat(&self, at: DVec3) -> DVec2 {
+        DVec2::new((at - self.point).dot(self.plane[0]), (at - self.point).dot(self.plane[1]))
+    }
+}
+
+impl Around {
+    /// Whether what lies at a place of the kernel counts.
+    pub fn counts(&self, at: DVec3) -> bool {
+        self.view.as_ref().is_none_or(|view| {
+            let at = view.flat(at);
+            !view.walls.iter().any(|wall| seam::hides(wall, at))
+        })
+    }
 }
 
 impl Rims {
     pub fn find(scene: &Scene, geometry: &Geometry, faces: &[Vec<FaceOptics>]) -> Rims {
         let mut by_face = HashMap::new();
+        let obstacles = seam::Obstacles::new(scene, geometry, faces);
         for (p, (part, optics)) in scene.parts.iter().zip(faces).enumerate() {
             let (Some(mesh), Ok(number)) = (scene.meshes.get(part.mesh.index()), u32::try_from(p)) else { continue };
             let to_world = geometry.part_to_world(number);
@@ -57,33 +100,47 @@ impl Rims {
                     let (a, b) = (world(a), world(b));
                     Edge(if mirrored { [b, a] } else { [a, b] })
                 });
-                by_face.insert((number, f as u32), Rim::new(edges.collect()));
+                let rim = Rim::new(edges.collect());
+                let triangles = mesh.triangles.get(range.triangles()).unwrap_or_default();
+                let triangles = triangles.iter().filter_map(|t| corners(mesh, *t)).map(|t| t.map(world)).collect();
+                let seams = Rim::new(obstacles.on(triangles, (p, f), &rim));
+                by_face.insert((number, f as u32), Lines { rim, seams });
             }
         }
         Rims { by_face }
     }
 
-    /// The share of Epanechnikov's kernel about a point of a face that lies on the face, taken as flat there: 1 but near
-    /// rims, 1/2 on a straight one. `normal`: of the face there. `radius`: of the kernel, m.
+    /// What counts of Epanechnikov's kernel about a point of a face, taken as flat there: what lies on the face, so all of it
+    /// but near rims, half on a straight one; and near seams what can be seen from the point without crossing a line.
+    /// `normal`: of the face there. `radius`: of the kernel, m.
     ///
     /// With K = 2/(πr²)·(1 − ρ²/r²) the part beyond an edge at distance d, seen under the angles θ with ρ = d/cos θ, is
     /// ∫ (1 − ρ²/r²)²/2π dθ, whose parts integrate to θ, tan θ and tan³ θ.
-    pub fn share(&self, site: Site, point: DVec3, normal: DVec3, radius: f64) -> f64 {
-        let Some(rim) = self.by_face.get(&(site.part, site.face)) else { return 1.0 };
+    pub fn around(&self, site: Site, point: DVec3, normal: DVec3, radius: f64) -> Around {
+        let Some(lines) = self.by_face.get(&(site.part, site.face)) else { return Around { share: 1.0, view: None } };
         let (x, y) = normal.any_orthonormal_pair();
-        let flat = |at: DVec3| DVec2::new((at - point).dot(x), (at - point).dot(y));
-        let mut share = 1.0;
-        rim.near(point, radius, |Edge(ends)| share -= beyond(ends.map(flat), radius));
-        // A sliver of a face, or a mesh whose rim is not where the face ends: no more than a corner is made up for.
-        share.max(MOST_MADE_UP)
+        let mut view = View { point, plane: [x, y], walls: Vec::new() };
+        let mut walls = Vec::new();
+        lines.seams.near(point, radius, |Edge(ends)| walls.push(ends.map(|end| view.flat(end))));
+        walls.retain(|wall| seam::distance(wall) < radius);
+        if walls.is_empty() {
+            let mut share = 1.0;
+            lines.rim.near(point, radius, |Edge(ends)| share -= beyond(ends.map(|end| view.flat(end)), radius));
+            // A sliver of a face, or a mesh whose rim is not where the face ends: no more than a corner is made up for.
+            return Around { share: share.max(MOST_MADE_UP), view: None };
+        }
+        lines.rim.near(point, radius, |Edge(ends)| walls.push(ends.map(|end| view.flat(end))));
+        let share = seam::seen(&walls, |wall| beyond(wall, radius).abs());
+        view.walls = walls;
+        Around { share: share.max(MOST_MADE_UP), view: Some(view) }
     }
 }
 
 const MOST_MADE_UP: f64 = 1.0 / 16.0;
 
-/// The part of a kernel about the origin that an edge with the inside on its left cuts off; negative for an edge that has
+/// The part of a kernel about the origin that an edge with the inside on its left cuts off, as a fan from there; negative for an edge that has
 /// the origin on its right.
-fn beyond([a, b]: [DVec2; 2], radius: f64) -> f64 {
+pub fn beyond([a, b]: [DVec2; 2], radius: f64) -> f64 {
     let along = (b - a).normalize_or_zero();
     let d = along.perp_dot(-a);
     let half = radius * radius - d * d;
@@ -132,7 +189,7 @@ fn corners(mesh: &Mesh, triangle: [u32; 3]) -> Option<[[f32; 3]; 3]> {
 }
 
 impl Rim {
-    fn new(mut edges: Vec<Edge>) -> Rim {
+    pub fn new(mut edges: Vec<Edge>) -> Rim {
         let mut nodes = Vec::new();
         if !edges.is_empty() && u32::try_from(edges.len()).is_ok() {
             split(&mut edges, 0, &mut nodes);
@@ -141,7 +198,7 @@ impl Rim {
     }
 
     /// Visits the edges whose boxes come within `radius` of a point, in a fixed order.
-    fn near(&self, point: DVec3, radius: f64, mut visit: impl FnMut(Edge)) {
+    pub fn near(&self, point: DVec3, radius: f64, mut visit: impl FnMut(Edge)) {
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
             let out = (node.lo - point).max(point - node.hi).max(DVec3::ZERO);
@@ -183,9 +240,10 @@ mod tests {
     }
 
     fn share(corners: &[[f64; 2]], point: [f64; 2], radius: f64) -> f64 {
-        let rims = Rims { by_face: HashMap::from([((0, 0), rim(corners))]) };
+        let lines = Lines { rim: rim(corners), seams: Rim::default() };
+        let rims = Rims { by_face: HashMap::from([((0, 0), lines)]) };
         let site = Site { part: 0, face: 0, triangle: 0 };
-        rims.share(site, DVec3::new(point[0], point[1], 0.0), DVec3::Z, radius)
+        rims.around(site, DVec3::new(point[0], point[1], 0.0), DVec3::Z, radius).share
     }
 
     const SQUARE: [[f64; 2]; 4] = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];

@@ -1,0 +1,324 @@
+//! Seams: the lines on a face that scatters where another face crosses it or stands on it. On both sides of one there is
+//! light, but not the same, so a point gathers only from what it sees along the face without crossing a line.
+
+use super::contact::TOUCHING;
+use super::geometry::Geometry;
+use super::rim::{Edge, Rim};
+use super::surface::{FaceOptics, Surface};
+use crate::scene::Scene;
+use arrayvec::ArrayVec;
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// Corners of a triangle, recentred world, m.
+type Corners = [DVec3; 3];
+
+/// The triangles of a face that light does not simply go through.
+struct Obstacle {
+    part: usize,
+    face: usize,
+    lo: DVec3,
+    hi: DVec3,
+    triangles: Vec<Corners>,
+}
+
+/// What may stand on faces.
+pub struct Obstacles {
+    all: Vec<Obstacle>,
+    /// What f64 may be off by, m.
+    grain: f64,
+}
+
+fn bounds(triangles: &[Corners]) -> (DVec3, DVec3) {
+    let corners = triangles.iter().flatten();
+    corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), corner| (lo.min(*corner), hi.max(*corner)))
+}
+
+impl Obstacles {
+    pub fn new(scene: &Scene, geometry: &Geometry, faces: &[Vec<FaceOptics>]) -> Obstacles {
+        let mut all = Vec::new();
+        for (part, (placed, optics)) in scene.parts.iter().zip(faces).enumerate() {
+            let (Some(mesh), Ok(number)) = (scene.meshes.get(placed.mesh.index()), u32::try_from(part)) else {
+                continue;
+            };
+            let to_world = geometry.part_to_world(number);
+            for (face, (range, optics)) in mesh.faces.iter().zip(optics).enumerate() {
+                let is_there = match &optics.surface {
+                    Surface::Absent | Surface::Slide(_) | Surface::Sheet(_) => false,
+                    Surface::Absorber | Surface::Mirror(_) | Surface::Interface(_) | Surface::Scatter(_) => true,
+                };
+                if !is_there {
+                    continue;
+                }
+                let corner = |v: u32| {
+                    let place = mesh.positions.get(v as usize)?;
+                    Some(to_world.transform_point3(DVec3::from(place.map(f64::from))))
+                };
+                let triangles = mesh.triangles.get(range.triangles()).unwrap_or_default();
+                let triangles: Vec<Corners> =
+                    triangles.iter().filter_map(|[a, b, c]| Some([corner(*a)?, corner(*b)?, corner(*c)?])).collect();
+                let (lo, hi) = bounds(&triangles);
+                all.push(Obstacle { part, face, lo, hi, triangles });
+            }
+        }
+        let (low, high) = geometry.bounds();
+        Obstacles { all, grain: 64.0 * f64::EPSILON * low.abs().max(high.abs()).max_element() }
+    }
+
+    /// The seams of a face with these triangles and this rim; lines along the rim are none.
+    pub fn on(&self, triangles: Vec<Corners>, (part, face): (usize, usize), rim: &Rim) -> Vec<Edge> {
+        let (lo, hi) = bounds(&triangles);
+        let mut seams = Vec::new();
+        for other in self.all.iter().filter(|other| (other.part, other.face) != (part, face)) {
+            let least = (hi - lo).length().min((other.hi - other.lo).length());
+            let reach = TOUCHING * least + self.grain;
+            let apart = (other.lo - hi).max(lo - other.hi).max_element();
+            // Not so for what is no number.
+            if apart <= reach {
+                pairs(&triangles, &other.triangles, reach, |own, its| {
+                    let along_rim = |Edge([a, b]): &Edge| {
+                        let mut along = false;
+                        rim.near(0.5 * (*a + *b), reach, |Edge(ends)| along |= lies_on(&ends, [*a, *b], reach));
+                        along
+                    };
+                    seams.extend(crossing(own, its, reach).filter(|seam| !along_rim(seam)));
+                });
+            }
+        }
+        seams
+    }
+}
+
+/// Calls `visit` with the pairs whose boxes come within `reach` of each other, in a fixed order.
+fn pairs(own: &[Corners], its: &[Corners], reach: f64, mut visit: impl FnMut(&Corners, &Corners)) {
+    let of = |triangles: &[Corners]| -> (DVec3, DVec3) { bounds(triangles) };
+    let (lo, hi) = of(own);
+    let (other_lo, other_hi) = of(its);
+    let reaching = DVec3::splat(reach);
+    // Only what lies where both are; along the axis on which that is longest they are swept.
+    let (lo, hi) = (lo.max(other_lo) - reaching, hi.min(other_hi) + reaching);
+    let axis = (hi - lo).max_position();
+    let listed = |triangles: &[Corners]| {
+        let mut list: Vec<(usize, DVec3, DVec3)> = triangles
+            .iter()
+            .enumerate()
+            .map(|(index, triangle)| {
+                let (low, high) = of(std::slice::from_ref(triangle));
+                (index, low, high)
+            })
+            .filter(|(_, low, high)| low.cmple(hi).all() && high.cmpge(lo).all())
+            .collect();
+        list.sort_by(|a, b| a.1[axis].total_cmp(&b.1[axis]));
+        list
+    };
+    let (first, second) = (listed(own), listed(its));
+    let mut open: Vec<usize> = Vec::new();
+    let mut next = 0;
+    for (index, low, high) in &first {
+        while second.get(next).is_some_and(|(_, other_low, _)| other_low[axis] <= high[axis] + reach) {
+            open.push(next);
+            next += 1;
+        }
+        // What ends before this one begins ends before all later ones.
+        open.retain(|other| second[*other].2[axis] + reach >= low[axis]);
+        for (other, other_low, other_high) in open.iter().map(|place| &second[*place]) {
+            let apart = (*other_low - *high).max(*low - *other_high).max_element();
+            if apart <= reach {
+                visit(&own[*index], &its[*other]);
+            }
+        }
+    }
+}
+
+/// Whether both points of a line lie on an edge.
+fn lies_on([a, b]: &[DVec3; 2], line: [DVec3; 2], reach: f64) -> bool {
+    let along = *b - *a;
+    line.iter().all(|point| {
+        let t = ((*point - *a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        point.distance(*a + t * along) <= 2.0 * reach
+    })
+}
+
+/// The line on the first triangle where the second one crosses it, or where an edge of that lies on it.
+fn crossing(own: &Corners, its: &Corners, reach: f64) -> Option<Edge> {
+    let [a, b, c] = *own;
+    let normal = (b - a).cross(c - a).try_normalize()?;
+    let heights =
+        its.map(|corner| (corner - a).dot(normal)).map(|height| if height.abs() <= reach { 0.0 } else { height });
+    let mut ends: ArrayVec<DVec3, 3> = ArrayVec::new();
+    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+        if heights[i] == 0.0 {
+            ends.push(its[i]);
+        } else if heights[i] * heights[j] < 0.0 {
+            ends.push(its[i].lerp(its[j], heights[i] / (heights[i] - heights[j])));
+        }
+    }
+    // With three, it lies in the plane: a cover, whose neighbours stand on its edges.
+    let [from, to] = ends.as_slice() else { return None };
+    clip(own, normal, [*from, *to]).map(Edge)
+}
+
+/// What of a line in the plane of a triangle lies in that.
+fn clip(triangle: &Corners, normal: DVec3, [from, to]: [DVec3; 2]) -> Option<[DVec3; 2]> {
+    let (mut first, mut last) = (0.0f64, 1.0f64);
+    for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+        let inward = normal.cross(triangle[j] - triangle[i]);
+        let [at_from, at_to] = [from, to].map(|end| (end - triangle[i]).dot(inward));
+        if at_from < 0.0 && at_to < 0.0 {
+            return None;
+        }
+        let cut = at_from / (at_from - at_to);
+        if at_from < 0.0 {
+            first = first.max(cut);
+        } else if at_to < 0.0 {
+            last = last.min(cut);
+        }
+    }
+    (first < last).then(|| [from.lerp(to, first), from.lerp(to, last)])
+}
+
+/// Distance of a wall from the origin.
+pub fn distance([a, b]: &[DVec2; 2]) -> f64 {
+    let along = *b - *a;
+    let t = (-a.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    if t.is_nan() { a.length() } else { (*a + t * along).length() }
+}
+
+/// Whether a wall hides a place from the origin.
+pub fn hides([a, b]: &[DVec2; 2], at: DVec2) -> bool {
+    let along = *b - *a;
+    let beyond = along.perp_dot(at - *a) * along.perp_dot(-*a) < 0.0;
+    beyond && at.perp_dot(*a) * at.perp_dot(*b) < 0.0
+}
+
+/// The share of what surrounds the origin that no wall hides. `lost`: the share beyond a wall, in the fan over it.
+pub fn seen(walls: &[[DVec2; 2]], lost: impl Fn([DVec2; 2]) -> f64) -> f64 {
+    /// With more walls than this, those that cross each other are parted where one of them ends.
+    const FEW: usize = 32;
+    let mut corners: Vec<DVec2> = walls.iter().flatten().copied().collect();
+    if walls.len() <= FEW {
+        let crossings =
+            walls.iter().enumerate().flat_map(|(i, one)| walls[..i].iter().filter_map(|two| meet(one, two)));
+        corners.extend(crossings);
+    }
+    let mut angles: Vec<f64> = corners.iter().map(|corner| corner.y.atan2(corner.x)).collect();
+    angles.sort_by(f64::total_cmp);
+    let Some(first) = angles.first().copied() else { return 1.0 };
+    let nexts = angles.iter().skip(1).copied().chain([first + TAU]);
+    angles.iter().zip(nexts).fold(1.0, |share, (from, to)| {
+        let towards = DVec2::from_angle(0.5 * (from + to));
+        let nearest =
+            walls.iter().filter_map(|wall| Some((along(wall, towards)?, wall))).min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, [a, b])) = nearest else { return share };
+        // The part of the wall that is seen between the two directions.
+        let end = |angle: f64| {
+            let towards = DVec2::from_angle(angle);
+            let t = towards.perp_dot(*a) / towards.perp_dot(*a - *b);
+            a.lerp(*b, if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) })
+        };
+        share - lost([end(*from), end(to)])
+    })
+}
+
+/// How far from the origin a wall is met in a direction.
+fn along([a, b]: &[DVec2; 2], towards: DVec2) -> Option<f64> {
+    let (left, right) = (towards.perp_dot(*a), towards.perp_dot(*b));
+    let distance = a.perp_dot(*b - *a) / towards.perp_dot(*b - *a);
+    (left * right < 0.0 && distance > 0.0).then_some(distance)
+}
+
+/// Where two walls cross.
+fn meet(one: &[DVec2; 2], two: &[DVec2; 2]) -> Option<DVec2> {
+    let (u, v) = (one[1] - one[0], two[1] - two[0]);
+    let across = u.perp_dot(v);
+    let (s, t) = ((two[0] - one[0]).perp_dot(v) / across, (two[0] - one[0]).perp_dot(u) / across);
+    let inside = |x: f64| x > 0.0 && x < 1.0;
+    (inside(s) && inside(t)).then(|| one[0] + s * u)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The two triangles of a parallelogram.
+    fn quad(centre: DVec3, a: DVec3, b: DVec3) -> Vec<Corners> {
+        let [p, q, r, s] = [centre - a - b, centre + a - b, centre + a + b, centre - a + b];
+        vec![[p, q, r], [p, r, s]]
+    }
+
+    fn obstacles(faces: Vec<Vec<Corners>>) -> Obstacles {
+        let of = |(face, triangles): (usize, Vec<Corners>)| {
+            let (lo, hi) = bounds(&triangles);
+            Obstacle { part: 1, face, lo, hi, triangles }
+        };
+        Obstacles { all: faces.into_iter().enumerate().map(of).collect(), grain: 1e-14 }
+    }
+
+    /// A floor of 2 × 2 with these about it: the length of its seams.
+    fn length(faces: Vec<Vec<Corners>>) -> f64 {
+        let floor = quad(DVec3::ZERO, DVec3::X, DVec3::Y);
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        let rim = Rim::new((0..4).map(|i| Edge([corners[i], corners[(i + 1) % 4]])).collect());
+        let seams = obstacles(faces).on(floor, (0, 0), &rim);
+        seams.iter().map(|Edge([a, b])| a.distance(*b)).sum()
+    }
+
+    /// A wall across the floor leaves one line; one through its corner what lies on the floor of it.
+    #[test]
+    fn a_wall_across_the_floor() {
+        let wall = |y: f64| quad(DVec3::Y * y, DVec3::X * 3.0, DVec3::Z);
+        assert!((length(vec![wall(0.3)]) - 2.0).abs() < 1e-12);
+        assert_eq!(length(vec![wall(1.2)]), 0.0);
+        let aslant = quad(DVec3::new(0.5, 0.5, 0.0), DVec3::new(1.0, -1.0, 0.0), DVec3::Z);
+        assert!((length(vec![aslant]) - 2f64.sqrt()).abs() < 1e-12);
+    }
+
+    /// A box that stands on the floor, a rounding above or below it, leaves its outline; one in the air nothing, and so do
+    /// walls about the floor.
+    #[test]
+    fn what_stands_on_the_floor() {
+        let cube = |z: f64| {
+            let side =
+                |out: DVec3, a: DVec3, b: DVec3| quad(DVec3::new(0.1, 0.2, z + 0.2) + 0.2 * out, 0.2 * a, 0.2 * b);
+            let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+            vec![side(x, y, z), side(-x, z, y), side(y, z, x), side(-y, x, z), side(z, x, y), side(-z, y, x)]
+        };
+        for z in [0.0, 1e-8, -1e-8] {
+            assert!((length(cube(z)) - 1.6).abs() < 1e-6, "{z}");
+        }
+        assert_eq!(length(cube(0.01)), 0.0);
+        let about = [DVec3::X, DVec3::Y, -DVec3::X, -DVec3::Y];
+        let room = about.map(|out| quad(out + DVec3::Z * 0.9, out.cross(DVec3::Z), DVec3::Z * 0.9));
+        assert_eq!(length(room.to_vec()), 0.0);
+    }
+
+    /// What is seen and what is hidden agree, over a fine raster, with walls that cross, meet, shade each other and end.
+    #[test]
+    fn what_is_seen_agrees_with_a_raster() {
+        let all: [&[[[f64; 2]; 2]]; 4] = [
+            &[[[0.3, -2.0], [0.3, 2.0]]],
+            &[[[0.2, -0.5], [0.4, 0.6]], [[0.5, -0.9], [0.6, 0.1]], [[-0.3, 0.2], [-0.1, 0.9]]],
+            &[[[-0.7, 0.3], [0.9, 0.35]], [[0.2, -0.8], [0.1, 0.8]]],
+            &[
+                [[0.4, -0.4], [0.4, 0.4]],
+                [[0.4, 0.4], [-0.4, 0.4]],
+                [[-0.4, 0.4], [-0.4, -0.4]],
+                [[-0.4, -0.4], [0.4, -0.4]],
+            ],
+        ];
+        for walls in all {
+            let walls: Vec<[DVec2; 2]> = walls.iter().map(|wall| wall.map(DVec2::from)).collect();
+            let n = 1200;
+            let (mut sum, mut whole) = (0.0, 0.0);
+            for i in 0..n * n {
+                let at = DVec2::new((i % n) as f64 + 0.5, (i / n) as f64 + 0.5) * (2.0 / n as f64) - 1.0;
+                let kernel = (1.0 - at.length_squared()).max(0.0);
+                whole += kernel;
+                sum += if walls.iter().any(|wall| hides(wall, at)) { 0.0 } else { kernel };
+            }
+            let got = seen(&walls, |wall| super::super::rim::beyond(wall, 1.0).abs());
+            // A row of the raster on the wrong side of a line of length 2 is 0.75 of a cell's width.
+            assert!((got - sum / whole).abs() < 1.5 / n as f64, "{walls:?}: {got} {}", sum / whole);
+        }
+    }
+}
