@@ -20,6 +20,8 @@ pub enum Stream {
     Looks,
     /// The scrambles of even points, see [`super::sobol`].
     Scramble,
+    /// Of the lattice on which paths from the eye choose places on lamps.
+    LampPoint,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

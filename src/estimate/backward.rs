@@ -159,22 +159,25 @@ impl<'w, M: Mode> Backward<'w, M> {
             let weight = 1.0 / paths as f64;
             let walker =
                 Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
-            self.path(walker, weight, out, ledger);
+            let points = pixel.start(self.seed, Stream::LampPoint, first.wrapping_add(path));
+            self.path(walker, weight, points, out, ledger);
         }
         if let Some(vision) = &self.vision {
             vision.look(&self.route, optics, pixel, out, ledger);
         }
     }
 
-    fn path(&self, mut walker: Walker<'_, M>, weight: f64, out: &mut [Light], ledger: &mut Ledger) {
+    fn path(&self, mut walker: Walker<'_, M>, weight: f64, points: [f64; 3], out: &mut [Light], ledger: &mut Ledger) {
         let balance = ledger.imbalance();
         ledger.paths += 1;
         ledger.emitted += weight;
-        self.follow(&mut walker, out, ledger);
+        self.follow(&mut walker, points, out, ledger);
         ledger.close_path(balance);
     }
 
-    fn follow(&self, walker: &mut Walker<'_, M>, out: &mut [Light], ledger: &mut Ledger) {
+    /// `points`: the numbers by which the first scatterer on the way chooses a lamp and a place on it. They are even over
+    /// the pixel's paths as their starts are, so the borders of soft shadows converge as edges do.
+    fn follow(&self, walker: &mut Walker<'_, M>, points: [f64; 3], out: &mut [Light], ledger: &mut Ledger) {
         let mut last: Option<Scattered> = None;
         loop {
             let vertex = match walker.advance(ledger) {
@@ -191,7 +194,7 @@ impl<'w, M: Mode> Backward<'w, M> {
             if walker.events < SPLIT_FIRST_EVENTS
                 && let Some(mut reflected) = walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
             {
-                self.follow(&mut reflected, out, ledger);
+                self.follow(&mut reflected, points, out, ledger);
             }
             match walker.meet(&vertex, ledger) {
                 Meeting::Ended => return,
@@ -202,9 +205,11 @@ impl<'w, M: Mode> Backward<'w, M> {
                 }
                 Meeting::Scatter(scatter, frame) => {
                     ledger.work += cost::SHADOW * self.asked;
-                    self.sample_lamps(walker, &vertex, scatter, &frame, out);
-                    self.sample_sky(walker, &vertex, scatter, &frame, out);
-                    self.sample_lights(walker, &vertex, scatter, &frame, out);
+                    let first = !walker.trail.has_scatter();
+                    let points = if first { points } else { std::array::from_fn(|_| walker.rng.uniform()) };
+                    self.sample_lamps(walker, &vertex, scatter, &frame, points, out);
+                    self.sample_sky(walker, &vertex, scatter, &frame, points, out);
+                    self.sample_lights(walker, &vertex, scatter, &frame, points, out);
                     let Some(pdf) = walker.scatter(&vertex, scatter, &frame, ledger) else { return };
                     last = Some(Scattered { point: vertex.hit.point, pdf });
                 }
@@ -258,19 +263,18 @@ impl<'w, M: Mode> Backward<'w, M> {
 
     fn sample_lamps(
         &self,
-        walker: &mut Walker<'_, M>,
+        walker: &Walker<'_, M>,
         vertex: &Vertex,
         scatter: &Scatter,
         frame: &Frame,
+        [pick, u, v]: [f64; 3],
         out: &mut [Light],
     ) {
-        let pick = walker.rng.uniform();
-        let point = walker.rng.pair();
         let from = vertex.hit.point;
         let Some((index, probability)) = self.world.lamps.pick_for_point(from, pick) else { return };
         let lamp = &self.world.lamps.all()[index];
         let Some(share) = self.route.from_eye(lamp.group, walker.trail.then(scatter.event())) else { return };
-        let target = lamp.sample_point(point);
+        let target = lamp.sample_point([u, v]);
         let offset = target.position - from;
         let distance = offset.length();
         let dir = offset / distance;
@@ -290,15 +294,16 @@ impl<'w, M: Mode> Backward<'w, M> {
 
     fn sample_sky(
         &self,
-        walker: &mut Walker<'_, M>,
+        walker: &Walker<'_, M>,
         vertex: &Vertex,
         scatter: &Scatter,
         frame: &Frame,
+        [_, u, v]: [f64; 3],
         out: &mut [Light],
     ) {
         let Some(sky) = &self.world.sky else { return };
         let Some(share) = self.route.from_eye(sky.group, walker.trail.then(scatter.event())) else { return };
-        let (dir, pdf) = sky.sample(walker.rng.pair());
+        let (dir, pdf) = sky.sample([u, v]);
         if pdf > 0.0 {
             let luminance = walker.optics.sky(sky, dir);
             let from = Whose { group: sky.group, source: Source::Sky, share };
@@ -309,17 +314,19 @@ impl<'w, M: Mode> Backward<'w, M> {
 
     fn sample_lights(
         &self,
-        walker: &mut Walker<'_, M>,
+        walker: &Walker<'_, M>,
         vertex: &Vertex,
         scatter: &Scatter,
         frame: &Frame,
+        [pick, u, v]: [f64; 3],
         out: &mut [Light],
     ) {
         if self.world.lights.all().is_empty() {
             return;
         }
-        let (pick, uv) = (walker.rng.uniform(), walker.rng.pair());
-        let Some((index, probability, toward)) = self.world.lights.sample(vertex.hit.point, pick, uv) else { return };
+        let Some((index, probability, toward)) = self.world.lights.sample(vertex.hit.point, pick, [u, v]) else {
+            return;
+        };
         let group = self.world.lights.all()[index].group();
         let Some(share) = self.route.from_eye(group, walker.trail.then(scatter.event())) else { return };
         let (luminance, pdf, by_chance) = match toward.light {
