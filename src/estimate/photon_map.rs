@@ -8,6 +8,7 @@ use crate::film::accumulate::Light;
 use crate::world::geometry::Site;
 use crate::world::mode::Mode;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Flux that arrived at a scatterer.
 #[derive(Debug, Clone)]
@@ -47,7 +48,8 @@ impl<M: Mode> PhotonMap<M> {
     pub fn new(photons: Vec<Photon<M>>, radius: f64) -> Self {
         let buckets = (photons.len() * 2).next_power_of_two().max(1);
         let cell = 2.0 * radius;
-        let bucket_of: Vec<u32> = photons.iter().map(|p| bucket(cell_of(p.position, cell), buckets) as u32).collect();
+        let bucket_of: Vec<u32> =
+            photons.par_iter().map(|p| bucket(cell_of(p.position, cell), buckets) as u32).collect();
         let mut starts = vec![0u32; buckets + 1];
         bucket_of.iter().for_each(|&b| starts[b as usize + 1] += 1);
         for b in 0..buckets {
@@ -60,7 +62,7 @@ impl<M: Mode> PhotonMap<M> {
             order[next[b as usize] as usize] = index as u32;
             next[b as usize] += 1;
         }
-        let photons = order.iter().map(|&index| photons[index as usize].clone()).collect();
+        let photons = order.par_iter().map(|&index| photons[index as usize].clone()).collect();
         PhotonMap { photons, starts, cell, radius }
     }
 

@@ -240,9 +240,9 @@ pub struct PhotonPilot {
 }
 
 /// Photons per pixel by the share of the light that connection leaves to them, and their limits.
-const PER_PIXEL: f64 = 4.0;
+const PER_PIXEL: f64 = 8.0;
 const FEWEST: f64 = 0.125;
-const MOST: f64 = 2.0;
+const MOST: f64 = 4.0;
 /// Share of the light below which a small picture needs fewer photons than others of its size.
 const LITTLE: f64 = 0.03;
 /// Photons to be gathered in the first pass, and the most of the radius in distances between what neighbouring pixels see.
