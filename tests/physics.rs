@@ -3,9 +3,12 @@
 mod common;
 
 use common::*;
-use eyebox::film::plan::Estimator;
-use eyebox::plan::Choice;
+use eyebox::check::check;
+use eyebox::estimate::run::begin;
+use eyebox::film::plan::{Estimator, Plan};
+use eyebox::plan::{Choice, plan};
 use eyebox::scene::{Absorption, Finish, Shape};
+use eyebox::world::World;
 use glam::DVec3;
 
 const BACKWARD: Choice = Choice::Only(Estimator::Backward);
@@ -186,6 +189,44 @@ fn photons_agree_with_backward() {
     assert!(p_sigma / p < 3e-3, "{p} ± {p_sigma}");
     assert!((m - p).abs() < 4.0 * sigma.hypot(p_sigma), "means {m} ± {sigma}, {p} ± {p_sigma}");
     let (worst, bound) = worst_z(&block_z(&backward, &photon, 12, 3), 1e-3);
+    assert!(worst < bound, "{worst} of {bound}");
+}
+
+/// A pinhole sees a small lamp in two curved mirrors and, blurred by nothing, far smaller than a pixel. Points that are
+/// chosen about the images bring the same light as even ones, with far less noise, and so in each part of the picture.
+#[test]
+fn a_pinhole_sees_a_lamp_in_balls() {
+    let mut s = scene();
+    let group = add_group(&mut s, "panel");
+    s.eye.pupil_diameter_m = 0.0;
+    s.eye.resolution = [8, 4];
+    for x in [-0.02, 0.025] {
+        let mut ball = face(Finish::MirrorIdeal { reflectance: 0.8 });
+        ball.shape = ball_shape(0.015);
+        add_part(&mut s, "ball", sphere_mesh(0.015, 32, 64), DVec3::new(x, 0.0, -0.2), None, vec![ball]);
+    }
+    let mut panel = face(Finish::Absorber);
+    panel.emitter = lamp(group, 1e6);
+    let panel_mesh = mesh(&[quad(DVec3::ZERO, DVec3::Y * 0.008, DVec3::X * 0.016)]);
+    add_part(&mut s, "panel", panel_mesh, DVec3::new(0.03, 0.04, 0.0), None, vec![panel]);
+    let checked = check(&s).expect("sound");
+    let world = World::freeze(&s).expect("sound");
+    let known = plan(&checked, &world, BACKWARD);
+    assert!(known.glints.len() >= 2, "{:?}", known.glints);
+    let mut even = known.clone();
+    even.glints.clear();
+    let trace = |plan: &Plan, passes: u64| {
+        let mut tracing = begin(&world, plan, 1, s.eye.resolution, 1);
+        tracing.step(passes);
+        image(&tracing.into_films())
+    };
+    let (known, even) = (trace(&known, 64), trace(&even, 30_000));
+    let ((m, sigma), (e, e_sigma)) = (mean(&known), mean(&even));
+    eprintln!("about the images {m} ± {sigma}, even {e} ± {e_sigma}");
+    assert!(e_sigma < 0.03 * e && (m - e).abs() < 4.0 * sigma.hypot(e_sigma), "{m} ± {sigma}, {e} ± {e_sigma}");
+    // With 470 times the passes.
+    assert!(sigma < 2.0 * e_sigma, "{sigma} {e_sigma}");
+    let (worst, bound) = worst_z(&block_z(&known, &even, 8, 4), 1e-3);
     assert!(worst < bound, "{worst} of {bound}");
 }
 

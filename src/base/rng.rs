@@ -22,6 +22,8 @@ pub enum Stream {
     Scramble,
     /// Of the lattice on which paths from the eye choose places on lamps.
     LampPoint,
+    /// Of the points about the image of a lamp.
+    Glint,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

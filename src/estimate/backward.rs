@@ -12,6 +12,7 @@ use crate::base::lpe::{Letter, Source};
 use crate::base::rng::Stream;
 use crate::base::warp::Frame;
 use crate::film::accumulate::{Film, Light};
+use crate::film::train::Glint;
 use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use crate::world::interior::Interior;
@@ -72,9 +73,9 @@ struct Whose {
 
 impl<'w, M: Mode> Backward<'w, M> {
     /// `paths`: per pixel that a pass looks at. `share`: of the pixels, chosen by chance; what is seen there counts
-    /// 1/share.
-    pub fn new(world: &'w World, route: Route, (paths, share): (u32, f64), seed: u64) -> Self {
-        let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, seed));
+    /// 1/share. `glints`: where a pinhole sees lamps over specular faces.
+    pub fn new(world: &'w World, route: Route, (paths, share): (u32, f64), glints: &[Glint], seed: u64) -> Self {
+        let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, glints, seed));
         let asked = [world.lamps.all().is_empty(), world.sky.is_none(), world.lights.all().is_empty()];
         let asked = asked.iter().filter(|none| !**none).count() as u64;
         Backward { world, mode: PhantomData, reach, vision, route, asked, paths, share, seed }

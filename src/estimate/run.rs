@@ -295,7 +295,8 @@ fn begin_with<'w, M: Mode + 'w>(
         };
         engines.push(match estimator {
             Estimator::Backward => {
-                Engine::Backward(Backward::new(world, route, (plan.backward_paths, plan.backward_share), seed))
+                let paths = (plan.backward_paths, plan.backward_share);
+                Engine::Backward(Backward::new(world, route, paths, &plan.glints, seed))
             }
             Estimator::Forward => Engine::Forward(Forward::new(
                 world,

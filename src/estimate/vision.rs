@@ -1,6 +1,7 @@
 //! What the eye sees of lamps through specular faces alone (`E S* L`), apart from the paths that scatter: such paths
 //! cost little and know their way, so they get points of their own in every pixel and follow both ways on at an
-//! interface. A mirrored lamp smaller than a pixel would otherwise be the noise of the whole picture.
+//! interface. A mirrored lamp smaller than a pixel would otherwise be the noise of the whole picture; where the plan knows
+//! of one in a pinhole's picture, some of the points are chosen about it.
 
 use super::ledger::Ledger;
 use super::pixel::Pixel;
@@ -10,31 +11,63 @@ use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::film::accumulate::Light;
+use crate::film::train::Glint;
 use crate::world::World;
+use crate::world::eye::EyeLens;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, plane_of};
 use crate::world::optics::Optics;
+use std::collections::HashMap;
 
-/// Paths per pixel and pass: more where the pupil is a point, since then nobody else finds the image of a small lamp.
+/// Paths per pixel and pass, and those about each image of a lamp in the pixel.
 const PATHS: u64 = 4;
-const PATHS_OF_A_PINHOLE: u64 = 16;
+const PATHS_OF_A_GLINT: u64 = 64;
+/// An image over more pixels than this is found by the paths of each.
+const MOST_PIXELS: usize = 64;
 /// A path is split where both ways on carry at least this share of what it started with; else chance decides.
 const SPLIT_FROM: f64 = 1.0 / 256.0;
 
 /// Follows paths from the eye to lamps, over specular events only.
 pub struct Vision<'w> {
     world: &'w World,
-    paths: u64,
+    /// By pixel: the places in it or near it that show lamps.
+    glints: HashMap<u64, Vec<Glint>>,
     seed: u64,
+}
+
+/// The glints that reach into each pixel.
+fn by_pixel(eye: &EyeLens, glints: &[Glint]) -> HashMap<u64, Vec<Glint>> {
+    let [width, height] = eye.size();
+    let mut all: HashMap<u64, Vec<Glint>> = HashMap::new();
+    for glint in glints {
+        let range = |lo: f64, hi: f64, count: usize| {
+            let clamped = |x: f64| x.floor().clamp(0.0, count as f64) as usize;
+            clamped(lo)..clamped(hi + 1.0)
+        };
+        let (half, [w, h]) = (eye.half(), eye.pixel());
+        let ([x, y], [wide, high]) = (glint.middle, glint.half());
+        let columns = range((half.x + x - wide) / w, (half.x + x + wide) / w, width);
+        let rows = range((half.y - y - high) / h, (half.y - y + high) / h, height);
+        if columns.len() * rows.len() > MOST_PIXELS {
+            continue;
+        }
+        for (px, py) in rows.flat_map(|py| columns.clone().map(move |px| (px, py))) {
+            all.entry((py * width + px) as u64).or_default().push(*glint);
+        }
+    }
+    all
 }
 
 impl<'w> Vision<'w> {
     /// None if the route leaves direct vision of all lamps to others.
-    pub fn new(world: &'w World, route: &Route, seed: u64) -> Option<Self> {
+    pub fn new(world: &'w World, route: &Route, glints: &[Glint], seed: u64) -> Option<Self> {
         let owned = |trail: Trail| world.lamps.all().iter().any(|lamp| route.from_eye(lamp.group, trail).is_some());
-        let paths = if world.eye.pupil_radius_m() > 0.0 { PATHS } else { PATHS_OF_A_PINHOLE };
-        (owned(Trail::START) || owned(Trail::START.then(Event::Specular))).then_some(Vision { world, paths, seed })
+        (owned(Trail::START) || owned(Trail::START.then(Event::Specular))).then(|| Vision {
+            world,
+            glints: by_pixel(&world.eye, glints),
+            seed,
+        })
     }
 
     /// Adds what one pass sees in a pixel to `out`, by plane.
@@ -47,12 +80,37 @@ impl<'w> Vision<'w> {
         ledger: &mut Ledger,
     ) {
         let mut rng = pixel.rng(self.seed, Stream::Vision);
-        for path in 0..self.paths {
+        let glints = self.glints.get(&pixel.index).map_or(&[][..], Vec::as_slice);
+        let eye = &self.world.eye;
+        let cell = eye.pixel().iter().product::<f64>();
+        let corner = eye.film_of(pixel.x, pixel.y, [0.0; 2]);
+        // All points of the pixel count by the density of all ways to choose them (the balance heuristic of E. Veach, 1997).
+        let density = |film: [f64; 2]| {
+            let about = glints.iter().filter(|glint| glint.holds(film)).map(|glint| cell / glint.area()).sum::<f64>();
+            PATHS as f64 + PATHS_OF_A_GLINT as f64 * about
+        };
+        let start = |stream: Stream, path: u64, of: u64| -> [f64; 2] {
+            pixel.start(self.seed, stream, pixel.pass.wrapping_mul(of).wrapping_add(path))
+        };
+        let about = PATHS_OF_A_GLINT * glints.len() as u64;
+        for path in 0..PATHS + about {
             // The pupil is left to chance: all points are spent on the picture, where a small image is hard to find.
-            let jitter = pixel.start(self.seed, Stream::Vision, pixel.pass.wrapping_mul(self.paths).wrapping_add(path));
-            let (origin, dir) = self.world.eye.ray(pixel.x, pixel.y, jitter, rng.pair());
+            let jitter = match path.checked_sub(PATHS) {
+                None => start(Stream::Vision, path, PATHS),
+                Some(path) => {
+                    let glint = &glints[(path / PATHS_OF_A_GLINT) as usize];
+                    let [x, y] = glint.place(start(Stream::Glint, path, about).map(|u| 2.0 * u - 1.0));
+                    let [width, height] = eye.pixel();
+                    [(x - corner.x) / width, (corner.y - y) / height]
+                }
+            };
+            // A glint may reach into other pixels, which have points of their own for it.
+            if !jitter.iter().all(|x| (0.0..1.0).contains(x)) {
+                continue;
+            }
+            let weight = 1.0 / density(eye.film_of(pixel.x, pixel.y, jitter).to_array());
+            let (origin, dir) = eye.ray(pixel.x, pixel.y, jitter, rng.pair());
             let ray = Ray { origin, dir, from: None };
-            let weight = 1.0 / self.paths as f64;
             let mut walker =
                 Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
             let balance = ledger.imbalance();

@@ -2,7 +2,7 @@
 
 use super::detail::ErrorDetail;
 use super::guide::Guide;
-use super::train::{Connection, Screen};
+use super::train::{Connection, Glint, Screen};
 use crate::base::ids::GroupId;
 use crate::base::path::{Class, Trail};
 
@@ -133,6 +133,9 @@ pub struct Plan {
     pub connections: Vec<Connection>,
     /// Trains over which lamps and faces that scatter are joined.
     pub screens: Vec<Screen>,
+    /// Places of the picture that rays from a pinhole look at for lamps over specular faces.
+    #[serde(default)]
+    pub glints: Vec<Glint>,
     pub mode: PathMode,
     /// Whose standard errors are kept.
     pub errors: ErrorDetail,
@@ -183,6 +186,7 @@ impl Plan {
             backward_paths: 1,
             connections: Vec::new(),
             screens: Vec::new(),
+            glints: Vec::new(),
             forward_guide: None,
             photon_guide: None,
             mode,

@@ -70,3 +70,41 @@ pub struct Screen {
     /// Share of the group's light on this face that the pilot found to come this way.
     pub share: f64,
 }
+
+/// A parallelogram about the place of a pinhole's picture where a lamp is seen over specular faces, in tangents.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Glint {
+    pub middle: [f64; 2],
+    /// From the middle to two neighbouring sides.
+    pub axes: [[f64; 2]; 2],
+}
+
+impl Glint {
+    /// Half its width and height.
+    pub fn half(&self) -> [f64; 2] {
+        [0, 1].map(|k| self.axes[0][k].abs() + self.axes[1][k].abs())
+    }
+
+    /// Where a place is, from −1 to 1 along both axes for those that it holds.
+    pub fn coordinates(&self, place: [f64; 2]) -> [f64; 2] {
+        let [[ax, ay], [bx, by]] = self.axes;
+        let (x, y) = (place[0] - self.middle[0], place[1] - self.middle[1]);
+        let area = ax * by - ay * bx;
+        [(x * by - y * bx) / area, (y * ax - x * ay) / area]
+    }
+
+    pub fn holds(&self, place: [f64; 2]) -> bool {
+        self.coordinates(place).iter().all(|along| along.abs() <= 1.0)
+    }
+
+    /// In tangents squared.
+    pub fn area(&self) -> f64 {
+        let [[ax, ay], [bx, by]] = self.axes;
+        4.0 * (ax * by - ay * bx).abs()
+    }
+
+    /// The place of these coordinates.
+    pub fn place(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| self.middle[k] + u * self.axes[0][k] + v * self.axes[1][k])
+    }
+}

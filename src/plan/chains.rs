@@ -166,7 +166,7 @@ fn seeds(arrived: &[Arrived]) -> Vec<Seed> {
 }
 
 /// The train of a chain from a lamp, as the ray from the eye through these places finds it.
-fn train(tracing: (&World, &Optics<Mono>), chain: &Chain, film: DVec2, pupil: DVec2) -> Option<Train> {
+pub(super) fn train(tracing: (&World, &Optics<Mono>), chain: &Chain, film: DVec2, pupil: DVec2) -> Option<Train> {
     let (origin, (_, dir), ..) = tracing.0.eye.ray_of(film, pupil);
     follow(tracing, chain, Ray { origin, dir, from: None }, Interior::default())
 }

@@ -5,6 +5,7 @@ pub mod contest;
 pub mod forecast;
 pub mod frozen;
 mod glimpses;
+mod glints;
 mod mode;
 pub mod paths;
 mod pilot;
@@ -194,9 +195,19 @@ impl Making<'_> {
 
     /// Paths from the eye.
     fn eye_paths(&self, plan: &mut Plan) {
+        let facts = self.checked.facts();
+        if facts.pinhole && facts.specular && plan.runs(Estimator::Backward) && !self.stopped() {
+            plan.glints = glints::find(self.world, self.stop);
+            if !plan.glints.is_empty() {
+                plan.notes.push(format!(
+                    "backward looks closer at {} places of the picture where lamps may be seen over specular faces",
+                    plan.glints.len()
+                ));
+            }
+        }
         if self.choice == Choice::Auto && plan.runs(Estimator::Backward) && !self.stopped() {
             let route = Route::new(plan, self.groups(), Estimator::Backward);
-            let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), pilot::SEED);
+            let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), &plan.glints, pilot::SEED);
             if !backward.finds_light(LOOKS, self.stop) {
                 plan.backward_share = SELDOM;
                 plan.notes.push(format!(
