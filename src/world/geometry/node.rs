@@ -82,7 +82,7 @@ impl Beam {
         Slopes {
             inverse: inverse.to_array(),
             shift: (self.origin * inverse).to_array(),
-            first: [8 * ((back & 1) * OTHER), 8 * (1 + (back >> 1 & 1) * OTHER), 8 * (2 + (back >> 2 & 1) * OTHER)],
+            first: [8 * ((back & 1) * OTHER), 8 * (1 + ((back >> 1) & 1) * OTHER), 8 * (2 + ((back >> 2) & 1) * OTHER)],
         }
     }
 }
@@ -104,7 +104,7 @@ fn enter_by_one(node: &Node, slopes: &Slopes, reach: f32) -> (u32, [f32; 8]) {
     let (mut near, mut far) = ([0.0f32; 8], [reach; 8]);
     for axis in 0..3 {
         let first = slopes.first[axis];
-        let (one, two) = (&node.rows[first / 8 & 7], &node.rows[(first / 8 ^ OTHER) & 7]);
+        let (one, two) = (&node.rows[(first / 8) & 7], &node.rows[((first / 8) ^ OTHER) & 7]);
         for lane in 0..8 {
             let enter = one[lane] * slopes.inverse[axis] - slopes.shift[axis];
             let leave = two[lane] * slopes.inverse[axis] - slopes.shift[axis];
@@ -130,7 +130,7 @@ fn enter_in_lanes(_: Lanes, node: &Node, slopes: &Slopes, reach: f32) -> (u32, [
         for axis in 0..3 {
             let first = slopes.first[axis] & 56;
             let (inverse, shift) = (_mm256_set1_ps(slopes.inverse[axis]), _mm256_set1_ps(slopes.shift[axis]));
-            let (one, two) = (_mm256_load_ps(planes.add(first)), _mm256_load_ps(planes.add(first ^ 8 * OTHER)));
+            let (one, two) = (_mm256_load_ps(planes.add(first)), _mm256_load_ps(planes.add(first ^ (8 * OTHER))));
             near = _mm256_max_ps(_mm256_fmsub_ps(one, inverse, shift), near);
             far = _mm256_min_ps(_mm256_fmsub_ps(two, inverse, shift), far);
         }
