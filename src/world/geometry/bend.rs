@@ -103,7 +103,7 @@ impl Instance {
                 self.met(t / scale, local, normal, normal, bend, ray, u32::MAX)
             }
             Surface::Flat | Surface::Faceted | Surface::Curved { .. } => {
-                let (touch, t) = self.nearest(solid, ray, None, f64::INFINITY)?;
+                let (touch, t) = self.nearest(None, solid, ray, None, f64::INFINITY)?;
                 let triangle = solid.triangles.get(touch.slot as usize).filter(|t| t.face == face)?;
                 let (normal, shading) = solid.normals_at(&touch)?;
                 let local = solid.settle(&touch);

@@ -54,9 +54,9 @@ impl Bounds {
     }
     /// Where the ray enters the box, 0 inside.
     #[inline(always)]
-    pub fn enter(&self, origin: DVec3, inverse: DVec3) -> Option<f64> {
-        // A ray that starts inside, as most do, need not wait for its inverse.
-        if self.contains(origin) { Some(0.0) } else { self.clip(origin, inverse).map(|(near, _)| near) }
+    pub fn enter(&self, origin: DVec3, dir: DVec3) -> Option<f64> {
+        // A ray that starts inside, as most do, needs no inverse.
+        if self.contains(origin) { Some(0.0) } else { self.clip(origin, dir.recip()).map(|(near, _)| near) }
     }
     /// Parameters between which the ray is inside, if it ever is. `inverse` is 1/direction per component.
     #[inline]

@@ -2,8 +2,10 @@
 
 use super::instance::Instance;
 use super::line::Touch;
-use super::wide::{Lanes, Visit};
+use super::node::Lanes;
+use super::wide::Visit;
 use super::{Geometry, Hit, Ray, Site};
+use glam::DVec3;
 use std::ops::ControlFlow;
 
 /// Whose nearest point on a ray is looked for.
@@ -17,10 +19,10 @@ struct Nearest<'a> {
 
 impl Visit for Nearest<'_> {
     #[inline(always)]
-    fn leaf(&mut self, slot: u32, _: Option<Lanes>) -> ControlFlow<(), Option<f64>> {
+    fn leaf(&mut self, slot: u32, lanes: Option<Lanes>) -> ControlFlow<(), Option<f64>> {
         if let Some(instance) = self.all.instances.get(slot as usize)
             && let Some(solid) = self.all.solids.get(instance.solid)
-            && let Some((touch, t)) = instance.nearest(solid, self.ray, self.beside.copied(), self.reach)
+            && let Some((touch, t)) = instance.nearest(lanes, solid, self.ray, self.beside.copied(), self.reach)
         {
             self.reach = t;
             self.best = Some((instance, touch));
@@ -41,10 +43,10 @@ struct Blocked<'a> {
 
 impl Visit for Blocked<'_> {
     #[inline(always)]
-    fn leaf(&mut self, slot: u32, _: Option<Lanes>) -> ControlFlow<(), Option<f64>> {
+    fn leaf(&mut self, slot: u32, lanes: Option<Lanes>) -> ControlFlow<(), Option<f64>> {
         if let Some(instance) = self.all.instances.get(slot as usize)
             && let Some(solid) = self.all.solids.get(instance.solid)
-            && instance.blocks(solid, self.ray, [self.beside.copied(), self.target], self.reach)
+            && instance.blocks(lanes, solid, self.ray, [self.beside.copied(), self.target], self.reach)
         {
             return ControlFlow::Break(());
         }
@@ -61,11 +63,27 @@ impl Geometry {
 
     /// The same for a ray whose origin lies on the surface `beside` too: it leaves both.
     pub fn intersect_beside(&self, ray: &Ray, beside: Option<Site>, t_max: f64) -> Option<Hit> {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(lanes) = Lanes::here() {
+            // SAFETY: the processor has what the function needs.
+            return unsafe { self.intersect_in_lanes(lanes, ray, beside, t_max) };
+        }
+        self.intersect_by(None, ray, beside, t_max)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    fn intersect_in_lanes(&self, lanes: Lanes, ray: &Ray, beside: Option<Site>, t_max: f64) -> Option<Hit> {
+        self.intersect_by(Some(lanes), ray, beside, t_max)
+    }
+
+    #[inline(always)]
+    fn intersect_by(&self, lanes: Option<Lanes>, ray: &Ray, beside: Option<Site>, t_max: f64) -> Option<Hit> {
         if !is_valid(ray) {
             return None;
         }
         let mut nearest = Nearest { all: self, ray, beside: beside.as_ref(), reach: t_max, best: None };
-        let _ = self.top.walk(ray.origin, ray.dir, t_max, &mut nearest);
+        let _ = self.top.walk(lanes, [ray.origin, ray.dir], t_max, &mut nearest);
         let (instance, touch) = nearest.best.as_ref()?;
         instance.hit(self.solids.get(instance.solid)?, touch, nearest.reach)
     }
@@ -78,13 +96,30 @@ impl Geometry {
 
     /// The same for a ray whose origin lies on the surface `beside` too.
     pub fn occluded_beside(&self, ray: &Ray, beside: Option<Site>, t_max: f64, target: Option<Site>) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(lanes) = Lanes::here() {
+            // SAFETY: the processor has what the function needs.
+            return unsafe { self.occluded_in_lanes(lanes, ray, [beside, target], t_max) };
+        }
+        self.occluded_by(None, ray, [beside, target], t_max)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    fn occluded_in_lanes(&self, lanes: Lanes, ray: &Ray, spared: [Option<Site>; 2], t_max: f64) -> bool {
+        self.occluded_by(Some(lanes), ray, spared, t_max)
+    }
+
+    #[inline(always)]
+    fn occluded_by(&self, lanes: Option<Lanes>, ray: &Ray, [beside, target]: [Option<Site>; 2], t_max: f64) -> bool {
         let mut blocked = Blocked { all: self, ray, beside: beside.as_ref(), target, reach: t_max };
-        is_valid(ray) && self.top.walk(ray.origin, ray.dir, t_max, &mut blocked).is_break()
+        is_valid(ray) && self.top.walk(lanes, [ray.origin, ray.dir], t_max, &mut blocked).is_break()
     }
 }
 
 /// Finite, and unit as far as it matters.
 #[inline(always)]
 fn is_valid(ray: &Ray) -> bool {
-    ray.origin.is_finite() && (0.25..=4.0).contains(&ray.dir.length_squared())
+    // Zero times what is finite is zero.
+    ray.origin.dot(DVec3::ZERO) == 0.0 && (0.25..=4.0).contains(&ray.dir.length_squared())
 }

@@ -1,10 +1,11 @@
 //! What a walk through a tree of plain triangles keeps: the nearest touch so far, or that there is one.
 
 use super::line::{Line, Touch};
+use super::node::Lanes;
 use super::pack::Pack;
 use super::patch::{Shear, point_on};
 use super::solid::{Sheet, Solid};
-use super::wide::{Lanes, Visit};
+use super::wide::Visit;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -22,8 +23,8 @@ pub struct Hunt<'a, const ANY: bool> {
     shear: Shear,
     /// t of the nearest so far.
     pub reach: f64,
-    /// Triangle of the mesh that is met there, if one is known.
-    index: Option<u32>,
+    /// Triangle of the mesh that is met there, the first if none is known.
+    index: u32,
     found: Option<Found>,
 }
 
@@ -48,7 +49,7 @@ impl<'a, const ANY: bool> Hunt<'a, ANY> {
             through: line.origin + start * line.dir,
             shear: Shear::along(line.dir),
             reach,
-            index,
+            index: index.unwrap_or(0),
             found: None,
         }
     }
@@ -86,7 +87,7 @@ impl<const ANY: bool> Visit for Hunt<'_, ANY> {
             inside &= inside - 1;
             let (t, whose) = (all.t[lane], pack.whose(lane));
             // Of equally near ones the first triangle.
-            let first = t < self.reach || (!ANY && t == self.reach && self.index.is_some_and(|index| whose.1 < index));
+            let first = t < self.reach || (!ANY && t == self.reach && whose.1 < self.index);
             if !first || (self.picky && !self.counts(whose, t)) {
                 continue;
             }
@@ -95,7 +96,7 @@ impl<const ANY: bool> Visit for Hunt<'_, ANY> {
             }
             super::huge::fetch(self.normals, pack.slot(lane) as usize);
             let weights = [all.weights[0][lane], all.weights[1][lane], all.weights[2][lane]];
-            (self.reach, self.index) = (t, Some(whose.1));
+            (self.reach, self.index) = (t, whose.1);
             self.found = Some(Found { leaf, lane, weights });
         }
         ControlFlow::Continue(Some(self.reach))

@@ -2,6 +2,7 @@
 
 use super::bound::Bounds;
 use super::line::{Line, Touch};
+use super::node::Lanes;
 use super::prepare::Traced;
 use super::solid::Solid;
 use super::{Hit, Ray, Site};
@@ -25,6 +26,8 @@ pub struct Instance {
     normals: DMat3,
     /// Mesh units per metre and metres per mesh unit, if they are the same in all directions.
     scale: Option<[f64; 2]>,
+    /// World → mesh units, if it is no more than a shift.
+    shift: Option<DVec3>,
     /// What f64 rounding may move a point by, in mesh units.
     grain: f64,
 }
@@ -83,21 +86,22 @@ impl Instance {
         let grain = 16.0 * f64::EPSILON * (extent * per_metre + local.reach());
         let bounds = local.map(&to_world);
         let bounds = bounds.widen(DVec3::splat(4.0 * f64::EPSILON * extent));
-        Instance { part, solid, medium, bounds, to_world, to_local, normals: m.transpose(), scale, grain }
+        let shift = (m == DMat3::IDENTITY).then_some(to_local.translation);
+        Instance { part, solid, medium, bounds, to_world, to_local, normals: m.transpose(), scale, shift, grain }
     }
 
     /// The ray in mesh units, and mesh units per metre along it.
     #[inline(always)]
     fn line(&self, solid: &Solid, ray: &Ray, beside: Option<Site>, reach: f64) -> Option<(Line, f64)> {
-        let origin = self.to_local.transform_point3(ray.origin);
-        let along = self.to_local.transform_vector3(ray.dir);
-        let [scale, metres] = self.scale.unwrap_or_else(|| {
-            let scale = along.length();
-            [scale, scale.recip()]
-        });
-        let mut line = Line::new(solid, origin, along * metres, reach * scale, self.grain)?;
-        for site in [ray.from, beside].into_iter().flatten() {
-            if site.part == self.part {
+        let (origin, dir, scale) = match self.shift {
+            Some(shift) => (ray.origin + shift, ray.dir, 1.0),
+            None => self.to_mesh(ray),
+        };
+        let mut line = Line::new(solid, origin, dir, reach * scale, self.grain)?;
+        for site in [&ray.from, &beside] {
+            if let Some(site) = site
+                && site.part == self.part
+            {
                 line.leave(solid, site.face, site.triangle);
             }
         }
@@ -105,6 +109,7 @@ impl Instance {
     }
 
     /// A ray's origin and direction (about unit) in mesh units, and mesh units per metre along it.
+    #[inline]
     pub fn to_mesh(&self, ray: &Ray) -> (DVec3, DVec3, f64) {
         let origin = self.to_local.transform_point3(ray.origin);
         let along = self.to_local.transform_vector3(ray.dir);
@@ -123,9 +128,16 @@ impl Instance {
     /// The nearest touch nearer than `reach` metres, and its distance in metres. `beside`: the origin lies on this
     /// surface too.
     #[inline(always)]
-    pub fn nearest(&self, solid: &Solid, ray: &Ray, beside: Option<Site>, reach: f64) -> Option<(Touch, f64)> {
+    pub fn nearest(
+        &self,
+        lanes: Option<Lanes>,
+        solid: &Solid,
+        ray: &Ray,
+        beside: Option<Site>,
+        reach: f64,
+    ) -> Option<(Touch, f64)> {
         let (line, scale) = self.line(solid, ray, beside, reach)?;
-        let touch = solid.nearest(&line, reach * scale)?;
+        let touch = solid.nearest(lanes, &line, reach * scale)?;
         Some((touch, touch.t / scale))
     }
 
@@ -137,17 +149,24 @@ impl Instance {
     }
 
     #[inline(always)]
-    pub fn blocks(&self, solid: &Solid, ray: &Ray, [beside, target]: [Option<Site>; 2], reach: f64) -> bool {
+    pub fn blocks(
+        &self,
+        lanes: Option<Lanes>,
+        solid: &Solid,
+        ray: &Ray,
+        [beside, target]: [Option<Site>; 2],
+        reach: f64,
+    ) -> bool {
         let Some((mut line, scale)) = self.line(solid, ray, beside, reach) else { return false };
         if let Some(site) = target
             && site.part == self.part
         {
             line.skip(site.face);
         }
-        solid.blocks(&line, reach * scale)
+        solid.blocks(lanes, &line, reach * scale)
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn hit(&self, solid: &Solid, touch: &Touch, t: f64) -> Option<Hit> {
         let (normal, shading) = solid.normals_at(touch)?;
         let local = solid.settle(touch);
@@ -174,7 +193,7 @@ impl Instance {
             let across = (1.0 - z * z).sqrt();
             let dir = DVec3::new(cos * across, sin * across, z);
             let touch = Line::new(solid, origin, dir, f64::INFINITY, self.grain)
-                .and_then(|line| solid.nearest(&line, f64::INFINITY));
+                .and_then(|line| solid.nearest(None, &line, f64::INFINITY));
             touch.and_then(|touch| solid.normals_at(&touch)).is_some_and(|(normal, _)| normal.dot(dir) > 0.0)
         });
         2 * inside.count() > RAYS as usize

@@ -11,7 +11,6 @@ pub struct Line {
     pub origin: DVec3,
     /// Unit, about.
     pub dir: DVec3,
-    pub inverse: DVec3,
     /// Where it enters the solid's bounds.
     pub start: f64,
     /// The surface that the ray starts on, `u32::MAX` for none, and the triangle.
@@ -64,10 +63,9 @@ impl Line {
     /// A ray from `origin` along the unit vector `dir`; none if it misses the solid's bounds.
     #[inline(always)]
     pub fn new(solid: &Solid, origin: DVec3, dir: DVec3, reach: f64, grain: f64) -> Option<Line> {
-        let inverse = dir.recip();
-        let start = solid.bounds.enter(origin, inverse)?;
+        let start = solid.bounds.enter(origin, dir)?;
         let [from, from_triangle, skip] = [u32::MAX; 3];
-        (start <= reach).then_some(Line { origin, dir, inverse, start, from, from_triangle, skip, grain })
+        (start <= reach).then_some(Line { origin, dir, start, from, from_triangle, skip, grain })
     }
 
     /// The ray starts on this face and triangle.

@@ -1,9 +1,10 @@
 //! Four triangles of a leaf at a time: where a line passes through them, by the arithmetic of
 //! [`Shear::cross`](super::patch::Shear::cross), operation by operation, so the two agree to the bit.
 
+use super::node::Lanes;
 use super::patch::Shear;
 use super::solid::Triangle;
-use super::wide::{LEAF_SIZE, Lanes, Leaf};
+use super::wide::{LEAF_SIZE, Leaf};
 use glam::DVec3;
 
 /// The triangles of a leaf, one lane each.
@@ -53,9 +54,8 @@ impl Pack {
         [start, reach]: [f64; 2],
     ) -> Option<Crossings> {
         match lanes {
-            // SAFETY: `Lanes` says that the processor has what the function needs.
             #[cfg(target_arch = "x86_64")]
-            Some(_) => unsafe { self.cross_in_lanes(shear, through, [start, reach]) },
+            Some(lanes) => self.cross_in_lanes(lanes, shear, through, [start, reach]),
             #[cfg(not(target_arch = "x86_64"))]
             Some(_) => self.cross_by_one(shear, through, [start, reach]),
             None => self.cross_by_one(shear, through, [start, reach]),
@@ -103,55 +103,59 @@ impl Pack {
 
     /// The same, all four at a time.
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    #[inline]
-    fn cross_in_lanes(&self, shear: &Shear, through: DVec3, [start, reach]: [f64; 2]) -> Option<Crossings> {
+    #[inline(always)]
+    fn cross_in_lanes(&self, _: Lanes, shear: &Shear, through: DVec3, [start, reach]: [f64; 2]) -> Option<Crossings> {
         use std::arch::x86_64::*;
-        let (axes, o) = (shear.axes.map(|axis| axis.min(2)), through.to_array());
-        let (sx, sy) = (_mm256_set1_pd(shear.shear[0]), _mm256_set1_pd(shear.shear[1]));
-        let (ox, oy, oz) = (_mm256_set1_pd(o[axes[0]]), _mm256_set1_pd(o[axes[1]]), _mm256_set1_pd(o[axes[2]]));
-        // SAFETY: four numbers are read, and they are there.
-        let load = |places: &[f32; LEAF_SIZE]| unsafe { _mm256_cvtps_pd(_mm_loadu_ps(places.as_ptr())) };
-        let flat = |places: &[[f32; LEAF_SIZE]; 3]| {
-            let z = _mm256_sub_pd(load(&places[axes[2]]), oz);
-            let x = _mm256_sub_pd(_mm256_sub_pd(load(&places[axes[0]]), ox), _mm256_mul_pd(sx, z));
-            let y = _mm256_sub_pd(_mm256_sub_pd(load(&places[axes[1]]), oy), _mm256_mul_pd(sy, z));
-            [x, y, z]
-        };
-        let (a, b, c) = (flat(&self.corners[0]), flat(&self.corners[1]), flat(&self.corners[2]));
-        let turn =
-            |p: [__m256d; 3], q: [__m256d; 3]| _mm256_sub_pd(_mm256_mul_pd(p[0], q[1]), _mm256_mul_pd(p[1], q[0]));
-        let (u, v, w) = (turn(c, b), turn(a, c), turn(b, a));
-        let zero = _mm256_setzero_pd();
-        // Where one of them is not a number, t is none either.
-        let least = _mm256_min_pd(_mm256_min_pd(u, v), w);
-        let most = _mm256_max_pd(_mm256_max_pd(u, v), w);
-        let outside = _mm256_and_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(least, zero), _mm256_cmp_pd::<_CMP_GT_OQ>(most, zero));
-        let inside = !_mm256_movemask_pd(outside) as u32 & ((1 << self.leaf.count) - 1);
-        if inside == 0 {
-            return None;
+        // SAFETY: `Lanes` says that the processor has what the functions need; four numbers at a time are read and
+        // written, and they are there.
+        unsafe {
+            let axes = [shear.axes[0].min(2), shear.axes[1].min(2), shear.axes[2].min(2)];
+            let o = [through.x, through.y, through.z];
+            let (sx, sy) = (_mm256_set1_pd(shear.shear[0]), _mm256_set1_pd(shear.shear[1]));
+            let (ox, oy, oz) = (_mm256_set1_pd(o[axes[0]]), _mm256_set1_pd(o[axes[1]]), _mm256_set1_pd(o[axes[2]]));
+            let (mut x, mut y, mut z) = ([ox; 3], [oy; 3], [oz; 3]);
+            for (corner, places) in self.corners.iter().enumerate() {
+                let (px, py, pz) = (places[axes[0]].as_ptr(), places[axes[1]].as_ptr(), places[axes[2]].as_ptr());
+                z[corner] = _mm256_sub_pd(_mm256_cvtps_pd(_mm_load_ps(pz)), oz);
+                let (dx, dy) = (_mm256_mul_pd(sx, z[corner]), _mm256_mul_pd(sy, z[corner]));
+                x[corner] = _mm256_sub_pd(_mm256_sub_pd(_mm256_cvtps_pd(_mm_load_ps(px)), ox), dx);
+                y[corner] = _mm256_sub_pd(_mm256_sub_pd(_mm256_cvtps_pd(_mm_load_ps(py)), oy), dy);
+            }
+            let u = _mm256_sub_pd(_mm256_mul_pd(x[2], y[1]), _mm256_mul_pd(y[2], x[1]));
+            let v = _mm256_sub_pd(_mm256_mul_pd(x[0], y[2]), _mm256_mul_pd(y[0], x[2]));
+            let w = _mm256_sub_pd(_mm256_mul_pd(x[1], y[0]), _mm256_mul_pd(y[1], x[0]));
+            let zero = _mm256_setzero_pd();
+            // Where none of them is a number, as in lanes without a triangle, neither is so; where one of them is not, t
+            // is none either.
+            let least = _mm256_min_pd(_mm256_min_pd(u, v), w);
+            let most = _mm256_max_pd(_mm256_max_pd(u, v), w);
+            let not_less = _mm256_cmp_pd::<_CMP_GE_OQ>(least, zero);
+            let not_more = _mm256_cmp_pd::<_CMP_LE_OQ>(most, zero);
+            let inside = _mm256_or_pd(not_less, not_more);
+            if _mm256_movemask_pd(inside) == 0 {
+                return None;
+            }
+            let inverse = _mm256_div_pd(_mm256_set1_pd(1.0), _mm256_add_pd(_mm256_add_pd(u, v), w));
+            let heights =
+                _mm256_add_pd(_mm256_add_pd(_mm256_mul_pd(u, z[0]), _mm256_mul_pd(v, z[1])), _mm256_mul_pd(w, z[2]));
+            let t = _mm256_mul_pd(_mm256_mul_pd(heights, _mm256_set1_pd(shear.shear[2])), inverse);
+            // Edge-on and invalid triangles end here: their t is infinite or not a number.
+            let magnitude = _mm256_andnot_pd(_mm256_set1_pd(-0.0), t);
+            let finite = _mm256_cmp_pd::<_CMP_LT_OQ>(magnitude, _mm256_set1_pd(f64::INFINITY));
+            let t = _mm256_add_pd(_mm256_set1_pd(start), t);
+            let ahead = _mm256_cmp_pd::<_CMP_GT_OQ>(t, zero);
+            let near = _mm256_cmp_pd::<_CMP_LE_OQ>(t, _mm256_set1_pd(reach));
+            let counts = _mm256_and_pd(_mm256_and_pd(ahead, near), _mm256_and_pd(finite, inside));
+            let inside = _mm256_movemask_pd(counts) as u32;
+            if inside == 0 {
+                return None;
+            }
+            let mut all = Crossings { inside, t: [0.0; LEAF_SIZE], weights: [[0.0; LEAF_SIZE]; 3] };
+            _mm256_storeu_pd(all.t.as_mut_ptr(), t);
+            _mm256_storeu_pd(all.weights[0].as_mut_ptr(), _mm256_mul_pd(u, inverse));
+            _mm256_storeu_pd(all.weights[1].as_mut_ptr(), _mm256_mul_pd(v, inverse));
+            _mm256_storeu_pd(all.weights[2].as_mut_ptr(), _mm256_mul_pd(w, inverse));
+            Some(all)
         }
-        let inverse = _mm256_div_pd(_mm256_set1_pd(1.0), _mm256_add_pd(_mm256_add_pd(u, v), w));
-        let heights =
-            _mm256_add_pd(_mm256_add_pd(_mm256_mul_pd(u, a[2]), _mm256_mul_pd(v, b[2])), _mm256_mul_pd(w, c[2]));
-        let t = _mm256_mul_pd(_mm256_mul_pd(heights, _mm256_set1_pd(shear.shear[2])), inverse);
-        // Edge-on and invalid triangles end here: their t is infinite or not a number.
-        let magnitude = _mm256_andnot_pd(_mm256_set1_pd(-0.0), t);
-        let finite = _mm256_cmp_pd::<_CMP_LT_OQ>(magnitude, _mm256_set1_pd(f64::INFINITY));
-        let t = _mm256_add_pd(_mm256_set1_pd(start), t);
-        let ahead = _mm256_cmp_pd::<_CMP_GT_OQ>(t, zero);
-        let near = _mm256_cmp_pd::<_CMP_LE_OQ>(t, _mm256_set1_pd(reach));
-        let inside = inside & _mm256_movemask_pd(_mm256_and_pd(_mm256_and_pd(ahead, near), finite)) as u32;
-        if inside == 0 {
-            return None;
-        }
-        let store = |x| {
-            let mut numbers = [0.0; LEAF_SIZE];
-            // SAFETY: four numbers are written, and there is room for them.
-            unsafe { _mm256_storeu_pd(numbers.as_mut_ptr(), x) };
-            numbers
-        };
-        let weights = [u, v, w].map(|x| store(_mm256_mul_pd(x, inverse)));
-        Some(Crossings { inside, t: store(t), weights })
     }
 }

@@ -32,12 +32,12 @@ impl Shear {
     pub fn along(dir: DVec3) -> Shear {
         // Numbers, not branches: which component is the largest is anybody's guess.
         const AXES: [[usize; 3]; 4] = [[1, 2, 0], [2, 0, 1], [0, 1, 2], [0, 1, 2]];
-        let [a, b, c] = dir.abs().to_array();
+        let (a, b, c) = (dir.x.abs(), dir.y.abs(), dir.z.abs());
         let second = usize::from(a <= b);
-        let last = usize::from(a.max(b) <= c);
+        let last = usize::from(a <= c && b <= c);
         let axes = AXES[(second | last << 1) & 3];
         let d = [dir.x, dir.y, dir.z, 0.0];
-        let [x, y, z] = axes.map(|axis| d[axis & 3]);
+        let (x, y, z) = (d[axes[0] & 3], d[axes[1] & 3], d[axes[2] & 3]);
         let inverse = 1.0 / z;
         Shear { axes, shear: [x * inverse, y * inverse, inverse] }
     }
@@ -77,14 +77,14 @@ impl Shear {
 }
 
 /// The point with these weights on a triangle.
-#[inline]
+#[inline(always)]
 pub fn point_on(triangle: &[[f32; 3]; 3], weights: [f64; 3]) -> DVec3 {
-    let [a, b, c] = triangle.map(vertex);
+    let [a, b, c] = [vertex(triangle[0]), vertex(triangle[1]), vertex(triangle[2])];
     a * weights[0] + b * weights[1] + c * weights[2]
 }
 
 /// A mesh vertex in f64.
-#[inline]
+#[inline(always)]
 pub fn vertex(v: [f32; 3]) -> DVec3 {
     DVec3::new(f64::from(v[0]), f64::from(v[1]), f64::from(v[2]))
 }

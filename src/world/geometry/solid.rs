@@ -7,8 +7,9 @@ use super::grid::Grid;
 use super::huge;
 use super::hunt::Hunt;
 use super::line::{Line, Probe, Roots, Touch};
+use super::node::Lanes;
 use super::pack::Pack;
-use super::patch::{Projection, Shear, point_on};
+use super::patch::{Projection, Shear, point_on, vertex};
 use super::tree::Tree;
 use super::wide::Leaf;
 use glam::DVec3;
@@ -91,7 +92,18 @@ impl Surface {
 impl Solid {
     /// The nearest point of the line on the solid with 0 < t < reach; of equally near ones the first triangle's.
     #[inline(always)]
-    pub fn nearest(&self, line: &Line, reach: f64) -> Option<Touch> {
+    pub fn nearest(&self, lanes: Option<Lanes>, line: &Line, reach: f64) -> Option<Touch> {
+        if !self.grids.is_empty() || self.packs.is_empty() {
+            return self.nearest_of_exact(line, reach);
+        }
+        let mut hunt = Hunt::<false>::new(self, line, line.start, reach, None);
+        let _ = self.tree.walk(lanes, [line.origin, line.dir], [line.start, reach], &self.packs, &mut hunt);
+        hunt.touch()
+    }
+
+    /// The same where there are exact surfaces.
+    #[inline(never)]
+    fn nearest_of_exact(&self, line: &Line, reach: f64) -> Option<Touch> {
         let mut best: Option<Touch> = None;
         let mut reach = reach;
         let mut consider = |touch: Touch, reach: &mut f64| {
@@ -111,14 +123,14 @@ impl Solid {
             }
         }
         let Some(start) = self.start(line).filter(|start| *start <= reach) else { return best };
-        let along = [line.origin, line.dir, line.inverse];
+        let along = [line.origin, line.dir];
         if !self.packs.is_empty() {
             let mut hunt = Hunt::<false>::new(self, line, start, reach, best.map(|best| best.triangle.index));
-            let _ = self.tree.walk(along, [start, reach], &self.packs, &mut hunt);
+            let _ = self.tree.walk(None, along, [start, reach], &self.packs, &mut hunt);
             return hunt.touch().or(best);
         }
         let mut probe = Probe::new(line, start);
-        let _ = self.tree.candidates(along, [start, reach], |leaf| {
+        let _ = self.tree.candidates(None, along, [start, reach], |leaf| {
             self.each(leaf, |slot, triangle| {
                 if let Some(touch) = self.touch(slot, triangle, line, reach, &mut probe) {
                     consider(touch, &mut reach);
@@ -145,7 +157,7 @@ impl Solid {
     /// Where the line enters the tree's bounds. Without grids the tree holds all that the solid's bounds do.
     #[inline]
     fn start(&self, line: &Line) -> Option<f64> {
-        if self.grids.is_empty() { Some(line.start) } else { self.tree.bounds.enter(line.origin, line.inverse) }
+        if self.grids.is_empty() { Some(line.start) } else { self.tree.bounds.enter(line.origin, line.dir) }
     }
 
     /// Where the line meets a face that has a grid, with 0 < t ≤ reach.
@@ -250,16 +262,26 @@ impl Solid {
 
     /// Whether the line meets the solid with 0 < t < reach.
     #[inline(always)]
-    pub fn blocks(&self, line: &Line, reach: f64) -> bool {
+    pub fn blocks(&self, lanes: Option<Lanes>, line: &Line, reach: f64) -> bool {
+        if !self.grids.is_empty() || self.packs.is_empty() {
+            return self.blocks_of_exact(line, reach);
+        }
+        let mut hunt = Hunt::<true>::new(self, line, line.start, reach, None);
+        self.tree.walk(lanes, [line.origin, line.dir], [line.start, reach], &self.packs, &mut hunt).is_break()
+    }
+
+    /// The same where there are exact surfaces.
+    #[inline(never)]
+    fn blocks_of_exact(&self, line: &Line, reach: f64) -> bool {
         let touches = |touch: Option<Touch>| touch.is_some_and(|touch| touch.t < reach);
         if self.grids.iter().any(|(face, grid)| touches(self.look_up(*face, grid, line, reach, Grid::find))) {
             return true;
         }
         let Some(start) = self.start(line).filter(|start| *start <= reach) else { return false };
-        let along = [line.origin, line.dir, line.inverse];
+        let along = [line.origin, line.dir];
         if !self.packs.is_empty() {
             let mut hunt = Hunt::<true>::new(self, line, start, reach, None);
-            return self.tree.walk(along, [start, reach], &self.packs, &mut hunt).is_break();
+            return self.tree.walk(None, along, [start, reach], &self.packs, &mut hunt).is_break();
         }
         let mut probe = Probe::new(line, start);
         let visit = |leaf| {
@@ -269,7 +291,7 @@ impl Solid {
             })?;
             ControlFlow::Continue(reach)
         };
-        self.tree.candidates(along, [start, reach], visit).is_break()
+        self.tree.candidates(None, along, [start, reach], visit).is_break()
     }
 
     /// Where the line meets the part of the surface that a slot's triangle stands for, with 0 < t ≤ reach.
@@ -322,7 +344,7 @@ impl Solid {
 
     /// Normals at a touch, of any length, outward of the solid in its coordinates: of the surface, and for shading, which
     /// may be zero where a file says nothing.
-    #[inline]
+    #[inline(always)]
     pub fn normals_at(&self, touch: &Touch) -> Option<(DVec3, DVec3)> {
         let triangle = &touch.triangle;
         match &self.faces.get(triangle.face as usize)?.surface {
@@ -343,7 +365,7 @@ impl Solid {
     }
 
     /// The touch moved onto the exact surface as far as f64 can say.
-    #[inline]
+    #[inline(always)]
     pub fn settle(&self, touch: &Touch) -> DVec3 {
         match self.faces.get(touch.triangle.face as usize).map(|sheet| &sheet.surface) {
             Some(Surface::Exact { quadric, .. }) => quadric.settle(touch.at),
@@ -354,8 +376,8 @@ impl Solid {
 }
 
 /// Twice the area times the normal that the winding gives.
-#[inline]
+#[inline(always)]
 pub fn winding(corners: &[[f32; 3]; 3]) -> DVec3 {
-    let [a, b, c] = corners.map(super::patch::vertex);
+    let [a, b, c] = [vertex(corners[0]), vertex(corners[1]), vertex(corners[2])];
     (b - a).cross(c - a)
 }

@@ -2,8 +2,9 @@
 //! entering one costs a transform and a walk through its own tree.
 
 use super::bound::Bounds;
+use super::node::Lanes;
 use super::tree::{Each, Tree};
-use super::wide::{Lanes, Leaf, Visit};
+use super::wide::{Leaf, Visit};
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -34,22 +35,27 @@ impl Top {
         reach: f64,
         visit: impl FnMut(u32) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
-        self.walk(origin, dir, reach, &mut Each(visit))
+        self.walk(None, [origin, dir], reach, &mut Each(visit))
     }
 
     /// [`Top::along`] for a visitor of slots.
     #[inline(always)]
-    pub fn walk(&self, origin: DVec3, dir: DVec3, reach: f64, visitor: &mut impl Visit) -> ControlFlow<()> {
+    pub fn walk(
+        &self,
+        lanes: Option<Lanes>,
+        [origin, dir]: [DVec3; 2],
+        reach: f64,
+        visitor: &mut impl Visit,
+    ) -> ControlFlow<()> {
         // A part alone has its own box.
         if let [alone] = self.tree.leaves() {
-            return visitor.leaf(alone.first, None).map_continue(|_| ());
+            return visitor.leaf(alone.first, lanes).map_continue(|_| ());
         }
-        let inverse = dir.recip();
-        let Some(start) = self.tree.bounds.enter(origin, inverse).filter(|start| *start <= reach) else {
+        let Some(start) = self.tree.bounds.enter(origin, dir).filter(|start| *start <= reach) else {
             return ControlFlow::Continue(());
         };
         let mut slots = Slots { leaves: self.tree.leaves(), visitor };
-        self.tree.walk_nodes([origin, dir, inverse], [start, reach], &[(); 0], &mut slots)
+        self.tree.walk_nodes(lanes, [origin, dir], [start, reach], &[(); 0], &mut slots)
     }
 }
 

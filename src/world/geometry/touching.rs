@@ -57,7 +57,7 @@ impl Geometry {
         let instance = self.instances.get(*self.slots.get(part as usize)? as usize)?;
         let solid = &self.solids[instance.solid];
         let ray = Ray { origin, dir, from: None };
-        let (touch, t) = instance.nearest(solid, &ray, None, reach)?;
+        let (touch, t) = instance.nearest(None, solid, &ray, None, reach)?;
         instance.hit(solid, &touch, t)
     }
 }

@@ -2,12 +2,13 @@
 //!
 //! Everything is scaled to a cube of half side 1 about the middle of the boxes, so that f32 rounding is a fixed share of
 //! the extent, at any scale and place. Each box is padded by more than all f32 roundings of a ray that starts inside the
-//! cube: origin and direction 6e-8 each over a length of up to 2√3, a zero component of the direction taken as 1.2e-7,
-//! four operations per plane.
+//! cube: origin, direction and its inverse 6e-8 each over a length of up to 2√3, a zero component of the direction taken as
+//! 1.2e-7, four operations per plane.
 
 use super::bound::Bounds;
+use super::node::{Beam, Lanes};
 use super::split::Item;
-use super::wide::{Beam, Lanes, Leaf, Visit, Wide};
+use super::wide::{Leaf, Visit, Wide};
 use glam::{DVec3, Vec3A};
 use std::ops::ControlFlow;
 
@@ -56,38 +57,41 @@ impl Tree {
     }
 
     /// Calls `visit` with the leaves along origin + t·dir for t in [start, reach], roughly from near to far. It returns a
-    /// new reach, or breaks. `dir` is unit, `inverse` is 1/`dir`; `start` is inside the bounds or on them, as
+    /// new reach, or breaks. `dir` is unit; `start` is inside the bounds or on them, as
     /// [`Bounds::clip`] of them gives it.
     #[inline(always)]
     pub fn candidates(
         &self,
-        along: [DVec3; 3],
+        lanes: Option<Lanes>,
+        along: [DVec3; 2],
         range: [f64; 2],
         visit: impl FnMut(u32) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
-        self.walk(along, range, &[(); 0], &mut Each(visit))
+        self.walk(lanes, along, range, &[(); 0], &mut Each(visit))
     }
 
     /// [`Tree::candidates`] for a visitor; `contents` is what it looks at: one per leaf, or none.
     #[inline(always)]
     pub fn walk<T>(
         &self,
-        [origin, dir, inverse]: [DVec3; 3],
+        lanes: Option<Lanes>,
+        [origin, dir]: [DVec3; 2],
         [start, reach]: [f64; 2],
         contents: &[T],
         visitor: &mut impl Visit,
     ) -> ControlFlow<()> {
         if self.wide.is_one_leaf() {
-            return visitor.leaf(0, None).map_continue(|_| ());
+            return visitor.leaf(0, lanes).map_continue(|_| ());
         }
-        self.walk_nodes([origin, dir, inverse], [start, reach], contents, visitor)
+        self.walk_nodes(lanes, [origin, dir], [start, reach], contents, visitor)
     }
 
     /// The same for a tree of more than one leaf.
     #[inline(always)]
     pub fn walk_nodes<T>(
         &self,
-        [origin, dir, inverse]: [DVec3; 3],
+        lanes: Option<Lanes>,
+        [origin, dir]: [DVec3; 2],
         [start, reach]: [f64; 2],
         contents: &[T],
         visitor: &mut impl Visit,
@@ -98,14 +102,8 @@ impl Tree {
         }
         // Inside the unit cube, unless the numbers are beyond any meaning.
         let begin = begin.clamp(DVec3::splat(-4.0), DVec3::splat(4.0));
-        let beam = Beam {
-            origin: begin.as_vec3().to_array(),
-            inverse: inverse.as_vec3().to_array(),
-            start,
-            scale: self.scale,
-            pad: PAD,
-        };
-        self.wide.walk(&beam, reach, contents, visitor)
+        let beam = Beam { origin: begin.as_vec3a(), dir: dir.as_vec3a(), start, scale: self.scale, pad: PAD };
+        self.wide.walk(lanes, &beam, reach, contents, visitor)
     }
 }
 
@@ -143,7 +141,7 @@ mod tests {
             ] {
                 let (start, _) = tree.bounds.clip(origin, dir.recip()).expect("towards the boxes");
                 let mut seen = Vec::new();
-                let _ = tree.candidates([origin, dir, dir.recip()], [start, f64::INFINITY], |leaf| {
+                let _ = tree.candidates(None, [origin, dir], [start, f64::INFINITY], |leaf| {
                     let Leaf { first, count } = tree.leaves()[leaf as usize];
                     seen.extend_from_slice(&order[first as usize..(first + count) as usize]);
                     ControlFlow::Continue(f64::INFINITY)
