@@ -163,7 +163,9 @@ impl Making<'_> {
             }
             plan.connections = chains::find(self.world, plan, self.groups(), Some(&pilot.guide), self.stop);
             leave_unconnected(plan, Class::Vision);
-            plan.forward_guide = Some(pilot.guide);
+            // What specular connection leaves is not the light that the pilot has found most of.
+            let leaves = |row: &Row| matches!(row.verdict, Verdict::Connect { rest: Estimator::Forward, .. });
+            plan.forward_guide = Some(if plan.rows.iter().any(leaves) { pilot.guide } else { pilot.sure() });
             // What specular connection leaves is little, and where it is nobody knows.
             let only_rest =
                 plan.rows.iter().all(|row| !matches!(row.verdict, Verdict::Own { owner: Estimator::Forward, .. }));

@@ -11,7 +11,7 @@ use crate::estimate::photon::{Landing, PhotonMapper};
 use crate::estimate::route::Route;
 use crate::estimate::seen::Seen;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
-use crate::film::guide::{Guide, Point, Sample};
+use crate::film::guide::{Even, Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan, Radii};
 use crate::world::World;
 use crate::world::geometry::Ray;
@@ -40,6 +40,16 @@ pub struct ForwardPilot {
     pub arrived: Vec<u64>,
     /// Paths that were traced.
     pub traced: u64,
+    flux: Vec<f64>,
+    /// What the guide was learned from.
+    found: Vec<Sample>,
+}
+
+impl ForwardPilot {
+    /// A guide for the very light that the pilot has looked for: few paths are spent on what may be elsewhere.
+    pub fn sure(&self) -> Guide {
+        Guide::learn(&self.flux, &self.found, Even::FEW)
+    }
 }
 
 /// An estimator's paths with one guide, as a pilot sees them.
@@ -111,8 +121,12 @@ impl<L: Look> Looks<L> {
     /// What all looks teach together: each sample weighs what it found over the density of all paths that might have
     /// started there (the balance heuristic of E. Veach, 1997).
     fn learn(&self) -> Guide {
-        let Some((first, _)) = self.looks.first() else { return Guide::unguided(&[]) };
-        Guide::learn(first.flux(), &self.weighted())
+        Guide::learn(self.flux(), &self.weighted(), Even::MANY)
+    }
+
+    /// Flux of each lamp, lm.
+    fn flux(&self) -> &[f64] {
+        self.looks.first().map_or(&[], |(first, _)| first.flux())
     }
 
     fn weighted(&self) -> Vec<Sample> {
@@ -171,7 +185,8 @@ pub(super) fn pilot<L: Look>(
     stop: &ShouldStop<'_>,
 ) -> ForwardPilot {
     let (looks, guide) = look(with, groups, stop);
-    ForwardPilot { guide, traced: looks.traced(), arrived: looks.arrived }
+    let (flux, found) = (looks.flux().to_vec(), looks.weighted());
+    ForwardPilot { guide, traced: looks.traced(), arrived: looks.arrived, flux, found }
 }
 
 /// Looks that narrow down where paths start of which some starts are known.
@@ -194,7 +209,7 @@ impl<L: Look> Narrow<L> {
     pub fn learn(&self) -> Guide {
         let mut all = by_effect(self.known.clone());
         all.extend(by_effect(self.looks.weighted()));
-        Guide::learn(&self.flux, &all)
+        Guide::learn(&self.flux, &all, Even::MANY)
     }
 
     /// Paths tell more than those of another; where neither found anything, more was known before.

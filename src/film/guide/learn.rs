@@ -11,23 +11,50 @@ pub struct Weighted {
     pub weight: f64,
 }
 
-/// The even part is larger where little was learned: by `UNSURE` where nothing was, half of that with `SURE` effective points.
-const UNSURE: f64 = 0.3;
-const SURE: f64 = 100.0;
+/// Samples that are spread evenly whatever was learned, as parts of all.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Even {
+    /// Of the lamps, which get them by flux.
+    lamps: f64,
+    /// Of each lamp's cube.
+    cube: f64,
+    /// The same where nothing was learned, beside that; half of it with `SURE` effective points.
+    unsure: f64,
+}
+
+impl Even {
+    /// For a look, and for light that is not what was learned from: what counts may be anywhere.
+    pub const MANY: Even = Even { lamps: 0.15, cube: 0.15, unsure: 0.3 };
+    /// For light that was learned from.
+    pub const FEW: Even = Even { lamps: 0.02, cube: 0.03, unsure: 0.1 };
+    const SURE: f64 = 100.0;
+
+    /// Of the lamps.
+    pub fn of_lamps(self) -> f64 {
+        self.lamps
+    }
+
+    /// Of a cube that so many effective points tell of.
+    fn of_cube(self, effective: f64) -> f64 {
+        self.cube + self.unsure * Self::SURE / (Self::SURE + effective)
+    }
+}
+
 /// Gain in log-likelihood that pays for a cut: the best of some hundred random cuts gains about 5.
 const GAIN: f64 = 6.0;
-/// Part of the samples that are spread evenly over the cube whatever was learned.
-pub const DEFENSIVE: f64 = 0.15;
 /// Points that are taken to lie on each side of a cut before any was seen.
 const PRIOR: f64 = 0.5;
 /// Effective points below which a box is left whole.
 const FEWEST: f64 = 6.0;
+/// Effective points on either side of a cut between points. With fewer a side is left whole, and if it is large they are
+/// lost in it: such cuts hid some 4 % of the direct HUD's light, at a hundredth of its density, from all later looks.
+const EITHER_SIDE: f64 = 20.0;
 /// Intervals of a box that may be cut between.
 const BINS: usize = 32;
 /// An empty side of a cut begins beyond the last point by `BEYOND` times the distance of the last `EDGE` points, which
 /// is as large as the density fades slowly there: what is cut away and yet counts comes back as rare bright paths. Far
 /// from the points there is a first cut `SHELL` times as far, so that just beyond the last point is not as rare as far away.
-const BEYOND: f64 = 1.5;
+const BEYOND: f64 = 2.0;
 const EDGE: usize = 5;
 const SHELL: f64 = 4.0;
 /// Narrowest side of a cut, in widths of its box.
@@ -40,18 +67,37 @@ struct Cut {
     gain: f64,
 }
 
-/// Number of equally heavy points that would tell as much.
-fn effective(points: &[Weighted]) -> f64 {
-    let (mass, squares) = points.iter().fold((0.0, 0.0), |(m, s), p| (m + p.weight, s + p.weight * p.weight));
-    if squares > 0.0 { mass * mass / squares } else { 0.0 }
+/// Weights of points: their sum and that of their squares.
+#[derive(Clone, Copy, Default)]
+struct Weights {
+    sum: f64,
+    squares: f64,
+}
+
+impl Weights {
+    fn of(points: &[Weighted]) -> Self {
+        let mut weights = Weights::default();
+        points.iter().for_each(|p| weights.add(Weights { sum: p.weight, squares: p.weight * p.weight }));
+        weights
+    }
+
+    fn add(&mut self, other: Weights) {
+        self.sum += other.sum;
+        self.squares += other.squares;
+    }
+
+    /// Number of equally heavy points that would tell as much.
+    fn effective(self) -> f64 {
+        if self.squares > 0.0 { self.sum * self.sum / self.squares } else { 0.0 }
+    }
 }
 
 /// A tree for `points`, with at most about `leaves` boxes.
-pub fn grow(points: &mut [Weighted], leaves: usize) -> Tree {
+pub fn grow(points: &mut [Weighted], leaves: usize, even: Even) -> Tree {
     let whole = Region { low: [0.0; AXES], high: [1.0; AXES], volume: 1.0, probability: 1.0, depth: 0 };
     let mut structure = Vec::new();
     let mut left = leaves;
-    let defensive = DEFENSIVE + UNSURE * SURE / (SURE + effective(points));
+    let defensive = even.of_cube(Weights::of(points).effective());
     split(points, whole, defensive, &mut left, &mut structure);
     // Second walk: each box's probability is mixed with the even one, which only leaves can say exactly.
     let mut grower = Grower::default();
@@ -78,12 +124,12 @@ struct Grown {
 fn split(points: &mut [Weighted], region: Region, defensive: f64, left: &mut usize, out: &mut Vec<Grown>) {
     let index = out.len();
     out.push(Grown { probability: defensive * region.volume + (1.0 - defensive) * region.probability, cut: None });
-    let (mass, squares) = points.iter().fold((0.0, 0.0), |(m, s), p| (m + p.weight, s + p.weight * p.weight));
-    let effective = if squares > 0.0 { mass * mass / squares } else { 0.0 };
+    let weights = Weights::of(points);
+    let (mass, effective) = (weights.sum, weights.effective());
     if effective < FEWEST || region.depth >= MOST_DEPTH || *left == 0 {
         return;
     }
-    let Some(cut) = best_cut(points, &region, mass, effective) else { return };
+    let Some(cut) = best_cut(points, &region, weights) else { return };
     *left -= 1;
     let at = f64::from(cut.at);
     let middle = partition(points, |p| p.x[cut.axis] < at);
@@ -140,16 +186,18 @@ fn insert(extremes: &mut [f64; EDGE], x: f64, before: impl Fn(f64, f64) -> bool)
 }
 
 /// The cut that gains most, if any gains enough.
-fn best_cut(points: &[Weighted], region: &Region, mass: f64, effective: f64) -> Option<Cut> {
+fn best_cut(points: &[Weighted], region: &Region, all: Weights) -> Option<Cut> {
+    let (mass, effective) = (all.sum, all.effective());
     let mut best: Option<Cut> = None;
     for axis in 0..AXES {
         let (low, high) = (region.low[axis], region.high[axis]);
         let width = high - low;
-        let mut bins = [0.0f64; BINS];
+        let mut bins = [Weights::default(); BINS];
         let (mut first, mut last) = ([high; EDGE], [low; EDGE]);
         for p in points {
             let x = p.x[axis];
-            bins[((x - low) / width * BINS as f64).clamp(0.0, (BINS - 1) as f64) as usize] += p.weight;
+            let bin = ((x - low) / width * BINS as f64).clamp(0.0, (BINS - 1) as f64) as usize;
+            bins[bin].add(Weights { sum: p.weight, squares: p.weight * p.weight });
             insert(&mut first, x, |a, b| a < b);
             insert(&mut last, x, |a, b| a > b);
         }
@@ -168,13 +216,14 @@ fn best_cut(points: &[Weighted], region: &Region, mass: f64, effective: f64) -> 
                 best = Some(Cut { axis, at, gain });
             }
         };
-        let mut below = 0.0;
+        let mut below = Weights::default();
         for (bin, in_bin) in bins.iter().enumerate().take(BINS - 1) {
-            below += in_bin;
+            below.add(*in_bin);
+            let above = Weights { sum: mass - below.sum, squares: all.squares - below.squares };
             let at = low + width * (bin + 1) as f64 / BINS as f64;
             // Where a side is empty, the edge of the points decides.
-            if first[0] < at && at < last[0] {
-                consider(at, below);
+            if first[0] < at && at < last[0] && below.effective().min(above.effective()) >= EITHER_SIDE {
+                consider(at, below.sum);
             }
         }
         let beyond = |[edge, inner]: [f64; 2], bound: f64| {

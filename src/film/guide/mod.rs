@@ -9,7 +9,8 @@ mod learn;
 mod tests;
 mod tree;
 
-use learn::{DEFENSIVE, Weighted, grow};
+pub use learn::Even;
+use learn::{Weighted, grow};
 use serde::{Deserialize, Serialize};
 pub use tree::{AXES, Point, Tree};
 
@@ -88,8 +89,8 @@ impl Guide {
         Guide { shares, steps, of_lamp, trees }
     }
 
-    /// Learns from samples that have counted.
-    pub fn learn(flux: &[f64], samples: &[Sample]) -> Self {
+    /// Learns from samples that have counted, and leaves a part `even`.
+    pub fn learn(flux: &[f64], samples: &[Sample], even: Even) -> Self {
         let lamps = flux.len();
         let most = samples.iter().map(|sample| sample.weight).fold(0.0, f64::max);
         let mut own = vec![Vec::new(); lamps];
@@ -116,13 +117,13 @@ impl Guide {
             .map(|((sum, _), by_flux)| {
                 let by_gain = if total.0 > 0.0 { sum / total.0 } else { 0.0 };
                 let learned = (effective(total) * by_gain + prior * by_flux) / (effective(total) + prior);
-                (1.0 - DEFENSIVE) * learned + DEFENSIVE * by_flux
+                (1.0 - even.of_lamps()) * learned + even.of_lamps() * by_flux
             })
             .collect();
         let stride = pool.len().div_ceil(Self::FROM_POOL).max(1);
         let thinned: Vec<Weighted> = pool.iter().step_by(stride).copied().collect();
         let thinned_sum: f64 = thinned.iter().map(|p| p.weight).sum();
-        let mut trees = vec![grow(&mut pool, Self::LEAVES)];
+        let mut trees = vec![grow(&mut pool, Self::LEAVES, even)];
         let mut of_lamp = vec![0; lamps];
         for ((mut points, sums), tree) in own.into_iter().zip(sums).zip(&mut of_lamp) {
             let effective = effective(sums);
@@ -132,7 +133,7 @@ impl Guide {
             let pooled = Self::POOLED / effective * sums.0 / thinned_sum;
             points.extend(thinned.iter().map(|p| Weighted { x: p.x, weight: p.weight * pooled }));
             *tree = trees.len() as u32;
-            trees.push(grow(&mut points, Self::LEAVES));
+            trees.push(grow(&mut points, Self::LEAVES, even));
         }
         Guide::new(shares, of_lamp, trees)
     }

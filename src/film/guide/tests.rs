@@ -29,7 +29,7 @@ fn run(guide: &Guide, count: u64, seed: u64, wrong: f64) -> (Moments, Vec<Sample
 }
 
 fn learned() -> Guide {
-    Guide::learn(&FLUX, &run(&Guide::unguided(&FLUX), 1_000_000, 1, 1.0).1)
+    Guide::learn(&FLUX, &run(&Guide::unguided(&FLUX), 1_000_000, 1, 1.0).1, Even::MANY)
 }
 
 /// Integrals are the same, guided or not, and far less noisy where the guide points; a density that is 5 % off in half of
@@ -39,7 +39,7 @@ fn a_guide_is_unbiased_and_helps() {
     let want = std::f64::consts::PI * 0.05f64.powi(2) * 0.25;
     let (plain, seen) = run(&Guide::unguided(&FLUX), 1_000_000, 1, 1.0);
     assert!((plain.mean - want).abs() < 4.0 * plain.stderr());
-    let guide = Guide::learn(&FLUX, &seen);
+    let guide = Guide::learn(&FLUX, &seen, Even::MANY);
     let (guided, hits) = run(&guide, 400_000, 2, 1.0);
     eprintln!("guided {} ± {}, want {want}, {} hits", guided.mean, guided.stderr(), hits.len());
     assert!((guided.mean - want).abs() < 4.0 * guided.stderr(), "{} {want}", guided.mean);
