@@ -383,7 +383,8 @@ fn the_program_writes_rays_and_layers() {
     let ghost = ghost.expect("a ghost");
     let exr = file("hud.exr");
     let number = format!("back={}", ghost["number"]);
-    let render = ["render", sidecar, "-o", &exr, "--samples", "2", "--resolution", "90x45", "-q"];
+    // With two passes the ghost's light is off by half of it, and by a tenth with these.
+    let render = ["render", sidecar, "-o", &exr, "--samples", "16", "--resolution", "90x45", "-q"];
     let chains = ["--chain", number.as_str(), "--chain", "front=LCD*,COMBINER*:front"];
     let out = eyebox(&[&render[..], &chains[..]].concat());
     assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
@@ -393,7 +394,7 @@ fn the_program_writes_rays_and_layers() {
         r.iter().map(|x| f64::from(*x)).sum::<f64>() / r.len() as f64
     };
     let want = ghost["picture_mean_cd_m2"].as_f64().expect("a number");
-    assert!((mean("back") / want - 1.0).abs() < 0.5, "{} {want}", mean("back"));
+    assert!((mean("back") / want - 1.0).abs() < 0.3, "{} {want}", mean("back"));
     let header: serde_json::Value = serde_json::from_str(frame.text("paths").expect("the table")).expect("JSON");
     let rows = header.as_array().expect("rows");
     let of = |layer: &str| rows.iter().find(|row| row["layer"] == layer).expect("a row of the layer");

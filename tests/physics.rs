@@ -164,7 +164,7 @@ fn backward_and_forward_agree_and_the_test_bites() {
     let s = ball_and_screen();
     let (films, _) = render(&s, BACKWARD, 16384, 1);
     let backward = image(&films);
-    let (films, _) = render(&s, FORWARD, 1800, 2);
+    let (films, _) = render(&s, FORWARD, 2000, 2);
     let forward = image(&films);
     let (m, sigma) = mean(&backward);
     let (f, f_sigma) = mean(&forward);

@@ -66,11 +66,12 @@ pub fn find(names: &[&Path], lights: &[Vec<PlaneLight>]) -> Vec<String> {
 /// How far a shard lies from the mean of the others, in standard errors: the larger of what its pixels tell and what
 /// the others' scatter tells.
 fn deviation(own: &PlaneLight, others: &[&PlaneLight]) -> Option<f64> {
-    let passes: f64 = others.iter().map(|other| other.passes).sum();
     // One pass tells nothing of its error.
-    if own.passes < 2.0 || !others.iter().any(|other| other.passes >= 2.0) {
+    let others: Vec<&&PlaneLight> = others.iter().filter(|other| other.passes >= 2.0).collect();
+    if own.passes < 2.0 || others.is_empty() {
         return None;
     }
+    let passes: f64 = others.iter().map(|other| other.passes).sum();
     let mean = others.iter().map(|other| other.mean * other.passes).sum::<f64>() / passes;
     let of_pixels = |light: &PlaneLight| light.variance * TOGETHER;
     let rest = others.iter().map(|other| of_pixels(other) * (other.passes / passes).powi(2)).sum::<f64>();
@@ -106,6 +107,9 @@ mod tests {
         // Single passes have no variance of their own: nothing is claimed.
         let single = |mean| vec![PlaneLight { variance: 0.0, ..shard(mean, 1.0).remove(0) }];
         assert!(find(&paths[..2], &[single(1.0), single(2.0)]).is_empty());
+        // Nor of light that comes seldom, which two shards have not met and the single pass of a third has.
+        let none = || vec![PlaneLight { variance: 0.0, ..shard(0.0, 2.0).remove(0) }];
+        assert!(find(&paths[..3], &[none(), none(), single(1.0)]).is_empty());
         let wide: Vec<_> = [900.0, 1100.0, 1000.0, 950.0, 1080.0].map(|mean| shard(mean, 10.0)).into();
         assert!(find(&paths, &wide).is_empty());
     }

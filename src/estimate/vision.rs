@@ -23,7 +23,10 @@ use std::collections::HashMap;
 /// Paths per pixel and pass, and those about each image of a lamp in the pixel.
 const PATHS: u64 = 4;
 const PATHS_OF_A_GLINT: u64 = 64;
-/// An image over more pixels than this is found by the paths of each.
+/// Glints of more than so many pixels' area are left to the paths of each: there are pixels in the midst of such an image, which
+/// are exact without points about it.
+const LARGE: f64 = 4.0;
+/// And those that reach over more pixels than this.
 const MOST_PIXELS: usize = 64;
 /// A path is split where both ways on carry at least this share of what it started with; else chance decides.
 const SPLIT_FROM: f64 = 1.0 / 256.0;
@@ -40,7 +43,8 @@ pub struct Vision<'w> {
 fn by_pixel(eye: &EyeLens, glints: &[Glint]) -> HashMap<u64, Vec<Glint>> {
     let [width, height] = eye.size();
     let mut all: HashMap<u64, Vec<Glint>> = HashMap::new();
-    for glint in glints {
+    let cell = eye.pixel().iter().product::<f64>();
+    for glint in glints.iter().filter(|glint| glint.area() <= LARGE * cell) {
         let range = |lo: f64, hi: f64, count: usize| {
             let clamped = |x: f64| x.floor().clamp(0.0, count as f64) as usize;
             clamped(lo)..clamped(hi + 1.0)

@@ -149,10 +149,9 @@ fn a_race_measures_what_the_film_states() {
         assert_eq!(passes, [1, 2, 4, 8, 16, 20], "{}", curve.estimator);
         let last = curve.points.last().unwrap();
         assert!(last.error.relmse > 2.0 * facts.resolution && facts.mean > 0.5, "{last:?} {facts:?}");
-        // Ten times as many passes: a tenth of the stated error, which takes points on a lattice as independent ones and
-        // is too large by up to some times.
+        // Ten times as many passes: a tenth of the error of independent points, a hundredth of what even ones could reach.
         let ratio = last.error.relmse / facts.noise;
-        assert!((1.0..15.0).contains(&ratio), "{ratio} {last:?} {facts:?}");
+        assert!((1.0..100.0).contains(&ratio), "{ratio} {last:?} {facts:?}");
         assert!((last.error.energy - 1.0).abs() < 4.0 * last.error.energy_sigma, "{last:?}");
         assert!(last.error.worst_sigma.abs() < facts.most_sigma + 1.0, "{last:?}");
     }
