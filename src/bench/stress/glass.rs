@@ -71,7 +71,8 @@ pub fn grazing() -> Vec<Case> {
                     Number(index - 1.0),
                     if polarised { ", polarised" } else { "" }
                 );
-                let how = How { polarised, ..How::backward(4) };
+                // Of four even points a pass: four passes of them may agree by chance.
+                let how = How { polarised, ..How::backward(16) };
                 // What crosses is left to chance below 1/256 too, and may not come at all.
                 let crosses = 1.0 - want / 1000.0;
                 let rounding = if crosses < 1.0 / 256.0 { crosses } else { 1e-8 };
@@ -129,7 +130,7 @@ pub fn critical() -> Vec<Case> {
         let rounding = if beyond == 0.0 { 1e-2 } else { 1e-8 };
         for polarised in [false, true] {
             let name = format!("critical angle {beyond:+e} rad{}", if polarised { ", polarised" } else { "" });
-            let how = How { polarised, ..How::backward(4) };
+            let how = How { polarised, ..How::backward(16) };
             cases.push(Case { rounding, ..Case::new(name, s.clone(), how, want) });
         }
     }
