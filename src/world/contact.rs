@@ -192,7 +192,7 @@ fn note(table: &mut Table, of: [usize; 2], face: [usize; 2], reach: f64, covers:
 }
 
 /// What f64 may be off by, m.
-fn grain(geometry: &Geometry) -> f64 {
+pub(super) fn grain(geometry: &Geometry) -> f64 {
     let (low, high) = geometry.bounds();
     64.0 * f64::EPSILON * low.abs().max(high.abs()).max_element()
 }

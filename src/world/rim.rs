@@ -85,7 +85,8 @@ impl Around {
 impl Rims {
     pub fn find(scene: &Scene, geometry: &Geometry, faces: &[Vec<FaceOptics>]) -> Rims {
         let mut by_face = HashMap::new();
-        let obstacles = seam::Obstacles::new(scene, geometry, faces);
+        // Made where a face asks for them: a scene without one that scatters has no seams.
+        let mut obstacles: Option<seam::Obstacles> = None;
         for (p, (part, optics)) in scene.parts.iter().zip(faces).enumerate() {
             let (Some(mesh), Ok(number)) = (scene.meshes.get(part.mesh.index()), u32::try_from(p)) else { continue };
             let to_world = geometry.part_to_world(number);
@@ -101,9 +102,8 @@ impl Rims {
                     Edge(if mirrored { [b, a] } else { [a, b] })
                 });
                 let rim = Rim::new(edges.collect());
-                let triangles = mesh.triangles.get(range.triangles()).unwrap_or_default();
-                let triangles = triangles.iter().filter_map(|t| corners(mesh, *t)).map(|t| t.map(world)).collect();
-                let seams = Rim::new(obstacles.on(triangles, (p, f), &rim));
+                let obstacles = obstacles.get_or_insert_with(|| seam::Obstacles::new(scene, geometry, faces));
+                let seams = Rim::new(obstacles.on((p, f), &rim));
                 by_face.insert((number, f as u32), Lines { rim, seams });
             }
         }

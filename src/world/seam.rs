@@ -1,7 +1,7 @@
 //! Seams: the lines on a face that scatters where another face crosses it or stands on it. On both sides of one there is
 //! light, but not the same, so a point gathers only from what it sees along the face without crossing a line.
 
-use super::contact::TOUCHING;
+use super::contact::{TOUCHING, grain};
 use super::geometry::Geometry;
 use super::rim::{Edge, Rim};
 use super::surface::{FaceOptics, Surface};
@@ -61,27 +61,27 @@ impl Obstacles {
                 all.push(Obstacle { part, face, lo, hi, triangles });
             }
         }
-        let (low, high) = geometry.bounds();
-        Obstacles { all, grain: 64.0 * f64::EPSILON * low.abs().max(high.abs()).max_element() }
+        Obstacles { all, grain: grain(geometry) }
     }
 
-    /// The seams of a face with these triangles and this rim; lines along the rim are none.
-    pub fn on(&self, triangles: Vec<Corners>, (part, face): (usize, usize), rim: &Rim) -> Vec<Edge> {
-        let (lo, hi) = bounds(&triangles);
+    /// The seams of a face with this rim; lines along the rim are none.
+    pub fn on(&self, (part, face): (usize, usize), rim: &Rim) -> Vec<Edge> {
         let mut seams = Vec::new();
-        for other in self.all.iter().filter(|other| (other.part, other.face) != (part, face)) {
-            let least = (hi - lo).length().min((other.hi - other.lo).length());
+        let is_own = |obstacle: &&Obstacle| (obstacle.part, obstacle.face) == (part, face);
+        let Some(own) = self.all.iter().find(is_own) else { return seams };
+        for other in self.all.iter().filter(|other| !is_own(other)) {
+            let least = (own.hi - own.lo).length().min((other.hi - other.lo).length());
             let reach = TOUCHING * least + self.grain;
-            let apart = (other.lo - hi).max(lo - other.hi).max_element();
+            let apart = (other.lo - own.hi).max(own.lo - other.hi).max_element();
             // Not so for what is no number.
             if apart <= reach {
-                pairs(&triangles, &other.triangles, reach, |own, its| {
+                pairs(own, other, reach, |one, two| {
                     let along_rim = |Edge([a, b]): &Edge| {
                         let mut along = false;
                         rim.near(0.5 * (*a + *b), reach, |Edge(ends)| along |= lies_on(&ends, [*a, *b], reach));
                         along
                     };
-                    seams.extend(crossing(own, its, reach).filter(|seam| !along_rim(seam)));
+                    seams.extend(crossing(one, two, reach).filter(|seam| !along_rim(seam)));
                 });
             }
         }
@@ -89,42 +89,36 @@ impl Obstacles {
     }
 }
 
-/// Calls `visit` with the pairs whose boxes come within `reach` of each other, in a fixed order.
-fn pairs(own: &[Corners], its: &[Corners], reach: f64, mut visit: impl FnMut(&Corners, &Corners)) {
-    let of = |triangles: &[Corners]| -> (DVec3, DVec3) { bounds(triangles) };
-    let (lo, hi) = of(own);
-    let (other_lo, other_hi) = of(its);
+/// Calls `visit` with the pairs of triangles whose boxes come within `reach` of each other, in a fixed order.
+fn pairs(own: &Obstacle, other: &Obstacle, reach: f64, mut visit: impl FnMut(&Corners, &Corners)) {
     let reaching = DVec3::splat(reach);
     // Only what lies where both are; along the axis on which that is longest they are swept.
-    let (lo, hi) = (lo.max(other_lo) - reaching, hi.min(other_hi) + reaching);
+    let (lo, hi) = (own.lo.max(other.lo) - reaching, own.hi.min(other.hi) + reaching);
     let axis = (hi - lo).max_position();
-    let listed = |triangles: &[Corners]| {
-        let mut list: Vec<(usize, DVec3, DVec3)> = triangles
-            .iter()
-            .enumerate()
-            .map(|(index, triangle)| {
-                let (low, high) = of(std::slice::from_ref(triangle));
-                (index, low, high)
-            })
-            .filter(|(_, low, high)| low.cmple(hi).all() && high.cmpge(lo).all())
-            .collect();
+    let listed = |obstacle: &Obstacle| {
+        let boxes = obstacle.triangles.iter().enumerate().map(|(index, triangle)| {
+            let (low, high) = bounds(std::slice::from_ref(triangle));
+            (index, low, high)
+        });
+        let mut list: Vec<(usize, DVec3, DVec3)> =
+            boxes.filter(|(_, low, high)| low.cmple(hi).all() && high.cmpge(lo).all()).collect();
         list.sort_by(|a, b| a.1[axis].total_cmp(&b.1[axis]));
         list
     };
-    let (first, second) = (listed(own), listed(its));
+    let (first, second) = (listed(own), listed(other));
     let mut open: Vec<usize> = Vec::new();
     let mut next = 0;
     for (index, low, high) in &first {
-        while second.get(next).is_some_and(|(_, other_low, _)| other_low[axis] <= high[axis] + reach) {
+        while second.get(next).is_some_and(|(_, second_low, _)| second_low[axis] <= high[axis] + reach) {
             open.push(next);
             next += 1;
         }
         // What ends before this one begins ends before all later ones.
-        open.retain(|other| second[*other].2[axis] + reach >= low[axis]);
-        for (other, other_low, other_high) in open.iter().map(|place| &second[*place]) {
-            let apart = (*other_low - *high).max(*low - *other_high).max_element();
+        open.retain(|place| second[*place].2[axis] + reach >= low[axis]);
+        for (its, its_low, its_high) in open.iter().map(|place| &second[*place]) {
+            let apart = (*its_low - *high).max(*low - *its_high).max_element();
             if apart <= reach {
-                visit(&own[*index], &its[*other]);
+                visit(&own.triangles[*index], &other.triangles[*its]);
             }
         }
     }
@@ -246,10 +240,11 @@ mod tests {
         vec![[p, q, r], [p, r, s]]
     }
 
+    /// The first is face 0 of a part.
     fn obstacles(faces: Vec<Vec<Corners>>) -> Obstacles {
         let of = |(face, triangles): (usize, Vec<Corners>)| {
             let (lo, hi) = bounds(&triangles);
-            Obstacle { part: 1, face, lo, hi, triangles }
+            Obstacle { part: 0, face, lo, hi, triangles }
         };
         Obstacles { all: faces.into_iter().enumerate().map(of).collect(), grain: 1e-14 }
     }
@@ -259,7 +254,8 @@ mod tests {
         let floor = quad(DVec3::ZERO, DVec3::X, DVec3::Y);
         let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
         let rim = Rim::new((0..4).map(|i| Edge([corners[i], corners[(i + 1) % 4]])).collect());
-        let seams = obstacles(faces).on(floor, (0, 0), &rim);
+        let all = std::iter::once(floor).chain(faces).collect();
+        let seams = obstacles(all).on((0, 0), &rim);
         seams.iter().map(|Edge([a, b])| a.distance(*b)).sum()
     }
 
