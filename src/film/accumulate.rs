@@ -11,8 +11,9 @@ use crate::base::twofold::Sum;
 /// Light of one path or pixel, cd/m² (or lm before it is measured), as it depends on the slide's contrast.
 ///
 /// With u = 1 − 1/C a slide transmits T_white·(1 − u·(1 − s)): the light of a path that crosses it n times is a
-/// polynomial of degree n in u, and so is any sum. Degrees above [`Light::DEGREE`] are dropped from `powers` (not from
-/// `value`); the frame's maker measures what that costs.
+/// polynomial of degree n in u, and so is any sum. Of light that crosses more often than [`Light::DEGREE`] times `powers`
+/// has a polynomial of that degree that is the same at C = 1, at C = ∞ and, unless the crossings lie on both pieces of a
+/// joined path, at the scene's own contrast; the frame's maker measures what the last costs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Light {
     /// At the scene's own contrast.
@@ -44,19 +45,29 @@ impl Light {
     }
     /// Crosses a slide: transmittance `t_white` when open, `value` at its contrast, picture value `s`.
     pub fn cross(&mut self, t_white: f64, value: f64, s: f64) {
+        const D: usize = Light::DEGREE;
         self.value *= value;
+        // Coefficient of −u^(D + 1).
+        let beyond = t_white * (1.0 - s) * self.powers[D];
         for k in (0..=Self::DEGREE).rev() {
             let below = if k > 0 { self.powers[k - 1] } else { 0.0 };
             self.powers[k] = t_white * (self.powers[k] - (1.0 - s) * below);
+        }
+        if beyond != 0.0 {
+            // With u₀ = 1 − 1/C of the slide, u^(D + 1) is (1 + u₀)·u^D − u₀·u^(D − 1) at 0, u₀ and 1.
+            let own = ((t_white - value) / (t_white * (1.0 - s))).clamp(0.0, 1.0);
+            self.powers[D] -= (1.0 + own) * beyond;
+            self.powers[D - 1] += own * beyond;
         }
     }
     /// Two pieces of a path one after the other.
     #[must_use]
     pub fn times(self, other: Light) -> Light {
         let mut powers = [0.0; Self::DEGREE + 1];
-        for (i, a) in self.powers.iter().enumerate() {
-            for (j, b) in other.powers.iter().enumerate().take(Self::DEGREE + 1 - i) {
-                powers[i + j] += a * b;
+        // Most pieces cross no slide.
+        for (i, a) in self.powers.iter().enumerate().filter(|(_, a)| **a != 0.0) {
+            for (j, b) in other.powers.iter().enumerate() {
+                powers[(i + j).min(Self::DEGREE)] += a * b;
             }
         }
         Light { value: self.value * other.value, powers }
@@ -415,6 +426,25 @@ mod tests {
                 assert!((got - want).abs() < 1e-14, "{count} crossings at {contrast}: {got} {want}");
             }
             assert_eq!(light.times(light).open(), light.open().powi(2));
+        }
+    }
+
+    /// Light that crosses more often is right where it matters: open, at the slide's own contrast and at none of its light.
+    #[test]
+    fn many_crossings_are_right_at_three_contrasts() {
+        const CONTRAST: f64 = 300.0;
+        let at = |contrast: f64, t: f64, s: f64| t * (1.0 - (1.0 - 1.0 / contrast) * (1.0 - s));
+        for places in
+            [vec![(0.9, 0.0); 5], vec![(0.9, 1.0), (0.8, 0.3), (0.9, 0.75), (0.9, 0.0), (0.7, 0.2), (0.9, 0.5)]]
+        {
+            let mut light = Light::ONE;
+            places.iter().for_each(|(t, s)| light.cross(*t, at(CONTRAST, *t, *s), *s));
+            for contrast in [1.0, CONTRAST, f64::INFINITY] {
+                let u = 1.0 - 1.0 / contrast;
+                let want: f64 = places.iter().map(|(t, s)| at(contrast, *t, *s)).product();
+                let got: f64 = light.powers.iter().rev().fold(0.0, |sum, p| sum * u + p);
+                assert!((got - want).abs() < 1e-14, "{} crossings at {contrast}: {got} {want}", places.len());
+            }
         }
     }
 
