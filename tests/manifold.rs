@@ -221,5 +221,5 @@ fn tables_hide_nothing() {
 /// the hair to stay clear of nodes.
 #[test]
 fn glances_hide_nothing() {
-    a_hair_is_seen("hud-diffuse/hud.optics.toml", Some(3e-4), [3, 6]);
+    a_hair_is_seen("hud-diffuse/hud.optics.toml", Some(3e-4), [6, 6]);
 }

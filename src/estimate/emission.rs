@@ -33,6 +33,14 @@ pub trait Visitor<M: Mode> {
     fn most_splits(&self) -> u8 {
         Walker::<M>::MOST_SPLITS
     }
+    /// See [`Walker::worth`].
+    fn worth(&self) -> f64 {
+        Walker::<M>::WORTH
+    }
+    /// Paths on average by which one goes on from a scatterer.
+    fn copies(&self, _walker: &Walker<'_, M>) -> f64 {
+        1.0
+    }
     /// Least probability of either way on from an interface, see [`Walker::least_chance`].
     fn least_chance(&self) -> f64 {
         0.0
@@ -320,7 +328,7 @@ impl Emission {
         ledger: &mut Ledger,
     ) {
         let reach = &self.reach[from.group.index()];
-        walker.least_chance = visitor.least_chance();
+        (walker.least_chance, walker.worth) = (visitor.least_chance(), visitor.worth());
         if visitor.records() && walker.chain().is_none() {
             walker = walker.recording();
         }
@@ -348,6 +356,20 @@ impl Emission {
                 Meeting::Went => {}
                 Meeting::Scatter(scatter, frame) => {
                     visitor.scatterer(&walker, from, &vertex, scatter);
+                    let copies = visitor.copies(&walker);
+                    if copies != 1.0 {
+                        for mut copy in walker.copied(copies, ledger) {
+                            if copy.scatter(&vertex, scatter, &frame, ledger).is_none() {
+                                continue;
+                            }
+                            if reach.allows(copy.trail) {
+                                self.walk(copy, from, visitor, ledger);
+                            } else {
+                                ledger.not_owned += copy.beam.carried();
+                            }
+                        }
+                        return;
+                    }
                     if walker.scatter(&vertex, scatter, &frame, ledger).is_none() {
                         return;
                     }

@@ -5,6 +5,7 @@ mod around;
 pub mod backward;
 pub mod beam;
 mod blur;
+pub mod both;
 pub mod data;
 pub mod emission;
 pub mod finishing;

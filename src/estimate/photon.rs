@@ -3,29 +3,34 @@
 //! passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
 
 use super::ShouldStop;
+use super::both::Both;
 use super::emission::{Emission, Origin, Shots, Starts, Visitor};
 use super::ledger::{Ledger, cost};
+use super::manifold::glances::{Glanced, Glances, Rest};
 use super::manifold::screens::Screens;
 use super::manifold::solve::Target;
 use super::photon_map::{Photon, PhotonMap};
 use super::pixel::Pixel;
 use super::route::{Reach, Route};
 use super::seen::Seen;
+use super::turn::Faint;
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
+use crate::base::warp::{Frame, disk};
 use crate::film::accumulate::{Film, Light, Row};
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::Radii;
 use crate::world::World;
 use crate::world::eye::Arrival;
-use crate::world::geometry::{Hit, Site};
+use crate::world::geometry::{Hit, Ray, Site};
 use crate::world::interior::Interior;
 use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
 use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
+use crate::world::surface::Surface;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::marker::PhantomData;
@@ -48,8 +53,12 @@ pub struct PhotonMapper<'w, M: Mode> {
     reach_eye: Reach,
     photons: u64,
     first_radii_m: Radii,
+    /// Photons part at interfaces.
+    part: bool,
     /// What of the paths is not ours.
     screens: Arc<Screens<M>>,
+    /// Where the eye's rays land.
+    glances: Option<Arc<Glances<M>>>,
     seed: u64,
     starts: Starts,
 }
@@ -95,17 +104,33 @@ pub struct Landing {
     pub scattered: bool,
 }
 
+/// Photons of which only a little is left by connection part at every interface: a lens's ghost has some 1e-4 of the light,
+/// and out of ten thousand photons that choose one way thirty would make a way through two reflections. Those that part
+/// bring all ghosts each.
+mod parting {
+    /// Share of what a photon started with that both ways on must have: two reflections by coated lenses have 1e-4, three
+    /// 1e-6.
+    pub const LEAST: f64 = 1e-5;
+    /// Interfaces at which a photon and all its branches may part.
+    pub const MOST: u32 = 1024;
+    /// Paths by which a whole one goes on from the first scatterer.
+    pub const COPIES: f64 = 8.0;
+}
+
 /// What paths leave at broad scatterers.
 struct Stored<'s, M: Mode> {
     photons: Vec<Photon<M>>,
     screens: &'s Screens<M>,
+    /// Where photons part, if they do.
+    parts: Option<Both>,
     /// Counted work of asking what is connected.
     work: u64,
 }
 
 impl<'s, M: Mode> Stored<'s, M> {
-    fn new(screens: &'s Screens<M>) -> Self {
-        Stored { photons: Vec::new(), screens, work: 0 }
+    fn new(screens: &'s Screens<M>, part: bool) -> Self {
+        let parts = part.then(|| Both::new(parting::LEAST, parting::MOST));
+        Stored { photons: Vec::new(), screens, parts, work: 0 }
     }
 
     /// Whether the path up to here is one that specular connection returns for its ends.
@@ -127,11 +152,30 @@ impl<M: Mode> Visitor<M> for Stored<'_, M> {
     /// What connection leaves comes by faint reflections: photons of that kind should be many and faint, not few and bright.
     fn least_chance(&self) -> f64 {
         const OF_THE_REST: f64 = 0.1;
-        if self.screens.is_empty() { 0.0 } else { OF_THE_REST }
+        if self.screens.is_empty() || self.parts.is_some() { 0.0 } else { OF_THE_REST }
     }
 
-    fn split_from(&self, _: &Walker<'_, M>) -> Option<f64> {
-        None
+    fn split_from(&self, walker: &Walker<'_, M>) -> Option<f64> {
+        self.parts.as_ref()?.from(walker)
+    }
+
+    fn most_splits(&self) -> u8 {
+        if self.parts.is_some() { u8::MAX } else { Walker::<M>::MOST_SPLITS }
+    }
+
+    /// A branch has its share for good.
+    fn worth(&self) -> f64 {
+        if self.parts.is_some() { parting::LEAST } else { Walker::<M>::WORTH }
+    }
+
+    fn copies(&self, walker: &Walker<'_, M>) -> f64 {
+        if self.parts.is_some() && !walker.trail.has_scatter() { parting::COPIES * walker.share() } else { 1.0 }
+    }
+
+    fn end(&mut self, _: u64) {
+        if let Some(parts) = &self.parts {
+            parts.next();
+        }
     }
 
     fn pupil(&mut self, _: &Walker<'_, M>, _: Origin, _: &Arrival) {}
@@ -186,10 +230,24 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             reach_eye,
             photons,
             first_radii_m,
+            part: false,
             screens,
+            glances: None,
             seed,
             starts,
         }
+    }
+
+    /// The same with photons that part at interfaces and go both ways, or not.
+    #[must_use]
+    pub fn parting(self, part: bool) -> Self {
+        PhotonMapper { part, ..self }
+    }
+
+    /// The same with tables that tell where rays from the eye land.
+    #[must_use]
+    pub fn glancing(self, glances: Option<Arc<Glances<M>>>) -> Self {
+        PhotonMapper { glances, ..self }
     }
 
     /// The same with other numbers for the photons' paths to start with.
@@ -217,7 +275,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         let done: Vec<(Vec<Photon<M>>, Ledger)> = (0..Shots::chunks(self.photons))
             .into_par_iter()
             .map(|chunk| {
-                let mut stored = Stored::new(screens);
+                let mut stored = Stored::new(screens, self.part);
                 let mut ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut stored);
                 ledger.work += stored.work + cost::STORED * stored.photons.len() as u64;
                 (stored.photons, ledger)
@@ -243,7 +301,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         };
         let useful = |stored: &Stored<'_, M>| stored.photons.iter().filter(counts).map(open).sum();
         let shots = self.shots(Stream::Pilot, pass);
-        let new = || Stored::new(&self.screens);
+        let new = || Stored::new(&self.screens, self.part);
         self.emission.probe((self.world, &optics), shots, stop, new, useful)
     }
 
@@ -290,10 +348,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             for x in 0..width {
                 light.fill(Light::default());
                 let pixel = Pixel::new((x, *y), width, pass);
-                let rng = pixel.rng(self.seed, Stream::PhotonGather);
-                let ray = pixel.ray(&self.world.eye, self.seed, Stream::PhotonGather);
-                let walker = Walker::new((self.world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
-                self.eye_path(walker, maps, &mut light, &mut ledger);
+                self.pixel((pixel, optics), maps, &mut light, &mut ledger);
                 ledger.work += cost::KEPT;
                 row.add_pass(x, &light);
             }
@@ -302,16 +357,42 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         rows.par_iter_mut().map(of_row).sum()
     }
 
-    fn eye_path(&self, mut walker: Walker<'_, M>, maps: &Maps<M>, out: &mut [Light], ledger: &mut Ledger) {
+    /// Gathers what is seen in a pixel. What tables know of where its ray lands is read there, as specular connection does,
+    /// and now and then the ray itself makes good what they have wrong.
+    fn pixel(&self, (pixel, optics): (Pixel, &Optics<M>), maps: &Maps<M>, out: &mut [Light], ledger: &mut Ledger) {
+        let world = self.world;
+        let mut rng = pixel.rng(self.seed, Stream::PhotonGather);
+        let [x, y, u, v] = pixel.start(self.seed, Stream::PhotonGather, pixel.pass);
+        let film = world.eye.film_of(pixel.x, pixel.y, [x, y]);
+        let pupil = disk([u, v]) * world.eye.pupil_radius_m();
+        let read = |walker: &mut Walker<'_, M>, vertex: &Vertex, _: f64| {
+            let Surface::Scatter(scatter) = &walker.face(vertex).surface else { return };
+            ledger.work += cost::STEP;
+            self.gather_at(walker, (vertex, scatter, &Frame::about(vertex.normal)), maps, out, ledger);
+        };
+        let rest = self.glances.as_ref().map_or(Some(Rest::ALL), |glances| {
+            let of = if self.part { Glanced::Little } else { Glanced::All };
+            glances.read((world, optics), (film, pupil), (1.0, of), &mut rng, read)
+        });
+        let Some(rest) = rest else { return };
+        let (origin, (_, dir), ..) = world.eye.ray_of(film, pupil);
+        let ray = Ray { origin, dir, from: None };
+        let walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0 / rest.share, Interior::default(), rng);
+        self.eye_path(if rest.leaves_out() { walker.recording() } else { walker }, rest, maps, out, ledger);
+    }
+
+    /// Gathers along a ray and its branches. `rest`: what of it tables have not read.
+    fn eye_path(&self, mut walker: Walker<'_, M>, rest: Rest, maps: &Maps<M>, out: &mut [Light], ledger: &mut Ledger) {
+        let faint = Faint { whole: 1.0 / rest.share, often: 1.0 / rest.share };
         loop {
             let Met::Face(vertex) = walker.advance(ledger) else { return };
             let other = if walker.events < SPLIT_FIRST_EVENTS {
                 walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
             } else {
-                walker.spare(&vertex, 1.0, ledger)
+                walker.spare(&vertex, faint, ledger)
             };
             if let Some(reflected) = other {
-                self.eye_path(reflected, maps, out, ledger);
+                self.eye_path(reflected, rest, maps, out, ledger);
             }
             match walker.meet(&vertex, ledger) {
                 Meeting::Ended => return,
@@ -322,31 +403,9 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
                     }
                 }
                 Meeting::Scatter(scatter, frame) => {
-                    let d_in = frame.to_local(walker.ray.dir);
-                    let sides = walker.sides(&vertex, scatter);
-                    let visit = |photon: &Photon<M>, density: f64| {
-                        ledger.work += cost::GATHERED;
-                        // Of what connection has, the path over one scatterer is not ours.
-                        if photon.connected && !walker.trail.has_scatter() {
-                            return;
-                        }
-                        let trail = Trail::join(walker.trail, Event::Diffuse, photon.trail);
-                        let Some(share) = self.route.from_eye(photon.group, trail) else { return };
-                        let through = photon.outside != vertex.outside;
-                        let d_out = on_side(frame.to_local(-photon.dir), through);
-                        let (index, _) = walker.beyond(&vertex, through, 0.0);
-                        let (values, alone) = sides.eval(scatter, d_in, d_out);
-                        if values.as_slice().iter().all(|value| *value == 0.0) {
-                            return;
-                        }
-                        let plane = self.route.plane(share, |sieve| {
-                            sieve.takes(sieve.after(walker.told, Letter::of(Event::Diffuse, through)), photon.told)
-                        });
-                        let factors = lanes::<M, _>(|lane| values[lane] * density / (index[lane] * index[lane]));
-                        let out = plane_of::<M>(out, plane);
-                        walker.beam.join(walker.optics, out, (&photon.flux, photon.alone || alone), &factors);
-                    };
-                    maps.each(self.world, &vertex, visit);
+                    if !self.glances.as_ref().is_some_and(|glances| glances.has_read(rest, &walker, &vertex)) {
+                        self.gather_at(&walker, (&vertex, scatter, &frame), maps, out, ledger);
+                    }
                     return;
                 }
             }
@@ -354,5 +413,41 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
                 return;
             }
         }
+    }
+
+    /// Adds what photons bring to where a path has met a scatterer.
+    fn gather_at(
+        &self,
+        walker: &Walker<'_, M>,
+        (vertex, scatter, frame): (&Vertex, &Scatter, &Frame),
+        maps: &Maps<M>,
+        out: &mut [Light],
+        ledger: &mut Ledger,
+    ) {
+        let d_in = frame.to_local(walker.ray.dir);
+        let sides = walker.sides(vertex, scatter);
+        let visit = |photon: &Photon<M>, density: f64| {
+            ledger.work += cost::GATHERED;
+            // Of what connection has, the path over one scatterer is not ours.
+            if photon.connected && !walker.trail.has_scatter() {
+                return;
+            }
+            let trail = Trail::join(walker.trail, Event::Diffuse, photon.trail);
+            let Some(share) = self.route.from_eye(photon.group, trail) else { return };
+            let through = photon.outside != vertex.outside;
+            let d_out = on_side(frame.to_local(-photon.dir), through);
+            let (index, _) = walker.beyond(vertex, through, 0.0);
+            let (values, alone) = sides.eval(scatter, d_in, d_out);
+            if values.as_slice().iter().all(|value| *value == 0.0) {
+                return;
+            }
+            let plane = self.route.plane(share, |sieve| {
+                sieve.takes(sieve.after(walker.told, Letter::of(Event::Diffuse, through)), photon.told)
+            });
+            let factors = lanes::<M, _>(|lane| values[lane] * density / (index[lane] * index[lane]));
+            let out = plane_of::<M>(out, plane);
+            walker.beam.join(walker.optics, out, (&photon.flux, photon.alone || alone), &factors);
+        };
+        maps.each(self.world, vertex, visit);
     }
 }

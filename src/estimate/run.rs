@@ -252,7 +252,7 @@ struct Kept<M: Mode> {
     connections: Arc<Connections>,
     tables: Option<Tables<M>>,
     screens: Arc<Screens<M>>,
-    glances: Option<Glances<M>>,
+    glances: Option<Arc<Glances<M>>>,
 }
 
 impl<M: Mode> Kept<M> {
@@ -261,7 +261,7 @@ impl<M: Mode> Kept<M> {
         let connections = Connections::new(world, optics, &plan.connections);
         Kept {
             tables: over.and_then(|over| Tables::new(world, optics, &connections, over)),
-            glances: over.and_then(|over| Glances::new(world, optics, &screens, over)),
+            glances: over.and_then(|over| Glances::new(world, optics, &screens, over)).map(Arc::new),
             screens: Arc::new(screens),
             connections: Arc::new(connections),
         }
@@ -274,7 +274,7 @@ fn begin_with<'w, M: Mode + 'w>(
     groups: usize,
     size: [usize; 2],
     seed: u64,
-    Kept { connections, mut tables, screens, mut glances }: Kept<M>,
+    Kept { connections, mut tables, screens, glances }: Kept<M>,
 ) -> Box<dyn Tracing + 'w> {
     let mut engines: Vec<Engine<'_, M>> = Vec::new();
     let mut films = Films { films: Vec::new(), first: 0, passes: 0 };
@@ -308,19 +308,22 @@ fn begin_with<'w, M: Mode + 'w>(
                 seed,
             )),
             Estimator::Manifold => {
-                let (from_eye, lit) = ((connections.clone(), tables.take()), (screens.clone(), glances.take()));
+                let (from_eye, lit) = ((connections.clone(), tables.take()), (screens.clone(), glances.clone()));
                 Engine::Manifold(Manifold::new(world, route, from_eye, lit, seed))
             }
-            Estimator::Photon => Engine::Photon(PhotonMapper::new(
-                world,
-                route,
-                groups,
-                plan.photons,
-                plan.photon_guide.as_ref(),
-                plan.photon_radii_m,
-                screens.clone(),
-                seed,
-            )),
+            Estimator::Photon => {
+                let mapper = PhotonMapper::new(
+                    world,
+                    route,
+                    groups,
+                    plan.photons,
+                    plan.photon_guide.as_ref(),
+                    plan.photon_radii_m,
+                    screens.clone(),
+                    seed,
+                );
+                Engine::Photon(mapper.parting(plan.photons_part).glancing(glances.clone()))
+            }
         });
         films.films.push((estimator, film, Ledger::new(world.solids.len())));
     }

@@ -47,6 +47,19 @@ impl<M: Mode> FaceSides<M> {
 }
 
 impl<'w, M: Mode> Walker<'w, M> {
+    /// On average so many paths that stand for this one together, each with choices of its own from here on.
+    pub fn copied(mut self, on_average: f64, ledger: &mut Ledger) -> impl Iterator<Item = Walker<'w, M>> + use<'w, M> {
+        let count = (on_average + self.rng.uniform()).floor();
+        let carried = self.beam.carried();
+        self.beam.scale(1.0 / on_average);
+        ledger.by_chance(count * self.beam.carried() - carried);
+        (0..count as usize).map(move |_| {
+            let mut copy = self.clone();
+            copy.rng = self.rng.fork();
+            copy
+        })
+    }
+
     /// Chooses between what a face reflects specularly and what it scatters, by what they carry with a floor for both.
     /// The beam then stands for the chosen one.
     pub(super) fn stays_specular(

@@ -23,6 +23,20 @@ pub enum Branch {
     Only,
 }
 
+/// How a path's faint branches are followed.
+#[derive(Debug, Clone, Copy)]
+pub struct Faint {
+    /// What the path started with.
+    pub whole: f64,
+    /// How much more often than their share they are, and count less.
+    pub often: f64,
+}
+
+impl Faint {
+    /// Less of the whole than this is followed as often as its share says: there are ever more of them.
+    const LEAST: f64 = 1e-6;
+}
+
 /// What a face makes of the amounts that a path carries.
 #[derive(Debug, Clone, Copy)]
 pub struct Turn<M: Mode> {
@@ -268,15 +282,15 @@ impl<'w, M: Mode> Walker<'w, M> {
     }
 
     /// At an interface that reflects little the path goes on through it for certain, and the reflection is followed by the
-    /// returned path, as seldom as it carries little: what is seen through a lens is not left to a choice that now and
-    /// then goes elsewhere. Where both ways carry much of the light, as at a combiner's coating, both are followed, unless
-    /// it is little of the `whole` with which the path started. None where no path is to be followed; this one then
+    /// returned path, as seldom as it carries little or as `faint` says: what is seen through a lens is not left to a choice
+    /// that now and then goes elsewhere. Where both ways carry much of the light, as at a combiner's coating, both are
+    /// followed, unless it is little of what the path started with. None where no path is to be followed; this one then
     /// [meets](Walker::meet) the vertex as ever.
-    pub fn spare(&mut self, vertex: &Vertex, whole: f64, ledger: &mut Ledger) -> Option<Walker<'w, M>> {
+    pub fn spare(&mut self, vertex: &Vertex, faint: Faint, ledger: &mut Ledger) -> Option<Walker<'w, M>> {
         /// Shares below this are little: paths are a tenth more at most.
         const LITTLE: f64 = 0.1;
         /// Less of the whole than this is not worth a path of its own: the ghost of an uncoated plate has some hundredths.
-        const FAINT: f64 = 1.0 / 512.0;
+        const NOT_WORTH: f64 = 1.0 / 512.0;
         if self.least_chance > 0.0 || self.forced.is_some() {
             return None;
         }
@@ -287,7 +301,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             return None;
         }
         if chance > LITTLE {
-            if reflected.min(transmitted) < FAINT * whole {
+            if reflected.min(transmitted) < NOT_WORTH * faint.whole {
                 return None;
             }
             self.splits = self.splits.saturating_add(1);
@@ -295,6 +309,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             return self.reflected(vertex, ledger);
         }
         self.forced = Some(Branch::Refracted);
+        let chance = if reflected > Faint::LEAST * faint.whole { (chance * faint.often).min(1.0) } else { chance };
         if self.rng.uniform() >= chance {
             let powers = lanes::<M, _>(|lane| turn.reflected[lane].power());
             ledger.by_chance(-self.beam.carried_with(&powers));

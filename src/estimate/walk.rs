@@ -63,6 +63,8 @@ pub struct Walker<'w, M: Mode> {
     /// Least probability of either way on from an interface: above 0, faint ways are taken more often than their share, and
     /// count less.
     pub least_chance: f64,
+    /// Share of what it started with below which roulette asks whether a long path is worth going on with.
+    pub worth: f64,
     /// How often the path was split.
     pub(super) splits: u8,
     /// The specular faces so far, if somebody asked.
@@ -112,6 +114,8 @@ pub enum Meeting<'w> {
 impl<'w, M: Mode> Walker<'w, M> {
     /// Most splits of a path that may scatter.
     pub const MOST_SPLITS: u8 = 2;
+    /// [`Walker::worth`] of a path that is one of many.
+    pub const WORTH: f64 = 0.25;
 
     /// A path that starts with the same weight in all lanes.
     pub fn new(
@@ -152,6 +156,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             forced: None,
             ahead: None,
             least_chance: 0.0,
+            worth: Self::WORTH,
             splits: 0,
             chain: None,
             last: None,
@@ -408,7 +413,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         // takes some 10⁴ events, and one that comes out of a long light guide after 10⁵ weighs 16.
         let halves = self.events >= TRAPPED_EVENTS && self.events.is_power_of_two();
         let trapped: f64 = if halves && self.events.trailing_zeros().is_multiple_of(2) { 0.5 } else { 1.0 };
-        let survive = (weight / self.start_weight * 4.0).clamp(0.05, 1.0) * trapped;
+        let survive = (weight / self.start_weight / self.worth).clamp(0.05, 1.0) * trapped;
         if survive >= 1.0 {
             return Meeting::Went;
         }

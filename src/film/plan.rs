@@ -117,6 +117,9 @@ pub struct Plan {
     pub forward_paths: u64,
     /// Photons emitted per pass of the photon estimator; 0 if it does not run.
     pub photons: u64,
+    /// They part at interfaces and go both ways.
+    #[serde(default)]
+    pub photons_part: bool,
     /// Radii of the first pass's photon gathering, m.
     pub photon_radii_m: Radii,
     /// Guided emission of the forward estimator, learned by a pilot; none: lamps by flux, directions by intensity.
@@ -181,6 +184,7 @@ impl Plan {
             rows,
             forward_paths: 0,
             photons: 0,
+            photons_part: false,
             photon_radii_m: Radii::default(),
             backward_share: 1.0,
             backward_paths: 1,

@@ -6,6 +6,7 @@ use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ShouldStop;
+use crate::estimate::both::Both;
 use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::route::Route;
@@ -21,7 +22,6 @@ use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use glam::{DVec2, DVec3};
-use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Pilots have a seed of their own: the plan is a function of the scene alone.
@@ -33,7 +33,7 @@ const LEAST: f64 = 1e-6;
 const WORTH: f64 = 1e-7;
 /// Seeds kept of a train and lamp.
 const SEEDS: usize = 6;
-/// Interfaces at which one path and all its branches may split: among a hundred plates of glass there would be no end.
+/// Interfaces at which one path and all its branches may split.
 const MOST_SPLITS: u32 = 768;
 /// Trains times lamps that tables are made for, towards the pupil and towards scatterers; with more lamps there are fewer
 /// trains, and with more than this none.
@@ -52,18 +52,20 @@ pub(super) struct Arrived {
     pub luminance: f64,
 }
 
-#[derive(Default)]
 struct Arrivals {
     found: Vec<Arrived>,
-    splits: Cell<u32>,
+    both: Both,
+}
+
+impl Default for Arrivals {
+    fn default() -> Self {
+        Arrivals { found: Vec::new(), both: Both::new(LEAST, MOST_SPLITS) }
+    }
 }
 
 impl Visitor<Mono> for Arrivals {
     fn split_from(&self, walker: &Walker<'_, Mono>) -> Option<f64> {
-        let share = walker.share();
-        // Asked at every interface, which bounds the work as well as the splits.
-        self.splits.set(self.splits.get().saturating_add(1));
-        (share > LEAST && self.splits.get() <= MOST_SPLITS).then(|| LEAST / share)
+        self.both.from(walker)
     }
     fn most_splits(&self) -> u8 {
         u8::MAX
@@ -188,7 +190,9 @@ fn follow((world, optics): (&World, &Optics<Mono>), chain: &Chain, ray: Ray, int
 }
 
 /// Trains with less of the light that a face gets from a group over specular faces are left to the photon map.
-const WORTH_ON_FACE: f64 = 2e-3;
+const WORTH_ON_FACE: f64 = 1e-4;
+/// The same of what one path from the lamp carries, for the path to be followed both ways.
+const LEAST_ON_FACE: f64 = 1e-5;
 /// Seeds kept of a screen.
 const SCREEN_SEEDS: usize = 48;
 
@@ -206,12 +210,16 @@ struct Struck {
 
 struct Strikes<'s> {
     seen: &'s BTreeSet<(u32, u32)>,
+    both: Both,
     found: Vec<Struck>,
 }
 
 impl Visitor<Mono> for Strikes<'_> {
-    fn split_from(&self, _: &Walker<'_, Mono>) -> Option<f64> {
-        None
+    fn split_from(&self, walker: &Walker<'_, Mono>) -> Option<f64> {
+        if walker.trail.has_scatter() { None } else { self.both.from(walker) }
+    }
+    fn most_splits(&self) -> u8 {
+        u8::MAX
     }
     fn records(&self) -> bool {
         true
@@ -244,7 +252,7 @@ pub fn screens(
     let emission = Emission::new(world, &Route::new(plan, groups, Estimator::Photon), groups, guide);
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let shots = Shots { seed: SEED, stream: Stream::Pilot, pass: 1, paths: PATHS, starts: Starts::OfPass };
-    let visitor = || Strikes { seen, found: Vec::new() };
+    let visitor = || Strikes { seen, both: Both::new(LEAST_ON_FACE, MOST_SPLITS), found: Vec::new() };
     let all = emission.survey((world, &optics), shots, stop, visitor, |_, _, _, strikes: Strikes<'_>| {
         (!strikes.found.is_empty()).then_some(strikes.found)
     });

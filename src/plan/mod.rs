@@ -134,7 +134,8 @@ impl Making<'_> {
             Some(known) => {
                 plan.screens.clone_from(&known.screens);
                 plan.photon_guide.clone_from(&known.photon_guide);
-                (plan.photons, plan.photon_radii_m) = (known.photons, known.photon_radii_m);
+                (plan.photons, plan.photons_part) = (known.photons, known.photons_part);
+                plan.photon_radii_m = known.photon_radii_m;
             }
             None => self.photons(&mut plan),
         }
@@ -189,8 +190,11 @@ impl Making<'_> {
         }
         if plan.runs(Estimator::Photon) {
             let pilot = pilot::photon(self.world, plan, self.groups(), (pixel_m, &seen), self.stop);
-            plan.photons = pilot.photons;
+            (plan.photons, plan.photons_part) = (pilot.photons, pilot.part);
             plan.photon_radii_m = pilot.radii_m;
+            if !pilot.part {
+                (plan.screens, _) = pilot::by_light(&plan.screens);
+            }
             plan.photon_guide = Some(pilot.guide);
         }
     }

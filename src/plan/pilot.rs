@@ -13,6 +13,7 @@ use crate::estimate::seen::Seen;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::guide::{Even, Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan, Radii};
+use crate::film::train::Screen;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -251,6 +252,8 @@ fn spread<L: Look>(looks: &Looks<L>, first: usize) -> Option<f64> {
 pub struct PhotonPilot {
     pub guide: Guide,
     pub photons: u64,
+    /// They part at interfaces.
+    pub part: bool,
     pub radii_m: Radii,
 }
 
@@ -277,6 +280,8 @@ pub fn photon(
     stop: &ShouldStop<'_>,
 ) -> PhotonPilot {
     const PATHS: u64 = 1 << 12;
+    /// A photon that parts is as much work as so many that do not.
+    const PARTED_WORK: u64 = 16;
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let radii = Radii { caustic: pixel_m, secondary: pixel_m };
     let with = |guide: Option<&Guide>, paths: u64, screens: &Arc<Screens<Mono>>| {
@@ -289,26 +294,52 @@ pub fn photon(
     if seen.is_empty() {
         // Nowhere to gather, nothing to learn.
         let guide = Guide::unguided(with(None, 1, &nothing).flux());
-        return PhotonPilot { guide, photons: 1, radii_m: radii };
+        return PhotonPilot { guide, photons: 1, part: false, radii_m: radii };
     }
     let (_, guide) = look(|guide, paths| Photons { mapper: with(guide, paths, &nothing), seen }, groups, stop);
-    let connected = Arc::new(Screens::coarse(world, &optics, &plan.screens));
-    let landings = with(Some(&guide), PATHS, &connected).landings(LAST);
+    let coarse = |screens: &[Screen]| Screens::coarse(world, &optics, screens);
+    let (strong, weak) = by_light(&plan.screens);
+    let land = |connected: &Arc<Screens<Mono>>, part: bool| {
+        let paths = if part { PATHS / PARTED_WORK } else { PATHS };
+        (with(Some(&guide), paths, connected).parting(part).landings(LAST), paths)
+    };
+    // Photons that part tell best what little is left by the trains with most of the light. The others are worth their
+    // tables only where it is little.
+    let strong = Arc::new(coarse(&strong));
+    let part = !strong.is_empty() && rest_share(&land(&strong, true).0, seen) < LITTLE;
+    let (landings, paths) = if part {
+        let strong = Arc::try_unwrap(strong).unwrap_or_else(|_| coarse(&by_light(&plan.screens).0));
+        land(&Arc::new(strong.and(coarse(&weak))), true)
+    } else {
+        land(&strong, false)
+    };
     // Photons for a little light need not be many.
     let rest = rest_share(&landings, seen);
     let photons = (pixels as f64 * (PER_PIXEL * rest).clamp(FEWEST, MOST)) as u64;
     let photons = photons.max(if rest < LITTLE { 1 << 12 } else { 1 << 14 });
+    let photons = if part { photons / PARTED_WORK } else { photons };
     let radius = |counts: &dyn Fn(&Landing) -> bool, (gathered, most_blur): (f64, f64)| {
         let of_pilot = spacing(&landings, seen, counts);
         of_pilot.map_or(pixel_m, |of_pilot| {
-            (of_pilot * (gathered * PATHS as f64 / photons as f64).sqrt()).clamp(pixel_m, most_blur * pixel_m)
+            (of_pilot * (gathered * paths as f64 / photons as f64).sqrt()).clamp(pixel_m, most_blur * pixel_m)
         })
     };
     let longer = world.eye.size().into_iter().max().unwrap_or(1) as f64;
     let soft = (SOFT.0, SOFT.1.min(longer / PER_BLUR).max(1.0));
-    let secondary = radius(&|landing| landing.scattered, soft);
-    let caustic = radius(&|landing| !landing.scattered && !landing.connected, SHARP);
-    PhotonPilot { guide, photons, radii_m: Radii { caustic, secondary } }
+    // Of a little light a soft picture errs less than a noisy one.
+    let little = (SHARP.0, soft.1);
+    let secondary = radius(&|landing| landing.scattered, if part { little } else { soft });
+    let sharp = if part { little } else { SHARP };
+    let caustic = radius(&|landing| !landing.scattered && !landing.connected, sharp);
+    PhotonPilot { guide, photons, part, radii_m: Radii { caustic, secondary } }
+}
+
+/// Trains with less of a face's light than this are connected only where almost all else is.
+const STRONG: f64 = 2e-3;
+
+/// The trains with more, and the others.
+pub fn by_light(screens: &[Screen]) -> (Vec<Screen>, Vec<Screen>) {
+    screens.iter().cloned().partition(|screen| screen.share >= STRONG)
 }
 
 /// Of the flux that photons bring to where the eye sees it, the share that specular connection leaves to them.

@@ -154,6 +154,43 @@ fn guided_photons_are_worth_five() {
     assert!((plain.mean - guided.mean).abs() < 4.0 * plain.stderr().hypot(guided.stderr()));
 }
 
+/// What connection leaves of the diffuse HUD's light, lens ghosts of some 1e-4, is the same by photons that part at lenses as by
+/// photons that choose, and for the same work they scatter less.
+#[test]
+fn photons_that_part_find_ghosts() {
+    let scene = gaze(hud("diffuse", &[]), [0.0; 2], 8.0, [24, 12]);
+    let ready = Ready::new(&scene, Choice::Auto);
+    assert!(ready.plan.photons_part, "little is left to photons");
+    let groups = ready.scene.groups.len();
+    let optics = Mono::<f64>::optics(&ready.world, 0, 0);
+    let screens = Arc::new(Screens::new(&ready.world, &optics, &ready.plan.screens));
+    let trace = |part: bool, photons: u64, seed: u64| {
+        let route = Route::new(&ready.plan, groups, Estimator::Photon);
+        let mut film = Film::new(24, 12, route.planes.clone(), Components::Luminance, Sampling::PerPass);
+        let (guide, radii) = (ready.plan.photon_guide.as_ref(), ready.plan.photon_radii_m);
+        let mapper =
+            PhotonMapper::<Mono>::new(&ready.world, route, groups, photons, guide, radii, screens.clone(), seed);
+        let ledger = mapper.parting(part).starting(Starts::OfPass).run(&mut film, 0, 1);
+        let open = |pixel: usize| (0..film.planes.len()).map(|plane| film.mean(pixel, plane).open()).sum::<f64>();
+        ((0..24 * 12).map(open).sum::<f64>(), ledger.work as f64)
+    };
+    let (mut means, mut works) = ([Moments::default(); 2], [0.0; 2]);
+    for seed in 0..24 {
+        for (part, photons) in [(false, 1 << 14), (true, 1 << 10)] {
+            let (light, work) = trace(part, photons, seed);
+            means[usize::from(part)].add(light);
+            works[usize::from(part)] += work;
+        }
+    }
+    let [chosen, parted] = means;
+    let gain = chosen.variance() * works[0] / (parted.variance() * works[1]);
+    eprintln!("chosen {} ± {}, parted {} ± {}", chosen.mean, chosen.stderr(), parted.mean, parted.stderr());
+    eprintln!("{gain:.0} times less variance × work");
+    assert!((chosen.mean - parted.mean).abs() < 4.0 * chosen.stderr().hypot(parted.stderr()));
+    assert!(parted.stderr() < 0.05 * parted.mean, "the test would see nothing");
+    assert!(gain > 4.0, "{gain}");
+}
+
 /// The stated error is the scatter of seeds, where each pixel gets half a path of each scramble and where it gets many.
 #[test]
 fn the_error_of_even_points_is_the_scatter_of_seeds() {

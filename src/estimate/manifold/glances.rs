@@ -14,6 +14,7 @@ use crate::base::chain::Chain;
 use crate::base::lpe::Told;
 use crate::base::path::Trail;
 use crate::base::rng::Rng;
+use crate::estimate::ledger::Ledger;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::world::World;
 use crate::world::geometry::bend::site_of;
@@ -28,6 +29,11 @@ const OVER_PUPIL: usize = 9;
 /// The outer of them, in radii.
 const OUTER: f64 = 0.8;
 
+/// Rays with all their branches hardly ever find trains with less than this of what the best brings.
+const FAINT: f64 = 1e-3;
+/// Of the looks at a train by itself so many are by the ray itself.
+const SELDOM: f64 = 1.0 / 16.0;
+
 /// Where a ray lands.
 #[derive(Debug, Clone, Copy)]
 struct Landing<M: Mode> {
@@ -41,13 +47,17 @@ struct Landing<M: Mode> {
 /// A train from the eye to a lit face.
 struct Glance<M: Mode> {
     chain: Chain,
+    /// Of what the best train brings.
+    share: f64,
     /// A ray that landed over it: what it met, and what is the same for all.
     vertex: Vertex,
     trail: Trail,
     told: Told,
     interior: Interior,
     events: u32,
-    /// Over the picture, each over the pupil; none where a ray does not land over this train.
+    /// Over the picture, where any ray lands over this train.
+    lands: Vec<bool>,
+    /// Each over the pupil; none where not all rays land.
     nodes: Vec<Option<[Landing<M>; OVER_PUPIL]>>,
 }
 
@@ -58,6 +68,10 @@ struct Use {
     share: f64,
     /// The glances that have all nodes, as bits.
     known: u32,
+    /// Faint ones that have some.
+    in_part: u32,
+    /// No ray was found that lands on other faces that scatter.
+    whole: bool,
 }
 
 /// All trains from the eye to faces that are joined with lamps.
@@ -71,17 +85,49 @@ pub struct Glances<M: Mode> {
 }
 
 /// Where to look.
-pub(super) struct Look {
+struct Look {
     spot: Spot,
     /// Weights of the nodes over the pupil.
     pupil: [f64; OVER_PUPIL],
-    usage: Use,
 }
 
-impl Look {
-    /// How often the ray itself has to be followed.
-    pub(super) fn share(&self) -> f64 {
-        self.usage.share
+/// Which light tables are read for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Glanced {
+    /// That of faces that are joined with lamps.
+    Lit,
+    /// That of any face that scatters.
+    All,
+    /// The same where it is little.
+    Little,
+}
+
+impl Glanced {
+    /// Trains with less than this of what the best brings are looked at by themselves, as seldom as they bring little.
+    fn by_itself(self) -> f64 {
+        match self {
+            Glanced::Lit | Glanced::All => FAINT,
+            Glanced::Little => 1.0,
+        }
+    }
+}
+
+/// What tables leave to rays that are followed.
+#[derive(Debug, Clone, Copy)]
+pub struct Rest {
+    /// How often a ray is: it stands for 1/share.
+    pub share: f64,
+    /// Glances that it leaves out, as bits.
+    read: u32,
+}
+
+impl Rest {
+    /// There are no tables.
+    pub const ALL: Rest = Rest { share: 1.0, read: 0 };
+
+    /// Whether there is anything that a followed ray must not count, for which it has to record its faces.
+    pub fn leaves_out(self) -> bool {
+        self.read != 0
     }
 }
 
@@ -96,41 +142,107 @@ impl<M: Mode> Glances<M> {
         (!glances.glances.is_empty()).then_some(glances)
     }
 
-    /// Places in picture (tangents) and pupil (m).
-    pub(super) fn look(&self, film: DVec2, pupil: DVec2) -> Option<Look> {
-        let spot = self.over.spot(film)?;
-        let usage = *self.uses.get(spot.cell)?;
-        Some(self.look_at(spot, pupil, usage))
-    }
-
-    fn look_at(&self, spot: Spot, pupil: DVec2, usage: Use) -> Look {
-        let at = if self.radius > 0.0 { pupil / (OUTER * self.radius) } else { DVec2::ZERO };
-        let [x, y] = at.to_array().map(|t| [0.5 * t * (t - 1.0), 1.0 - t * t, 0.5 * t * (t + 1.0)]);
-        Look { spot, pupil: std::array::from_fn(|k| x[k % 3] * y[k / 3]), usage }
-    }
-
-    /// Calls `visit` with rays that have just landed, where tables know of them. `weight`: what each started with.
-    pub(super) fn each<'w>(
+    /// Calls `visit` with rays that have landed and what each stood for at its start. That is all light if a followed ray
+    /// adds what the returned rest asks for; none: nothing is to be followed. `film`, `pupil`: places in tangents and m.
+    /// `whole`: what the ray stands for.
+    pub fn read<'w>(
         &self,
-        (world, optics): (&'w World, &'w Optics<M>),
-        look: &Look,
-        weight: f64,
+        tracing: (&'w World, &'w Optics<M>),
+        (film, pupil): (DVec2, DVec2),
+        (whole, of): (f64, Glanced),
         rng: &mut Rng,
-        mut visit: impl FnMut(Walker<'w, M>, Vertex),
-    ) {
+        mut visit: impl FnMut(&mut Walker<'w, M>, &Vertex, f64),
+    ) -> Option<Rest> {
+        let spot = self.over.spot(film);
+        let usage = spot.and_then(|spot| Some((spot, *self.uses.get(spot.cell)?)));
+        let Some((spot, usage)) = usage.filter(|(_, usage)| usage.share < 1.0 && (usage.whole || of == Glanced::Lit))
+        else {
+            return Some(Rest::ALL);
+        };
+        let look = self.look_at(spot, pupil);
+        let followed = rng.uniform() < usage.share;
+        let mut read = 0;
         for (k, glance) in self.glances.iter().enumerate() {
-            if look.usage.known & 1 << k == 0 {
+            let by_itself = glance.share < of.by_itself();
+            let known = usage.known & 1 << k != 0;
+            if !known && usage.in_part & 1 << k == 0 {
                 continue;
             }
-            let Some(landing) = glance.blend(look) else { continue };
-            if let Some((walker, vertex)) = glance.land((world, optics), &landing, weight, rng.fork()) {
-                visit(walker, vertex);
+            // What the table says, less what stands for it where the ray itself is followed.
+            let (weight, followed) = if by_itself {
+                read |= 1 << k;
+                // What no table tells is followed as often as tables are read.
+                let chance = (glance.share / of.by_itself()).clamp(SELDOM, 1.0);
+                if rng.uniform() >= chance {
+                    continue;
+                }
+                (whole / chance, !known || rng.uniform() < SELDOM)
+            } else {
+                (whole, followed)
+            };
+            let share = match (known, by_itself) {
+                (false, _) => 1.0,
+                (true, true) => SELDOM,
+                (true, false) => usage.share,
+            };
+            let control = if followed { 1.0 - 1.0 / share } else { 1.0 };
+            let table = Some(glance).filter(|_| known);
+            let landed = table
+                .and_then(|glance| glance.blend(&look))
+                .and_then(|at| glance.land(tracing, &at, weight * control, rng.fork()));
+            if let Some((mut walker, vertex)) = landed {
+                visit(&mut walker, &vertex, weight * control);
+            }
+            if followed && by_itself {
+                let start = (film, pupil, weight / share, rng.fork());
+                if let Some((mut walker, vertex)) = glance.follow(tracing, start) {
+                    visit(&mut walker, &vertex, weight / share);
+                }
             }
         }
+        followed.then_some(Rest { share: usage.share, read })
+    }
+
+    /// Whether a followed ray has landed where a glance has been read by itself.
+    pub fn has_read(&self, rest: Rest, walker: &Walker<'_, M>, vertex: &Vertex) -> bool {
+        let face = (vertex.hit.site.part, vertex.hit.site.face);
+        rest.leaves_out()
+            && !walker.trail.has_scatter()
+            && self.glances.iter().enumerate().any(|(k, glance)| {
+                rest.read & 1 << k != 0 && glance.face() == face && walker.chain() == Some(&glance.chain)
+            })
+    }
+
+    fn look_at(&self, spot: Spot, pupil: DVec2) -> Look {
+        let at = if self.radius > 0.0 { pupil / (OUTER * self.radius) } else { DVec2::ZERO };
+        let [x, y] = at.to_array().map(|t| [0.5 * t * (t - 1.0), 1.0 - t * t, 0.5 * t * (t + 1.0)]);
+        Look { spot, pupil: std::array::from_fn(|k| x[k % 3] * y[k / 3]) }
     }
 }
 
 impl<M: Mode> Glance<M> {
+    /// It brings so little that rays with all their branches hardly ever find it.
+    fn is_faint(&self) -> bool {
+        self.share < FAINT
+    }
+
+    /// The face that it leads to.
+    fn face(&self) -> (u32, u32) {
+        (self.vertex.hit.site.part, self.vertex.hit.site.face)
+    }
+
+    /// Follows a ray over the train to the face; none where it does not get there with all wavelengths.
+    fn follow<'w>(
+        &self,
+        tracing: (&'w World, &'w Optics<M>),
+        (film, pupil, weight, rng): (DVec2, DVec2, f64, Rng),
+    ) -> Option<(Walker<'w, M>, Vertex)> {
+        let (origin, (_, dir), ..) = tracing.0.eye.ray_of(film, pupil);
+        let ray = Ray { origin, dir, from: None };
+        let walker = Walker::new(tracing, Travel::FromEye, ray, weight, Interior::default(), rng);
+        follow(walker, &self.chain, self.face())
+    }
+
     fn blend(&self, look: &Look) -> Option<Landing<M>> {
         let mut sum: Landing<M> = Landing { point: DVec3::ZERO, dir: DVec3::ZERO, weight: lanes::<M, _>(|_| 0.0) };
         for (node, over_film) in look.spot.nodes() {
@@ -182,4 +294,13 @@ impl<M: Mode> Glance<M> {
         (walker.trail, walker.told, walker.events) = (self.trail, self.told, self.events);
         Some((walker, vertex))
     }
+}
+
+/// Follows a ray over a train to a face; none where it does not get there with all wavelengths.
+fn follow<'w, M: Mode>(mut walker: Walker<'w, M>, chain: &Chain, face: (u32, u32)) -> Option<(Walker<'w, M>, Vertex)> {
+    let mut ledger = Ledger::new(walker.world.solids.len());
+    let whole = walker.follow(chain.0.iter().copied(), &mut ledger, |_, _, _| {});
+    let vertex = whole.then(|| walker.reach_face(face, &mut ledger)).flatten()?;
+    walker.heal(&vertex, &mut ledger);
+    (walker.beam.count() == M::LANES).then_some((walker, vertex))
 }

@@ -2,7 +2,8 @@
 //! pairs whose points of the pupil and of the pixel lie opposite each other, so that what is linear in them is exact.
 //! Where they land is read from [`Glances`](super::glances::Glances), whose errors a few paths make good.
 
-use super::screens::{Incoming, Screens};
+use super::glances::{Glanced, Rest};
+use super::screens::{Ask, Incoming, Screens};
 use super::vision::Manifold;
 use crate::base::lpe::{Letter, Source};
 use crate::base::path::{Event, Trail};
@@ -10,6 +11,7 @@ use crate::base::rng::Stream;
 use crate::base::warp::{Frame, disk};
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::pixel::Pixel;
+use crate::estimate::turn::Faint;
 use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::film::accumulate::Light;
 use crate::world::geometry::Ray;
@@ -35,45 +37,50 @@ pub(super) fn look<M: Mode>(
     let [x, y, u, v, s, t] = pixel.start(manifold.seed, Stream::ConnectionLook, pixel.pass);
     let mut rng = pixel.rng(manifold.seed, Stream::ConnectionLook);
     let pupil = disk([u, v]) * world.eye.pupil_radius_m();
-    for (jitter, pupil, lamp) in [([x, y], pupil, [s, t]), ([1.0 - x, 1.0 - y], -pupil, [1.0 - s, 1.0 - t])] {
+    // Lamps that are not asked by the one are by the other.
+    let turn = rng.uniform();
+    let other = (turn + 0.5).fract();
+    for (jitter, pupil, uv, turn) in
+        [([x, y], pupil, [s, t], turn), ([1.0 - x, 1.0 - y], -pupil, [1.0 - s, 1.0 - t], other)]
+    {
         let film = world.eye.film_of(pixel.x, pixel.y, jitter);
         let pupil = DVec2::new(pupil.x, pupil.y);
-        let known = manifold.glances.as_ref().and_then(|glances| Some((glances, glances.look(film, pupil)?)));
-        let share = known.as_ref().map_or(1.0, |(_, look)| look.share());
-        let followed = share >= 1.0 || rng.uniform() < share;
-        if let Some((glances, look)) = known.filter(|_| share < 1.0) {
-            // What the tables say, less what stands for it where the ray itself is followed.
-            let control = if followed { 1.0 - 1.0 / share } else { 1.0 };
-            glances.each((world, optics), &look, OF_PAIR * control, &mut rng, |mut walker, vertex| {
-                let Surface::Scatter(scatter) = &walker.face(&vertex).surface else { return };
-                // The nodes over picture and pupil, and one face to be met.
-                scratch.work += cost::STEP;
-                let landed = (&mut walker, &vertex, &**scatter, Frame::about(vertex.normal));
-                gather(manifold, landed, (screens, lamp), out, scratch);
-            });
-        }
-        if !followed {
-            continue;
-        }
-        let whole = OF_PAIR / share;
+        let read = |walker: &mut Walker<'_, M>, vertex: &Vertex, whole: f64| {
+            let Surface::Scatter(scatter) = &walker.face(vertex).surface else { return };
+            // The nodes over picture and pupil, and one face to be met.
+            scratch.work += cost::STEP;
+            let landed = (walker, vertex, &**scatter, Frame::about(vertex.normal));
+            gather(manifold, landed, (screens, Ask { uv, seen: 1.0 / whole, turn }), out, scratch);
+        };
+        let glances = manifold.glances.as_deref();
+        let rest = glances.map_or(Some(Rest::ALL), |glances| {
+            glances.read((world, optics), (film, pupil), (OF_PAIR, Glanced::Lit), &mut rng, read)
+        });
+        let Some(rest) = rest else { continue };
+        let whole = OF_PAIR / rest.share;
         let (origin, (_, dir), ..) = world.eye.ray_of(film, pupil);
         let ray = Ray { origin, dir, from: None };
         let walker = Walker::new((world, optics), Travel::FromEye, ray, whole, Interior::default(), rng.fork());
+        let walker = if rest.leaves_out() { walker.recording() } else { walker };
         let balance = ledger.imbalance();
         ledger.paths += 1;
         ledger.emitted += whole;
-        to_scatterer(walker, whole, ledger, &mut |walker, vertex, scatter, frame, ledger| {
-            gather(manifold, (walker, vertex, scatter, frame), (screens, lamp), out, scratch);
+        let faint = Faint { whole, often: 1.0 / rest.share };
+        to_scatterer(walker, faint, ledger, &mut |walker, vertex, scatter, frame, ledger| {
+            if !glances.is_some_and(|glances| glances.has_read(rest, walker, vertex)) {
+                let ask = Ask { uv, seen: 1.0 / whole, turn };
+                gather(manifold, (walker, vertex, scatter, frame), (screens, ask), out, scratch);
+            }
             ledger.not_owned += walker.beam.carried();
         });
         ledger.close_path(balance);
     }
 }
 
-/// Follows a path and its branches to the first broad scatterers. `whole`: what the path started with.
+/// Follows a path and its branches to the first broad scatterers.
 pub(super) fn to_scatterer<'w, M: Mode>(
     mut walker: Walker<'w, M>,
-    whole: f64,
+    faint: Faint,
     ledger: &mut Ledger,
     each: &mut impl FnMut(&mut Walker<'w, M>, &Vertex, &'w Scatter, Frame, &mut Ledger),
 ) {
@@ -86,10 +93,10 @@ pub(super) fn to_scatterer<'w, M: Mode>(
         let other = if walker.events < SPLIT_FIRST_EVENTS {
             walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
         } else {
-            walker.spare(&vertex, whole, ledger)
+            walker.spare(&vertex, faint, ledger)
         };
         if let Some(reflected) = other {
-            to_scatterer(reflected, whole, ledger, each);
+            to_scatterer(reflected, faint, ledger, each);
         }
         match walker.meet(&vertex, ledger) {
             Meeting::Ended => return,
@@ -104,11 +111,11 @@ pub(super) fn to_scatterer<'w, M: Mode>(
     }
 }
 
-/// Adds what lamps bring to where a path has met a scatterer.
+/// Adds what lamps bring to where a path has met a scatterer. `ask.seen`: per unit of the path's weight.
 fn gather<M: Mode>(
     manifold: &Manifold<'_, M>,
     (walker, vertex, scatter, frame): (&mut Walker<'_, M>, &Vertex, &Scatter, Frame),
-    (screens, lamp): (&Screens<M>, [f64; 2]),
+    (screens, ask): (&Screens<M>, Ask),
     out: &mut [Light],
     scratch: &mut Ledger,
 ) {
@@ -120,7 +127,8 @@ fn gather<M: Mode>(
     let interior = |dir: glam::DVec3| walker.interior_at(vertex, frame.to_local(dir).z < 0.0);
     let trail = Trail::join(walker.trail, scatter.event(), Trail::START.then(Event::Specular));
     let at = (vertex.hit.point, vertex.hit.site);
-    screens.gather(tracing, at, &interior, lamp, &mut rng, scratch, |incoming: Incoming<'_, M>| {
+    let ask = Ask { seen: ask.seen * walker.beam.weight(), ..ask };
+    screens.gather(tracing, at, &interior, ask, &mut rng, scratch, |incoming: Incoming<'_, M>| {
         let Some(lamp) = manifold.world.lamps.get(incoming.lamp) else { return };
         let Some(share) = manifold.route.from_eye(lamp.group, trail) else { return };
         let d_out = frame.to_local(incoming.dir);

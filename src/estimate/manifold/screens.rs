@@ -30,13 +30,19 @@ use sheet::Cell;
 pub(super) use sheet::{Crossing, SLIDES};
 use std::sync::Arc;
 
-/// Largest error of an interpolated strength or direction (radians) that is let pass.
+/// Largest error of an interpolated strength or direction (radians) that is let pass, for a train that has all light of a
+/// face; one with less may err more, but no more than `MOST_SLACK` times as much.
 const TOLERANCE: f64 = 3e-4;
+const MOST_SLACK: f64 = 10.0;
 /// Directions nearer than this, in radians, are the same solution.
 const SAME: f64 = 1e-6;
-/// The same where one is interpolated for the same point of the lamp, and for another point.
-const NEARLY_SAME: f64 = 3.0 * TOLERANCE;
+/// The same where one is interpolated for the same point of the lamp, in tolerances, and for another point.
+const NEARLY_SAME: f64 = 3.0;
 const ABOUT_SAME: f64 = 1e-2;
+/// What a train brings of a face's light, times what the eye sees of that, from which on every lamp is asked. Of less it
+/// is some of them, and what they bring stands for all.
+const WORTH_EVERY_LAMP: f64 = 4e-4;
+const FEWEST_LAMPS: f64 = 1.0 / 16.0;
 /// Sheets of one train and lamp.
 const MOST_SHEETS: usize = 4;
 
@@ -63,6 +69,17 @@ impl Known {
     }
 }
 
+/// What a point of a scatterer asks lamps for.
+#[derive(Debug, Clone, Copy)]
+pub struct Ask {
+    /// Where on them.
+    pub uv: [f64; 2],
+    /// The share of what a pixel shows that comes from here.
+    pub seen: f64,
+    /// Where the turns begin if not all lamps are asked, from 0 to 1.
+    pub turn: f64,
+}
+
 /// Light that comes to a point of a scatterer.
 pub struct Incoming<'s, M: Mode> {
     pub lamp: usize,
@@ -87,6 +104,14 @@ impl<M: Mode> Screens<M> {
         Screens { lit, plan: screens.to_vec() }
     }
 
+    /// Both together.
+    #[must_use]
+    pub fn and(mut self, others: Screens<M>) -> Screens<M> {
+        self.lit.extend(others.lit);
+        self.plan.extend(others.plan);
+        self
+    }
+
     /// The same for a pass: at several wavelengths each has its own, and faces lit at them.
     pub fn of_pass(self: &Arc<Self>, world: &World, optics: &Optics<M>) -> Arc<Self> {
         if M::LANES == 1 || self.plan.is_empty() {
@@ -105,32 +130,42 @@ impl<M: Mode> Screens<M> {
         self.lit.is_empty()
     }
 
-    /// Calls `visit` with what comes to a point of a face from each lamp. `uv`: where on the lamps. `interior`: around the
-    /// ray that leaves the point towards a lamp.
+    /// Calls `visit` with what comes to a point of a face from each lamp. `interior`: around the ray that leaves the point
+    /// towards a lamp.
     #[allow(clippy::too_many_arguments)] // what a point of a face knows
     pub fn gather(
         &self,
         (world, optics): (&World, &Optics<M>),
         (point, site): (DVec3, Site),
         interior: &dyn Fn(DVec3) -> Interior,
-        uv: [f64; 2],
+        ask: Ask,
         rng: &mut Rng,
         ledger: &mut Ledger,
         mut visit: impl FnMut(Incoming<'_, M>),
     ) {
         for lit in self.lit.iter().filter(|lit| (lit.map.part, lit.map.face) == (site.part, site.face)) {
             let Some(spot) = lit.map.spot(point) else { continue };
+            let chance = (lit.share * ask.seen / WORTH_EVERY_LAMP).clamp(FEWEST_LAMPS, 1.0);
+            let mut turn = ask.turn;
             for entry in &lit.entries {
+                turn += chance;
+                if turn < 1.0 {
+                    continue;
+                }
+                turn -= 1.0;
                 let Some(lamp) = world.lamps.get(entry.lamp) else { continue };
                 let of = |wanted: Cell| entry.sheets.iter().filter(move |sheet| sheet.cell(&lit.map, &spot) == wanted);
-                let x = lamp.sample_point(uv);
+                let x = lamp.sample_point(ask.uv);
                 let off = entry.middle.local(x.position - entry.middle.point);
                 let mut known = Known::default();
                 for sheet in of(Cell::Interpolated) {
                     ledger.work += cost::READ;
                     let incoming = sheet.interpolate(world, optics, &spot, entry.lamp, off);
-                    if let Some(incoming) = incoming.filter(|incoming| known.add(incoming.dir, NEARLY_SAME)) {
-                        visit(Incoming { letters: &lit.letters, ..incoming });
+                    if let Some(incoming) =
+                        incoming.filter(|incoming| known.add(incoming.dir, NEARLY_SAME * lit.tolerance))
+                    {
+                        let light = lanes::<M, _>(|lane| incoming.light[lane].scaled(1.0 / chance));
+                        visit(Incoming { letters: &lit.letters, light, ..incoming });
                     }
                 }
                 let target = Target::new(x.position, x.normal);
@@ -143,7 +178,7 @@ impl<M: Mode> Screens<M> {
                     let start = (point, site, interior(dir), rng.fork());
                     let found = lit.follow((world, optics), entry.lamp, start, dir, ledger, |_| {});
                     let Some((light, alone)) = found else { continue };
-                    let light = lanes::<M, _>(|lane| light[lane].scaled(factor));
+                    let light = lanes::<M, _>(|lane| light[lane].scaled(factor / chance));
                     visit(Incoming { lamp: entry.lamp, letters: &lit.letters, dir, light, alone });
                 }
             }

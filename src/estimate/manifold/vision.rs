@@ -36,7 +36,7 @@ pub struct Manifold<'w, M: Mode> {
     pub(super) route: Route,
     connections: Arc<Connections>,
     tables: Option<Tables<M>>,
-    pub(super) glances: Option<Glances<M>>,
+    pub(super) glances: Option<Arc<Glances<M>>>,
     screens: Arc<Screens<M>>,
     pub(super) seed: u64,
 }
@@ -46,7 +46,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         world: &'w World,
         route: Route,
         (connections, tables): (Arc<Connections>, Option<Tables<M>>),
-        (screens, glances): (Arc<Screens<M>>, Option<Glances<M>>),
+        (screens, glances): (Arc<Screens<M>>, Option<Arc<Glances<M>>>),
         seed: u64,
     ) -> Self {
         Manifold { mode: PhantomData, world, route, connections, tables, glances, screens, seed }

@@ -1,12 +1,13 @@
 //! How the tables are filled: trains as rays from the eye find them, node by node, and cell by cell on trial.
 
-use super::{Glance, Glances, Landing, OUTER, OVER_PUPIL, Use};
+use super::{Glance, Glances, Landing, OUTER, OVER_PUPIL, Use, follow};
 use crate::base::chain::{Chain, Link};
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::look::to_scatterer;
 use crate::estimate::manifold::nodes::Spot;
 use crate::estimate::manifold::screens::Screens;
+use crate::estimate::turn::Faint;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::world::World;
 use crate::world::geometry::Ray;
@@ -22,20 +23,20 @@ use std::collections::BTreeMap;
 /// Rays from the eye that look for trains, along both axes of the picture.
 const LOOKS: usize = 12;
 /// Most trains, and the least light of one over that of the best.
-const MOST: usize = 4;
-const WORTH: f64 = 1e-3;
+const MOST: usize = 8;
+const WORTH: f64 = 1e-6;
 /// Trains with less than this share are done without where they end, or can't be kept in a table.
-const FAINT: f64 = 0.02;
+const LITTLE: f64 = 0.02;
 /// The ray itself is followed with this probability where the tables did well on trial, and always where they were off by
 /// this share. A place that is off by a pixel counts as this much.
-const LEAST: f64 = 1.0 / 8.0;
-const POOR: f64 = 0.01;
+const LEAST: f64 = 1.0 / 16.0;
+const POOR: f64 = 0.02;
 const SHARP: f64 = 0.2;
 /// Where a cell is tried, in radii of the pupil.
 const TRIALS: [DVec2; 4] = [DVec2::new(0.6, 0.3), DVec2::new(-0.3, 0.6), DVec2::new(-0.6, -0.3), DVec2::new(0.3, -0.6)];
 
 /// The ray itself is always followed.
-const NONE: Use = Use { share: 1.0, known: 0 };
+const NONE: Use = Use { share: 1.0, known: 0, in_part: 0, whole: false };
 
 /// Specular faces, and the scatterer behind them as (part, face).
 type Way = (Chain, (u32, u32));
@@ -48,8 +49,8 @@ impl<M: Mode> Glances<M> {
         let best = trains.iter().fold(0.0, |best: f64, (_, weight)| best.max(*weight));
         for (index, ((chain, face), weight)) in trains.into_iter().enumerate() {
             let usable = index < MOST && chain.0.iter().all(|link| is_smooth(tracing.0, link));
-            let glance = if usable { self.fill(tracing, chain, face) } else { None };
-            if glance.is_none() && weight > FAINT * best {
+            let glance = if usable { self.fill(tracing, (chain, face), weight / best) } else { None };
+            if glance.is_none() && weight > LITTLE * best {
                 // Light that only followed rays bring: they must not be few.
                 self.glances.clear();
                 break;
@@ -74,7 +75,8 @@ impl<M: Mode> Glances<M> {
             let film = self.over.film_at(at);
             let rng = Rng::new(0, Stream::Pilot, 5, k as u64);
             let walker = start((world, optics), film, DVec2::ZERO, rng).recording();
-            to_scatterer(walker, 1.0, &mut ledger, &mut |walker: &mut Walker<'_, M>, vertex: &Vertex, _, _, _| {
+            let all = Faint { whole: 1.0, often: f64::INFINITY };
+            to_scatterer(walker, all, &mut ledger, &mut |walker: &mut Walker<'_, M>, vertex: &Vertex, _, _, _| {
                 let face = (vertex.hit.site.part, vertex.hit.site.face);
                 let chain = walker.chain().filter(|_| screens.has_face(face));
                 if let Some(chain) = chain {
@@ -91,20 +93,15 @@ impl<M: Mode> Glances<M> {
     /// Follows a ray over a train to a face.
     fn follow<'w>(
         &self,
-        (world, optics): Tracing<'w, M>,
+        tracing: Tracing<'w, M>,
         (film, pupil): (DVec2, DVec2),
         chain: &Chain,
         face: (u32, u32),
     ) -> Option<(Walker<'w, M>, Vertex)> {
-        let mut ledger = Ledger::new(world.solids.len());
-        let mut walker = start((world, optics), film, pupil, Rng::new(0, Stream::Pilot, 6, 0));
-        let whole = walker.follow(chain.0.iter().copied(), &mut ledger, |_, _, _| {});
-        let vertex = whole.then(|| walker.reach_face(face, &mut ledger)).flatten()?;
-        walker.heal(&vertex, &mut ledger);
-        (walker.beam.count() == M::LANES).then_some((walker, vertex))
+        follow(start(tracing, film, pupil, Rng::new(0, Stream::Pilot, 6, 0)), chain, face)
     }
 
-    fn fill(&self, tracing: Tracing<'_, M>, chain: Chain, face: (u32, u32)) -> Option<Glance<M>> {
+    fn fill(&self, tracing: Tracing<'_, M>, (chain, face): Way, share: f64) -> Option<Glance<M>> {
         let over_pupil = |k: usize| DVec2::new(k as f64 % 3.0 - 1.0, (k / 3) as f64 - 1.0) * (OUTER * self.radius);
         let landed = |at: usize| -> [Option<(Walker<'_, M>, Vertex)>; OVER_PUPIL] {
             let film = self.over.film(self.over.nodes.at_node(at));
@@ -122,15 +119,16 @@ impl<M: Mode> Glances<M> {
                 && at.outside == vertex.outside
                 && touching(at) == touching(&vertex)
         };
-        let node = |at: usize| -> Option<[Landing<M>; OVER_PUPIL]> {
+        let node = |at: usize| -> (bool, Option<[Landing<M>; OVER_PUPIL]>) {
             let all = landed(at);
+            let any = all.iter().any(Option::is_some);
             let landing = |one: &Option<(Walker<'_, M>, Vertex)>| one.as_ref().filter(|one| alike(one)).map(landing);
             let all: Option<Vec<Landing<M>>> = all.iter().map(landing).collect();
-            all?.try_into().ok()
+            (any, all.and_then(|all| all.try_into().ok()))
         };
-        let nodes = (0..self.over.nodes.number()).into_par_iter().map(node).collect();
+        let (lands, nodes) = (0..self.over.nodes.number()).into_par_iter().map(node).unzip();
         let Walker { trail, told, interior, events, .. } = walker;
-        Some(Glance { chain, vertex, trail, told, interior, events, nodes })
+        Some(Glance { chain, share, vertex, trail, told, interior, events, lands, nodes })
     }
 
     /// How a cell is to be used, by rays through its middle.
@@ -138,15 +136,20 @@ impl<M: Mode> Glances<M> {
         let middle = self.over.nodes.at_node(cell) + 0.5;
         let Some(spot) = self.over.nodes.spot(middle) else { return NONE };
         let film = self.over.film(middle);
-        let (mut known, mut worst, mut best) = (0u32, 0f64, 0f64);
+        let (mut known, mut in_part, mut worst, mut best) = (0u32, 0u32, 0f64, 0f64);
         for (k, glance) in self.glances.iter().enumerate() {
             let has = |(node, _): &(usize, f64)| glance.nodes[*node].is_some();
             let count = spot.nodes().filter(has).count();
             let trial = if count == 16 { self.error(tracing, glance, &spot, film) } else { None };
             let Some((off, weight)) = trial else {
+                if glance.is_faint() {
+                    let lands = spot.nodes().any(|(node, _)| glance.lands[node]);
+                    in_part |= u32::from(lands) << k;
+                    continue;
+                }
                 // Its light is left to the rays that are followed: much of it must not be.
                 let share = self.share_beside(tracing, glance, film, best);
-                if share > FAINT {
+                if share > LITTLE {
                     return NONE;
                 }
                 continue;
@@ -155,12 +158,34 @@ impl<M: Mode> Glances<M> {
             known |= 1 << k;
             worst = worst.max(off * weight / best);
         }
-        if known == 0 { NONE } else { Use { share: (worst / POOR).clamp(LEAST, 1.0), known } }
+        if known == 0 {
+            return NONE;
+        }
+        let whole = !TRIALS.iter().any(|trial| self.lands_elsewhere(tracing, film, *trial * self.radius));
+        Use { share: (worst / POOR).clamp(LEAST, 1.0), known, in_part, whole }
+    }
+
+    /// Whether a ray meets scatterers that no train of ours leads to.
+    fn lands_elsewhere(&self, tracing: Tracing<'_, M>, film: DVec2, pupil: DVec2) -> bool {
+        let mut ledger = Ledger::new(tracing.0.solids.len());
+        let mut elsewhere = false;
+        let walker = start(tracing, film, pupil, Rng::new(0, Stream::Pilot, 6, 2));
+        to_scatterer(
+            walker,
+            Faint { whole: 1.0, often: 1.0 },
+            &mut ledger,
+            &mut |_: &mut Walker<'_, M>, vertex: &Vertex, _, _, _| {
+                let face = (vertex.hit.site.part, vertex.hit.site.face);
+                elsewhere |= !self.glances.iter().any(|glance| glance.face() == face);
+            },
+        );
+        // Narrow lobes, and what leaves its class.
+        elsewhere || ledger.not_owned > 0.0
     }
 
     /// Of the light of the best train, the share that comes over another one to a place in the picture.
     fn share_beside(&self, tracing: Tracing<'_, M>, glance: &Glance<M>, film: DVec2, best: f64) -> f64 {
-        let face = (glance.vertex.hit.site.part, glance.vertex.hit.site.face);
+        let face = glance.face();
         let weight = |trial: &DVec2| {
             let found = self.follow(tracing, (film, *trial * self.radius), &glance.chain, face);
             found.map_or(0.0, |(walker, _)| walker.beam.weight())
@@ -172,14 +197,13 @@ impl<M: Mode> Glances<M> {
     /// By how much the table of a train is off in the middle of a cell, as a share, and what light it brings; none where a
     /// ray does not land.
     fn error(&self, tracing: Tracing<'_, M>, glance: &Glance<M>, spot: &Spot, film: DVec2) -> Option<(f64, f64)> {
-        let site = glance.vertex.hit.site;
         let (mut worst, mut light) = (0f64, 0f64);
         let point = |node: usize| Some(glance.nodes.get(node)?.as_ref()?[OVER_PUPIL / 2].point);
         let pixel_m = point(spot.cell)?.distance(point(spot.cell + 1)?) / self.over.pixels;
         for trial in TRIALS {
             let pupil = trial * self.radius;
-            let (walker, vertex) = self.follow(tracing, (film, pupil), &glance.chain, (site.part, site.face))?;
-            let blend = glance.blend(&self.look_at(*spot, pupil, NONE))?;
+            let (walker, vertex) = self.follow(tracing, (film, pupil), &glance.chain, glance.face())?;
+            let blend = glance.blend(&self.look_at(*spot, pupil))?;
             let (table, _) = glance.land(tracing, &blend, 1.0, Rng::new(0, Stream::Pilot, 6, 1))?;
             let real = landing(&(walker, vertex));
             let of_lane = |lane: usize| (table.beam.amount(lane).power() / real.weight[lane] - 1.0).abs();

@@ -2,7 +2,7 @@
 
 use super::lit::{Entry, Lit, Solution, letter};
 use super::sheet::{Cell, Crossing, Node, Sheet, beyond};
-use super::{MOST_SHEETS, SAME, TOLERANCE};
+use super::{MOST_SHEETS, MOST_SLACK, SAME, TOLERANCE};
 use crate::estimate::manifold::face_map::FaceMap;
 use crate::estimate::manifold::nodes::Spot;
 use crate::estimate::manifold::solve::Target;
@@ -34,7 +34,8 @@ impl<M: Mode> Lit<M> {
     /// With the coarsest map that does for most of the face.
     pub(super) fn new(world: &World, optics: &Optics<M>, screen: &Screen) -> Option<Lit<M>> {
         let [coarse @ .., finest] = CELLS;
-        let good = coarse.into_iter().find_map(|cells| {
+        let first = if slack(screen) >= MOST_SLACK { Some(COARSE) } else { None };
+        let good = first.into_iter().chain(coarse).find_map(|cells| {
             let lit = Lit::with_cells(world, optics, screen, cells)?;
             (lit.solved_share() <= FEW).then_some(lit)
         });
@@ -53,7 +54,8 @@ impl<M: Mode> Lit<M> {
         let map = FaceMap::new(world, screen, cells)?;
         let chain = screen.train.chain().reversed();
         let letters = chain.0.iter().map(|link| letter(world, link)).collect();
-        let mut lit = Lit { map, train: screen.train.clone(), chain, letters, entries: Vec::new() };
+        let (share, tolerance) = (screen.share, TOLERANCE * slack(screen));
+        let mut lit = Lit { map, train: screen.train.clone(), chain, letters, entries: Vec::new(), share, tolerance };
         let lamps = world.lamps.all().iter().enumerate();
         let lamps: Vec<(usize, &Lamp)> =
             lamps.filter(|(_, lamp)| lamp.group == screen.group && lamp.flux_lm > 0.0).collect();
@@ -151,7 +153,7 @@ impl<M: Mode> Lit<M> {
                 Some(light[0] * found.factor)
             };
             let from = self.map.place(tracing.0, self.map.nodes.at_node(*at));
-            let all = from.and_then(|from| self.aside(tracing, entry, (from, node.dir), strength));
+            let all = from.and_then(|from| self.aside(tracing, entry, (from, node.dir, node.by_lamp), strength));
             all.is_some_and(|all| all.iter().all(|s| (s - node.strength[0]).abs() <= 0.5 * node.strength[0]))
         });
         // Near folds and rims it never is; a good part of the face has to be.
@@ -159,22 +161,22 @@ impl<M: Mode> Lit<M> {
     }
 
     /// What `of` makes of the solutions for four points about the lamp's middle, near the rim of a square one; `middle`: the
-    /// direction towards that. None where one is missing.
+    /// direction towards that, `by_lamp`: how it changes with the place on the lamp. None where one is missing.
     pub(super) fn aside<T>(
         &self,
         tracing: (&World, &Optics<M>),
         entry: &Entry<M>,
-        (from, middle): ((DVec3, Site), DVec3),
+        (from, middle, by_lamp): ((DVec3, Site), DVec3, [DVec3; 2]),
         of: impl Fn((DVec3, Site), &Solution) -> Option<T>,
     ) -> Option<ArrayVec<T, 4>> {
         // Of the lamp's radius: corners of a square are a little farther out.
         const ASIDE: f64 = 0.7;
-        let [a, b] = entry.middle.across.map(|axis| axis * (ASIDE * entry.size));
-        let point = |off: DVec3| {
-            let target = Target { point: entry.middle.point + off, ..entry.middle };
-            of(from, &self.newton(tracing, entry, from, middle, &target)?)
+        let far = ASIDE * entry.size;
+        let point = |(axis, by): (usize, f64)| {
+            let target = Target { point: entry.middle.point + by * entry.middle.across[axis], ..entry.middle };
+            of(from, &self.newton(tracing, entry, from, middle + by * by_lamp[axis], &target)?)
         };
-        [a, -a, b, -b].into_iter().map(point).collect()
+        [(0, far), (0, -far), (1, far), (1, -far)].into_iter().map(point).collect()
     }
 
     /// Adds nodes just beyond what is lit, by cubics through the four nodes next to them along a row or a column: where
@@ -249,7 +251,9 @@ impl<M: Mode> Lit<M> {
         middle: &Solution,
     ) -> Option<Cell> {
         // Near a fold the lamp's points have solutions of very different strength, or none: few would bring much.
-        let factors = self.aside(tracing, entry, (from, middle.dir), |_, found| Some(found.factor));
+        let near = spot.nodes().filter_map(|(node, weight)| Some((sheet.nodes[node].as_ref()?, weight)));
+        let by_lamp = near.max_by(|a, b| a.1.total_cmp(&b.1)).map_or([DVec3::ZERO; 2], |(node, _)| node.by_lamp);
+        let factors = self.aside(tracing, entry, (from, middle.dir, by_lamp), |_, found| Some(found.factor));
         let alike = |factor: &f64| (factor - middle.factor).abs() <= UNEVEN * middle.factor;
         let Some(factors) = factors.filter(|factors| factors.iter().all(alike)) else { return Some(Cell::Nothing) };
         if !whole {
@@ -257,27 +261,34 @@ impl<M: Mode> Lit<M> {
         }
         let Some(blend) = sheet.blend(spot, DVec2::ZERO) else { return Some(Cell::Solved) };
         let (world, _) = tracing;
-        let Some(found) = self.node(tracing, entry, spot.at, middle.dir) else {
+        let Some((light, alone, slides)) = self.probe(tracing, entry.lamp, from, middle.dir) else {
             return if has_ended(tracing, sheet, spot) { None } else { Some(Cell::Solved) };
         };
-        if blend.slides.len() != found.slides.len() || blend.alone != found.alone {
+        if blend.slides.len() != slides.len() || blend.alone != alone {
             return Some(Cell::Solved);
         }
-        let errs =
-            |lane: usize| (blend.strength[lane] - found.strength[lane]).abs() > TOLERANCE * found.strength[lane].abs();
-        let moved = |((_, at), crossing): (&(usize, DVec3), &Crossing)| {
-            at.distance(crossing.local) > TOLERANCE * world.slides[crossing.slide].size()
+        let errs = |lane: usize| {
+            let found = light[lane] * middle.factor;
+            !found.is_finite() || (blend.strength[lane] - found).abs() > self.tolerance * found.abs()
         };
-        let turned = blend.dir.distance(found.dir) > TOLERANCE;
-        let wrong = turned || (0..M::LANES).any(errs) || blend.slides.iter().zip(&found.slides).any(moved);
+        let moved = |((_, at), (slide, local)): (&(usize, DVec3), &(usize, DVec3))| {
+            at.distance(*local) > self.tolerance * world.slides[*slide].size()
+        };
+        let turned = blend.dir.distance(middle.dir) > self.tolerance;
+        let wrong = turned || (0..M::LANES).any(errs) || blend.slides.iter().zip(&slides).any(moved);
         if wrong {
             return Some(Cell::Solved);
         }
         // The middle of the lamp has to stand for all of it.
         let mean = factors.iter().sum::<f64>() / factors.len() as f64;
-        let even = (mean - middle.factor).abs() <= EVEN * middle.factor;
+        let even = (mean - middle.factor).abs() <= EVEN * (self.tolerance / TOLERANCE) * middle.factor;
         Some(if even { Cell::Interpolated } else { Cell::Solved })
     }
+}
+
+/// How much more a train's tables may err than those of one that has all light.
+fn slack(screen: &Screen) -> f64 {
+    (1.0 / screen.share).clamp(1.0, MOST_SLACK)
 }
 
 /// Whether the nodes about a spot, which are whole, say that it lies beside a slide's picture.

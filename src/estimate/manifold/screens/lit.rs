@@ -50,6 +50,10 @@ pub(super) struct Lit<M: Mode> {
     /// What happens on it.
     pub(super) letters: Vec<Letter>,
     pub(super) entries: Vec<Entry<M>>,
+    /// Of the face's light.
+    pub(super) share: f64,
+    /// Largest error of what is interpolated.
+    pub(super) tolerance: f64,
 }
 
 /// What a path does at a face of a chain.

@@ -128,7 +128,8 @@ impl<M: Mode> Sheet<M> {
             for lane in 0..M::LANES {
                 strength[lane] += weight * node.strength[lane];
             }
-            local.iter_mut().zip(node.local).for_each(|(sum, at)| *sum += weight * at);
+            let crossed = local.iter_mut().zip(node.local).take(near.slides.len());
+            crossed.for_each(|(sum, at)| *sum += weight * at);
         }
         let mut slides: ArrayVec<(usize, DVec3), SLIDES> =
             near.slides.iter().zip(local).map(|(crossing, at)| (crossing.slide, at)).collect();
