@@ -239,6 +239,9 @@ impl Making<'_> {
                 self.checked.scene().group(group).name
             )
         }));
+        if plan.photons_part {
+            plan.notes.push("photons go both ways on from interfaces: connection leaves them little light".to_owned());
+        }
         let idle: Vec<Estimator> = Estimator::ALL.into_iter().filter(|estimator| !plan.runs(*estimator)).collect();
         plan.notes.extend(idle.iter().map(|estimator| format!("{} does not run: it owns no paths", estimator.name())));
         if self.checked.facts().no_light {

@@ -1,0 +1,173 @@
+//! Gathering: at the first broad scatterer that the eye sees through specular faces, what photons bring to it.
+
+use super::PhotonMapper;
+use crate::base::lpe::Letter;
+use crate::base::path::{Event, Trail};
+use crate::base::rng::Stream;
+use crate::base::warp::{Frame, disk};
+use crate::estimate::ledger::{Ledger, cost};
+use crate::estimate::manifold::glances::{Glanced, Rest};
+use crate::estimate::photon_map::{Photon, PhotonMap};
+use crate::estimate::pixel::Pixel;
+use crate::estimate::turn::Faint;
+use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
+use crate::film::accumulate::{Film, Light, Row};
+use crate::film::plan::Radii;
+use crate::world::World;
+use crate::world::geometry::{Hit, Ray};
+use crate::world::interior::Interior;
+use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
+use crate::world::optics::Optics;
+use crate::world::scatter::Scatter;
+use crate::world::surface::Surface;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The photons of a pass.
+pub(super) struct Maps<M: Mode> {
+    caustic: PhotonMap<M>,
+    secondary: PhotonMap<M>,
+}
+
+impl<M: Mode> Maps<M> {
+    pub(super) fn new(photons: Vec<Photon<M>>, radii: Radii) -> Self {
+        let (secondary, caustic) = photons.into_iter().partition(|photon| photon.trail.has_scatter());
+        Maps { caustic: PhotonMap::new(caustic, radii.caustic), secondary: PhotonMap::new(secondary, radii.secondary) }
+    }
+
+    /// Calls `visit` with each photon near a vertex and the kernel's density there, 1/m².
+    fn each(&self, world: &World, vertex: &Vertex, mut visit: impl FnMut(&Photon<M>, f64)) {
+        let Hit { point, site, normal, .. } = vertex.hit;
+        for map in [&self.caustic, &self.secondary] {
+            // What of the kernel lies beside the face, or behind what stands on it, is made up for by the rest.
+            let around = world.rims.around(site, point, normal, map.radius());
+            map.gather(point, site, |photon, density| {
+                if around.counts(photon.position) {
+                    visit(photon, density / around.share);
+                }
+            });
+        }
+    }
+}
+
+/// Where a photon came from, local to the point that gathers it, on the side of the face at which it arrived. On a
+/// curved face the two normals differ: what grazes the face at the photon may be below the horizon here, and without it
+/// a concave wall of radius R loses the share r²/12R² of its light.
+pub fn on_side(dir: DVec3, through: bool) -> DVec3 {
+    DVec3::new(dir.x, dir.y, if through { -dir.z.abs() } else { dir.z.abs() })
+}
+
+impl<M: Mode> PhotonMapper<'_, M> {
+    /// Returns the counted work.
+    pub(super) fn gather(&self, film: &mut Film, (pass, optics): (u64, &Optics<M>), maps: &Maps<M>) -> u64 {
+        let width = film.width;
+        let mut rows: Vec<_> = film.rows().collect();
+        let of_row = |(y, row): &mut (usize, Row<'_>)| {
+            let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
+            let mut ledger = Ledger::new(self.world.solids.len());
+            for x in 0..width {
+                light.fill(Light::default());
+                let pixel = Pixel::new((x, *y), width, pass);
+                self.pixel((pixel, optics), maps, &mut light, &mut ledger);
+                ledger.work += cost::KEPT;
+                row.add_pass(x, &light);
+            }
+            ledger.work
+        };
+        rows.par_iter_mut().map(of_row).sum()
+    }
+
+    /// Gathers what is seen in a pixel. What tables know of where its ray lands is read there, as specular connection does,
+    /// and now and then the ray itself makes good what they have wrong.
+    fn pixel(&self, (pixel, optics): (Pixel, &Optics<M>), maps: &Maps<M>, out: &mut [Light], ledger: &mut Ledger) {
+        let world = self.world;
+        let mut rng = pixel.rng(self.seed, Stream::PhotonGather);
+        let [x, y, u, v] = pixel.start(self.seed, Stream::PhotonGather, pixel.pass);
+        let film = world.eye.film_of(pixel.x, pixel.y, [x, y]);
+        let pupil = disk([u, v]) * world.eye.pupil_radius_m();
+        let read = |walker: &mut Walker<'_, M>, vertex: &Vertex, _: f64| {
+            let Surface::Scatter(scatter) = &walker.face(vertex).surface else { return };
+            ledger.work += cost::STEP;
+            self.gather_at(walker, (vertex, scatter, &Frame::about(vertex.normal)), maps, out, ledger);
+        };
+        let rest = self.glances.as_ref().map_or(Some(Rest::ALL), |glances| {
+            let of = if self.part { Glanced::Little } else { Glanced::All };
+            glances.read((world, optics), (film, pupil), (1.0, of), &mut rng, read)
+        });
+        let Some(rest) = rest else { return };
+        let (origin, (_, dir), ..) = world.eye.ray_of(film, pupil);
+        let ray = Ray { origin, dir, from: None };
+        let walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0 / rest.share, Interior::default(), rng);
+        self.eye_path(if rest.leaves_out() { walker.recording() } else { walker }, rest, maps, out, ledger);
+    }
+
+    /// Gathers along a ray and its branches. `rest`: what of it tables have not read.
+    fn eye_path(&self, mut walker: Walker<'_, M>, rest: Rest, maps: &Maps<M>, out: &mut [Light], ledger: &mut Ledger) {
+        let faint = Faint { whole: 1.0 / rest.share, often: 1.0 / rest.share };
+        loop {
+            let Met::Face(vertex) = walker.advance(ledger) else { return };
+            let other = if walker.events < SPLIT_FIRST_EVENTS {
+                walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
+            } else {
+                walker.spare(&vertex, faint, ledger)
+            };
+            if let Some(reflected) = other {
+                self.eye_path(reflected, rest, maps, out, ledger);
+            }
+            match walker.meet(&vertex, ledger) {
+                Meeting::Ended => return,
+                Meeting::Went => {}
+                Meeting::Scatter(scatter, frame) if scatter.is_narrow() => {
+                    if walker.scatter(&vertex, scatter, &frame, ledger).is_none() {
+                        return;
+                    }
+                }
+                Meeting::Scatter(scatter, frame) => {
+                    if !self.glances.as_ref().is_some_and(|glances| glances.has_read(rest, &walker, &vertex)) {
+                        self.gather_at(&walker, (&vertex, scatter, &frame), maps, out, ledger);
+                    }
+                    return;
+                }
+            }
+            if !self.reach_eye.allows(walker.trail) {
+                return;
+            }
+        }
+    }
+
+    /// Adds what photons bring to where a path has met a scatterer.
+    fn gather_at(
+        &self,
+        walker: &Walker<'_, M>,
+        (vertex, scatter, frame): (&Vertex, &Scatter, &Frame),
+        maps: &Maps<M>,
+        out: &mut [Light],
+        ledger: &mut Ledger,
+    ) {
+        let d_in = frame.to_local(walker.ray.dir);
+        let sides = walker.sides(vertex, scatter);
+        let visit = |photon: &Photon<M>, density: f64| {
+            ledger.work += cost::GATHERED;
+            // Of what connection has, the path over one scatterer is not ours.
+            if photon.connected && !walker.trail.has_scatter() {
+                return;
+            }
+            let trail = Trail::join(walker.trail, Event::Diffuse, photon.trail);
+            let Some(share) = self.route.from_eye(photon.group, trail) else { return };
+            let through = photon.outside != vertex.outside;
+            let d_out = on_side(frame.to_local(-photon.dir), through);
+            let (index, _) = walker.beyond(vertex, through, 0.0);
+            let (values, alone) = sides.eval(scatter, d_in, d_out);
+            if values.as_slice().iter().all(|value| *value == 0.0) {
+                return;
+            }
+            let plane = self.route.plane(share, |sieve| {
+                sieve.takes(sieve.after(walker.told, Letter::of(Event::Diffuse, through)), photon.told)
+            });
+            let factors = lanes::<M, _>(|lane| values[lane] * density / (index[lane] * index[lane]));
+            let out = plane_of::<M>(out, plane);
+            walker.beam.join(walker.optics, out, (&photon.flux, photon.alone || alone), &factors);
+        };
+        maps.each(self.world, vertex, visit);
+    }
+}

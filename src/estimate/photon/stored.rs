@@ -1,0 +1,107 @@
+//! What photons leave at scatterers on their way, and where they part.
+
+use crate::estimate::both::Both;
+use crate::estimate::emission::{Origin, Visitor};
+use crate::estimate::manifold::screens::Screens;
+use crate::estimate::manifold::solve::Target;
+use crate::estimate::photon_map::Photon;
+use crate::estimate::walk::{Vertex, Walker};
+use crate::world::eye::Arrival;
+use crate::world::mode::Mode;
+use crate::world::scatter::Scatter;
+
+/// Photons of which only a little is left by connection part at every interface: a lens's ghost has some 1e-4 of the light,
+/// and out of ten thousand photons that choose one way thirty would make a way through two reflections. Those that part
+/// bring all ghosts each.
+mod parting {
+    /// Share of what a photon started with that both ways on must have: two reflections by coated lenses have 1e-4, three
+    /// 1e-6.
+    pub const LEAST: f64 = 1e-5;
+    /// Interfaces at which a photon and all its branches may part.
+    pub const MOST: u32 = 1024;
+    /// Paths by which a whole one goes on from the first scatterer.
+    pub const COPIES: f64 = 8.0;
+}
+
+/// What paths leave at broad scatterers.
+pub(super) struct Stored<'s, M: Mode> {
+    pub(super) photons: Vec<Photon<M>>,
+    screens: &'s Screens<M>,
+    /// Where photons part, if they do.
+    parts: Option<Both>,
+    /// Counted work of asking what is connected.
+    pub(super) work: u64,
+}
+
+impl<'s, M: Mode> Stored<'s, M> {
+    pub(super) fn new(screens: &'s Screens<M>, part: bool) -> Self {
+        let parts = part.then(|| Both::new(parting::LEAST, parting::MOST));
+        Stored { photons: Vec::new(), screens, parts, work: 0 }
+    }
+
+    /// Whether the path up to here is one that specular connection returns for its ends.
+    fn is_connected(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex) -> bool {
+        let (Some(chain), Some((lamp, point, normal))) = (walker.chain(), from.face) else { return false };
+        !walker.trail.has_scatter() && !walker.trail.is_empty() && {
+            let target = Target::new(point, normal);
+            let arrives = (vertex.hit.point, vertex.hit.site, walker.ray.dir);
+            self.screens.owns((walker.world, walker.optics), chain, (lamp, &target), arrives, &mut self.work)
+        }
+    }
+}
+
+impl<M: Mode> Visitor<M> for Stored<'_, M> {
+    fn records(&self) -> bool {
+        !self.screens.is_empty()
+    }
+
+    /// What connection leaves comes by faint reflections: photons of that kind should be many and faint, not few and bright.
+    fn least_chance(&self) -> f64 {
+        const OF_THE_REST: f64 = 0.1;
+        if self.screens.is_empty() || self.parts.is_some() { 0.0 } else { OF_THE_REST }
+    }
+
+    fn split_from(&self, walker: &Walker<'_, M>) -> Option<f64> {
+        self.parts.as_ref()?.from(walker)
+    }
+
+    fn most_splits(&self) -> u8 {
+        if self.parts.is_some() { u8::MAX } else { Walker::<M>::MOST_SPLITS }
+    }
+
+    /// A branch has its share for good.
+    fn worth(&self) -> f64 {
+        if self.parts.is_some() { parting::LEAST } else { Walker::<M>::WORTH }
+    }
+
+    fn copies(&self, walker: &Walker<'_, M>) -> f64 {
+        if self.parts.is_some() && !walker.trail.has_scatter() { parting::COPIES * walker.share() } else { 1.0 }
+    }
+
+    fn end(&mut self, _: u64) {
+        if let Some(parts) = &self.parts {
+            parts.next();
+        }
+    }
+
+    fn pupil(&mut self, _: &Walker<'_, M>, _: Origin, _: &Arrival) {}
+
+    fn scatterer(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex, scatter: &Scatter) {
+        if !scatter.is_narrow() {
+            let connected = self.is_connected(walker, from, vertex);
+            let (flux, alone) = walker.beam.stored();
+            self.photons.push(Photon {
+                position: vertex.hit.point,
+                dir: walker.ray.dir,
+                flux,
+                alone,
+                group: from.group,
+                trail: walker.trail,
+                told: walker.told,
+                connected,
+                site: vertex.hit.site,
+                outside: vertex.outside,
+            });
+        }
+    }
+}
