@@ -5,6 +5,7 @@ mod common;
 
 use common::{add_part, block_z, cuboid, face, image, mesh, render, worst_z};
 use eyebox::base::stats::Moments;
+use eyebox::bench::generate;
 use eyebox::check::check;
 use eyebox::estimate::manifold::solve::{Family, Target, newton, trace};
 use eyebox::estimate::run::Films;
@@ -161,6 +162,21 @@ fn what_connection_leaves_is_kept_by_photons() {
         assert!(z.abs() < 4.0, "{path}: z = {z}");
         assert!(photon.stderr() < 0.02 * photon.mean, "{path}: too noisy to tell");
     }
+}
+
+/// LEDs behind a pane whose front is rough and whose back is polished: the front is lit through the back, which stands
+/// before it for whoever looks from the lamps. Nearly all of what photons alone bring is connected.
+#[test]
+fn a_rough_pane_is_connected_through_its_back() {
+    let scene = generate::scene(18);
+    let all = moments(&scene, Choice::Auto, 16, 6, None);
+    let rest = moments(&scene, Choice::Auto, 16, 6, Some(Estimator::Photon));
+    let photon = moments(&scene, Choice::Only(Estimator::Photon), 32, 6, None);
+    let z = (all.mean - photon.mean) / all.stderr().hypot(photon.stderr());
+    println!("{} ± {}, of which {}; photons {} ± {}", all.mean, all.stderr(), rest.mean, photon.mean, photon.stderr());
+    assert!(z.abs() < 4.0, "z = {z}");
+    assert!(photon.stderr() < 0.005 * photon.mean, "too noisy to tell");
+    assert!(rest.mean < 0.02 * all.mean, "{} of {}", rest.mean, all.mean);
 }
 
 /// A hair between the nodes of the tables that connections are read from is seen as in a picture that is too small to have

@@ -9,6 +9,9 @@ use super::solid::{Solid, Surface, Triangle};
 use super::{Geometry, Ray, Site};
 use glam::{DMat3, DVec3};
 
+/// Faces of the same solid that may stand before the one that is asked for.
+const MOST_BEFORE: usize = 16;
+
 /// A point of a face, with first derivatives of what is there.
 #[derive(Debug, Clone, Copy)]
 pub struct Meet {
@@ -103,8 +106,8 @@ impl Instance {
                 self.met(t / scale, local, normal, normal, bend, ray, u32::MAX)
             }
             Surface::Flat | Surface::Faceted | Surface::Curved { .. } => {
-                let (touch, t) = self.nearest(None, solid, ray, None, f64::INFINITY)?;
-                let triangle = solid.triangles.get(touch.slot as usize).filter(|t| t.face == face)?;
+                let (touch, t) = self.nearest_of(solid, face, ray)?;
+                let triangle = solid.triangles.get(touch.slot as usize)?;
                 let (normal, shading) = solid.normals_at(&touch)?;
                 let local = solid.settle(&touch);
                 let bend = match &sheet.surface {
@@ -115,6 +118,22 @@ impl Instance {
                 self.met(t, local, normal, shading, bend, ray, triangle.index)
             }
         }
+    }
+
+    /// The nearest touch of a face, and its distance in metres; other faces of the solid do not hide it: a pane's front is
+    /// met from behind, too.
+    fn nearest_of(&self, solid: &Solid, face: u32, ray: &Ray) -> Option<(Touch, f64)> {
+        let (mut ray, mut behind) = (*ray, 0.0);
+        for _ in 0..MOST_BEFORE {
+            let (touch, t) = self.nearest(None, solid, &ray, None, f64::INFINITY)?;
+            if touch.triangle.face == face {
+                return Some((touch, behind + t));
+            }
+            let hit = self.hit(solid, &touch, t)?;
+            behind += t;
+            ray = Ray { origin: hit.point, from: Some(hit.site), ..ray };
+        }
+        None
     }
 
     /// What was found in mesh units, in the world.

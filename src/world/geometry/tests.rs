@@ -199,3 +199,21 @@ fn points_know_their_solids() {
     }
     assert!(geometry.solids_containing(DVec3::splat(1e3)).is_empty());
 }
+
+/// A box of flat faces without a shape: each is met from both sides, the far ones through the near ones, and what lies
+/// beside is not.
+#[test]
+fn a_face_of_a_mesh_is_met_through_others_of_its_part() {
+    let flat: Vec<Shape> = (0..6).map(|_| Shape::Mesh).collect();
+    let geometry = alone(cuboid(DVec3::splat(-1.0), DVec3::ONE), &flat);
+    let at = |local: DVec3| geometry.part_to_world(0).transform_point3(local);
+    let ray = |x: f64| Ray { origin: at(DVec3::new(x, 0.3, -5.0)), dir: DVec3::Z, from: None };
+    for (face, z) in [(4u32, -1.0), (5, 1.0)] {
+        let meet = geometry.meet(0, face, &ray(0.2), DVec3::ZERO).expect("the ray crosses it");
+        let want = at(DVec3::new(0.2, 0.3, z));
+        assert!((meet.point - want).length() < 1e-15 && (meet.t - 1e-3 * (5.0 + z)).abs() < 1e-15, "{meet:?}");
+        assert!((meet.normal - DVec3::Z * z).length() < 1e-12, "{meet:?}");
+        assert!(geometry.meet(0, face, &ray(1.1), DVec3::ZERO).is_none());
+    }
+    assert!(geometry.meet(0, 0, &ray(0.2), DVec3::ZERO).is_none());
+}
