@@ -8,7 +8,9 @@ use eyebox::base::stats::Moments;
 use eyebox::bench::generate;
 use eyebox::check::check;
 use eyebox::estimate::manifold::solve::{Family, Target, newton, trace};
+use eyebox::estimate::photon::Landing;
 use eyebox::estimate::run::Films;
+use eyebox::estimate::seen::Seen;
 use eyebox::film::plan::{Estimator, Plan};
 use eyebox::import::{ImportOptions, import};
 use eyebox::plan::{Asked, Choice, Polarisation, plan};
@@ -238,4 +240,28 @@ fn tables_hide_nothing() {
 #[test]
 fn glances_hide_nothing() {
     a_hair_is_seen("hud-diffuse/hud.optics.toml", Some(3e-4), [6, 6]);
+}
+
+/// What photons bring counts as the eye sees it: a matt face shows what arrives on its own side, ρ/π of it wherever it
+/// comes from, and nothing of what arrives behind.
+#[test]
+fn photons_behind_a_wall_are_not_seen() {
+    let scene = generate::scene(5);
+    let world = World::freeze(&scene).expect("the scene can be traced");
+    let seen = Seen::look(&world, 1e-2, &|| false);
+    assert!(!seen.points().is_empty());
+    for sight in seen.points().iter().step_by(100) {
+        let face = &scene.parts[sight.site.part as usize].faces[sight.site.face as usize];
+        let Finish::Lambert { reflectance, .. } = face.finish else { panic!("{face:?}") };
+        let sees = |outside: bool, dir: DVec3| {
+            let (site, position) = (sight.site, sight.point);
+            let landing = Landing { site, position, dir, outside, lumens: 1.0, connected: false, scattered: false };
+            seen.brightness(&world, &landing)
+        };
+        for dir in [DVec3::new(0.1, -1.0, -0.5).normalize(), DVec3::new(-0.6, -0.5, -1.0).normalize()] {
+            let mut both = [false, true].map(|outside| sees(outside, dir) * std::f64::consts::PI);
+            both.sort_by(f64::total_cmp);
+            assert!(both[0] == 0.0 && (both[1] - reflectance).abs() < 1e-12, "{both:?} {reflectance}");
+        }
+    }
 }

@@ -63,6 +63,9 @@ pub struct Landing {
     pub site: Site,
     /// Recentred world, m.
     pub position: DVec3,
+    /// Unit propagation direction, and whether it came from outside the part.
+    pub dir: DVec3,
+    pub outside: bool,
     /// With the slides open.
     pub lumens: f64,
     /// Specular connection has its path.
@@ -176,6 +179,8 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         let landed = photons.iter().filter(|photon| !photon.trail.is_empty()).map(|photon| Landing {
             site: photon.site,
             position: photon.position,
+            dir: photon.dir,
+            outside: photon.outside,
             lumens: photon.flux.as_slice().iter().map(|light| light.open()).sum(),
             connected: photon.connected,
             scattered: photon.trail.has_scatter(),

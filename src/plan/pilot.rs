@@ -306,7 +306,7 @@ pub fn photon(
     // Photons that part tell best what little is left by the trains with most of the light. The others are worth their
     // tables only where it is little.
     let strong = Arc::new(coarse(&strong));
-    let part = !strong.is_empty() && rest_share(&land(&strong, true).0, seen) < LITTLE;
+    let part = !strong.is_empty() && rest_share(world, &land(&strong, true).0, seen) < LITTLE;
     let (landings, paths) = if part {
         let strong = Arc::try_unwrap(strong).unwrap_or_else(|_| coarse(&by_light(&plan.screens).0));
         land(&Arc::new(strong.and(coarse(&weak))), true)
@@ -314,7 +314,7 @@ pub fn photon(
         land(&strong, false)
     };
     // Photons for a little light need not be many.
-    let rest = rest_share(&landings, seen);
+    let rest = rest_share(world, &landings, seen);
     let photons = (pixels as f64 * (PER_PIXEL * rest).clamp(FEWEST, MOST)) as u64;
     let photons = photons.max(if rest < LITTLE { 1 << 12 } else { 1 << 14 });
     let photons = if part { photons / PARTED_WORK } else { photons };
@@ -342,13 +342,14 @@ pub fn by_light(screens: &[Screen]) -> (Vec<Screen>, Vec<Screen>) {
     screens.iter().cloned().partition(|screen| screen.share >= STRONG)
 }
 
-/// Of the flux that photons bring to where the eye sees it, the share that specular connection leaves to them.
-fn rest_share(landings: &[Landing], seen: &Seen) -> f64 {
-    let flux = |counts: &dyn Fn(&Landing) -> bool| -> f64 {
-        let counted = landings.iter().filter(|landing| counts(landing) && seen.sees(landing.site, landing.position));
-        counted.map(|landing| landing.lumens).sum()
-    };
-    let (all, rest) = (flux(&|_| true), flux(&|landing| !landing.connected));
+/// Of what the eye sees by the photons, the share that specular connection leaves to them.
+fn rest_share(world: &World, landings: &[Landing], seen: &Seen) -> f64 {
+    let (mut all, mut rest) = (0.0, 0.0);
+    for landing in landings {
+        let light = landing.lumens * seen.brightness(world, landing);
+        all += light;
+        rest += if landing.connected { 0.0 } else { light };
+    }
     if all > 0.0 { rest / all } else { 1.0 }
 }
 
@@ -363,10 +364,10 @@ fn spacing(landings: &[Landing], seen: &Seen, counts: &dyn Fn(&Landing) -> bool)
         .points()
         .iter()
         .step_by(step)
-        .map(|(site, point)| {
-            let here =
-                counted.iter().filter(|landing| (landing.site.part, landing.site.face) == (site.part, site.face));
-            let mut distances: Vec<f64> = here.map(|landing| landing.position.distance(*point)).collect();
+        .map(|sight| {
+            let of_face = (sight.site.part, sight.site.face);
+            let here = counted.iter().filter(|landing| (landing.site.part, landing.site.face) == of_face);
+            let mut distances: Vec<f64> = here.map(|landing| landing.position.distance(sight.point)).collect();
             if distances.len() < NEIGHBOURS {
                 return f64::INFINITY;
             }
