@@ -9,6 +9,7 @@
 pub mod bend;
 mod bound;
 mod cast;
+mod covered;
 pub mod curved;
 pub mod exact;
 mod grid;
@@ -68,7 +69,7 @@ pub struct Site {
     pub part: u32,
     /// Face of the part.
     pub face: u32,
-    /// Triangle of the part's mesh.
+    /// Triangle of the part's mesh; of an exact face any.
     pub triangle: u32,
 }
 

@@ -42,8 +42,8 @@ pub struct Triangle {
     pub index: u32,
 }
 
-/// Finds the slot of a grid's triangle that contains a point.
-type Find = fn(&Grid, &Shear, DVec3) -> Option<u32>;
+/// Whether a grid's triangles contain a point.
+type Covers = fn(&Grid, &Shear, DVec3) -> bool;
 
 /// The surface of a face.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,7 +118,7 @@ impl Solid {
             }
         };
         for (face, grid) in &self.grids {
-            if let Some(touch) = self.look_up(*face, grid, line, reach, Grid::find) {
+            if let Some(touch) = self.look_up(*face, grid, line, reach, Grid::covers) {
                 consider(touch, &mut reach);
             }
         }
@@ -160,13 +160,14 @@ impl Solid {
         if self.grids.is_empty() { Some(line.start) } else { self.tree.bounds.enter(line.origin, line.dir) }
     }
 
-    /// Where the line meets a face that has a grid, with 0 < t ≤ reach.
+    /// Where the line meets a face that has a grid, with 0 < t ≤ reach. Its first triangle stands for all of an exact face:
+    /// nobody needs to know which it is.
     #[inline]
-    fn look_up(&self, face: u32, grid: &Grid, line: &Line, reach: f64, find: Find) -> Option<Touch> {
+    fn look_up(&self, face: u32, grid: &Grid, line: &Line, reach: f64, covers: Covers) -> Option<Touch> {
         let sheet = self.faces.get(face as usize)?;
         let (quadric, shear) = match &sheet.surface {
             Surface::Exact { quadric, projection: Projection::Axial(shear), .. } => (quadric, shear),
-            Surface::Curved { curved, .. } => return self.look_up_curved(face, curved, grid, line, reach, find),
+            Surface::Curved { curved, .. } => return self.look_up_curved(face, curved, grid, line, reach, covers),
             Surface::Exact { .. } | Surface::Absent | Surface::Flat | Surface::Faceted => return None,
         };
         let starts_here = sheet.identity == line.from;
@@ -180,10 +181,10 @@ impl Solid {
             let at = line.origin + t * line.dir;
             // The far half of an ellipsoid and the other sheet of a hyperboloid are not meant.
             if quadric.branch(at) > 0.0
-                && let Some(slot) = find(grid, shear, at)
-                && let Some(triangle) = self.triangles.get(slot as usize)
+                && covers(grid, shear, at)
+                && let Some(triangle) = self.triangles.get(grid.first() as usize)
             {
-                return Some(Touch { t, slot, triangle: *triangle, at, weights: [0.0; 3] });
+                return Some(Touch { t, slot: grid.first(), triangle: *triangle, at, weights: [0.0; 3] });
             }
         }
         None
@@ -198,7 +199,7 @@ impl Solid {
         grid: &Grid,
         line: &Line,
         reach: f64,
-        find: Find,
+        covers: Covers,
     ) -> Option<Touch> {
         let shear = curved.shear.as_ref()?;
         let starts_here = self.faces.get(face as usize).is_some_and(|sheet| sheet.identity == line.from);
@@ -208,10 +209,10 @@ impl Solid {
         let mut touch = None;
         // A touch at the reach itself counts.
         let _ = curved.along(line.origin, line.dir, starts_here, reach.next_up(), &mut |t, at| {
-            if let Some(slot) = find(grid, shear, at)
-                && let Some(triangle) = self.triangles.get(slot as usize)
+            if covers(grid, shear, at)
+                && let Some(triangle) = self.triangles.get(grid.first() as usize)
             {
-                touch = Some(Touch { t, slot, triangle: *triangle, at, weights: [0.0; 3] });
+                touch = Some(Touch { t, slot: grid.first(), triangle: *triangle, at, weights: [0.0; 3] });
                 return ControlFlow::Break(());
             }
             ControlFlow::Continue(())
@@ -254,7 +255,7 @@ impl Solid {
             slots.filter_map(|(slot, triangle)| self.touch(slot, triangle, line, reach, &mut probe)).collect();
         // A grid has its own rounding at edges, which is no matter of its cells.
         all.extend(
-            self.grids.iter().filter_map(|(face, grid)| self.look_up(*face, grid, line, reach, Grid::find_of_all)),
+            self.grids.iter().filter_map(|(face, grid)| self.look_up(*face, grid, line, reach, Grid::covers_by_all)),
         );
         all.retain(|touch| touch.t < reach);
         all.into_iter().min_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.index.cmp(&b.triangle.index)))
@@ -274,7 +275,7 @@ impl Solid {
     #[inline(never)]
     fn blocks_of_exact(&self, line: &Line, reach: f64) -> bool {
         let touches = |touch: Option<Touch>| touch.is_some_and(|touch| touch.t < reach);
-        if self.grids.iter().any(|(face, grid)| touches(self.look_up(*face, grid, line, reach, Grid::find))) {
+        if self.grids.iter().any(|(face, grid)| touches(self.look_up(*face, grid, line, reach, Grid::covers))) {
             return true;
         }
         let Some(start) = self.start(line).filter(|start| *start <= reach) else { return false };
