@@ -45,7 +45,7 @@ impl<'w, M: Mode> Walker<'w, M> {
     /// Index of the medium on the side where light is picked up (`through` the face or not), and the medium's
     /// transmittance over `length` metres there.
     pub fn beyond(&self, vertex: &Vertex, through: bool, length: f64) -> (M::Lanes<f64>, M::Lanes<f64>) {
-        let there = if through { self.interior_beyond(vertex) } else { self.interior.clone() };
+        let there = if through { self.interior_beyond(vertex) } else { self.interior };
         let top = there.top(&self.world.solids).map(|(part, _)| part);
         let absorption = top.and_then(|part| self.optics.absorption_in(part));
         let transmittance = absorption.map_or_else(
@@ -59,7 +59,7 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     /// The solids around a ray that leaves the face, `through` it or not.
     pub fn interior_at(&self, vertex: &Vertex, through: bool) -> Interior {
-        if through { self.interior_beyond(vertex) } else { self.interior.clone() }
+        if through { self.interior_beyond(vertex) } else { self.interior }
     }
 
     /// The index behind the face: what fills the space once the ray has gone through.
@@ -69,7 +69,7 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     /// The solids around the ray once it has gone through the face.
     pub(super) fn interior_beyond(&self, vertex: &Vertex) -> Interior {
-        let mut beyond = self.interior.clone();
+        let mut beyond = self.interior;
         let part = vertex.hit.site.part;
         if self.world.solids[part as usize].is_some() {
             let other = vertex.touching.map(|other| (other.site.part, vertex.outside == other.flush));

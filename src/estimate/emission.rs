@@ -212,7 +212,7 @@ impl Emission {
                 let ray = Ray { origin: point.position, dir, from: Some(from) };
                 (
                     ray,
-                    world.lamp_interiors[index].clone(),
+                    world.lamp_interiors[index],
                     Origin { group: lamp.group, visible: true, face: Some((index, point.position, point.normal)) },
                     optics.lamp(index),
                 )
@@ -222,7 +222,7 @@ impl Emission {
                 let (origin, dir) = light.emit(place, uv);
                 let ray = Ray { origin, dir, from: None };
                 let from = Origin { group: light.group(), visible: light.is_visible(), face: None };
-                (ray, world.light_interiors[index].clone(), from, optics.light(index))
+                (ray, world.light_interiors[index], from, optics.light(index))
             }
         };
         let dir = ray.dir;

@@ -132,7 +132,7 @@ fn start<'w>(
                 let dir = lamp.sample_direction(point.normal, rng.pair());
                 let from = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: point.triangle };
                 let ray = Ray { origin: point.position, dir, from: Some(from) };
-                (Source::Face(index), ray, world.lamp_interiors.get(index)?.clone())
+                (Source::Face(index), ray, *world.lamp_interiors.get(index)?)
             } else {
                 let mut left = pick - faces;
                 let mut all = world.lights.all().iter().enumerate().filter(|(_, light)| light.flux_lm() > 0.0);
@@ -142,7 +142,7 @@ fn start<'w>(
                 })?;
                 let (origin, dir) = light.emit(rng.pair(), rng.pair());
                 let ray = Ray { origin, dir, from: None };
-                (Source::Light(index), ray, world.light_interiors.get(index)?.clone())
+                (Source::Light(index), ray, *world.light_interiors.get(index)?)
             };
             let dir = ray.dir;
             let mut walker = Walker::new((world, optics), Travel::FromLamp, ray, 1.0, interior, rng);

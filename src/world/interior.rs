@@ -1,8 +1,6 @@
 //! Which solids a ray is inside of, and which of them fills the space: nested dielectrics by priority
 //! (the rule of Schmidt and Budge, "Simple nested dielectrics in ray traced images", JGT 7(2), 2002).
 
-use arrayvec::ArrayVec;
-
 /// A part that fills space with its medium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solid {
@@ -18,17 +16,29 @@ pub fn outranks(solids: &[Option<Solid>], part: u32, other: u32) -> bool {
     }
 }
 
-/// The solids around a ray. Deeper nesting than [`Interior::DEPTH`] keeps the newest ones.
-#[derive(Debug, Clone, Default, PartialEq)]
+/// The solids around a ray. Deeper nesting than [`Interior::DEPTH`] keeps the newest ones. Every path and every look behind
+/// a face has a copy, so it is plain numbers.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Interior {
-    parts: ArrayVec<u32, { Interior::DEPTH }>,
+    /// Zero beyond `count`.
+    parts: [u32; Interior::DEPTH],
+    count: u8,
 }
 
 impl Interior {
     pub const DEPTH: usize = 8;
 
     pub fn of(parts: impl IntoIterator<Item = u32>) -> Self {
-        Interior { parts: parts.into_iter().take(Self::DEPTH).collect() }
+        let mut interior = Interior::default();
+        for (place, part) in interior.parts.iter_mut().zip(parts) {
+            *place = part;
+            interior.count += 1;
+        }
+        interior
+    }
+
+    fn parts(&self) -> &[u32] {
+        self.parts.get(..usize::from(self.count)).unwrap_or(&self.parts)
     }
 
     /// The solid that fills the space here: the highest priority, and among equals the one listed first in the asset.
@@ -38,7 +48,7 @@ impl Interior {
 
     /// [`Interior::top`] if `part` were not there.
     pub fn top_without<'s>(&self, part: u32, solids: &'s [Option<Solid>]) -> Option<(u32, &'s Solid)> {
-        self.parts
+        self.parts()
             .iter()
             .filter(|&&p| p != part)
             .filter_map(|&p| solids[p as usize].as_ref().map(|solid| (p, solid)))
@@ -47,20 +57,26 @@ impl Interior {
 
     /// Whether `part` is around the ray.
     pub fn contains(&self, part: u32) -> bool {
-        self.parts.contains(&part)
+        self.parts().contains(&part)
     }
 
     pub fn enter(&mut self, part: u32) {
-        if !self.contains(part) {
-            if self.parts.is_full() {
-                self.parts.remove(0);
-            }
-            self.parts.push(part);
+        if self.contains(part) {
+            return;
         }
+        if usize::from(self.count) == Self::DEPTH {
+            self.leave(self.parts[0]);
+        }
+        self.parts[usize::from(self.count)] = part;
+        self.count += 1;
     }
 
     pub fn leave(&mut self, part: u32) {
-        self.parts.retain(|p| *p != part);
+        if let Some(at) = self.parts().iter().position(|p| *p == part) {
+            self.parts.copy_within(at + 1.., at);
+            self.parts[Self::DEPTH - 1] = 0;
+            self.count -= 1;
+        }
     }
 
     /// Makes the list agree with what a hit on `part` proves: a hit from behind means that the ray was inside.
