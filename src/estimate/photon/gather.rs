@@ -146,6 +146,8 @@ impl<M: Mode> PhotonMapper<'_, M> {
     ) {
         let d_in = frame.to_local(walker.ray.dir);
         let sides = walker.sides(vertex, scatter);
+        // Of what lies here, and behind the face.
+        let mut indices: [Option<M::Lanes<f64>>; 2] = [None; 2];
         let visit = |photon: &Photon<M>, density: f64| {
             ledger.work += cost::GATHERED;
             // Of what connection has, the path over one scatterer is not ours.
@@ -156,7 +158,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
             let Some(share) = self.route.from_eye(photon.group, trail) else { return };
             let through = photon.outside != vertex.outside;
             let d_out = on_side(frame.to_local(-photon.dir), through);
-            let (index, _) = walker.beyond(vertex, through, 0.0);
+            let index = indices[usize::from(through)].get_or_insert_with(|| walker.beyond(vertex, through, 0.0).0);
             let (values, alone) = sides.eval(scatter, d_in, d_out);
             if values.as_slice().iter().all(|value| *value == 0.0) {
                 return;
