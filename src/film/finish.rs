@@ -41,6 +41,37 @@ mod contrast {
 /// The light of a pixel in the three channels.
 type Coloured = [Light; 3];
 
+/// The light of all pixels: of each in the three channels one after the other, or once if it is the same in all of them.
+#[derive(Clone)]
+struct Plane {
+    light: Vec<Light>,
+    grey: bool,
+}
+
+impl Plane {
+    fn black(pixels: usize, grey: bool) -> Self {
+        Plane { light: vec![Light::default(); if grey { pixels } else { 3 * pixels }], grey }
+    }
+
+    /// Each channel is there by itself.
+    fn colour(&mut self) {
+        if self.grey {
+            self.light = self.light.iter().flat_map(|light| [*light; 3]).collect();
+            self.grey = false;
+        }
+    }
+
+    fn add(&mut self, other: &Plane) {
+        if self.grey != other.grey {
+            self.colour();
+            let mut other = other.clone();
+            other.colour();
+            return self.add(&other);
+        }
+        self.light.iter_mut().zip(&other.light).for_each(|(sum, light)| sum.add(*light));
+    }
+}
+
 /// What was decided about splitting a group, for the header.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Split {
@@ -88,12 +119,21 @@ pub fn finish_through(
     diffraction: Option<&Diffraction>,
 ) -> Finished {
     let pixels = width * height;
-    let mut planes: BTreeMap<PlaneKey, Vec<Coloured>> = BTreeMap::new();
+    let mut planes: BTreeMap<PlaneKey, Plane> = BTreeMap::new();
     for film in films {
         for (index, key) in film.planes.iter().enumerate() {
-            let plane = planes.entry(*key).or_insert_with(|| vec![Coloured::default(); pixels]);
             let tint = groups[key.group.index()].tint;
-            for (pixel, sums) in plane.iter_mut().enumerate() {
+            let grey = tint == [1.0; 3]
+                && matches!(film.components, Components::Luminance)
+                && diffraction.is_none()
+                && space == ColourSpace::Rec709;
+            let plane = planes.entry(*key).or_insert_with(|| Plane::black(pixels, grey));
+            if grey && plane.grey {
+                plane.light.iter_mut().enumerate().for_each(|(pixel, sum)| sum.add(film.mean(pixel, index)));
+                continue;
+            }
+            plane.colour();
+            for (pixel, sums) in plane.light.chunks_exact_mut(3).enumerate() {
                 let light = coloured(film, pixel, index, tint);
                 let light = if diffraction.is_some() { light } else { in_space(space, light) };
                 sums.iter_mut().zip(light).for_each(|(sum, light)| sum.add(light));
@@ -101,10 +141,18 @@ pub fn finish_through(
         }
     }
     // Red, green and blue are spread by different widths, so other spaces come after that.
-    let applied = diffraction.map(|diffraction| diffraction.spread([width, height], &mut planes));
-    if diffraction.is_some() && space != ColourSpace::Rec709 {
-        planes.values_mut().flatten().for_each(|light| *light = in_space(space, *light));
-    }
+    let applied = diffraction.map(|diffraction| {
+        let split = |plane: Plane| plane.light.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();
+        let mut colours: BTreeMap<PlaneKey, Vec<Coloured>> =
+            std::mem::take(&mut planes).into_iter().map(|(key, plane)| (key, split(plane))).collect();
+        let applied = diffraction.spread([width, height], &mut colours);
+        if space != ColourSpace::Rec709 {
+            colours.values_mut().flatten().for_each(|light| *light = in_space(space, *light));
+        }
+        let joined = |plane: Vec<Coloured>| Plane { light: plane.into_flattened(), grey: false };
+        planes = colours.into_iter().map(|(key, plane)| (key, joined(plane))).collect();
+        applied
+    });
     let mut out = Maker { frame: Frame { width, height, ..Frame::default() }, splits: Vec::new() };
     let mut hybrid = Channels::black(pixels);
     for layer in Layer::SUM_ORDER {
@@ -138,25 +186,19 @@ pub fn finish_through(
     Finished { frame: out.frame, splits: out.splits, invalid, applied }
 }
 
-fn lit(plane: &[Coloured]) -> bool {
-    plane.iter().flatten().any(|l| l.value != 0.0 || l.open() != 0.0)
+fn lit(plane: &Plane) -> bool {
+    plane.light.iter().any(|l| l.value != 0.0 || l.open() != 0.0)
 }
 
 /// The light of each group in the planes of these keys.
-fn by_group(
-    planes: &BTreeMap<PlaneKey, Vec<Coloured>>,
-    has: impl Fn(&PlaneKey) -> bool,
-) -> BTreeMap<GroupId, Cow<'_, [Coloured]>> {
-    let mut groups: BTreeMap<GroupId, Cow<'_, [Coloured]>> = BTreeMap::new();
+fn by_group(planes: &BTreeMap<PlaneKey, Plane>, has: impl Fn(&PlaneKey) -> bool) -> BTreeMap<GroupId, Cow<'_, Plane>> {
+    let mut groups: BTreeMap<GroupId, Cow<'_, Plane>> = BTreeMap::new();
     for (key, plane) in planes.iter().filter(|(key, _)| has(key)) {
         match groups.entry(key.group) {
             Entry::Vacant(first) => {
                 first.insert(Cow::Borrowed(plane));
             }
-            Entry::Occupied(mut sum) => {
-                let entries = sum.get_mut().to_mut().iter_mut().flatten();
-                entries.zip(plane.iter().flatten()).for_each(|(sum, light)| sum.add(*light));
-            }
+            Entry::Occupied(mut sum) => sum.get_mut().to_mut().add(plane),
         }
     }
     groups
@@ -195,8 +237,13 @@ impl Channels {
     fn black(pixels: usize) -> Self {
         Channels(std::array::from_fn(|_| vec![0f32; pixels]))
     }
-    fn of(plane: &[Coloured], value: impl Fn(&Light) -> f64) -> Self {
-        Channels(std::array::from_fn(|c| plane.iter().map(|light| value(&light[c]) as f32).collect()))
+    fn of(plane: &Plane, value: impl Fn(&Light) -> f64) -> Self {
+        if plane.grey {
+            let all: Vec<f32> = plane.light.iter().map(|light| value(light) as f32).collect();
+            return Channels([all.clone(), all.clone(), all]);
+        }
+        let channel = |c: usize| plane.light.iter().skip(c).step_by(3).map(|light| value(light) as f32).collect();
+        Channels(std::array::from_fn(channel))
     }
     /// The f32 sum: `hybrid` is the sum of what is stored.
     fn add(&mut self, other: &Channels) {
@@ -231,7 +278,7 @@ impl Maker {
     }
 
     /// Adds the layers of one group; returns what was stored for the group itself.
-    fn group(&mut self, layer: &str, group: &GroupInfo, plane: &[Coloured]) -> Channels {
+    fn group(&mut self, layer: &str, group: &GroupInfo, plane: &Plane) -> Channels {
         let name = format!("{layer}_{}", group.name);
         if let Some(contrast) = group.contrast {
             self.split(layer, group, &name, contrast, plane);
@@ -241,9 +288,9 @@ impl Maker {
         stored
     }
 
-    fn split(&mut self, layer: &str, group: &GroupInfo, name: &str, contrast: f64, plane: &[Coloured]) {
+    fn split(&mut self, layer: &str, group: &GroupInfo, name: &str, contrast: f64, plane: &Plane) {
         // Light that crossed no slide does not depend on the contrast: there is nothing to split.
-        let all = || plane.iter().flatten();
+        let all = || plane.light.iter();
         if all().all(|l| l.powers[1..].iter().all(|p| *p == 0.0)) {
             return;
         }
