@@ -30,10 +30,23 @@ pub struct Landing {
 impl Bundle {
     /// Follows the train; `index` is that of the medium of a part, or of air. None where the ray misses a face or is
     /// totally reflected where it should go through.
-    pub fn through(mut self, world: &World, train: &Train, index: &impl Fn(Option<u32>) -> f64) -> Option<Bundle> {
+    #[inline]
+    pub fn through(self, world: &World, train: &Train, index: &impl Fn(Option<u32>) -> f64) -> Option<Bundle> {
+        self.through_seen(world, train, index, |_, _| {})
+    }
+
+    /// The same; `straight` sees the bundle before each slide and sheet, which bend nothing.
+    #[inline]
+    pub fn through_seen(
+        mut self,
+        world: &World,
+        train: &Train,
+        index: &impl Fn(Option<u32>) -> f64,
+        mut straight: impl FnMut(&Bundle, &Lens),
+    ) -> Option<Bundle> {
         for lens in &train.0 {
             if lens.link.step == Step::Through && lens.before == lens.after {
-                // A slide or a sheet, which bends nothing.
+                straight(&self, lens);
                 continue;
             }
             let meet = world.geometry.meet(lens.link.part, lens.link.face, &self.ray, DVec3::from_array(lens.about))?;

@@ -101,7 +101,12 @@ pub fn trace(
     train: &Train,
     target: &Target,
 ) -> Option<End> {
-    let bundle = family.bundle(&world.eye, u).through(world, train, index)?;
+    end_of(&family.bundle(&world.eye, u).through(world, train, index)?, target)
+}
+
+/// Where a bundle that has gone through its train meets the plane of the target.
+#[inline]
+pub fn end_of(bundle: &Bundle, target: &Target) -> Option<End> {
     let landing = bundle.land(target.point, target.normal)?;
     let slope = DMat2::from_cols(target.local(landing.by[0]), target.local(landing.by[1]));
     let off = target.local(landing.point - target.point);

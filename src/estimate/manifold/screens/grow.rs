@@ -27,6 +27,10 @@ pub(super) const COARSE: usize = 8;
 const EVEN: f64 = 2e-3;
 /// The same of any of its points from its middle; beyond it photons do better.
 const UNEVEN: f64 = 0.25;
+/// Where a lamp's points are tried, of its radius: corners of a square are a little farther out.
+const ASIDE: f64 = 0.7;
+/// How far from there a ray may meet the lamp instead, of that.
+const BESIDE: f64 = 0.1;
 /// Of the change of direction over a cell, how much a neighbour's solution may differ from the foretold one.
 const FORETOLD: f64 = 0.5;
 
@@ -169,14 +173,44 @@ impl<M: Mode> Lit<M> {
         (from, middle, by_lamp): ((DVec3, Site), DVec3, [DVec3; 2]),
         of: impl Fn((DVec3, Site), &Solution) -> Option<T>,
     ) -> Option<ArrayVec<T, 4>> {
-        // Of the lamp's radius: corners of a square are a little farther out.
-        const ASIDE: f64 = 0.7;
         let far = ASIDE * entry.size;
         let point = |(axis, by): (usize, f64)| {
             let target = Target { point: entry.middle.point + by * entry.middle.across[axis], ..entry.middle };
             of(from, &self.newton(tracing, entry, from, middle + by * by_lamp[axis], &target)?)
         };
         [(0, far), (0, -far), (1, far), (1, -far)].into_iter().map(point).collect()
+    }
+
+    /// The factors for these four points. Any ray that meets the lamp's plane is the solution for where it does: those that are
+    /// foretold meet it beside the points by little, for which the factors' own change makes up. Where they don't, the points
+    /// are solved for.
+    fn factors_aside(
+        &self,
+        tracing: (&World, &Optics<M>),
+        entry: &Entry<M>,
+        (from, middle, by_lamp): ((DVec3, Site), DVec3, [DVec3; 2]),
+    ) -> Option<[f64; 4]> {
+        let far = ASIDE * entry.size;
+        let along = |axis: usize| -> Option<[(f64, DVec2); 2]> {
+            let [one, other] = [far, -far].map(|by| {
+                let target = Target { point: entry.middle.point + by * entry.middle.across[axis], ..entry.middle };
+                let met = self.meet(tracing, entry, from, middle + by * by_lamp[axis], &target);
+                met.filter(|(_, off)| off.length() <= BESIDE * far).or_else(|| {
+                    let start = middle + by * by_lamp[axis];
+                    Some((self.newton(tracing, entry, from, start, &target)?.factor, DVec2::ZERO))
+                })
+            });
+            Some([one?, other?])
+        };
+        let both = [along(0)?, along(1)?];
+        // Per axis: how the factor changes along it.
+        let change = |axis: usize| {
+            let [(one, at), (other, from)] = both[axis];
+            (one - other) / (2.0 * far + at[axis] - from[axis])
+        };
+        let change = DVec2::new(change(0), change(1));
+        let [[a, b], [c, d]] = both.map(|pair| pair.map(|(factor, off)| factor - change.dot(off)));
+        Some([a, b, c, d])
     }
 
     /// Adds nodes just beyond what is lit, by cubics through the four nodes next to them along a row or a column: where
@@ -218,7 +252,7 @@ impl<M: Mode> Lit<M> {
                 return Cell::Nothing;
             }
             let whole = sheet.is_whole(&spot);
-            let start = self.foretell(entry, sheet, &spot, &entry.middle).map(|(dir, _)| dir);
+            let start = self.start(entry, sheet, (&spot, whole), &entry.middle);
             let from = self.map.place(tracing.0, at);
             let solved =
                 start.zip(from).and_then(|(start, from)| self.newton(tracing, entry, from, start, &entry.middle));
@@ -253,7 +287,7 @@ impl<M: Mode> Lit<M> {
         // Near a fold the lamp's points have solutions of very different strength, or none: few would bring much.
         let near = spot.nodes().filter_map(|(node, weight)| Some((sheet.nodes[node].as_ref()?, weight)));
         let by_lamp = near.max_by(|a, b| a.1.total_cmp(&b.1)).map_or([DVec3::ZERO; 2], |(node, _)| node.by_lamp);
-        let factors = self.aside(tracing, entry, (from, middle.dir, by_lamp), |_, found| Some(found.factor));
+        let factors = self.factors_aside(tracing, entry, (from, middle.dir, by_lamp));
         let alike = |factor: &f64| (factor - middle.factor).abs() <= UNEVEN * middle.factor;
         let Some(factors) = factors.filter(|factors| factors.iter().all(alike)) else { return Some(Cell::Nothing) };
         if !whole {

@@ -6,10 +6,11 @@ use crate::base::lpe::Letter;
 use crate::base::path::Event;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
+use crate::estimate::manifold::bundle::Landing;
 use crate::estimate::manifold::connections::index_of;
 use crate::estimate::manifold::face_map::FaceMap;
 use crate::estimate::manifold::nodes::Spot;
-use crate::estimate::manifold::solve::{Family, Target, newton, trace};
+use crate::estimate::manifold::solve::{Family, Target, end_of, newton, trace};
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::film::accumulate::Light;
 use crate::film::train::Train;
@@ -58,8 +59,7 @@ pub(super) struct Lit<M: Mode> {
 
 /// What a path does at a face of a chain.
 pub(super) fn letter(world: &World, link: &Link) -> Letter {
-    let face = world.faces.get(link.part as usize).and_then(|faces| faces.get(link.face as usize));
-    let straight = face.is_some_and(|face| matches!(face.surface, Surface::Slide(_) | Surface::Sheet(_)));
+    let straight = matches!(surface(world, link), Some(Surface::Slide(_) | Surface::Sheet(_)));
     match link.step {
         Step::Through if straight => Letter::TransmitStraight,
         Step::Through => Letter::of(Event::Specular, true),
@@ -67,8 +67,9 @@ pub(super) fn letter(world: &World, link: &Link) -> Letter {
     }
 }
 
-/// How far a probe went aside on the lamp, m, and where it crossed slides.
-pub(super) type Aside = (f64, Vec<(usize, DVec3)>);
+fn surface<'w>(world: &'w World, link: &Link) -> Option<&'w Surface> {
+    Some(&world.faces.get(link.part as usize)?.get(link.face as usize)?.surface)
+}
 
 impl<M: Mode> Lit<M> {
     /// Solves from a start for the direction to the target.
@@ -92,6 +93,24 @@ impl<M: Mode> Lit<M> {
         factor.is_finite().then_some(Solution { dir: long / length, factor })
     }
 
+    /// Where a ray along `axis` meets the plane of the target, from that, m, and the factor of the solution that it is for that
+    /// place.
+    pub(super) fn meet(
+        &self,
+        (world, optics): (&World, &Optics<M>),
+        entry: &Entry<M>,
+        (point, site): (DVec3, Site),
+        axis: DVec3,
+        target: &Target,
+    ) -> Option<(f64, DVec2)> {
+        let axis = axis.try_normalize()?;
+        let (a, b) = axis.any_orthonormal_pair();
+        let family = Family::Point { origin: point, from: Some(site), axis, across: [a, b] };
+        let end = trace(world, &index_of(optics), &family, DVec2::ZERO, &self.train, target)?;
+        let factor = world.lamps.get(entry.lamp)?.area_m2 / end.slope.determinant().abs();
+        factor.is_finite().then_some((factor, end.off))
+    }
+
     /// Solves for a point in a cell of a sheet.
     pub(super) fn solve(
         &self,
@@ -102,8 +121,22 @@ impl<M: Mode> Lit<M> {
         from: (DVec3, Site),
         target: &Target,
     ) -> Option<Solution> {
-        let (start, _) = self.foretell(entry, sheet, spot, target)?;
+        let start = self.start(entry, sheet, (spot, sheet.is_whole(spot)), target)?;
         self.newton(tracing, entry, from, start, target)
+    }
+
+    /// The direction where the solver starts: what the nodes about the spot say together if they are all there (`whole`), else
+    /// what the nearest does.
+    pub(super) fn start(
+        &self,
+        entry: &Entry<M>,
+        sheet: &Sheet<M>,
+        (spot, whole): (&Spot, bool),
+        target: &Target,
+    ) -> Option<DVec3> {
+        let off = entry.middle.local(target.point - entry.middle.point);
+        let blended = if whole { sheet.blend_dir(spot, off) } else { None };
+        blended.or_else(|| Some(self.foretell(entry, sheet, spot, target)?.0))
     }
 
     /// The direction that the nearest node of a sheet foretells, and how much it changes over a cell.
@@ -156,11 +189,23 @@ impl<M: Mode> Lit<M> {
         let (point, site) = self.map.place(world, at)?;
         let (target, from) = (&entry.middle, (point, site));
         let Solution { dir, factor } = self.newton((world, optics), entry, from, start, target)?;
-        let (light, alone, slides) = self.probe((world, optics), entry.lamp, from, dir)?;
+        let mut planes: Vec<(u32, DVec3, DVec3)> = Vec::new();
+        let (light, alone, slides) = self.probe_seen((world, optics), entry.lamp, from, dir, |vertex| {
+            planes.push((vertex.hit.site.part, vertex.hit.point, vertex.hit.normal));
+        })?;
         let strength = lanes::<M, _>(|lane| light[lane] * factor);
         let (a, b) = dir.any_orthonormal_pair();
         let family = Family::Point { origin: point, from: Some(site), axis: dir, across: [a, b] };
-        let straight = trace(world, &index, &family, DVec2::ZERO, &self.train, target)?;
+        // Where the rays about this one cross slides.
+        let mut landings: ArrayVec<Option<Landing>, SLIDES> = ArrayVec::new();
+        let bundle = family.bundle(&world.eye, DVec2::ZERO);
+        let bundle = bundle.through_seen(world, &self.train, &index, |bundle, lens| {
+            if let (false, Some(Surface::Slide(_))) = (landings.is_full(), surface(world, &lens.link)) {
+                let plane = planes.get(landings.len());
+                landings.push(plane.and_then(|(_, place, normal)| bundle.land(*place, *normal)));
+            }
+        })?;
+        let straight = end_of(&bundle, target)?;
         let inverse: DMat2 = straight.slope.inverse();
         let shifted = Family::Shifted { origin: point, from: Some(site), dir, across: self.map.across() };
         let moved = trace(world, &index, &shifted, DVec2::ZERO, &self.train, target)?;
@@ -168,32 +213,18 @@ impl<M: Mode> Lit<M> {
         let by_lamp = [turn(inverse.x_axis), turn(inverse.y_axis)];
         let by_place = -(inverse * moved.slope);
         let by_place = [turn(by_place.x_axis), turn(by_place.y_axis)];
-        // How the places on slides move with the place on the lamp: by the derivative of the direction.
-        let step = 0.25 * entry.size;
+        // How the places on slides move with the place on the lamp: as the direction does.
         let mut crossings: ArrayVec<Crossing, SLIDES> = ArrayVec::new();
         let mut exact_only = slides.len() > SLIDES;
-        let aside: [Option<Aside>; 2] = if slides.is_empty() {
-            [None, None]
-        } else {
-            // To the one side or to the other: on one of them the slide's picture may have ended.
-            [0, 1].map(|k| {
-                [step, -step].into_iter().find_map(|step| {
-                    let (_, _, slides) =
-                        self.probe((world, optics), entry.lamp, from, (dir + by_lamp[k] * step).normalize())?;
-                    Some((step, slides))
-                })
-            })
-        };
         for (k, (slide, local)) in slides.iter().enumerate().take(SLIDES) {
-            let by = |axis: usize| -> Option<DVec3> {
-                let (step, places) = aside[axis].as_ref()?;
-                let other = places.get(k)?;
-                (other.0 == *slide).then(|| (other.1 - *local) / *step)
+            let (Some(Some(landing)), Some((part, ..))) = (landings.get(k), planes.get(k)) else {
+                exact_only = true;
+                continue;
             };
-            match (by(0), by(1)) {
-                (Some(x), Some(y)) => crossings.push(Crossing { slide: *slide, local: *local, by_lamp: [x, y] }),
-                _ => exact_only = true,
-            }
+            let to_mesh = world.geometry.part_to_world(*part).matrix3.inverse();
+            let moves = |by: DVec2| to_mesh * (landing.by[0] * by.x + landing.by[1] * by.y);
+            let by_lamp = [moves(inverse.x_axis), moves(inverse.y_axis)];
+            crossings.push(Crossing { slide: *slide, local: *local, by_lamp });
         }
         let finite =
             strength.as_slice().iter().all(|s| s.is_finite()) && by_lamp.iter().chain(&by_place).all(|v| v.is_finite());
@@ -206,8 +237,21 @@ impl<M: Mode> Lit<M> {
         &self,
         (world, optics): (&World, &Optics<M>),
         lamp: usize,
+        from: (DVec3, Site),
+        dir: DVec3,
+    ) -> Option<(M::Lanes<f64>, bool, Vec<(usize, DVec3)>)> {
+        self.probe_seen((world, optics), lamp, from, dir, |_| {})
+    }
+
+    /// The same; `each` sees the slides.
+    #[allow(clippy::type_complexity)]
+    fn probe_seen(
+        &self,
+        (world, optics): (&World, &Optics<M>),
+        lamp: usize,
         (point, site): (DVec3, Site),
         dir: DVec3,
+        mut each: impl FnMut(&Vertex),
     ) -> Option<(M::Lanes<f64>, bool, Vec<(usize, DVec3)>)> {
         let mut ledger = Ledger::new(world.solids.len());
         let interior = Interior::of(world.geometry.solids_containing(point + dir * (1e-6 * self.map.cell_size())));
@@ -217,6 +261,7 @@ impl<M: Mode> Lit<M> {
             let face = &world.faces[vertex.hit.site.part as usize][vertex.hit.site.face as usize];
             if let Surface::Slide(index) = face.surface {
                 slides.push((index, vertex.hit.local));
+                each(vertex);
             }
         })?;
         // The slides' share at full opening is the leading coefficient over what they let through when open.

@@ -5,7 +5,7 @@ use crate::estimate::manifold::face_map::FaceMap;
 use crate::estimate::manifold::nodes::Spot;
 use crate::film::accumulate::Light;
 use crate::world::World;
-use crate::world::mode::{Mode, lanes};
+use crate::world::mode::{LaneArray, Mode, lanes};
 use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
@@ -50,30 +50,18 @@ pub(super) enum Cell {
     Rim,
 }
 
-/// What of a node is blended with others, apart from the rest so that sixteen of them lie close together.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Lean<M: Mode> {
-    dir: DVec3,
-    strength: M::Lanes<f64>,
-    local: [DVec3; SLIDES],
-}
-
-impl<M: Mode> Lean<M> {
-    fn new(node: Option<&Node<M>>) -> Self {
-        let local = |k: usize| node.and_then(|node| Some(node.slides.get(k)?.local)).unwrap_or_default();
-        Lean {
-            dir: node.map_or(DVec3::ZERO, |node| node.dir),
-            strength: node.map_or(lanes::<M, _>(|_| 0.0), |node| node.strength),
-            local: std::array::from_fn(local),
-        }
-    }
-}
+/// Numbers of a node that are blended with others: direction, strength per lane, places on slides.
+type Quad = [f64; 4];
+/// Most of them for a node.
+const QUADS: usize = 4;
 
 /// One branch of a train for one lamp.
 #[derive(Debug)]
 pub(super) struct Sheet<M: Mode> {
     pub(super) nodes: Vec<Option<Node<M>>>,
-    lean: Vec<Lean<M>>,
+    /// What of the nodes is blended, apart from the rest so that sixteen of them lie close together: so many for each.
+    lean: Vec<Quad>,
+    quads: usize,
     pub(super) cells: Vec<Cell>,
 }
 
@@ -89,12 +77,48 @@ pub(super) struct Blend<M: Mode> {
 impl<M: Mode> Sheet<M> {
     /// Of so many nodes, none of which has a solution yet.
     pub(super) fn new(nodes: usize) -> Self {
-        Sheet { nodes: vec![None; nodes], lean: Vec::new(), cells: vec![Cell::Nothing; nodes] }
+        Sheet { nodes: vec![None; nodes], lean: Vec::new(), quads: 0, cells: vec![Cell::Nothing; nodes] }
     }
 
     /// To be called when all nodes are there, before they are blended.
     pub(super) fn gather(&mut self) {
-        self.lean = self.nodes.iter().map(|node| Lean::new(node.as_ref())).collect();
+        const { assert!(3 + M::LANES + 3 * SLIDES <= 4 * QUADS) };
+        let slides = self.nodes.iter().flatten().map(|node| node.slides.len()).max().unwrap_or(0);
+        self.quads = (3 + M::LANES + 3 * slides).div_ceil(4);
+        self.lean = vec![Quad::default(); self.quads * self.nodes.len()];
+        for (node, lean) in self.nodes.iter().zip(self.lean.as_flattened_mut().chunks_exact_mut(4 * self.quads)) {
+            let Some(node) = node else { continue };
+            let places = node.slides.iter().flat_map(|crossing| crossing.local.to_array());
+            let numbers = node.dir.to_array().into_iter().chain(node.strength.as_slice().iter().copied()).chain(places);
+            lean.iter_mut().zip(numbers).for_each(|(place, number)| *place = number);
+        }
+    }
+
+    /// The first so many numbers of the nodes about a spot, blended; zeros follow.
+    #[inline]
+    fn blended(&self, spot: &Spot, quads: usize) -> Option<[Quad; QUADS]> {
+        match quads {
+            1 => self.blended_of::<1>(spot),
+            2 => self.blended_of::<2>(spot),
+            3 => self.blended_of::<3>(spot),
+            _ => self.blended_of::<QUADS>(spot),
+        }
+    }
+
+    #[inline]
+    fn blended_of<const N: usize>(&self, spot: &Spot) -> Option<[Quad; QUADS]> {
+        let mut sums = [Quad::default(); N];
+        for (node, weight) in spot.nodes() {
+            let node = self.lean.get(node * self.quads..)?.first_chunk::<N>()?;
+            for (sum, quad) in sums.iter_mut().zip(node) {
+                for k in 0..4 {
+                    sum[k] += weight * quad[k];
+                }
+            }
+        }
+        let mut all = [Quad::default(); QUADS];
+        all[..N].copy_from_slice(&sums);
+        Some(all)
     }
 
     /// Whether the nodes about a spot are all there and can be blended.
@@ -119,25 +143,26 @@ impl<M: Mode> Sheet<M> {
     /// The nodes' solutions in between; only where they are whole.
     pub(super) fn blend(&self, spot: &Spot, off: DVec2) -> Option<Blend<M>> {
         let near = self.nodes[spot.cell].as_ref()?;
-        let mut dir = DVec3::ZERO;
-        let mut strength = lanes::<M, _>(|_| 0.0);
-        let mut local = [DVec3::ZERO; SLIDES];
-        for (node, weight) in spot.nodes() {
-            let node = self.lean.get(node)?;
-            dir += weight * node.dir;
-            for lane in 0..M::LANES {
-                strength[lane] += weight * node.strength[lane];
-            }
-            let crossed = local.iter_mut().zip(node.local).take(near.slides.len());
-            crossed.for_each(|(sum, at)| *sum += weight * at);
-        }
+        let sums = self.blended(spot, self.quads)?;
+        let sums = sums.as_flattened();
+        let place = |at: usize| DVec3::from_slice(&sums[at..at + 3]);
+        let mut dir = place(0);
+        let strength = lanes::<M, _>(|lane| sums[3 + lane]);
+        let places = (0..).map(|k| place(3 + M::LANES + 3 * k));
         let mut slides: ArrayVec<(usize, DVec3), SLIDES> =
-            near.slides.iter().zip(local).map(|(crossing, at)| (crossing.slide, at)).collect();
+            near.slides.iter().zip(places).map(|(crossing, at)| (crossing.slide, at)).collect();
         dir += near.by_lamp[0] * off.x + near.by_lamp[1] * off.y;
         for ((_, at), crossing) in slides.iter_mut().zip(&near.slides) {
             *at += crossing.by_lamp[0] * off.x + crossing.by_lamp[1] * off.y;
         }
         Some(Blend { dir, strength, slides, alone: near.alone })
+    }
+
+    /// The direction alone; none before the nodes are all there.
+    pub(super) fn blend_dir(&self, spot: &Spot, off: DVec2) -> Option<DVec3> {
+        let near = self.nodes[spot.cell].as_ref()?;
+        let dir = DVec3::from_slice(&self.blended(spot, 1)?[0]);
+        Some(dir + near.by_lamp[0] * off.x + near.by_lamp[1] * off.y)
     }
 
     pub(super) fn interpolate(
