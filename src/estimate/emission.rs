@@ -53,6 +53,8 @@ pub trait Visitor<M: Mode> {
     fn pupil(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival);
     /// The path has met a scatterer; it goes on after this.
     fn scatterer(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex, scatter: &Scatter);
+    /// The path goes on from a face that does not scatter.
+    fn went(&mut self, _walker: &Walker<'_, M>, _vertex: &Vertex) {}
     /// Path number `sample` of its pass and all its branches have ended.
     fn end(&mut self, _sample: u64) {}
 }
@@ -353,7 +355,7 @@ impl Emission {
             }
             match walker.meet(&vertex, ledger) {
                 Meeting::Ended => return,
-                Meeting::Went => {}
+                Meeting::Went => visitor.went(&walker, &vertex),
                 Meeting::Scatter(scatter, frame) => {
                     visitor.scatterer(&walker, from, &vertex, scatter);
                     let copies = visitor.copies(&walker);

@@ -1,6 +1,7 @@
 //! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is; scans an eyebox.
 
 pub mod chains;
+mod common;
 pub mod contest;
 pub mod forecast;
 pub mod frozen;

@@ -1,5 +1,6 @@
 //! Pilots: small deterministic runs that measure what facts do not tell.
 
+use super::common;
 use crate::base::ids::GroupId;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ShouldStop;
@@ -151,13 +152,22 @@ impl<L: Look> Looks<L> {
 }
 
 /// Looks for paths that count: first everywhere, until there are some, then where they came from. `with`: the estimator
-/// with a guide (none: by flux and intensity) and a number of paths.
-fn look<L: Look>(with: impl Fn(Option<&Guide>, u64) -> L, groups: usize, stop: &ShouldStop<'_>) -> (Looks<L>, Guide) {
+/// with a guide (none: by flux and intensity) and a number of paths. `worth`: whether it is worth going on if the first look
+/// has found nothing.
+fn look<L: Look>(
+    with: impl Fn(Option<&Guide>, u64) -> L,
+    worth: impl Fn() -> bool,
+    groups: usize,
+    stop: &ShouldStop<'_>,
+) -> (Looks<L>, Guide) {
     let mut looks = Looks::new(groups);
     let wide = Guide::wide(with(None, 1).flux());
     while !looks.enough() && looks.traced() < MOST_WIDE && !stop() {
         let paths = looks.traced().max(WIDE);
         looks.take(with(Some(&wide), paths), paths, stop);
+        if looks.looks.len() == 1 && looks.found.is_empty() && !worth() {
+            break;
+        }
     }
     for paths in NARROW {
         if looks.found.is_empty() || stop() {
@@ -176,16 +186,17 @@ pub fn forward(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>)
         let route = Route::new(plan, groups, Estimator::Forward);
         Forward::<Mono>::new(world, route, groups, paths, guide, Arc::default(), SEED).starting(Starts::OfPass)
     };
-    pilot(with, groups, stop)
+    pilot(with, || common::has_faces(world, plan, groups, stop), groups, stop)
 }
 
-/// A pilot of paths to the picture. `with`: the paths with a guide (none: by flux and intensity) and their number.
+/// A pilot of paths to the picture, see [`look`].
 pub(super) fn pilot<L: Look>(
     with: impl Fn(Option<&Guide>, u64) -> L,
+    worth: impl Fn() -> bool,
     groups: usize,
     stop: &ShouldStop<'_>,
 ) -> ForwardPilot {
-    let (looks, guide) = look(with, groups, stop);
+    let (looks, guide) = look(with, worth, groups, stop);
     let (flux, found) = (looks.flux().to_vec(), looks.weighted());
     ForwardPilot { guide, traced: looks.traced(), arrived: looks.arrived, flux, found }
 }
@@ -296,7 +307,7 @@ pub fn photon(
         let guide = Guide::unguided(with(None, 1, &nothing).flux());
         return PhotonPilot { guide, photons: 1, part: false, radii_m: radii };
     }
-    let (_, guide) = look(|guide, paths| Photons { mapper: with(guide, paths, &nothing), seen }, groups, stop);
+    let (_, guide) = look(|guide, paths| Photons { mapper: with(guide, paths, &nothing), seen }, || true, groups, stop);
     let coarse = |screens: &[Screen]| Screens::coarse(world, &optics, screens);
     let (strong, weak) = by_light(&plan.screens);
     let land = |connected: &Arc<Screens<Mono>>, part: bool| {

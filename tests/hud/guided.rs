@@ -2,6 +2,7 @@
 //! the scatter of seeds.
 
 use crate::kit::*;
+use eyebox::base::path::Class;
 use eyebox::base::stats::Moments;
 use eyebox::estimate::emission::Starts;
 use eyebox::estimate::forward::Forward;
@@ -230,4 +231,25 @@ fn even_points_are_a_function_of_pass_and_path() {
         });
         assert!(again == once, "{threads} threads");
     }
+}
+
+/// Where a diffuser stands between the lamps and all that the eye sees unscattered, light tracing is given up after one
+/// look. An eye beside the beam sees the combiner that the light goes on from: there a rare path might be found yet.
+#[test]
+fn light_tracing_is_given_up_early_only_where_nothing_is_shared() {
+    let why = |scene: &Scene| {
+        let ready = Ready::new(scene, Choice::Auto);
+        let row = ready.plan.rows.iter().find(|row| row.class == Class::Vision).expect("every class has a row");
+        format!("{:?}", row.verdict)
+    };
+    let beside = {
+        let mut scene = small();
+        scene.eye.position += 9e-3 * scene.eye.right();
+        scene
+    };
+    let diffuse = gaze(hud("diffuse", &[]), [0.0; 2], 13.0, [24, 12]);
+    for (scene, paths) in [(&diffuse, "none of 8192 paths"), (&beside, "none of 65536 paths")] {
+        assert!(why(scene).contains(paths), "{}", why(scene));
+    }
+    assert!(why(&small()).contains("Connect"), "{}", why(&small()));
 }

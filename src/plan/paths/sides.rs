@@ -142,7 +142,7 @@ fn learn(world: &World, plan: &Plan, groups: usize, split: Split, stop: &ShouldS
         let emission = Emission::new(world, &Route::new(plan, groups, Estimator::Forward), groups, guide);
         Looks { world, emission, sources: &sources, paths, split }
     };
-    pilot::pilot(with, groups, stop)
+    pilot::pilot(with, || true, groups, stop)
 }
 
 /// A plan in which `estimator` owns what `owns` says and nobody anything else.
