@@ -25,6 +25,12 @@ pub enum Family {
 }
 
 impl Family {
+    /// Rays from a point about a unit direction, and the unit tangents across it that `u` goes along.
+    pub fn about(origin: DVec3, from: Option<Site>, axis: DVec3) -> (Family, [DVec3; 2]) {
+        let (a, b) = axis.any_orthonormal_pair();
+        (Family::Point { origin, from, axis, across: [a, b] }, [a, b])
+    }
+
     /// The ray of parameters `u`, with derivatives.
     pub fn bundle(&self, eye: &EyeLens, u: DVec2) -> Bundle {
         match *self {

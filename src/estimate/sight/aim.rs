@@ -82,8 +82,7 @@ fn carried(
     // From the known direction's own eye first, which sees perhaps another point.
     for step in u32::from(steps == 1)..=steps {
         let here = from.lerp(eye, f64::from(step) / f64::from(steps)) - origin;
-        let (a, b) = dir.any_orthonormal_pair();
-        let family = Family::Point { origin: here, from: None, axis: dir, across: [a, b] };
+        let (family, [a, b]) = Family::about(here, None, dir);
         let root = newton(world, &index, &family, DVec2::ZERO, &subject.train, &target, size)?;
         dir = (dir + root.u.x * a + root.u.y * b).try_normalize()?;
     }

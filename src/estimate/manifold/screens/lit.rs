@@ -82,8 +82,7 @@ impl<M: Mode> Lit<M> {
         target: &Target,
     ) -> Option<Solution> {
         let axis = axis.try_normalize()?;
-        let (a, b) = axis.any_orthonormal_pair();
-        let family = Family::Point { origin: point, from: Some(site), axis, across: [a, b] };
+        let (family, [a, b]) = Family::about(point, Some(site), axis);
         let root = newton(world, &index_of(optics), &family, DVec2::ZERO, &self.train, target, entry.size)?;
         let long = axis + a * root.u.x + b * root.u.y;
         let length = long.length();
@@ -104,8 +103,7 @@ impl<M: Mode> Lit<M> {
         target: &Target,
     ) -> Option<(f64, DVec2)> {
         let axis = axis.try_normalize()?;
-        let (a, b) = axis.any_orthonormal_pair();
-        let family = Family::Point { origin: point, from: Some(site), axis, across: [a, b] };
+        let (family, _) = Family::about(point, Some(site), axis);
         let end = trace(world, &index_of(optics), &family, DVec2::ZERO, &self.train, target)?;
         let factor = world.lamps.get(entry.lamp)?.area_m2 / end.slope.determinant().abs();
         factor.is_finite().then_some((factor, end.off))
@@ -194,8 +192,7 @@ impl<M: Mode> Lit<M> {
             planes.push((vertex.hit.site.part, vertex.hit.point, vertex.hit.normal));
         })?;
         let strength = lanes::<M, _>(|lane| light[lane] * factor);
-        let (a, b) = dir.any_orthonormal_pair();
-        let family = Family::Point { origin: point, from: Some(site), axis: dir, across: [a, b] };
+        let (family, [a, b]) = Family::about(point, Some(site), dir);
         // Where the rays about this one cross slides.
         let mut landings: ArrayVec<Option<Landing>, SLIDES> = ArrayVec::new();
         let bundle = family.bundle(&world.eye, DVec2::ZERO);
