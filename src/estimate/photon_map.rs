@@ -1,6 +1,7 @@
 //! Photons in a hash grid: cells of twice the gathering radius, photons sorted by cell, so that a gathering looks at
 //! eight cells and always adds in the same order.
 
+use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::lpe::Told;
 use crate::base::path::Trail;
@@ -31,6 +32,25 @@ pub struct Photon<M: Mode> {
     pub site: Site,
     /// It arrived at the outside of the face.
     pub outside: bool,
+}
+
+impl<M: Mode> Photon<M> {
+    /// What a path from a lamp of `group` leaves at a scatterer that it has met; `connected`: as the field.
+    pub fn new(walker: &Walker<'_, M>, vertex: &Vertex, group: GroupId, connected: bool) -> Self {
+        let (flux, alone) = walker.beam.stored();
+        Photon {
+            position: vertex.hit.point,
+            dir: walker.ray.dir,
+            flux,
+            alone,
+            group,
+            trail: walker.trail,
+            told: walker.told,
+            connected,
+            site: vertex.hit.site,
+            outside: vertex.outside,
+        }
+    }
 }
 
 /// Photons of one pass.

@@ -89,19 +89,7 @@ impl<M: Mode> Visitor<M> for Stored<'_, M> {
     fn scatterer(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex, scatter: &Scatter) {
         if !scatter.is_narrow() {
             let connected = self.is_connected(walker, from, vertex);
-            let (flux, alone) = walker.beam.stored();
-            self.photons.push(Photon {
-                position: vertex.hit.point,
-                dir: walker.ray.dir,
-                flux,
-                alone,
-                group: from.group,
-                trail: walker.trail,
-                told: walker.told,
-                connected,
-                site: vertex.hit.site,
-                outside: vertex.outside,
-            });
+            self.photons.push(Photon::new(walker, vertex, from.group, connected));
         }
     }
 }

@@ -42,19 +42,7 @@ impl<M: Mode> Visitor<M> for Stored<M> {
         if self.found.len() >= MOST {
             return;
         }
-        let (flux, alone) = walker.beam.stored();
-        let photon = Photon {
-            position: vertex.hit.point,
-            dir: walker.ray.dir,
-            flux,
-            alone,
-            group: from.group,
-            trail: walker.trail,
-            told: walker.told,
-            connected: false,
-            site: vertex.hit.site,
-            outside: vertex.outside,
-        };
+        let photon = Photon::new(walker, vertex, from.group, false);
         self.found.push((photon, walker.chain().cloned().unwrap_or_default()));
     }
 }
