@@ -318,12 +318,7 @@ pub fn photon(
     // tables only where it is little.
     let strong = Arc::new(coarse(&strong));
     let part = !strong.is_empty() && rest_share(world, &land(&strong, true).0, seen) < LITTLE;
-    let (landings, paths) = if part {
-        let strong = Arc::try_unwrap(strong).unwrap_or_else(|_| coarse(&by_light(&plan.screens).0));
-        land(&Arc::new(strong.and(coarse(&weak))), true)
-    } else {
-        land(&strong, false)
-    };
+    let (landings, paths) = if part { land(&Arc::new(strong.and(&coarse(&weak))), true) } else { land(&strong, false) };
     // Photons for a little light need not be many.
     let rest = rest_share(world, &landings, seen);
     let photons = (pixels as f64 * (PER_PIXEL * rest).clamp(FEWEST, MOST)) as u64;

@@ -49,7 +49,7 @@ const MOST_SHEETS: usize = 4;
 /// All of a plan, at the wavelengths of one pass.
 #[derive(Debug)]
 pub struct Screens<M: Mode> {
-    lit: Vec<Lit<M>>,
+    lit: Vec<Arc<Lit<M>>>,
     plan: Vec<Screen>,
 }
 
@@ -94,22 +94,23 @@ pub struct Incoming<'s, M: Mode> {
 
 impl<M: Mode> Screens<M> {
     pub fn new(world: &World, optics: &Optics<M>, screens: &[Screen]) -> Screens<M> {
-        let lit = screens.iter().filter_map(|screen| Lit::new(world, optics, screen)).collect();
+        let lit = screens.iter().filter_map(|screen| Lit::new(world, optics, screen)).map(Arc::new).collect();
         Screens { lit, plan: screens.to_vec() }
     }
 
     /// The same with coarse maps, for a pilot: what they can't interpolate is solved for.
     pub fn coarse(world: &World, optics: &Optics<M>, screens: &[Screen]) -> Screens<M> {
-        let lit = screens.iter().filter_map(|screen| Lit::with_cells(world, optics, screen, COARSE)).collect();
+        let lit = screens.iter().filter_map(|screen| Lit::with_cells(world, optics, screen, COARSE));
+        let lit = lit.map(Arc::new).collect();
         Screens { lit, plan: screens.to_vec() }
     }
 
-    /// Both together.
+    /// Both together; their tables are not copied.
     #[must_use]
-    pub fn and(mut self, others: Screens<M>) -> Screens<M> {
-        self.lit.extend(others.lit);
-        self.plan.extend(others.plan);
-        self
+    pub fn and(&self, others: &Screens<M>) -> Screens<M> {
+        let lit = self.lit.iter().chain(&others.lit).cloned().collect();
+        let plan = self.plan.iter().chain(&others.plan).cloned().collect();
+        Screens { lit, plan }
     }
 
     /// The same for a pass: at several wavelengths each has its own, and faces lit at them.
@@ -195,7 +196,7 @@ impl<M: Mode> Screens<M> {
         (point, site, dir): (DVec3, Site, DVec3),
         work: &mut u64,
     ) -> bool {
-        let face = |lit: &&Lit<M>| (lit.map.part, lit.map.face) == (site.part, site.face) && lit.chain == *chain;
+        let face = |lit: &&Arc<Lit<M>>| (lit.map.part, lit.map.face) == (site.part, site.face) && lit.chain == *chain;
         self.lit.iter().filter(face).any(|lit| {
             let Some(spot) = lit.map.spot(point) else { return false };
             lit.entries.iter().filter(|entry| entry.lamp == lamp).any(|entry| {
