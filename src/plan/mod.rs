@@ -1,7 +1,6 @@
 //! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is; scans an eyebox.
 
 pub mod chains;
-mod common;
 pub mod contest;
 pub mod forecast;
 pub mod frozen;
@@ -13,6 +12,7 @@ mod pilot;
 pub mod pupil;
 pub mod rays;
 pub mod scan;
+mod shared_faces;
 
 use crate::base::ids::GroupId;
 use crate::base::path::Class;

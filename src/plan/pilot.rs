@@ -1,6 +1,6 @@
 //! Pilots: small deterministic runs that measure what facts do not tell.
 
-use super::common;
+use super::shared_faces;
 use crate::base::ids::GroupId;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ShouldStop;
@@ -186,7 +186,7 @@ pub fn forward(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>)
         let route = Route::new(plan, groups, Estimator::Forward);
         Forward::<Mono>::new(world, route, groups, paths, guide, Arc::default(), SEED).starting(Starts::OfPass)
     };
-    pilot(with, || common::has_faces(world, plan, groups, stop), groups, stop)
+    pilot(with, || shared_faces::may_meet(world, plan, groups, stop), groups, stop)
 }
 
 /// A pilot of paths to the picture, see [`look`].

@@ -46,7 +46,7 @@ impl Visitor<Mono> for Faces {
 
 /// Whether light tracing may find what the plan gives to it: light that scatterers send to the eye, a lamp in plain sight,
 /// or one over specular faces, of which rays from the eye meet one that the lamps' light goes on from.
-pub(super) fn has_faces(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> bool {
+pub(super) fn may_meet(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> bool {
     let scattered = plan.rows.iter().any(|row| match row.verdict {
         Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => {
             by == Estimator::Forward && row.class != Class::Vision
