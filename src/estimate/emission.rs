@@ -1,63 +1,26 @@
 //! Paths that start on lamps: where they start, and the one walk that light tracing and photon mapping share.
 
+mod shots;
+mod visit;
+
 use super::ShouldStop;
 use super::ledger::Ledger;
 use super::route::{Reach, Route};
-use super::walk::{Meeting, Met, Travel, Vertex, Walker};
+use super::walk::{Travel, Walker};
 use crate::base::ids::GroupId;
 use crate::base::lpe;
 use crate::base::path::Trail;
-use crate::base::rng::{Rng, Stream};
-use crate::base::sobol::Sobol;
+use crate::base::rng::Rng;
 use crate::film::guide::{Guide, Point, Sample};
-use crate::film::scrambles::SCRAMBLES;
 use crate::world::World;
-use crate::world::eye::Arrival;
 use crate::world::geometry::{Ray, Site};
 use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
-use crate::world::scatter::Scatter;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::ops::Range;
-
-/// Lamp paths that one thread traces before it hands over what it found; the order of hand-overs is fixed.
-const CHUNK: u64 = 1 << 13;
-
-/// What an estimator does along a path from a lamp. All branches of a path are visited before the next path starts.
-pub trait Visitor<M: Mode> {
-    /// Share of the power that both ways on from an interface must carry for the path to be split there; none: it
-    /// never is.
-    fn split_from(&self, walker: &Walker<'_, M>) -> Option<f64>;
-    /// Most splits of a path.
-    fn most_splits(&self) -> u8 {
-        Walker::<M>::MOST_SPLITS
-    }
-    /// See [`Walker::worth`].
-    fn worth(&self) -> f64 {
-        Walker::<M>::WORTH
-    }
-    /// Paths on average by which one goes on from a scatterer.
-    fn copies(&self, _walker: &Walker<'_, M>) -> f64 {
-        1.0
-    }
-    /// Least probability of either way on from an interface, see [`Walker::least_chance`].
-    fn least_chance(&self) -> f64 {
-        0.0
-    }
-    /// Paths keep the specular faces that they meet.
-    fn records(&self) -> bool {
-        false
-    }
-    /// The path has arrived in the pupil and ends there.
-    fn pupil(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival);
-    /// The path has met a scatterer; it goes on after this.
-    fn scatterer(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex, scatter: &Scatter);
-    /// The path goes on from a face that does not scatter.
-    fn went(&mut self, _walker: &Walker<'_, M>, _vertex: &Vertex) {}
-    /// Path number `sample` of its pass and all its branches have ended.
-    fn end(&mut self, _sample: u64) {}
-}
+use shots::Points;
+pub use shots::{Shots, Starts};
+pub use visit::Visitor;
 
 /// Where a path comes from.
 #[derive(Debug, Clone, Copy)]
@@ -67,70 +30,6 @@ pub struct Origin {
     pub visible: bool,
     /// Of an emitting face: its number among the world's lamps, the point and its unit normal.
     pub face: Option<(usize, DVec3, DVec3)>,
-}
-
-/// What the numbers are that a path starts with: its lamp, its place there and its direction. All later ones are random.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Starts {
-    /// Independent random numbers.
-    Random,
-    /// Even points: path i of each pass belongs to scramble i mod [`SCRAMBLES`], whose sequence goes on from pass to pass.
-    Scrambles,
-    /// Even points, with a scramble of its own for each pass.
-    OfPass,
-}
-
-/// Which paths: their stream of random numbers, the pass, and how many share the lamps' flux.
-#[derive(Debug, Clone, Copy)]
-pub struct Shots {
-    pub seed: u64,
-    pub stream: Stream,
-    pub pass: u64,
-    pub paths: u64,
-    pub starts: Starts,
-}
-
-/// The even points of a pass.
-struct Points {
-    shots: Shots,
-    sobols: [Sobol; SCRAMBLES],
-}
-
-impl Points {
-    fn new(shots: Shots) -> Self {
-        let first = match shots.starts {
-            Starts::Random | Starts::Scrambles => 0,
-            Starts::OfPass => shots.pass,
-        };
-        let sobol = |s: usize| Sobol::new(shots.seed, shots.stream, first.wrapping_add(s as u64));
-        Points { shots, sobols: std::array::from_fn(sobol) }
-    }
-
-    /// What path `sample` starts with: the number that chooses the lamp, and the point of its cube.
-    fn of(&self, sample: u64, rng: &mut Rng) -> (f64, Point) {
-        let count = SCRAMBLES as u64;
-        let [u, v, a, b, lamp] = match self.shots.starts {
-            Starts::Random => std::array::from_fn(|_| rng.uniform()),
-            Starts::Scrambles => {
-                let first = self.shots.pass.wrapping_mul(self.shots.paths.div_ceil(count));
-                self.sobols[(sample % count) as usize].point(first.wrapping_add(sample / count))
-            }
-            Starts::OfPass => self.sobols[0].point(sample),
-        };
-        // The first two coordinates of a sequence are its best, and the picture depends most on the direction.
-        (lamp, [a, b, u, v])
-    }
-}
-
-impl Shots {
-    /// Number of chunks of a pass of `paths` paths.
-    pub fn chunks(paths: u64) -> u64 {
-        paths.div_ceil(CHUNK)
-    }
-
-    fn samples(&self, chunk: u64) -> Range<u64> {
-        chunk * CHUNK..((chunk + 1) * CHUNK).min(self.paths)
-    }
 }
 
 /// Starts paths on the lamps whose light an estimator traces: by flux and intensity, or as a guide says.
@@ -320,67 +219,5 @@ impl Emission {
         let points = Points::new(shots);
         let start = |sample| if stop() { None } else { self.start(tracing, &points, sample) };
         (0..shots.paths).into_par_iter().filter_map(|sample| take(start(sample)?)).collect()
-    }
-
-    fn walk<M: Mode, V: Visitor<M>>(
-        &self,
-        mut walker: Walker<'_, M>,
-        from: Origin,
-        visitor: &mut V,
-        ledger: &mut Ledger,
-    ) {
-        let reach = &self.reach[from.group.index()];
-        (walker.least_chance, walker.worth) = (visitor.least_chance(), visitor.worth());
-        if visitor.records() && walker.chain().is_none() {
-            walker = walker.recording();
-        }
-        loop {
-            let vertex = match walker.advance(ledger) {
-                Met::Sky => {
-                    walker.escape(ledger);
-                    return;
-                }
-                Met::Ended => return,
-                Met::Pupil(arrival) => {
-                    ledger.arrived += walker.beam.carried();
-                    visitor.pupil(&walker, from, &arrival);
-                    return;
-                }
-                Met::Face(vertex) => vertex,
-            };
-            if let Some(least) = visitor.split_from(&walker)
-                && let Some(reflected) = walker.split(&vertex, least, visitor.most_splits(), ledger)
-            {
-                self.walk(reflected, from, visitor, ledger);
-            }
-            match walker.meet(&vertex, ledger) {
-                Meeting::Ended => return,
-                Meeting::Went => visitor.went(&walker, &vertex),
-                Meeting::Scatter(scatter, frame) => {
-                    visitor.scatterer(&walker, from, &vertex, scatter);
-                    let copies = visitor.copies(&walker);
-                    if copies != 1.0 {
-                        for mut copy in walker.copied(copies, ledger) {
-                            if copy.scatter(&vertex, scatter, &frame, ledger).is_none() {
-                                continue;
-                            }
-                            if reach.allows(copy.trail) {
-                                self.walk(copy, from, visitor, ledger);
-                            } else {
-                                ledger.not_owned += copy.beam.carried();
-                            }
-                        }
-                        return;
-                    }
-                    if walker.scatter(&vertex, scatter, &frame, ledger).is_none() {
-                        return;
-                    }
-                }
-            }
-            if !reach.allows(walker.trail) {
-                ledger.not_owned += walker.beam.carried();
-                return;
-            }
-        }
     }
 }
