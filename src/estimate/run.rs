@@ -3,27 +3,15 @@
 //! Sums go into the films pass by pass in one order, so neither the thread count nor where a block ends changes a bit;
 //! the clock only decides after which pass to stop.
 
-use super::backward::Backward;
-use super::forward::Forward;
+mod engines;
+
 use super::ledger::Ledger;
-use super::manifold::connections::Connections;
-use super::manifold::glances::Glances;
-use super::manifold::over_film::OverFilm;
-use super::manifold::screens::Screens;
-use super::manifold::tables::Tables;
-use super::manifold::vision::Manifold;
-use super::photon::PhotonMapper;
-use super::route::Route;
 use crate::base::stats::chi2_over_mean;
-use crate::film::accumulate::{Film, Sampling};
-use crate::film::detail::ErrorDetail;
+use crate::film::accumulate::Film;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
-use crate::world::mode::{Hero, Mode, Mono, Rgb, Spectral, components};
-use crate::world::optics::Optics;
-use crate::world::stokes::Stokes;
+pub use engines::{begin, begin_trial};
 use rayon::prelude::*;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// How much larger than [`Films::relative_error`] a true error may be.
@@ -129,24 +117,6 @@ impl Films {
     }
 }
 
-enum Engine<'w, M: Mode> {
-    Backward(Backward<'w, M>),
-    Forward(Forward<'w, M>),
-    Photon(PhotonMapper<'w, M>),
-    Manifold(Manifold<'w, M>),
-}
-
-impl<M: Mode> Engine<'_, M> {
-    fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
-        match self {
-            Engine::Backward(e) => e.run(film, first, count),
-            Engine::Forward(e) => e.run(film, first, count),
-            Engine::Photon(e) => e.run(film, first, count),
-            Engine::Manifold(e) => e.run(film, first, count),
-        }
-    }
-}
-
 /// A run that its caller drives: films that grow pass by pass.
 pub trait Tracing: Send {
     /// Makes `count` passes more.
@@ -163,171 +133,6 @@ pub enum Start {
     Pass(u64),
     /// After these.
     Films(Films),
-}
-
-struct Engines<'w, M: Mode> {
-    engines: Vec<Engine<'w, M>>,
-    films: Films,
-}
-
-impl<M: Mode> Tracing for Engines<'_, M> {
-    fn step(&mut self, count: u64) {
-        for (engine, (_, film, ledger)) in self.engines.iter().zip(&mut self.films.films) {
-            ledger.merge(&engine.run(film, self.films.first + self.films.passes, count));
-        }
-        self.films.passes += count;
-    }
-    fn films(&self) -> &Films {
-        &self.films
-    }
-    fn start(&mut self, from: Start) -> bool {
-        let films = match from {
-            Start::Pass(first) => {
-                self.films.first = first;
-                return true;
-            }
-            Start::Films(films) => films,
-        };
-        let own = self.films.films.iter().map(|(estimator, _, _)| *estimator);
-        let alike = own.eq(films.films.iter().map(|(estimator, _, _)| *estimator));
-        self.films.first = films.first;
-        self.films.passes = films.passes;
-        // Films that fit are taken over by adding them to empty ones.
-        let own = self.films.films.iter_mut().zip(&films.films);
-        alike
-            && own.fold(true, |fits, ((_, film, ledger), (_, more, books))| {
-                ledger.merge(books);
-                film.merge(more) && fits
-            })
-    }
-    fn into_films(self: Box<Self>) -> Films {
-        self.films
-    }
-}
-
-/// The estimators that `plan` asks for, before the first pass. `groups`: number of light groups; `size`: picture in
-/// pixels. Without an owner of any path there are no films.
-pub fn begin<'w>(world: &'w World, plan: &Plan, groups: usize, size: [usize; 2], seed: u64) -> Box<dyn Tracing + 'w> {
-    let begin = match (plan.mode.spectral, plan.mode.polarised) {
-        (Spectral::Mono, false) => begin_in::<Mono<f64>>,
-        (Spectral::Mono, true) => begin_in::<Mono<Stokes>>,
-        (Spectral::Rgb, false) => begin_in::<Rgb<f64>>,
-        (Spectral::Rgb, true) => begin_in::<Rgb<Stokes>>,
-        (Spectral::Hero, false) => begin_in::<Hero<f64>>,
-        (Spectral::Hero, true) => begin_in::<Hero<Stokes>>,
-    };
-    begin(world, plan, groups, size, seed)
-}
-
-/// The same for a pilot's small picture of a larger one, whose longer side has `longer` pixels: at one wavelength, without
-/// polarisation, and with coarse tables.
-pub fn begin_trial<'w>(
-    world: &'w World,
-    plan: &Plan,
-    groups: usize,
-    (size, longer): ([usize; 2], usize),
-    seed: u64,
-) -> Box<dyn Tracing + 'w> {
-    let optics = Mono::<f64>::optics(world, seed, 0);
-    let screens = Screens::coarse(world, &optics, &plan.screens);
-    let kept = Kept::new((world, &optics), plan, screens, OverFilm::coarse(world, longer));
-    begin_with::<Mono<f64>>(world, plan, groups, size, seed, kept)
-}
-
-fn begin_in<'w, M: Mode + 'w>(
-    world: &'w World,
-    plan: &Plan,
-    groups: usize,
-    size: [usize; 2],
-    seed: u64,
-) -> Box<dyn Tracing + 'w> {
-    let optics = M::optics(world, seed, 0);
-    let screens = Screens::new(world, &optics, &plan.screens);
-    let kept = Kept::new((world, &optics), plan, screens, OverFilm::new(world));
-    begin_with::<M>(world, plan, groups, size, seed, kept)
-}
-
-/// What specular connection knows before the first pass.
-struct Kept<M: Mode> {
-    connections: Arc<Connections>,
-    tables: Option<Tables<M>>,
-    screens: Arc<Screens<M>>,
-    glances: Option<Arc<Glances<M>>>,
-}
-
-impl<M: Mode> Kept<M> {
-    /// `over`: the grid of tables over the picture, if they pay.
-    fn new((world, optics): (&World, &Optics<M>), plan: &Plan, screens: Screens<M>, over: Option<OverFilm>) -> Self {
-        let connections = Connections::new(world, optics, &plan.connections);
-        Kept {
-            tables: over.and_then(|over| Tables::new(world, optics, &connections, over)),
-            glances: over.and_then(|over| Glances::new(world, optics, &screens, over)).map(Arc::new),
-            screens: Arc::new(screens),
-            connections: Arc::new(connections),
-        }
-    }
-}
-
-fn begin_with<'w, M: Mode + 'w>(
-    world: &'w World,
-    plan: &Plan,
-    groups: usize,
-    size: [usize; 2],
-    seed: u64,
-    Kept { connections, mut tables, screens, glances }: Kept<M>,
-) -> Box<dyn Tracing + 'w> {
-    let mut engines: Vec<Engine<'_, M>> = Vec::new();
-    let mut films = Films { films: Vec::new(), first: 0, passes: 0 };
-    for estimator in Estimator::ALL {
-        let route = Route::new(plan, groups, estimator);
-        if route.planes.is_empty() {
-            continue;
-        }
-        let route = route.parted_by(world.sieve.as_ref());
-        let sampling = match estimator {
-            Estimator::Forward => Sampling::PerScramble { paths: plan.forward_paths },
-            Estimator::Backward | Estimator::Photon | Estimator::Manifold => Sampling::PerPass,
-        };
-        let film = Film::new(size[0], size[1], route.planes.clone(), components::<M>(), sampling);
-        let film = match plan.errors {
-            ErrorDetail::Picture => film,
-            ErrorDetail::Layers => film.with_detail(),
-        };
-        engines.push(match estimator {
-            Estimator::Backward => {
-                let paths = (plan.backward_paths, plan.backward_share);
-                Engine::Backward(Backward::new(world, route, paths, &plan.glints, seed))
-            }
-            Estimator::Forward => Engine::Forward(Forward::new(
-                world,
-                route,
-                groups,
-                plan.forward_paths,
-                plan.forward_guide.as_ref(),
-                connections.clone(),
-                seed,
-            )),
-            Estimator::Manifold => {
-                let (from_eye, lit) = ((connections.clone(), tables.take()), (screens.clone(), glances.clone()));
-                Engine::Manifold(Manifold::new(world, route, from_eye, lit, seed))
-            }
-            Estimator::Photon => {
-                let mapper = PhotonMapper::new(
-                    world,
-                    route,
-                    groups,
-                    plan.photons,
-                    plan.photon_guide.as_ref(),
-                    plan.photon_radii_m,
-                    screens.clone(),
-                    seed,
-                );
-                Engine::Photon(mapper.parting(plan.photons_part).glancing(glances.clone()))
-            }
-        });
-        films.films.push((estimator, film, Ledger::new(world.solids.len())));
-    }
-    Box::new(Engines { engines, films })
 }
 
 /// Traces `world` by `plan` until a limit is reached. `groups`: number of light groups; `size`: picture in pixels.
