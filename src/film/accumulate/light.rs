@@ -1,0 +1,126 @@
+//! Light as it depends on the slide's contrast, and sums of it.
+
+use crate::base::twofold::Sum;
+
+/// Light of one path or pixel, cd/m² (or lm before it is measured), as it depends on the slide's contrast.
+///
+/// With u = 1 − 1/C a slide transmits T_white·(1 − u·(1 − s)): the light of a path that crosses it n times is a
+/// polynomial of degree n in u, and so is any sum. Of light that crosses more often than [`Light::DEGREE`] times `powers`
+/// has a polynomial of that degree that is the same at C = 1, at C = ∞ and, unless the crossings lie on both pieces of a
+/// joined path, at the scene's own contrast; the frame's maker measures what the last costs.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Light {
+    /// At the scene's own contrast.
+    pub value: f64,
+    /// Coefficients of 1, u, u², …
+    pub powers: [f64; Light::DEGREE + 1],
+}
+
+impl Light {
+    pub const DEGREE: usize = 4;
+    /// One, at every contrast.
+    pub const ONE: Light = Light { value: 1.0, powers: [1.0, 0.0, 0.0, 0.0, 0.0] };
+
+    /// With the slide fully open, C = 1.
+    pub fn open(self) -> f64 {
+        self.powers[0]
+    }
+    /// At C = ∞.
+    pub fn content(self) -> f64 {
+        self.powers.iter().sum()
+    }
+    pub fn add(&mut self, other: Light) {
+        self.value += other.value;
+        self.powers.iter_mut().zip(other.powers).for_each(|(a, b)| *a += b);
+    }
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Light {
+        Light { value: self.value * factor, powers: self.powers.map(|p| p * factor) }
+    }
+    /// Crosses a slide: transmittance `t_white` when open, `value` at its contrast, picture value `s`.
+    pub fn cross(&mut self, t_white: f64, value: f64, s: f64) {
+        const D: usize = Light::DEGREE;
+        self.value *= value;
+        // Coefficient of −u^(D + 1).
+        let beyond = t_white * (1.0 - s) * self.powers[D];
+        for k in (0..=Self::DEGREE).rev() {
+            let below = if k > 0 { self.powers[k - 1] } else { 0.0 };
+            self.powers[k] = t_white * (self.powers[k] - (1.0 - s) * below);
+        }
+        if beyond != 0.0 {
+            // With u₀ = 1 − 1/C of the slide, u^(D + 1) is (1 + u₀)·u^D − u₀·u^(D − 1) at 0, u₀ and 1.
+            let own = ((t_white - value) / (t_white * (1.0 - s))).clamp(0.0, 1.0);
+            self.powers[D] -= (1.0 + own) * beyond;
+            self.powers[D - 1] += own * beyond;
+        }
+    }
+    /// Two pieces of a path one after the other.
+    #[must_use]
+    pub fn times(self, other: Light) -> Light {
+        let mut powers = [0.0; Self::DEGREE + 1];
+        // Most pieces cross no slide.
+        for (i, a) in self.powers.iter().enumerate().filter(|(_, a)| **a != 0.0) {
+            for (j, b) in other.powers.iter().enumerate() {
+                powers[(i + j).min(Self::DEGREE)] += a * b;
+            }
+        }
+        Light { value: self.value * other.value, powers }
+    }
+    pub fn is_finite(self) -> bool {
+        (self.value + self.content()).is_finite()
+    }
+}
+
+/// Sums of [`Light`]: of its `value`, then of its `powers`.
+pub(in crate::film) type LightSum = [Sum; Light::DEGREE + 2];
+
+pub(super) fn add(sum: &mut LightSum, light: &Light) {
+    let [value, powers @ ..] = sum;
+    value.add(light.value);
+    powers.iter_mut().zip(light.powers).for_each(|(sum, power)| sum.add(power));
+}
+
+pub(super) fn value_of([value, powers @ ..]: &LightSum) -> Light {
+    Light { value: value.value(), powers: powers.map(Sum::value) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The polynomial of up to four crossings equals the product of the slide's transmittances at any contrast.
+    #[test]
+    fn crossings_are_a_polynomial_in_the_contrast() {
+        let crossings = [(0.9, 0.0), (0.9, 1.0), (0.9, 0.3), (0.9, 0.75)];
+        for count in 0..=4 {
+            let mut light = Light::ONE;
+            crossings[..count].iter().for_each(|(t, s)| light.cross(*t, 0.5, *s));
+            for contrast in [1.0, 2.0, 50.0, 300.0, f64::INFINITY] {
+                let u: f64 = 1.0 - 1.0 / contrast;
+                let want: f64 = crossings[..count].iter().map(|(t, s)| t * (1.0 - u * (1.0 - s))).product();
+                let got: f64 = light.powers.iter().rev().fold(0.0, |sum, p| sum * u + p);
+                assert!((got - want).abs() < 1e-14, "{count} crossings at {contrast}: {got} {want}");
+            }
+            assert_eq!(light.times(light).open(), light.open().powi(2));
+        }
+    }
+
+    /// Light that crosses more often is right where it matters: open, at the slide's own contrast and at none of its light.
+    #[test]
+    fn many_crossings_are_right_at_three_contrasts() {
+        const CONTRAST: f64 = 300.0;
+        let at = |contrast: f64, t: f64, s: f64| t * (1.0 - (1.0 - 1.0 / contrast) * (1.0 - s));
+        for places in
+            [vec![(0.9, 0.0); 5], vec![(0.9, 1.0), (0.8, 0.3), (0.9, 0.75), (0.9, 0.0), (0.7, 0.2), (0.9, 0.5)]]
+        {
+            let mut light = Light::ONE;
+            places.iter().for_each(|(t, s)| light.cross(*t, at(CONTRAST, *t, *s), *s));
+            for contrast in [1.0, CONTRAST, f64::INFINITY] {
+                let u = 1.0 - 1.0 / contrast;
+                let want: f64 = places.iter().map(|(t, s)| at(contrast, *t, *s)).product();
+                let got: f64 = light.powers.iter().rev().fold(0.0, |sum, p| sum * u + p);
+                assert!((got - want).abs() < 1e-14, "{} crossings at {contrast}: {got} {want}", places.len());
+            }
+        }
+    }
+}
