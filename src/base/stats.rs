@@ -41,10 +41,15 @@ pub fn normal_tail(z: f64) -> f64 {
 pub fn sidak_z(alpha: f64, count: usize) -> f64 {
     let each = -f64::ln_1p(-alpha) / count.max(1) as f64; // 1 − (1 − α)^(1/n), to first order for tiny rates
     let each = if each < 1e-6 { each } else { 1.0 - (1.0 - alpha).powf(1.0 / count.max(1) as f64) };
+    two_sided_z(each)
+}
+
+/// The z beyond which, on either side, a standard normal number is as often as `rate`; at most 38.
+pub fn two_sided_z(rate: f64) -> f64 {
     let (mut low, mut high) = (0.0, 38.0);
     for _ in 0..200 {
         let mid = 0.5 * (low + high);
-        if 2.0 * normal_tail(mid) > each { low = mid } else { high = mid }
+        if 2.0 * normal_tail(mid) > rate { low = mid } else { high = mid }
     }
     0.5 * (low + high)
 }

@@ -1,5 +1,7 @@
 //! Student's t: what a difference over its estimated standard error says when few samples gave that error.
 
+use super::stats;
+
 /// P(|T| > t) for Student's t with `freedom` degrees of freedom; the normal distribution's where they are infinite.
 ///
 /// P = I_x(ν/2, ½) with x = ν/(ν + t²) (Abramowitz & Stegun 26.7.1); relative error below 1e-9 for ν up to 1e6.
@@ -12,12 +14,18 @@ pub fn two_sided(t: f64, freedom: f64) -> f64 {
         return 1.0;
     }
     if freedom > 1e6 {
-        return 2.0 * super::stats::normal_tail(t.min(38.0));
+        return 2.0 * stats::normal_tail(t.min(38.0));
     }
     if t.is_infinite() {
         return 0.0;
     }
     incomplete_beta(freedom / (freedom + t * t), t * t / (freedom + t * t), 0.5 * freedom, 0.5).clamp(0.0, 1.0)
+}
+
+/// The normal deviate that is as rare as `t`, with its sign; `t` itself where that is too rare to tell.
+pub fn as_normal(t: f64, freedom: f64) -> f64 {
+    let rare = two_sided(t, freedom);
+    if rare.is_nan() || rare < 1e-300 || freedom.is_infinite() { t } else { stats::two_sided_z(rare).copysign(t) }
 }
 
 /// I_x(a, b); y = 1 − x is given too, since it may be too small to be told from x.
@@ -106,6 +114,15 @@ mod tests {
         }
         assert!(two_sided(f64::NAN, 3.0).is_nan() && two_sided(1.0, 0.0).is_nan());
         assert_eq!((two_sided(f64::INFINITY, 3.0), two_sided(0.0, 3.0)), (0.0, 1.0));
+    }
+
+    #[test]
+    fn as_rare_as_a_normal_deviate() {
+        // Two-sided 1 %: 3.355 with 8 degrees of freedom, 2.576 normal.
+        assert!((as_normal(-3.355, 8.0) + 2.576).abs() < 1e-3);
+        assert!((as_normal(2.0, 1e7) - 2.0).abs() < 1e-6 && as_normal(0.0, 3.0).abs() < 1e-9);
+        assert_eq!((as_normal(60.0, f64::INFINITY), as_normal(f64::INFINITY, 5.0)), (60.0, f64::INFINITY));
+        assert!(as_normal(f64::NAN, 5.0).is_nan());
     }
 
     #[test]

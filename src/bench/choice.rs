@@ -196,6 +196,7 @@ pub fn line(row: &Row) -> String {
 mod tests {
     use super::*;
     use crate::bench::curve::Point;
+    use crate::bench::curve::cells::Batches;
     use crate::bench::curve::error::Error;
     use crate::bench::curve::picture::Picture;
 
@@ -221,7 +222,13 @@ mod tests {
     }
 
     fn exact() -> References {
-        let picture = Picture { width: 32, height: 24, values: vec![1.0; 768], variances: vec![0.0; 768] };
+        let picture = Picture {
+            width: 32,
+            height: 24,
+            values: vec![1.0; 768],
+            variances: vec![0.0; 768],
+            batches: Batches::default(),
+        };
         References::new(picture.clone(), picture)
     }
 

@@ -3,6 +3,7 @@
 //! The square of an error against a noisy reference holds the reference's noise too: (t − R)² has the mean
 //! (t − r)² + var R. The product (t − R₁)(t − R₂) has the mean (t − r)² exactly, as the noise of the two is independent.
 
+use super::bias::{Blocks, Deviation};
 use super::picture::Picture;
 use crate::base::stats::sidak_z;
 
@@ -12,15 +13,6 @@ pub const TRIMMED: f64 = 1e-3;
 pub const FLOOR: f64 = 0.01;
 /// A pixel is flat if its eight neighbours in the reference are within this share of it.
 pub const FLAT: f64 = 0.1;
-/// Blocks per side in which a bias is looked for, if the references know the light of each.
-pub const BLOCKS: usize = 8;
-/// Standard error of the references over a block's light from which on the blocks are made larger. A picture that is as
-/// rough as the references and took a sixteenth of their time then has some hundred of the rare bright hits in each block:
-/// with a few its error would not be normal.
-pub const KNOWN: f64 = 0.03;
-/// The same for the picture as a whole, below which there is nothing to go to.
-pub const KNOWN_WHOLE: f64 = 0.1;
-
 /// Two pictures of the same scene that share no randomness, with what is needed of them again and again.
 #[derive(Debug, Clone)]
 pub struct References {
@@ -30,11 +22,10 @@ pub struct References {
     scale: Vec<f64>,
     flat: Vec<bool>,
     mean: f64,
-    /// Blocks per side.
-    side: usize,
-    known: bool,
-    /// Who says what is a bias, if others do.
-    of_bias: Option<Box<References>>,
+    /// What is a bias: by these references, or by others.
+    blocks: Blocks,
+    /// The mean of those that say so, cd/m².
+    unbiased: f64,
 }
 
 /// A picture's distance from the references.
@@ -63,46 +54,25 @@ impl References {
         let black = (FLOOR * whole).powi(2);
         let flat = flat(&mean, first.width, FLOOR * whole);
         let scale = mean.iter().map(|r| r * r + black).collect();
-        let mut references =
-            References { scale, flat, mean: whole, first, second, side: 1, known: false, of_bias: None };
-        let found = [BLOCKS, BLOCKS / 2, BLOCKS / 4, 1].into_iter().find(|side| references.know(*side));
-        references.known = found.is_some();
-        references.side = found.unwrap_or(1);
-        references
+        let blocks = Blocks::new([&first, &second]);
+        References { scale, flat, mean: whole, first, second, blocks, unbiased: whole }
     }
 
     /// The same, but energy and blocks are held against `others` of the same size: those that share no fault with what is
     /// judged may be too rough to tell its error.
     #[must_use]
     pub fn with_bias_by(self, others: References) -> Self {
-        References { of_bias: Some(Box::new(others)), ..self }
-    }
-
-    /// Those that tell a bias.
-    fn of_bias(&self) -> &References {
-        self.of_bias.as_deref().unwrap_or(self)
-    }
-
-    /// Whether the references know the light of each of `side` × `side` blocks well enough. A block in which a rare path
-    /// was found once or never states a wrong error or none.
-    fn know(&self, side: usize) -> bool {
-        let limit = if side > 1 { KNOWN } else { KNOWN_WHOLE };
-        self.blocks(side).all(|block| {
-            let light: f64 =
-                block.iter().map(|&pixel| 0.5 * (self.first.values[pixel] + self.second.values[pixel])).sum();
-            self.variance(&block).sqrt() <= limit * light
-        })
+        References { blocks: others.blocks, unbiased: others.mean, ..self }
     }
 
     /// Number of blocks in which a bias is looked for; none if the references don't even know the light of the whole.
     pub fn known_blocks(&self) -> Option<usize> {
-        let own = self.of_bias();
-        own.known.then(|| own.blocks(own.side).count())
+        self.blocks.known()
     }
 
     /// Whether there are as many blocks as there may be: the references know the light of each small one.
     pub fn know_all(&self) -> bool {
-        self.known && self.side == BLOCKS
+        self.blocks.know_all()
     }
 
     /// Number of pixels that are flat, and of all.
@@ -141,8 +111,7 @@ impl References {
 
     /// The same for this rate of false alarms.
     pub fn most_sigma_at(&self, rate: f64) -> f64 {
-        let own = self.of_bias();
-        sidak_z(rate, own.blocks(own.side).count())
+        sidak_z(rate, self.blocks.count())
     }
 
     /// Root of the sum of squared errors over the sum of squares, both by products of the two references: what
@@ -169,54 +138,16 @@ impl References {
         let pixels = terms.len().max(1) as f64;
         let [flat, all] = self.flat_pixels();
         let on_flat = || terms.iter().zip(&self.flat).filter(|(_, flat)| **flat).map(|(term, _)| term).sum::<f64>();
-        let own = self.of_bias();
-        let whole = own.difference(picture, &(0..terms.len()).collect::<Vec<_>>());
-        let light: f64 = own.mean * pixels;
-        let worst = own
-            .blocks(own.side)
-            .map(|block| own.difference(picture, &block))
-            .map(|(sum, variance)| if sum == 0.0 { 0.0 } else { sum / variance.sqrt() })
-            .fold(0.0, |worst: f64, z| if z.abs() > worst.abs() || z.is_nan() { z } else { worst });
+        let Deviation { whole: [excess, sigma], worst_sigma } = self.blocks.deviation(picture);
+        let light = self.unbiased * pixels;
         Error {
             relmse: terms.iter().sum::<f64>() / pixels,
             flat: (flat > 0 && flat * 100 >= all).then(|| on_flat() / flat as f64),
             trimmed: trimmed(terms),
-            energy: per(whole.0 + light, light),
-            energy_sigma: per(whole.1.sqrt(), light),
-            worst_sigma: worst,
+            energy: per(excess + light, light),
+            energy_sigma: per(sigma, light),
+            worst_sigma,
         }
-    }
-
-    /// Sum of t − r over some pixels, and its variance.
-    fn difference(&self, picture: &Picture, pixels: &[usize]) -> (f64, f64) {
-        let (mut sum, mut variance) = (0.0, self.variance(pixels));
-        for &pixel in pixels {
-            sum += picture.values[pixel] - 0.5 * (self.first.values[pixel] + self.second.values[pixel]);
-            variance += picture.variances[pixel];
-        }
-        (sum, variance)
-    }
-
-    /// Variance of the sum of r over some pixels: what the references' films state, by all their passes. Files state none:
-    /// then it is taken from how the two differ, (R₁ − R₂)²/4 having the mean of the variance of their mean. In a small
-    /// block, where a few pixels have most of the variance, that is a rough guess.
-    fn variance(&self, pixels: &[usize]) -> f64 {
-        let (first, second) = (&self.first, &self.second);
-        let stated: f64 = pixels.iter().map(|&pixel| 0.25 * (first.variances[pixel] + second.variances[pixel])).sum();
-        let differ = pixels.iter().map(|&pixel| 0.25 * (first.values[pixel] - second.values[pixel]).powi(2));
-        if stated > 0.0 { stated } else { differ.sum() }
-    }
-
-    /// The picture's pixels in blocks, at most `most` × `most`, of at least 4 × 4 pixels.
-    fn blocks(&self, most: usize) -> impl Iterator<Item = Vec<usize>> {
-        let (width, height) = (self.first.width, self.first.height);
-        let count = |side: usize| (side / 4).clamp(1, most);
-        let (columns, rows) = (count(width), count(height));
-        (0..rows * columns).map(move |block| {
-            let (i, j) = (block / columns, block % columns);
-            let xs = j * width / columns..(j + 1) * width / columns;
-            (i * height / rows..(i + 1) * height / rows).flat_map(|y| xs.clone().map(move |x| y * width + x)).collect()
-        })
     }
 }
 

@@ -2,11 +2,12 @@
 
 use super::*;
 use crate::base::rng::{Rng, Stream};
+use crate::bench::curve::cells::Batches;
 
 const SIDE: usize = 64;
 
 fn picture(values: Vec<f64>, variance: f64) -> Picture {
-    Picture { width: SIDE, height: SIDE, variances: vec![variance; values.len()], values }
+    Picture { width: SIDE, height: SIDE, variances: vec![variance; values.len()], values, batches: Batches::default() }
 }
 
 /// A bright half and a dark half.
@@ -77,6 +78,18 @@ fn a_bias_of_two_per_cent_shows() {
     (0..8).for_each(|y| (0..8).for_each(|x| spotted.values[y * SIDE + x] *= 0.98));
     let spotted = references.measure(&spotted);
     assert!(spotted.worst_sigma < -1.5 * limit, "{spotted:?}");
+}
+
+/// What rounds without chance is no bias: 10⁴ sums of a number that has no short binary fraction.
+#[test]
+fn rounding_is_no_bias() {
+    let plain = |passes: i32| {
+        let sum = (0..passes).fold(0.0, |sum, _| sum + 104.330_9);
+        picture(vec![sum / f64::from(passes); SIDE * SIDE], 0.0)
+    };
+    let references = References::new(plain(7001), plain(6999));
+    let error = references.measure(&plain(900));
+    assert!(error.worst_sigma != 0.0 && error.worst_sigma.abs() < 1.0, "{error:?}");
 }
 
 /// One pixel in a thousand may be anything for the trimmed error, two may not.

@@ -2,6 +2,8 @@
 //! against two independent references. docs/bench.md defines the figures.
 
 pub mod asset;
+pub mod bias;
+pub mod cells;
 pub mod csv;
 pub mod error;
 pub mod fit;

@@ -1,5 +1,6 @@
 //! The luminance of a picture with the variances of its pixels.
 
+use super::cells::{Batches, Grid};
 use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
 use crate::estimate::run::Films;
@@ -15,13 +16,15 @@ pub struct Picture {
     /// Variance of each value.
     pub variances: Vec<f64>,
     pub height: usize,
+    /// How the light of its cells came; without batches the pixels' variances tell what that is worth.
+    pub batches: Batches,
 }
 
 impl Picture {
     /// What films of this size hold together; black if there are none.
     pub fn of_films(films: &Films, [width, height]: [usize; 2]) -> Picture {
-        let mut picture =
-            Picture { width, height, values: vec![0.0; width * height], variances: vec![0.0; width * height] };
+        let (values, variances) = (vec![0.0; width * height], vec![0.0; width * height]);
+        let mut picture = Picture { width, height, values, variances, batches: Batches::default() };
         for (_, film, _) in &films.films {
             let all = film.planes.len();
             for (pixel, (value, variance)) in picture.values.iter_mut().zip(&mut picture.variances).enumerate() {
@@ -30,6 +33,18 @@ impl Picture {
             }
         }
         picture
+    }
+
+    /// The same of films that have just been added to, with the batches of what they held before.
+    pub fn of_batches(films: &Films, size: [usize; 2], batches: &mut Batches) -> Picture {
+        let picture = Picture::of_films(films, size);
+        batches.add(films.passes, &picture.cells().sums(picture.values.iter().copied()));
+        Picture { batches: batches.clone(), ..picture }
+    }
+
+    /// The cells of its pixels.
+    pub fn cells(&self) -> Grid {
+        Grid::new([self.width, self.height])
     }
 
     /// The default image of an EXR in linear Rec.709 (or grey), without variances.
@@ -54,7 +69,9 @@ impl Picture {
             .collect();
         match values.iter().position(|value| !value.is_finite()) {
             Some(pixel) => Err(fault(format!("pixel {} of row {} is no number", pixel % width, pixel / width))),
-            None => Ok(Picture { width, height, variances: vec![0.0; values.len()], values }),
+            None => {
+                Ok(Picture { width, height, variances: vec![0.0; values.len()], values, batches: Batches::default() })
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The estimators trace in turn, a fraction of a second each, so that whatever else the machine does meets all alike.
 
+use super::cells::Batches;
 use super::error::References;
 use super::fit::{reach, slope};
 use super::picture::Picture;
@@ -57,6 +58,7 @@ struct Runner<'r> {
     setup_seconds: f64,
     seconds: f64,
     points: Vec<Point>,
+    batches: Batches,
     done: bool,
 }
 
@@ -77,14 +79,19 @@ impl Runner<'_> {
         while self.passes() < most && self.seconds < budget.seconds.min(begun + TURN) {
             // As many passes at once as a tenth of a turn takes: asking for the time is not free either.
             let rate = self.passes() as f64 / self.seconds.max(1e-9);
-            let count = ((0.1 * TURN * rate) as u64).clamp(1, most - self.passes());
+            let end = most.min(self.batches.next());
+            let count = ((0.1 * TURN * rate) as u64).clamp(1, end - self.passes());
             let start = cpu_seconds();
             self.tracing.step(count);
             self.seconds += cpu_seconds() - start;
+            // Where batches end is no matter of the clock.
+            if self.passes() == end {
+                Picture::of_batches(self.tracing.films(), size, &mut self.batches);
+            }
         }
         let spent = self.seconds >= budget.seconds || budget.passes.is_some_and(|passes| self.passes() >= passes);
         if (self.passes() >= next || spent) && self.points.last().is_none_or(|point| point.passes < self.passes()) {
-            let error = references.measure(&Picture::of_films(self.tracing.films(), size));
+            let error = references.measure(&Picture::of_batches(self.tracing.films(), size, &mut self.batches));
             let (passes, paths) = (self.passes(), self.paths());
             self.points.push(Point { passes, seconds: self.seconds, paths, error });
         }
@@ -140,7 +147,8 @@ pub fn race(
             let tracing = begin(&ready.world, plan, groups, size, seed);
             let setup_seconds = planned + cpu_seconds() - start;
             let done = tracing.films().films.is_empty();
-            Runner { choice: *choice, plan, tracing, setup_seconds, seconds: 0.0, points: Vec::new(), done }
+            let (points, batches) = (Vec::new(), Batches::default());
+            Runner { choice: *choice, plan, tracing, setup_seconds, seconds: 0.0, points, batches, done }
         })
         .collect();
     while runners.iter().any(|runner| !runner.done) && !stop() {

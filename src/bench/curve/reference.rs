@@ -1,5 +1,6 @@
 //! Two references that share no randomness, with each other or with what they judge.
 
+use super::cells::Batches;
 use super::error::References;
 use super::picture::Picture;
 use super::race::Ready;
@@ -45,14 +46,18 @@ pub fn references(
             let trace = |apart: u64| {
                 let start = cpu_seconds();
                 let mut tracing = begin(&ready.world, &plan, groups, size, seed ^ apart);
+                let mut batches = Batches::default();
                 while !tracing.films().films.is_empty() {
                     tracing.step(1);
+                    if tracing.films().passes == batches.next() {
+                        Picture::of_batches(tracing.films(), size, &mut batches);
+                    }
                     let enough = passes.is_some_and(|most| tracing.films().passes >= most);
                     if enough || cpu_seconds() - start >= *seconds || stop() {
                         break;
                     }
                 }
-                (Picture::of_films(tracing.films(), size), tracing.films().passes)
+                (Picture::of_batches(tracing.films(), size, &mut batches), tracing.films().passes)
             };
             let [(first, n1), (second, n2)] = APART.map(trace);
             ([first, second], name(*choice).to_owned(), Some([n1, n2]))

@@ -1,12 +1,15 @@
 //! Reports of made-up and of real curves.
 
 use super::asset::Form;
+use super::cells::Batches;
 use super::error::Error;
 use super::fit::reach;
+use super::picture::Picture;
 use super::race::{Budget, Ready, race};
 use super::reference::{Source, references};
 use super::*;
 use crate::bench::kit;
+use crate::estimate::run::begin;
 use glam::DVec3;
 
 fn error(relmse: f64) -> Error {
@@ -162,4 +165,40 @@ fn a_race_measures_what_the_film_states() {
     });
     // Told to stop at once it makes no pass.
     assert!(race(&ready, &choices, &references, 7, budget, &|| true).iter().all(|curve| curve.points.is_empty()));
+}
+
+/// Neighbouring pixels gather the same photons: what batches of passes say of a cell's light is what comes again with other
+/// seeds, and what the pixels' variances add up to is half of it.
+#[test]
+fn photons_that_pixels_share() {
+    let scene = crate::bench::generate::scene(5);
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    let (size, choice) = (scene.eye.resolution, Choice::Only(Estimator::Photon));
+    let plan = crate::plan::plan(&ready.checked, &ready.world, choice);
+    let pictures: Vec<Picture> = (0..24)
+        .map(|seed| {
+            let mut tracing = begin(&ready.world, &plan, scene.groups.len(), size, seed);
+            let mut batches = Batches::default();
+            (0..15).for_each(|_| {
+                tracing.step(1);
+                Picture::of_batches(tracing.films(), size, &mut batches);
+            });
+            Picture::of_batches(tracing.films(), size, &mut batches)
+        })
+        .collect();
+    let grid = pictures[0].cells();
+    let cells = grid.blocks(8).len();
+    let lights: Vec<Vec<f64>> = pictures.iter().map(|picture| grid.sums(picture.values.iter().copied())).collect();
+    let (mut real, mut of_batches, mut of_pixels) = (0.0, 0.0, 0.0);
+    for (seed, picture) in pictures.iter().enumerate() {
+        let pixels = grid.sums(picture.variances.iter().copied());
+        for cell in 0..cells {
+            let mean = lights.iter().map(|light| light[cell]).sum::<f64>() / lights.len() as f64;
+            real += (lights[seed][cell] - mean).powi(2) / (lights.len() - 1) as f64;
+            of_batches += picture.batches.variance(&[cell]).unwrap()[0] / lights.len() as f64;
+            of_pixels += pixels[cell] / lights.len() as f64;
+        }
+    }
+    assert!((0.75..1.33).contains(&(real / of_batches)), "{real} {of_batches}");
+    assert!(of_pixels < 0.6 * of_batches, "{of_batches} {of_pixels}");
 }

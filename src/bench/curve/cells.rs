@@ -1,0 +1,158 @@
+//! The light of a picture's cells, batch by batch of passes: what a sum over pixels that share photons is worth.
+//!
+//! The film knows the variance of a pixel. That of a sum over pixels is more where they share a photon, and less where
+//! places in a pixel are chosen evenly; the sums of a few dozen batches know both.
+
+/// Cells per side, at most.
+pub const CELLS: usize = 8;
+/// A cell has at least so many pixels per side.
+const PIXELS: usize = 4;
+/// Batches are made twice as long when there would be more.
+const MOST: usize = 64;
+
+/// A picture's pixels in cells, row by row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Grid {
+    size: [usize; 2],
+}
+
+impl Grid {
+    /// Of a picture of this width and height.
+    pub fn new(size: [usize; 2]) -> Grid {
+        Grid { size }
+    }
+
+    fn cells(self) -> [usize; 2] {
+        self.size.map(|pixels| (pixels / PIXELS).clamp(1, CELLS))
+    }
+
+    fn cell(self, pixel: usize) -> usize {
+        let ([width, height], [columns, rows]) = (self.size, self.cells());
+        let (x, y) = (pixel % width.max(1), pixel / width.max(1));
+        y * rows / height.max(1) * columns + x * columns / width.max(1)
+    }
+
+    /// Sums of the pixels' values over each cell.
+    pub fn sums(self, values: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut sums = vec![0.0; self.cells().iter().product()];
+        values.enumerate().for_each(|(pixel, value)| sums[self.cell(pixel)] += value);
+        sums
+    }
+
+    /// The cells in blocks, at most `side` × `side`.
+    pub fn blocks(self, side: usize) -> Vec<Vec<usize>> {
+        let [columns, rows] = self.cells();
+        let [across, down] = [columns, rows].map(|cells| cells.min(side.max(1)));
+        let mut blocks = vec![Vec::new(); across * down];
+        for cell in 0..columns * rows {
+            blocks[cell / columns * down / rows * across + cell % columns * across / columns].push(cell);
+        }
+        blocks
+    }
+}
+
+/// The light of each cell after so many passes, 2 × `width` passes, … and at the end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Batches {
+    width: u64,
+    /// Sum over the passes up to the end of each batch.
+    sums: Vec<Vec<f64>>,
+    passes: u64,
+}
+
+impl Default for Batches {
+    fn default() -> Self {
+        Batches { width: 1, sums: Vec::new(), passes: 0 }
+    }
+}
+
+impl Batches {
+    /// After how many passes in all the next batch ends.
+    pub fn next(&self) -> u64 {
+        (self.sums.len() as u64 + 1).saturating_mul(self.width)
+    }
+
+    /// After `passes` passes, no more than [`Batches::next`], the mean of a pass is `cells`.
+    pub fn add(&mut self, passes: u64, cells: &[f64]) {
+        self.passes = passes;
+        if passes < self.next() {
+            return;
+        }
+        self.sums.push(cells.iter().map(|mean| mean * passes as f64).collect());
+        if self.sums.len() == MOST {
+            // Every second end is an end of a batch twice as long.
+            let mut ends = [false, true].into_iter().cycle();
+            self.sums.retain(|_| ends.next() == Some(true));
+            self.width *= 2;
+        }
+    }
+
+    /// Variance of the mean pass's light in a block of cells, and its degrees of freedom; none before the second batch.
+    pub fn variance(&self, block: &[usize]) -> Option<[f64; 2]> {
+        let count = self.sums.len();
+        if count < 2 {
+            return None;
+        }
+        let light = |sums: &Vec<f64>| block.iter().map(|&cell| sums[cell]).sum::<f64>();
+        let ends: Vec<f64> = std::iter::once(0.0).chain(self.sums.iter().map(light)).collect();
+        let mean = ends[count] / count as f64;
+        let squares: f64 = ends.windows(2).map(|ends| (ends[1] - ends[0] - mean).powi(2)).sum();
+        let freedom = (count - 1) as f64;
+        // Of a batch; of a pass so much less; of the mean of all passes less again.
+        Some([squares / freedom / self.width as f64 / self.passes as f64, freedom])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Rng, Stream};
+    use crate::base::stats::Moments;
+
+    #[test]
+    fn cells_and_blocks_hold_each_pixel_once() {
+        for size in [[32, 24], [1, 1], [7, 300], [360, 180], [33, 9]] {
+            let grid = Grid::new(size);
+            let sums = grid.sums((0..size[0] * size[1]).map(|_| 1.0));
+            assert_eq!(sums.iter().sum::<f64>(), (size[0] * size[1]) as f64);
+            assert!(sums.iter().all(|sum| *sum > 0.0), "{size:?} {sums:?}");
+            for side in [8, 4, 2, 1] {
+                let mut cells: Vec<usize> = grid.blocks(side).concat();
+                assert!(grid.blocks(side).iter().all(|block| !block.is_empty()));
+                cells.sort_unstable();
+                assert_eq!(cells, (0..sums.len()).collect::<Vec<_>>());
+            }
+        }
+        assert_eq!([8, 4, 2, 1].map(|side| Grid::new([32, 24]).blocks(side).len()), [48, 16, 4, 1]);
+        assert_eq!(Grid::new([0, 0]).sums(std::iter::empty()), [0.0]);
+    }
+
+    /// Two cells whose light comes and goes together, as of one photon: the variance of their sum is four times, not twice,
+    /// that of one, and what batches say of it is right in the mean, however many passes there are.
+    #[test]
+    fn shared_light_is_counted_as_such() {
+        for passes in [2u64, 3, 64, 65, 1000] {
+            let mut stated = Moments::default();
+            for seed in 0..400 {
+                let mut rng = Rng::new(seed, Stream::Check, passes, 0);
+                let (mut batches, mut sum) = (Batches::default(), 0.0);
+                for pass in 1..=passes {
+                    sum += rng.uniform();
+                    let mean = sum / pass as f64;
+                    if pass == batches.next() || pass == passes {
+                        batches.add(pass, &[mean, mean, 1.0]);
+                    }
+                }
+                let [variance, freedom] = batches.variance(&[0, 1]).unwrap();
+                assert!(batches.variance(&[2]).unwrap()[0] < 1e-20 && (1.0..64.0).contains(&freedom));
+                stated.add(variance);
+            }
+            let want = 4.0 / 12.0 / passes as f64;
+            let off = stated.mean - want;
+            assert!(off.abs() < 4.0 * stated.stderr() && stated.stderr() < 0.1 * want, "{passes}: {stated:?} {want}");
+        }
+        let mut one = Batches::default();
+        one.add(1, &[1.0]);
+        assert_eq!(one.variance(&[0]), None);
+    }
+}
