@@ -10,6 +10,8 @@ pub mod generate;
 pub mod kit;
 pub mod measure;
 #[cfg(test)]
+mod panes_tests;
+#[cfg(test)]
 mod plan_tests;
 pub mod stated;
 pub mod stress;

@@ -1,27 +1,27 @@
 //! Path tracing from the eye: next-event estimation with multiple importance sampling, unbiased roulette.
 
+mod sent;
+
 use super::ShouldStop;
 use super::ledger::{Ledger, cost};
+use super::panes::Scattered;
 use super::pick_up::Shining;
 use super::pixel::Pixel;
 use super::route::{Reach, Route};
 use super::vision::Vision;
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
-use crate::base::ids::GroupId;
-use crate::base::lpe::{Letter, Source};
+use crate::base::lpe::Source;
 use crate::base::rng::Stream;
-use crate::base::warp::Frame;
 use crate::film::accumulate::{Film, Light};
 use crate::film::train::Glint;
 use crate::world::World;
-use crate::world::geometry::{Ray, Site};
+use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
-use crate::world::light::Strength;
-use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
+use crate::world::mode::{Mode, lanes, plane_of};
 use crate::world::optics::Optics;
-use crate::world::scatter::Scatter;
-use glam::DVec3;
+use crate::world::surface::{FaceOptics, Surface};
 use rayon::prelude::*;
+use sent::Here;
 use std::marker::PhantomData;
 
 /// The backward estimator, ready to run passes.
@@ -34,41 +34,13 @@ pub struct Backward<'w, M: Mode> {
     vision: Option<Vision<'w>>,
     /// Kinds of lamps that a scatterer asks for.
     asked: u64,
+    /// The scene has faces that transmit.
+    panes: bool,
     /// Per pixel that a pass looks at.
     paths: u32,
     /// Share of the pixels that a pass looks at.
     share: f64,
     seed: u64,
-}
-
-/// The last scattering vertex: what the chance of having sampled a lamp from there was.
-struct Scattered {
-    point: DVec3,
-    /// Density per steradian of the direction taken.
-    pdf: f64,
-}
-
-/// Light that a lamp sends to a scatterer.
-struct Sent<M: Mode> {
-    /// Unit direction to the lamp.
-    dir: DVec3,
-    distance: f64,
-    target: Option<Site>,
-    /// Per lane: cd/m², or lx across the direction for a lamp that has no luminance.
-    luminance: M::Lanes<f64>,
-    /// Density of the direction per steradian, or the probability of a lamp without luminance.
-    pdf: f64,
-    /// A scattered ray could have found the lamp too.
-    by_chance: bool,
-    from: Whose,
-}
-
-/// Whose light it is, and the share of the picture that it belongs to.
-#[derive(Clone, Copy)]
-struct Whose {
-    group: GroupId,
-    source: Source,
-    share: usize,
 }
 
 impl<'w, M: Mode> Backward<'w, M> {
@@ -78,7 +50,11 @@ impl<'w, M: Mode> Backward<'w, M> {
         let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, glints, seed));
         let asked = [world.lamps.all().is_empty(), world.sky.is_none(), world.lights.all().is_empty()];
         let asked = asked.iter().filter(|none| !**none).count() as u64;
-        Backward { world, mode: PhantomData, reach, vision, route, asked, paths, share, seed }
+        let transmits = |face: &FaceOptics| {
+            matches!(face.surface, Surface::Interface(_) | Surface::Slide(_) | Surface::Sheet(_) | Surface::Absent)
+        };
+        let panes = world.faces.iter().flatten().any(transmits);
+        Backward { world, mode: PhantomData, reach, vision, route, asked, panes, paths, share, seed }
     }
 
     /// Looks at `count` pixels spread over the picture and tells whether any of them has light of ours. Once `stop` says
@@ -88,14 +64,14 @@ impl<'w, M: Mode> Backward<'w, M> {
         let pixels = (width * height) as u64;
         let optics = M::optics(self.world, self.seed, 0);
         (0..count).into_par_iter().any(|k| {
-            let mut ledger = Ledger::new(self.world.solids.len());
+            let mut ledgers = [Ledger::new(self.world.solids.len()), Ledger::new(self.world.solids.len())];
             let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
             let pixel = (k.wrapping_mul(pixels) / count.max(1)) as usize;
             if stop() {
                 return false;
             }
             let pixel = Pixel::new((pixel % width, pixel / width), width, k);
-            self.pixel(&optics, pixel, &mut light, &mut ledger);
+            self.pixel(&optics, pixel, &mut light, &mut ledgers);
             light.iter().any(|light| light.value != 0.0 || light.open() != 0.0)
         })
     }
@@ -120,19 +96,21 @@ impl<'w, M: Mode> Backward<'w, M> {
                     let mut total = Ledger::new(parts);
                     let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
                     for (pass, optics) in &optics {
-                        let mut ledger = Ledger::new(parts);
+                        let mut ledgers = [Ledger::new(parts), Ledger::new(parts)];
                         for x in 0..width {
                             light.fill(Light::default());
                             let pixel = Pixel::new((x, *y), width, *pass);
                             if self.looks(pixel) {
-                                self.pixel(optics, pixel, &mut light, &mut ledger);
+                                self.pixel(optics, pixel, &mut light, &mut ledgers);
                             }
                             if self.share < 1.0 {
                                 light.iter_mut().for_each(|light| *light = light.scaled(1.0 / self.share));
                             }
-                            ledger.work += cost::KEPT;
+                            ledgers[0].work += cost::KEPT;
                             row.add_pass(x, &light);
                         }
+                        let [mut ledger, scratch] = ledgers;
+                        ledger.work += scratch.work;
                         total.merge(&ledger);
                     }
                     total
@@ -149,8 +127,8 @@ impl<'w, M: Mode> Backward<'w, M> {
         self.share >= 1.0 || pixel.rng(self.seed, Stream::Looks).uniform() < self.share
     }
 
-    /// What is seen in a pixel.
-    fn pixel(&self, optics: &Optics<M>, pixel: Pixel, out: &mut [Light], ledger: &mut Ledger) {
+    /// What is seen in a pixel. Into the second ledger goes what is tried beside the paths; of that only the work counts.
+    fn pixel(&self, optics: &Optics<M>, pixel: Pixel, out: &mut [Light], ledgers: &mut [Ledger; 2]) {
         let mut rng = pixel.rng(self.seed, Stream::Backward);
         let (paths, first) = (u64::from(self.paths), pixel.pass.wrapping_mul(u64::from(self.paths)));
         for path in 0..paths {
@@ -161,24 +139,37 @@ impl<'w, M: Mode> Backward<'w, M> {
             let walker =
                 Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
             let points = pixel.start(self.seed, Stream::LampPoint, first.wrapping_add(path));
-            self.path(walker, weight, points, out, ledger);
+            self.path(walker, weight, points, out, ledgers);
         }
         if let Some(vision) = &self.vision {
-            vision.look(&self.route, optics, pixel, out, ledger);
+            vision.look(&self.route, optics, pixel, out, &mut ledgers[0]);
         }
     }
 
-    fn path(&self, mut walker: Walker<'_, M>, weight: f64, points: [f64; 3], out: &mut [Light], ledger: &mut Ledger) {
+    fn path(
+        &self,
+        mut walker: Walker<'_, M>,
+        weight: f64,
+        points: [f64; 3],
+        out: &mut [Light],
+        [ledger, scratch]: &mut [Ledger; 2],
+    ) {
         let balance = ledger.imbalance();
         ledger.paths += 1;
         ledger.emitted += weight;
-        self.follow(&mut walker, points, out, ledger);
+        self.follow(&mut walker, points, out, (ledger, scratch));
         ledger.close_path(balance);
     }
 
     /// `points`: the numbers by which the first scatterer on the way chooses a lamp and a place on it. They are even over
     /// the pixel's paths as their starts are, so the borders of soft shadows converge as edges do.
-    fn follow(&self, walker: &mut Walker<'_, M>, points: [f64; 3], out: &mut [Light], ledger: &mut Ledger) {
+    fn follow(
+        &self,
+        walker: &mut Walker<'_, M>,
+        points: [f64; 3],
+        out: &mut [Light],
+        (ledger, scratch): (&mut Ledger, &mut Ledger),
+    ) {
         let mut last: Option<Scattered> = None;
         loop {
             let vertex = match walker.advance(ledger) {
@@ -195,24 +186,22 @@ impl<'w, M: Mode> Backward<'w, M> {
             if walker.events < SPLIT_FIRST_EVENTS
                 && let Some(mut reflected) = walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
             {
-                self.follow(&mut reflected, points, out, ledger);
+                self.follow(&mut reflected, points, out, (ledger, scratch));
             }
+            walker.last = None;
             match walker.meet(&vertex, ledger) {
                 Meeting::Ended => return,
-                Meeting::Went => {
-                    // A straight pass through an absent face is no event: the lamp beyond could not be sampled, so
-                    // only what the trail says about specular events decides.
-                    last = None;
-                }
+                Meeting::Went => last = last.and_then(|last| last.past(walker)),
                 Meeting::Scatter(scatter, frame) => {
                     ledger.work += cost::SHADOW * self.asked;
                     let first = !walker.trail.has_scatter();
                     let points = if first { points } else { std::array::from_fn(|_| walker.rng.uniform()) };
-                    self.sample_lamps(walker, &vertex, scatter, &frame, points, out);
-                    self.sample_sky(walker, &vertex, scatter, &frame, points, out);
-                    self.sample_lights(walker, &vertex, scatter, &frame, points, out);
+                    let here = Here { walker: &*walker, vertex: &vertex, scatter, frame: &frame };
+                    self.sample_lamps(&here, points, out);
+                    self.sample_sky(&here, points, out, scratch);
+                    self.sample_lights(&here, points, out, scratch);
                     let Some(pdf) = walker.scatter(&vertex, scatter, &frame, ledger) else { return };
-                    last = Some(Scattered { point: vertex.hit.point, pdf });
+                    last = Some(Scattered::new(walker, vertex.hit.point, pdf));
                 }
             }
             if !self.reach.allows(walker.trail) {
@@ -230,7 +219,7 @@ impl<'w, M: Mode> Backward<'w, M> {
         let Shining { lamp, index, cos, .. } = seen;
         let Some(share) = self.route.from_eye(lamp.group, walker.trail) else { return };
         let plane = self.route.plane_from_eye(share, walker.told, lamp.group, Source::Face);
-        let weight = match last {
+        let weight = match last.filter(|from| from.in_sight()) {
             None => 1.0,
             Some(from) => {
                 let pdf_area = self.world.lamps.pick_pdf(from.point, index) / lamp.area_m2;
@@ -245,139 +234,22 @@ impl<'w, M: Mode> Backward<'w, M> {
         let Some(sky) = &self.world.sky else { return };
         let Some(share) = self.route.from_eye(sky.group, walker.trail) else { return };
         let plane = self.route.plane_from_eye(share, walker.told, sky.group, Source::Sky);
-        let weight = last.map_or(1.0, |from| from.pdf / (from.pdf + sky.pdf(walker.ray.dir)));
+        let weight = last.map_or(1.0, |from| from.pdf / (from.pdf + sky.pdf(from.dir)));
         let luminance = walker.optics.sky(sky, walker.ray.dir);
         walker.pick_up(plane_of::<M>(out, plane), &lanes::<M, _>(|lane| luminance[lane] * weight));
     }
 
     /// Distant lamps that have a disc.
     fn see_discs(&self, walker: &Walker<'_, M>, last: Option<&Scattered>, out: &mut [Light]) {
-        for (index, luminance, density) in self.world.lights.met(walker.ray.dir, last.map(|from| from.point)) {
+        for (index, luminance, density) in
+            self.world.lights.met(walker.ray.dir, last.map(|from| (from.point, from.dir)))
+        {
             let group = self.world.lights.all()[index].group();
             let Some(share) = self.route.from_eye(group, walker.trail) else { continue };
             let plane = self.route.plane_from_eye(share, walker.told, group, Source::Light);
             let weight = last.map_or(1.0, |from| from.pdf / (from.pdf + density));
             let tint = walker.optics.light(index);
             walker.pick_up(plane_of::<M>(out, plane), &lanes::<M, _>(|lane| luminance * weight * tint[lane]));
-        }
-    }
-
-    fn sample_lamps(
-        &self,
-        walker: &Walker<'_, M>,
-        vertex: &Vertex,
-        scatter: &Scatter,
-        frame: &Frame,
-        [pick, u, v]: [f64; 3],
-        out: &mut [Light],
-    ) {
-        let from = vertex.hit.point;
-        let Some((index, probability)) = self.world.lamps.pick_for_point(from, pick) else { return };
-        let lamp = &self.world.lamps.all()[index];
-        let Some(share) = self.route.from_eye(lamp.group, walker.trail.then(scatter.event())) else { return };
-        let target = lamp.sample_point([u, v]);
-        let offset = target.position - from;
-        let distance = offset.length();
-        let dir = offset / distance;
-        let cos = -dir.dot(target.normal);
-        let luminance = lamp.luminance_along(target.normal, -dir);
-        if luminance <= 0.0 || !dir.is_finite() {
-            return;
-        }
-        let pdf = probability / lamp.area_m2 * distance * distance / cos;
-        let site = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: target.triangle };
-        let tint = walker.optics.lamp(index);
-        let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
-        let from = Whose { group: lamp.group, source: Source::Face, share };
-        let sent = Sent { dir, distance, target: Some(site), luminance, pdf, by_chance: true, from };
-        self.connect(walker, vertex, scatter, frame, &sent, out);
-    }
-
-    fn sample_sky(
-        &self,
-        walker: &Walker<'_, M>,
-        vertex: &Vertex,
-        scatter: &Scatter,
-        frame: &Frame,
-        [_, u, v]: [f64; 3],
-        out: &mut [Light],
-    ) {
-        let Some(sky) = &self.world.sky else { return };
-        let Some(share) = self.route.from_eye(sky.group, walker.trail.then(scatter.event())) else { return };
-        let (dir, pdf) = sky.sample([u, v]);
-        if pdf > 0.0 {
-            let luminance = walker.optics.sky(sky, dir);
-            let from = Whose { group: sky.group, source: Source::Sky, share };
-            let sent = Sent { dir, distance: f64::INFINITY, target: None, luminance, pdf, by_chance: true, from };
-            self.connect(walker, vertex, scatter, frame, &sent, out);
-        }
-    }
-
-    fn sample_lights(
-        &self,
-        walker: &Walker<'_, M>,
-        vertex: &Vertex,
-        scatter: &Scatter,
-        frame: &Frame,
-        [pick, u, v]: [f64; 3],
-        out: &mut [Light],
-    ) {
-        if self.world.lights.all().is_empty() {
-            return;
-        }
-        let Some((index, probability, toward)) = self.world.lights.sample(vertex.hit.point, pick, [u, v]) else {
-            return;
-        };
-        let group = self.world.lights.all()[index].group();
-        let Some(share) = self.route.from_eye(group, walker.trail.then(scatter.event())) else { return };
-        let (luminance, pdf, by_chance) = match toward.light {
-            Strength::Delta(illuminance) => (illuminance, probability, false),
-            Strength::Area(luminance, density) => (luminance, probability * density, true),
-        };
-        let tint = walker.optics.light(index);
-        let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
-        let from = Whose { group, source: Source::Light, share };
-        let sent = Sent { dir: toward.dir, distance: toward.distance, target: None, luminance, pdf, by_chance, from };
-        self.connect(walker, vertex, scatter, frame, &sent, out);
-    }
-
-    /// Adds the light that comes from a lamp, if nothing is in between.
-    fn connect(
-        &self,
-        walker: &Walker<'_, M>,
-        vertex: &Vertex,
-        scatter: &Scatter,
-        frame: &Frame,
-        sent: &Sent<M>,
-        out: &mut [Light],
-    ) {
-        let Sent { dir, distance, target, luminance, pdf, by_chance, from } = *sent;
-        let (d_in, d_out) = (frame.to_local(walker.ray.dir), frame.to_local(dir));
-        let sides = walker.sides(vertex, scatter);
-        let (values, alone) = sides.eval(scatter, d_in, d_out);
-        if values.as_slice().iter().all(|value| *value <= 0.0) {
-            return;
-        }
-        let ray = Ray { origin: vertex.hit.point, dir, from: Some(vertex.hit.site) };
-        if self.world.geometry.occluded_beside(&ray, vertex.beside, distance, target)
-            || self.world.eye.blocks_reversed(ray.origin, ray.dir, distance)
-        {
-            return;
-        }
-        let through = d_out.z < 0.0;
-        let plane = self.route.plane(from.share, |sieve| {
-            let told = sieve.after(walker.told, Letter::of(scatter.event(), through));
-            sieve.takes(told, sieve.lamp(from.group.index(), from.source))
-        });
-        let out = plane_of::<M>(out, plane);
-        let (index, transmittance) = walker.beyond(vertex, through, distance);
-        let weight = if by_chance { pdf / (pdf + scatter.pdf(d_in, d_out, sides.of(0))) } else { 1.0 };
-        let factor = d_out.z.abs() / pdf * weight;
-        let arriving = lanes::<M, _>(|lane| luminance[lane] * (values[lane] * factor) * transmittance[lane]);
-        if alone {
-            walker.pick_up_alone(&index, out, &arriving);
-        } else {
-            walker.pick_up_in(&index, out, &arriving);
         }
     }
 }

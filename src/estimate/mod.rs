@@ -17,6 +17,7 @@ pub mod ledger;
 pub mod manifold;
 pub mod mattes;
 mod outliers;
+mod panes;
 pub mod photon;
 pub mod photon_map;
 pub mod pick_up;

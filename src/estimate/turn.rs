@@ -256,7 +256,7 @@ impl<'w, M: Mode> Walker<'w, M> {
     }
 
     /// What the interface between two media at `vertex` will do, kept for [`Walker::meet`]; none if nothing parts there.
-    fn look_ahead(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Option<Turn<M>> {
+    pub(super) fn look_ahead(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Option<Turn<M>> {
         let Surface::Interface(coating) = &self.face(vertex).surface else { return None };
         if self.is_behind(vertex) {
             return None;

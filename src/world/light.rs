@@ -334,13 +334,18 @@ impl Lights {
     }
 
     /// Discs that a ray which leaves the scene along `dir` meets: index, luminance, and the density in 1/sr with which
-    /// [`Lights::sample`] would have taken that direction from the point `from`.
-    pub fn met(&self, dir: DVec3, from: Option<DVec3>) -> impl Iterator<Item = (usize, f64, f64)> {
+    /// [`Lights::sample`] would have taken the direction in which the ray has left the point, both in `from`.
+    pub fn met(&self, dir: DVec3, from: Option<(DVec3, DVec3)>) -> impl Iterator<Item = (usize, f64, f64)> {
         self.lights.iter().enumerate().filter_map(move |(index, light)| {
-            let (luminance, density) = light.met(dir)?;
-            let pick = from.map_or(0.0, |at| light.importance(at) / self.total(at));
-            Some((index, luminance, density * pick))
+            let (luminance, _) = light.met(dir)?;
+            let taken = from.and_then(|(at, dir)| Some(light.met(dir)?.1 * light.importance(at) / self.total(at)));
+            Some((index, luminance, taken.unwrap_or(0.0)))
         })
+    }
+
+    /// Luminance that a ray which leaves the scene along `dir` sees of the disc of a light.
+    pub fn luminance(&self, index: usize, dir: DVec3) -> f64 {
+        self.lights.get(index).and_then(|light| light.met(dir)).map_or(0.0, |(luminance, _)| luminance)
     }
 
     fn total(&self, at: DVec3) -> f64 {
