@@ -13,6 +13,7 @@ pub const TRIMMED: f64 = 1e-3;
 pub const FLOOR: f64 = 0.01;
 /// A pixel is flat if its eight neighbours in the reference are within this share of it.
 pub const FLAT: f64 = 0.1;
+
 /// Two pictures of the same scene that share no randomness, with what is needed of them again and again.
 #[derive(Debug, Clone)]
 pub struct References {

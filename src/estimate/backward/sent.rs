@@ -131,10 +131,11 @@ impl<M: Mode> Backward<'_, M> {
         self.route.from_eye(group, here.walker.trail.then(here.scatter.event()))
     }
 
-    /// The same of light that comes through panes.
+    /// Whether light of a group that comes over faces which transmit, or which are not there, may be ours.
     fn may_be_behind_panes(&self, here: &Here<'_, '_, M>, group: GroupId) -> bool {
-        let trail = here.walker.trail.then(here.scatter.event()).then(Event::Specular);
-        self.panes && self.route.from_eye(group, trail).is_some()
+        let trail = here.walker.trail.then(here.scatter.event());
+        let owned = |trail| self.route.from_eye(group, trail).is_some();
+        self.panes && (owned(trail) || owned(trail.then(Event::Specular)))
     }
 
     /// Adds the light that comes from a lamp, if nothing is in between; false if something is.
@@ -148,11 +149,11 @@ impl<M: Mode> Backward<'_, M> {
             return true;
         }
         let ray = Ray { origin: vertex.hit.point, dir, from: Some(vertex.hit.site) };
-        if self.world.eye.blocks_reversed(ray.origin, ray.dir, distance) {
-            return true;
-        }
         if self.world.geometry.occluded_beside(&ray, vertex.beside, distance, target) {
             return false;
+        }
+        if self.world.eye.blocks_reversed(ray.origin, ray.dir, distance) {
+            return true;
         }
         let Some(share) = self.share_of(here, group) else { return true };
         let through = d_out.z < 0.0;
