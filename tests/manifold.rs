@@ -4,6 +4,7 @@
 mod common;
 
 use common::{add_part, block_z, cuboid, face, image, mesh, render, worst_z};
+use eyebox::base::path::{Event, Trail};
 use eyebox::base::stats::Moments;
 use eyebox::bench::generate;
 use eyebox::check::check;
@@ -255,8 +256,11 @@ fn photons_behind_a_wall_are_not_seen() {
         let Finish::Lambert { reflectance, .. } = face.finish else { panic!("{face:?}") };
         let sees = |outside: bool, dir: DVec3| {
             let (site, position) = (sight.site, sight.point);
-            let landing = Landing { site, position, dir, outside, lumens: 1.0, connected: false, scattered: false };
-            seen.brightness(&world, &landing)
+            let trail = Trail::START.then(Event::Specular);
+            let landing = Landing { site, position, dir, outside, lumens: 1.0, connected: false, trail };
+            let [first, second] = seen.brightness(&world, &landing);
+            assert!(second == 0.0, "nothing here asks for final gathering");
+            first
         };
         for dir in [DVec3::new(0.1, -1.0, -0.5).normalize(), DVec3::new(-0.6, -0.5, -1.0).normalize()] {
             let mut both = [false, true].map(|outside| sees(outside, dir) * std::f64::consts::PI);

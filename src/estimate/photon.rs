@@ -1,7 +1,8 @@
 //! Photon mapping: each pass emits photons, stores them at broad scatterers, and gathers them at the first broad
-//! scatterer that the eye sees through specular faces. The radius shrinks with the pass number so that the mean over
-//! passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
+//! scatterer that the eye sees through specular faces, or at the next one by final gathering. The radius shrinks with the
+//! pass number so that the mean over passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
 
+pub mod final_gather;
 mod gather;
 mod stored;
 
@@ -14,6 +15,7 @@ use super::photon_map::Photon;
 use super::route::{Reach, Route};
 use super::seen::Seen;
 use crate::base::ids::GroupId;
+use crate::base::path::Trail;
 use crate::base::rng::Stream;
 use crate::film::accumulate::Film;
 use crate::film::guide::{Guide, Point, Sample};
@@ -22,6 +24,7 @@ use crate::world::World;
 use crate::world::geometry::Site;
 use crate::world::mode::{LaneArray, Mode};
 use crate::world::optics::Optics;
+use crate::world::surface::Surface;
 use gather::Maps;
 pub use gather::on_side;
 use glam::DVec3;
@@ -38,6 +41,10 @@ pub fn radii_of_pass(first: Radii, pass: u64) -> Radii {
     first.scaled(((pass + 1) as f64).powf((ALPHA - 1.0) / 2.0))
 }
 
+fn asks_for_final_gather(surface: &Surface) -> bool {
+    matches!(surface, Surface::Scatter(scatter) if scatter.asks_for_final_gather())
+}
+
 /// The photon estimator, ready to run passes.
 pub struct PhotonMapper<'w, M: Mode> {
     mode: PhantomData<M>,
@@ -49,6 +56,8 @@ pub struct PhotonMapper<'w, M: Mode> {
     first_radii_m: Radii,
     /// Photons part at interfaces.
     part: bool,
+    /// A face asks for final gathering.
+    final_gather: bool,
     /// What of the paths is not ours.
     screens: Arc<Screens<M>>,
     /// Where the eye's rays land.
@@ -70,8 +79,22 @@ pub struct Landing {
     pub lumens: f64,
     /// Specular connection has its path.
     pub connected: bool,
-    /// A scatterer has sent it.
-    pub scattered: bool,
+    /// From the lamp up to, but without, this vertex.
+    pub trail: Trail,
+}
+
+impl Landing {
+    fn of<M: Mode>(photon: &Photon<M>) -> Landing {
+        Landing {
+            site: photon.site,
+            position: photon.position,
+            dir: photon.dir,
+            outside: photon.outside,
+            lumens: photon.flux.as_slice().iter().map(|light| light.open()).sum(),
+            connected: photon.connected,
+            trail: photon.trail,
+        }
+    }
 }
 
 impl<'w, M: Mode> PhotonMapper<'w, M> {
@@ -98,6 +121,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             photons,
             first_radii_m,
             part: false,
+            final_gather: world.faces.iter().flatten().any(|face| asks_for_final_gather(&face.surface)),
             screens,
             glances: None,
             seed,
@@ -111,9 +135,13 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         PhotonMapper { part, ..self }
     }
 
-    /// The same with tables that tell where rays from the eye land.
+    /// The same with tables that tell where rays from the eye land: not on faces that paths go on from, for what a table
+    /// says may weigh less than nothing.
     #[must_use]
     pub fn glancing(self, glances: Option<Arc<Glances<M>>>) -> Self {
+        let goes_on =
+            |(part, face): (u32, u32)| asks_for_final_gather(&self.world.faces[part as usize][face as usize].surface);
+        let glances = glances.filter(|glances| !glances.faces().any(goes_on));
         PhotonMapper { glances, ..self }
     }
 
@@ -131,7 +159,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             let screens = self.screens.of_pass(self.world, &optics);
             let (photons, ledger) = self.emit(self.shots(Stream::PhotonEmission, pass), &optics, &screens);
             total.merge(&ledger);
-            let maps = Maps::new(photons, radii_of_pass(self.first_radii_m, pass));
+            let maps = Maps::new(photons, radii_of_pass(self.first_radii_m, pass), self.final_gather);
             total.work += self.gather(film, (pass, &optics), &maps);
             film.passes += 1;
         }
@@ -157,35 +185,24 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         (all, total)
     }
 
-    /// Traces one pass for learning: the starts of paths, with the flux that they store where the eye sees it and that did
-    /// not come straight from the lamp, see [`Emission::probe`]. Once `stop` says true the rest is left out, and the result
-    /// is worthless.
+    /// Traces one pass for learning: the starts of paths, with the flux that they store where the eye sees it, see
+    /// [`Emission::probe`]. Once `stop` says true the rest is left out, and the result is worthless.
     pub fn probe(&self, pass: u64, seen: &Seen, stop: &ShouldStop<'_>) -> Vec<Sample> {
         let optics = M::optics(self.world, self.seed, pass);
-        let open = |photon: &Photon<M>| -> f64 { photon.flux.as_slice().iter().map(|light| light.open()).sum() };
-        let counts = |photon: &&Photon<M>| {
-            !photon.trail.is_empty() && !photon.connected && seen.sees(photon.site, photon.position)
+        let useful = |stored: &Stored<'_, M>| {
+            let landings = stored.photons.iter().map(Landing::of).filter(|landing| seen.sees(landing));
+            landings.map(|landing| landing.lumens).sum()
         };
-        let useful = |stored: &Stored<'_, M>| stored.photons.iter().filter(counts).map(open).sum();
         let shots = self.shots(Stream::Pilot, pass);
         let new = || Stored::new(&self.screens, self.part);
         self.emission.probe((self.world, &optics), shots, stop, new, useful)
     }
 
-    /// Traces one pass for a pilot: where photons land that did not come straight from the lamp.
+    /// Traces one pass for a pilot: where photons land.
     pub fn landings(&self, pass: u64) -> Vec<Landing> {
         let optics = M::optics(self.world, self.seed, pass);
         let (photons, _) = self.emit(self.shots(Stream::Pilot, pass), &optics, &self.screens);
-        let landed = photons.iter().filter(|photon| !photon.trail.is_empty()).map(|photon| Landing {
-            site: photon.site,
-            position: photon.position,
-            dir: photon.dir,
-            outside: photon.outside,
-            lumens: photon.flux.as_slice().iter().map(|light| light.open()).sum(),
-            connected: photon.connected,
-            scattered: photon.trail.has_scatter(),
-        });
-        landed.collect()
+        photons.iter().map(Landing::of).collect()
     }
 
     /// [`Emission::density`].

@@ -2,9 +2,10 @@
 
 use super::ShouldStop;
 use super::ledger::Ledger;
-use super::photon::{Landing, on_side};
+use super::photon::{Landing, final_gather, on_side};
 use super::photon_map::cell_of;
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
+use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
 use crate::base::sobol::Sobol;
 use crate::base::warp::Frame;
@@ -23,12 +24,15 @@ const RAYS: u64 = 1 << 11;
 /// Bounces off narrow lobes that a ray is followed for.
 const MOST_EVENTS: u32 = 64;
 
-/// Cells of the faces that the eye has met first among broad scatterers.
+/// By part, face and cell.
+type Cells = HashMap<(u32, u32, [i64; 3]), usize>;
+
+/// Cells of the faces that the eye has met first among broad scatterers, and next where the first asks for final gathering.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Seen {
     cell_m: f64,
-    /// Each with one of the points in it.
-    cells: HashMap<(u32, u32, [i64; 3]), usize>,
+    /// Of the first, and of the next. Each with one of the points in it.
+    cells: [Cells; 2],
     /// What was met.
     points: Vec<Sighting>,
 }
@@ -47,10 +51,16 @@ pub struct Sighting {
     /// Refractive indices about the face; and on the side of the light for light from the ray's side, and from beyond.
     sides: Sides,
     index: [f64; 2],
+    /// From the eye to here.
+    trail: Trail,
+    /// Rays go on from here.
+    goes_on: bool,
+    /// Of what the first scatterer was sent by the eye, what is left here.
+    share: f64,
 }
 
 impl Sighting {
-    fn new(walker: &Walker<'_, Mono>, vertex: &Vertex, scatter: &Scatter, frame: Frame) -> Sighting {
+    fn new(walker: &Walker<'_, Mono>, vertex: &Vertex, scatter: &Scatter, frame: Frame, share: f64) -> Sighting {
         Sighting {
             site: vertex.hit.site,
             point: vertex.hit.point,
@@ -59,7 +69,26 @@ impl Sighting {
             outside: vertex.outside,
             sides: walker.sides(vertex, scatter).of(0),
             index: [false, true].map(|through| walker.beyond(vertex, through, 0.0).0.as_slice()[0]),
+            trail: walker.trail,
+            goes_on: final_gather::goes_on(walker.trail, scatter.asks_for_final_gather()),
+            share,
         }
+    }
+
+    /// Seen by another broad scatterer.
+    pub fn is_second(&self) -> bool {
+        self.trail.has_broad()
+    }
+
+    /// Whether what a photon brings here is gathered, or connected. Seen by another scatterer, what comes straight from the
+    /// lamp is, too.
+    pub fn takes(&self, landing: &Landing) -> bool {
+        final_gather::gathers(self.goes_on, landing.trail) && (self.is_second() || !landing.trail.is_empty())
+    }
+
+    /// Whether light that scatterers have sent is gathered here.
+    pub fn takes_scattered(&self) -> bool {
+        !self.goes_on
     }
 
     /// Luminance that the eye sees here per illuminance of light that arrives as that of a photon, 1/sr.
@@ -71,7 +100,7 @@ impl Sighting {
         let Surface::Scatter(scatter) = &face.surface else { return 0.0 };
         let through = landing.outside != self.outside;
         let d_out = on_side(self.frame.to_local(-landing.dir), through);
-        scatter.eval(self.d_in, d_out, self.sides) / self.index[usize::from(through)].powi(2)
+        self.share * scatter.eval(self.d_in, d_out, self.sides) / self.index[usize::from(through)].powi(2)
     }
 }
 
@@ -95,36 +124,45 @@ impl Seen {
             let rng = Rng::new(0, Stream::Pilot, 2, ray);
             let ray = Ray { origin, dir, from: None };
             let walker = Walker::new((world, &optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
-            follow(walker, &mut found);
+            follow(walker, None, &mut found);
             found
         };
         let points: Vec<Sighting> = (0..RAYS).into_par_iter().flat_map_iter(one).collect();
         let cell = |sight: &Sighting| (sight.site.part, sight.site.face, cell_of(sight.point, cell_m));
-        let cells = points.iter().enumerate().map(|(index, sight)| (cell(sight), index)).collect();
+        let cells = [false, true].map(|second| {
+            let of = points.iter().enumerate().filter(|(_, sight)| sight.is_second() == second);
+            of.map(|(index, sight)| (cell(sight), index)).collect()
+        });
         Seen { cell_m, cells, points }
     }
 
-    /// Whether the eye sees something within half a cell of a point of a face.
-    pub fn sees(&self, site: Site, point: DVec3) -> bool {
-        self.about(site, point).next().is_some()
+    /// Whether a photon is gathered within half a cell of where it is.
+    pub fn sees(&self, landing: &Landing) -> bool {
+        let [first, second] = &self.cells;
+        let takes = |sight: &Sighting| sight.takes(landing);
+        !landing.connected && self.about(first, landing).any(takes) || self.about(second, landing).any(takes)
     }
 
-    /// How bright the eye sees what a photon brings, for one lumen, by the points that it sees about there.
-    pub fn brightness(&self, world: &World, landing: &Landing) -> f64 {
-        let (mut sum, mut count) = (0.0, 0);
-        for sight in self.about(landing.site, landing.position) {
-            sum += sight.brightness(world, landing);
-            count += 1;
-        }
-        sum / f64::from(count.max(1))
+    /// How bright the eye sees what a photon brings, for one lumen, by the points that it sees about there: first among
+    /// broad scatterers, and by another one.
+    pub fn brightness(&self, world: &World, landing: &Landing) -> [f64; 2] {
+        self.cells.each_ref().map(|cells| {
+            let (mut sum, mut count) = (0.0, 0);
+            for sight in self.about(cells, landing) {
+                sum += if sight.takes(landing) { sight.brightness(world, landing) } else { 0.0 };
+                count += 1;
+            }
+            sum / f64::from(count.max(1))
+        })
     }
 
-    /// Points that the eye sees of a face, of each cell within half a cell of a place.
-    fn about(&self, site: Site, point: DVec3) -> impl Iterator<Item = &Sighting> {
+    /// Points that the eye sees of the photon's face, of each cell within half a cell of the photon.
+    fn about<'a>(&'a self, cells: &'a Cells, landing: &Landing) -> impl Iterator<Item = &'a Sighting> {
+        let (site, point) = (landing.site, landing.position);
         (0..8).filter_map(move |corner| {
             let side = |bit: u32| if corner >> bit & 1 == 0 { -0.5 } else { 0.5 };
             let offset = DVec3::new(side(0), side(1), side(2)) * self.cell_m;
-            let index = self.cells.get(&(site.part, site.face, cell_of(point + offset, self.cell_m)))?;
+            let index = cells.get(&(site.part, site.face, cell_of(point + offset, self.cell_m)))?;
             self.points.get(*index)
         })
     }
@@ -134,25 +172,26 @@ impl Seen {
         &self.points
     }
 
-    /// The faces that it sees, as (part, face).
+    /// The faces that it sees first among broad scatterers, as (part, face).
     pub fn faces(&self) -> BTreeSet<(u32, u32)> {
-        self.points.iter().map(|sight| (sight.site.part, sight.site.face)).collect()
+        self.points.iter().filter(|sight| !sight.is_second()).map(|sight| (sight.site.part, sight.site.face)).collect()
     }
 
     pub fn is_empty(&self) -> bool {
-        self.cells.is_empty()
+        self.points.is_empty()
     }
 }
 
-/// The first broad scatterers on a ray's way and on its branches.
-fn follow(mut walker: Walker<'_, Mono>, found: &mut Vec<Sighting>) {
+/// The broad scatterers on a ray's way and on its branches at which photons are gathered. `first`: what the ray brought to
+/// the first, if it has met it.
+fn follow(mut walker: Walker<'_, Mono>, mut first: Option<f64>, found: &mut Vec<Sighting>) {
     let mut ledger = Ledger::new(walker.world.solids.len());
     while walker.events < MOST_EVENTS {
         let Met::Face(vertex) = walker.advance(&mut ledger) else { return };
         if walker.events < SPLIT_FIRST_EVENTS
             && let Some(reflected) = walker.split(&vertex, 0.0, Walker::<Mono>::MOST_SPLITS, &mut ledger)
         {
-            follow(reflected, found);
+            follow(reflected, first, found);
         }
         match walker.meet(&vertex, &mut ledger) {
             Meeting::Ended => return,
@@ -163,8 +202,13 @@ fn follow(mut walker: Walker<'_, Mono>, found: &mut Vec<Sighting>) {
                 }
             }
             Meeting::Scatter(scatter, frame) => {
-                found.push(Sighting::new(&walker, &vertex, scatter, frame));
-                return;
+                let share = first.map_or(1.0, |first| walker.beam.weight() / first);
+                let sight = Sighting::new(&walker, &vertex, scatter, frame, share);
+                found.push(sight);
+                first = Some(walker.beam.weight());
+                if !sight.goes_on || walker.scatter(&vertex, scatter, &frame, &mut ledger).is_none() {
+                    return;
+                }
             }
         }
     }

@@ -14,7 +14,7 @@ pub enum Estimator {
     Backward,
     /// Light tracing: paths from the lamps that arrive at the pupil.
     Forward,
-    /// Photon map, gathered at the first broad scatterer seen by the eye.
+    /// Photon map, gathered at the first broad scatterer seen by the eye, or at the next one behind a rough face.
     Photon,
     /// Specular connection: paths over known trains of specular faces, solved for.
     Manifold,

@@ -225,6 +225,11 @@ impl<M: Mode> Glances<M> {
             })
     }
 
+    /// Faces that the tables lead to, as (part, face).
+    pub fn faces(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.glances.iter().map(Glance::face)
+    }
+
     fn look_at(&self, spot: Spot, pupil: DVec2) -> Look {
         let at = if self.radius > 0.0 { pupil / (OUTER * self.radius) } else { DVec2::ZERO };
         let [x, y] = at.to_array().map(|t| [0.5 * t * (t - 1.0), 1.0 - t * t, 0.5 * t * (t + 1.0)]);

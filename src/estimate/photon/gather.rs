@@ -1,6 +1,7 @@
-//! Gathering: at the first broad scatterer that the eye sees through specular faces, what photons bring to it.
+//! Gathering: at the first broad scatterer that the eye sees through specular faces, what photons bring to it; and at the
+//! second, where the first asks for [final gathering](super::final_gather).
 
-use super::PhotonMapper;
+use super::{PhotonMapper, final_gather};
 use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
@@ -27,18 +28,28 @@ use rayon::prelude::*;
 pub(super) struct Maps<M: Mode> {
     caustic: PhotonMap<M>,
     secondary: PhotonMap<M>,
+    /// All of them, for what the eye sees by another scatterer, which is soft; none where nothing asks for it.
+    second: Option<PhotonMap<M>>,
 }
 
 impl<M: Mode> Maps<M> {
-    pub(super) fn new(photons: Vec<Photon<M>>, radii: Radii) -> Self {
+    pub(super) fn new(photons: Vec<Photon<M>>, radii: Radii, final_gather: bool) -> Self {
+        let second = final_gather.then(|| PhotonMap::new(photons.clone(), radii.secondary));
         let (secondary, caustic) = photons.into_iter().partition(|photon| photon.trail.has_scatter());
-        Maps { caustic: PhotonMap::new(caustic, radii.caustic), secondary: PhotonMap::new(secondary, radii.secondary) }
+        let [caustic, secondary] = [(caustic, radii.caustic), (secondary, radii.secondary)]
+            .map(|(photons, radius)| PhotonMap::new(photons, radius));
+        Maps { caustic, secondary, second }
     }
 
-    /// Calls `visit` with each photon near a vertex and the kernel's density there, 1/m².
-    fn each(&self, world: &World, vertex: &Vertex, mut visit: impl FnMut(&Photon<M>, f64)) {
+    /// Calls `visit` with each photon near a vertex that a path from the eye came to by `eye`, and the kernel's density
+    /// there, 1/m².
+    fn each(&self, world: &World, eye: Trail, vertex: &Vertex, mut visit: impl FnMut(&Photon<M>, f64)) {
         let Hit { point, site, normal, .. } = vertex.hit;
-        for map in [&self.caustic, &self.secondary] {
+        let maps = match &self.second {
+            Some(second) if eye.has_broad() => [Some(second), None],
+            Some(_) | None => [Some(&self.caustic), Some(&self.secondary)],
+        };
+        for map in maps.into_iter().flatten() {
             // What of the kernel lies beside the face, or behind what stands on it, is made up for by the rest.
             let around = world.rims.around(site, point, normal, map.radius());
             map.gather(point, site, |photon, density| {
@@ -124,13 +135,38 @@ impl<M: Mode> PhotonMapper<'_, M> {
                 }
                 Meeting::Scatter(scatter, frame) => {
                     if !self.glances.as_ref().is_some_and(|glances| glances.has_read(rest, &walker, &vertex)) {
-                        self.gather_at(&walker, (&vertex, scatter, &frame), maps, out, ledger);
+                        let at = (&vertex, scatter, &frame);
+                        self.gather_at(&walker, at, maps, out, ledger);
+                        if final_gather::goes_on(walker.trail, scatter.asks_for_final_gather()) {
+                            self.go_on(walker, at, rest, maps, out, ledger);
+                        }
                     }
                     return;
                 }
             }
             if !self.reach_eye.allows(walker.trail) {
                 return;
+            }
+        }
+    }
+
+    /// Goes on with copies of a path that has met a scatterer.
+    fn go_on(
+        &self,
+        mut walker: Walker<'_, M>,
+        (vertex, scatter, frame): (&Vertex, &Scatter, &Frame),
+        rest: Rest,
+        maps: &Maps<M>,
+        out: &mut [Light],
+        ledger: &mut Ledger,
+    ) {
+        let copies = final_gather::copies(walker.share());
+        walker.beam.scale(1.0 / f64::from(copies));
+        for _ in 0..copies {
+            let mut copy = walker.clone();
+            copy.rng = walker.rng.fork();
+            if copy.scatter(vertex, scatter, frame, ledger).is_some() && self.reach_eye.allows(copy.trail) {
+                self.eye_path(copy, rest, maps, out, ledger);
             }
         }
     }
@@ -146,12 +182,14 @@ impl<M: Mode> PhotonMapper<'_, M> {
     ) {
         let d_in = frame.to_local(walker.ray.dir);
         let sides = walker.sides(vertex, scatter);
+        let goes_on = final_gather::goes_on(walker.trail, scatter.asks_for_final_gather());
         // Of what lies here, and behind the face.
         let mut indices: [Option<M::Lanes<f64>>; 2] = [None; 2];
         let visit = |photon: &Photon<M>, density: f64| {
             ledger.work += cost::GATHERED;
             // Of what connection has, the path over one scatterer is not ours.
-            if photon.connected && !walker.trail.has_scatter() {
+            let connected = photon.connected && !walker.trail.has_scatter();
+            if connected || !final_gather::gathers(goes_on, photon.trail) {
                 return;
             }
             let trail = Trail::join(walker.trail, Event::Diffuse, photon.trail);
@@ -170,6 +208,6 @@ impl<M: Mode> PhotonMapper<'_, M> {
             let out = plane_of::<M>(out, plane);
             walker.beam.join(walker.optics, out, (&photon.flux, photon.alone || alone), &factors);
         };
-        maps.each(self.world, vertex, visit);
+        maps.each(self.world, walker.trail, vertex, visit);
     }
 }

@@ -9,7 +9,7 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::screens::Screens;
 use crate::estimate::photon::{Landing, PhotonMapper};
 use crate::estimate::route::Route;
-use crate::estimate::seen::Seen;
+use crate::estimate::seen::{Seen, Sighting};
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan, Radii};
@@ -111,8 +111,8 @@ pub fn photon(
     let photons = (pixels as f64 * (PER_PIXEL * rest).clamp(FEWEST, MOST)) as u64;
     let photons = photons.max(if rest < LITTLE { 1 << 12 } else { 1 << 14 });
     let photons = if part { photons / PARTED_WORK } else { photons };
-    let radius = |counts: &dyn Fn(&Landing) -> bool, (gathered, most_blur): (f64, f64)| {
-        let of_pilot = spacing(&landings, seen, counts);
+    let radius = |at: &dyn Fn(&&Sighting) -> bool, counts: &Counts<'_>, (gathered, most_blur): (f64, f64)| {
+        let of_pilot = spacing(&landings, seen, at, counts);
         of_pilot.map_or(pixel_m, |of_pilot| {
             (of_pilot * (gathered * paths as f64 / photons as f64).sqrt()).clamp(pixel_m, most_blur * pixel_m)
         })
@@ -121,9 +121,13 @@ pub fn photon(
     let soft = (SOFT.0, SOFT.1.min(longer / PER_BLUR).max(1.0));
     // Of a little light a soft picture errs less than a noisy one.
     let little = (SHARP.0, soft.1);
-    let secondary = radius(&|landing| landing.scattered, if part { little } else { soft });
+    let scattered = |landing: &Landing| landing.trail.has_scatter();
+    // What is seen by another scatterer is soft, whatever brings it.
+    let at_soft = |sight: &Sighting, landing: &Landing| sight.is_second() || scattered(landing);
+    let secondary = radius(&|sight| sight.takes_scattered(), &at_soft, if part { little } else { soft });
     let sharp = if part { little } else { SHARP };
-    let caustic = radius(&|landing| !landing.scattered && !landing.connected, sharp);
+    let at_sharp = |_: &Sighting, landing: &Landing| !scattered(landing) && !landing.connected;
+    let caustic = radius(&|sight| !sight.is_second(), &at_sharp, sharp);
     PhotonPilot { guide, photons, part, radii_m: Radii { caustic, secondary } }
 }
 
@@ -139,27 +143,31 @@ pub fn by_light(screens: &[Screen]) -> (Vec<Screen>, Vec<Screen>) {
 fn rest_share(world: &World, landings: &[Landing], seen: &Seen) -> f64 {
     let (mut all, mut rest) = (0.0, 0.0);
     for landing in landings {
-        let light = landing.lumens * seen.brightness(world, landing);
-        all += light;
-        rest += if landing.connected { 0.0 } else { light };
+        let [first, second] = seen.brightness(world, landing).map(|brightness| landing.lumens * brightness);
+        all += first + second;
+        rest += if landing.connected { second } else { first + second };
     }
     if all > 0.0 { rest / all } else { 1.0 }
 }
 
-/// The radius about what the eye sees within which one of the photons that count has landed: the median over points, m;
-/// none if there are too few.
-fn spacing(landings: &[Landing], seen: &Seen, counts: &dyn Fn(&Landing) -> bool) -> Option<f64> {
+/// Whether a photon counts where it is seen.
+type Counts<'c> = dyn Fn(&Sighting, &Landing) -> bool + 'c;
+
+/// The radius about what the eye sees within which one of the photons that count has landed: the median over the points
+/// `at` which they might, m; none if there are too few.
+fn spacing(landings: &[Landing], seen: &Seen, at: &dyn Fn(&&Sighting) -> bool, counts: &Counts<'_>) -> Option<f64> {
     const NEIGHBOURS: usize = 8;
     const POINTS: usize = 256;
-    let counted: Vec<&Landing> = landings.iter().filter(|landing| counts(landing)).collect();
-    let step = seen.points().len().div_ceil(POINTS).max(1);
-    let mut radii: Vec<f64> = seen
-        .points()
+    let sights: Vec<&Sighting> = seen.points().iter().filter(at).collect();
+    let step = sights.len().div_ceil(POINTS).max(1);
+    let mut radii: Vec<f64> = sights
         .iter()
         .step_by(step)
         .map(|sight| {
             let of_face = (sight.site.part, sight.site.face);
-            let here = counted.iter().filter(|landing| (landing.site.part, landing.site.face) == of_face);
+            let here = landings.iter().filter(|landing| {
+                (landing.site.part, landing.site.face) == of_face && sight.takes(landing) && counts(sight, landing)
+            });
             let mut distances: Vec<f64> = here.map(|landing| landing.position.distance(sight.point)).collect();
             if distances.len() < NEIGHBOURS {
                 return f64::INFINITY;

@@ -134,6 +134,21 @@ impl Scatter {
         }
     }
 
+    /// Whether light of other scatterers is better gathered at those than through this lobe: the eye sees a rough face of a
+    /// solid through a lobe of few degrees, and the solid sends back to it what it has scattered itself, so that few photons
+    /// hit the lobe and are as bright as the picture.
+    ///
+    /// Variance × time of gathering here over that of going on, for the pane of `eyebox bench --generate 11` (18 for 22°) at
+    /// half widths of 1.5°, 3.7°, 12°, 22°, 42° and 66°: 380, 50, 25, 7, 0.8, 0.65. A sheet that diffuses has no solid
+    /// behind it: 0.2 to 0.35 for seeds 8, 15 and 29, with Gaussian lobes of 3° to 20°.
+    pub fn asks_for_final_gather(&self) -> bool {
+        const WIDEST_DEG: f64 = 35.0;
+        match self {
+            Scatter::Rough(rough) => rough.half_width_rad() < WIDEST_DEG.to_radians(),
+            Scatter::Lambert(_) | Scatter::Gauss(..) | Scatter::Abg(_) | Scatter::Measured(_) => false,
+        }
+    }
+
     /// What scattering here is in a path's event string.
     pub fn event(&self) -> Event {
         if self.is_narrow() { Event::Glossy } else { Event::Diffuse }
