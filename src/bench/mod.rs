@@ -13,5 +13,7 @@ pub mod measure;
 mod panes_tests;
 #[cfg(test)]
 mod plan_tests;
+#[cfg(test)]
+mod rough_tests;
 pub mod stated;
 pub mod stress;
