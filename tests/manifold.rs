@@ -31,7 +31,7 @@ fn sample(path: &str, size: [usize; 2]) -> Scene {
 }
 
 fn asked(choice: Choice) -> Asked {
-    Asked { choice, polarisation: Polarisation::Off }
+    Asked { polarisation: Polarisation::Off, ..choice.into() }
 }
 
 fn planned(scene: &Scene, choice: Choice) -> (World, Plan) {

@@ -10,7 +10,7 @@ use eyebox::base::stats::Moments;
 use eyebox::check::check;
 use eyebox::estimate::run::{Limits, run};
 use eyebox::film::plan::{Estimator, Plan, Spectral};
-use eyebox::plan::{Asked, Choice, Polarisation, plan};
+use eyebox::plan::{Asked, Choice, Guides, Polarisation, plan};
 use eyebox::scene::*;
 use eyebox::world::World;
 use eyebox::world::thinfilm::{Film, stack};
@@ -238,7 +238,7 @@ fn malus() {
     let delta = std::f64::consts::TAU * 100.0 / nm;
     let want = 500.0 * 60f64.to_radians().sin().powi(2) * (delta / 2.0).sin().powi(2);
     assert_colour("wave plate", colour_of(&s, BACKWARD, &|_| {}, 4), [want; 3], 1e-7);
-    let off = Asked { choice: BACKWARD, polarisation: Polarisation::Off };
+    let off = Asked { choice: BACKWARD, polarisation: Polarisation::Off, guides: Guides::On };
     assert_colour("wave plate, polarisation off", colour_of(&s, off, &|_| {}, 4), [250.0; 3], 1e-7);
 }
 

@@ -37,7 +37,7 @@ fn transmittance(
     panel.emitter = lamp(group, PANEL_CD_M2);
     let wide = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.3, DVec3::Y * 0.3)]);
     add_part(&mut s, "panel", wide, DVec3::new(0.0, 0.0, -6.0), None, vec![panel]);
-    let (films, _) = render(&s, Asked { choice: Choice::Only(Estimator::Backward), polarisation }, passes, 1);
+    let (films, _) = render(&s, Asked { polarisation, ..Choice::Only(Estimator::Backward).into() }, passes, 1);
     let (value, sigma) = mean(&image(&films));
     (value / PANEL_CD_M2, sigma / PANEL_CD_M2)
 }

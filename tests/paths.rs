@@ -212,7 +212,11 @@ fn chains_have_the_flux_of_light_tracing() {
     let checked = check(&scene).expect("the scene is sound");
     let world = World::freeze(&scene).expect("the scene can be traced");
     let groups = scene.groups.len();
-    let asked = eyebox::plan::Asked { choice: Choice::Only(Estimator::Forward), polarisation: Polarisation::On };
+    let asked = eyebox::plan::Asked {
+        choice: Choice::Only(Estimator::Forward),
+        polarisation: Polarisation::On,
+        guides: eyebox::plan::Guides::On,
+    };
     let plan = eyebox::plan::plan(&checked, &world, asked);
     let route = Route::new(&plan, groups, Estimator::Forward);
     let emission = Emission::new(&world, &route, groups, plan.forward_guide.as_ref());

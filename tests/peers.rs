@@ -8,12 +8,12 @@ use eyebox::base::stats::Moments;
 use eyebox::estimate::run::Films;
 use eyebox::film::layer::Layer;
 use eyebox::import::{ImportOptions, import};
-use eyebox::plan::{Asked, Choice, Polarisation};
+use eyebox::plan::{Asked, Choice, Guides, Polarisation};
 use eyebox::scene::Scene;
 use std::path::Path;
 
 /// As the peers trace.
-const UNPOLARISED: Asked = Asked { choice: Choice::Auto, polarisation: Polarisation::Off };
+const UNPOLARISED: Asked = Asked { choice: Choice::Auto, polarisation: Polarisation::Off, guides: Guides::On };
 
 fn peer(name: &str, side: usize) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("samples/peers/{name}/{name}.optics.toml"));

@@ -8,7 +8,7 @@ use eyebox::import::{ImportOptions, Set, import};
 use eyebox::plan::scan::light::LightAsked;
 use eyebox::plan::scan::table::{csv, lines};
 use eyebox::plan::scan::{Scan, ScanAsked, scan};
-use eyebox::plan::{Asked, Choice, Polarisation};
+use eyebox::plan::{Asked, Choice, Guides, Polarisation};
 use eyebox::scene::{Finish, Scene};
 use glam::{DVec2, DVec3};
 use std::path::Path;
@@ -49,7 +49,7 @@ fn a_lamp_in_a_plane_mirror() {
         resolution: [96, 96],
         passes: 8,
         seed: 1,
-        asked: Asked { choice: Choice::Auto, polarisation: Polarisation::Off },
+        asked: Asked { choice: Choice::Auto, polarisation: Polarisation::Off, guides: Guides::On },
     };
     let wanted = ScanAsked { light: Some(light), ..asked([3, 2], [0.1, 0.04]) };
     let found = run(&scene, &wanted);

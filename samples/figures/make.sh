@@ -161,9 +161,9 @@ paper="$(factor 10000 234) and $(factor 1600 142)"
 if [ "$paper" = "2.56 and 0.68" ]; then ok "with the paper's adaptation: $paper"; else fail "with the paper's adaptation: $paper"; fi
 sed -n 's/^--solve/9   --solve/p; s/^leak:/    leak:/p' "$out/fig09s.txt" | sed 's/: \(hidden\|visible\)$//'
 
-# 10, 11: the direct scheme by one way of tracing alone -----------------------------------------------------------------
+# 10, 11: the direct scheme by one way of tracing alone; the eye's rays are aimed at nothing, as the paper's ---------------
 # shellcheck disable=SC2086
-render direct fig10 5 --estimator backward --set sky.scale_cd_m2=0 $alone
+render direct fig10 5 --estimator backward --unguided --set sky.scale_cd_m2=0 $alone
 # shellcheck disable=SC2086
 render direct fig11 6 --estimator forward --set sky.scale_cd_m2=0 $alone
 # Paths that are aimed at nothing: of so many from the lamps and as many from the eye, how many find the other end.

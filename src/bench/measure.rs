@@ -56,7 +56,7 @@ pub fn trace(scene: &Scene, how: How) -> Result<Measured> {
     let checked = check(scene)?;
     let world = World::freeze(scene)?;
     let polarisation = if how.polarised { Polarisation::On } else { Polarisation::Off };
-    let mut plan = plan(&checked, &world, Asked { choice: Choice::Only(how.estimator), polarisation });
+    let mut plan = plan(&checked, &world, Asked { polarisation, ..Choice::Only(how.estimator).into() });
     if let Some(spectral) = how.spectral {
         plan.mode.spectral = spectral;
     }

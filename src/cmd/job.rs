@@ -52,6 +52,9 @@ pub struct JobArgs {
     /// Whether polarisation is traced, as for `render`.
     #[arg(long, value_name = "WHEN")]
     polarisation: Option<String>,
+    /// Aim paths at nothing, as for `render`.
+    #[arg(long)]
+    unguided: bool,
     /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE.
     #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
     sets: Vec<String>,
@@ -106,6 +109,7 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
     option("--estimator", &args.estimator);
     option("--polarisation", &args.polarisation);
     args.sets.iter().for_each(|set| option("--set", &Some(set.clone())));
+    plan_options.extend(args.unguided.then(|| "--unguided".to_owned()));
     let words = plan_options.iter().chain(&args.render);
     if let Some(word) = words.clone().find(|word| word.contains("{{")) {
         let what = format!("`{word}` would be read as a format string by the farm");
@@ -155,7 +159,7 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
 
 /// What the plan depends on, too, is no option of `render` alone: workers would refuse a plan that was made without it.
 fn of_render_alone(render: &[String]) -> Result<()> {
-    const OF_BOTH: [&str; 4] = ["--resolution", "--estimator", "--polarisation", "--set"];
+    const OF_BOTH: [&str; 5] = ["--resolution", "--estimator", "--polarisation", "--unguided", "--set"];
     let of_both = |word: &&String| OF_BOTH.contains(&word.split('=').next().unwrap_or_default());
     render.iter().find(of_both).map_or(Ok(()), |word| {
         Err(Fault::new(Where::Option(word.clone()), "is for the plan, too").expected("it before `--`"))

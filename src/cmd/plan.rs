@@ -9,7 +9,7 @@ use crate::check::check;
 use crate::estimate::picture::plan_lines;
 use crate::plan::forecast::{Forecast, forecast};
 use crate::plan::frozen::Frozen;
-use crate::plan::{Asked, plan};
+use crate::plan::{Asked, Guides, plan};
 use crate::scene::Scene;
 use crate::world::World;
 use clap::Args;
@@ -25,6 +25,7 @@ written as JSON with its hash; render --plan takes it as it is, and refuses it f
 Examples:
   eyebox plan samples/hud-direct/hud.optics.toml
   eyebox plan hud.optics.toml -o plan.json
+  eyebox plan hud.optics.toml --estimator backward --unguided
   eyebox plan hud.optics.toml --resolution 1024x768 --format json
   eyebox render hud.optics.toml --plan plan.json -o hud.exr")]
 pub struct PlanArgs {
@@ -37,6 +38,9 @@ pub struct PlanArgs {
     /// Trace the polarisation of light.
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
     polarisation: PolarisationArg,
+    /// Aim paths at nothing, to compare with: no guided emission, no guided aperture.
+    #[arg(long)]
+    unguided: bool,
     /// Width and height in pixels, instead of the eye's.
     #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
     resolution: Option<[usize; 2]>,
@@ -55,7 +59,8 @@ pub fn run(args: &PlanArgs) -> Result<ExitCode> {
     }
     let checked = check(&scene)?;
     let world = World::freeze(&scene)?;
-    let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked() };
+    let guides = if args.unguided { Guides::Off } else { Guides::On };
+    let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked(), guides };
     let plan = plan(&checked, &world, asked);
     let frozen = Frozen::new(&scene, asked, &plan);
     let forecast = forecast(&scene, &frozen.plan)?;

@@ -27,7 +27,7 @@ use crate::import::Built;
 use crate::output::exr::{COLOR_INTEROP_ID, write_exr};
 use crate::plan::frozen::Frozen;
 use crate::plan::pupil::survey;
-use crate::plan::{Asked, plan_unless};
+use crate::plan::{Asked, Guides, plan_unless};
 use crate::scene::assembly::LayerWish;
 use crate::scene::{Scene, Severity, Wavelengths};
 use crate::world::World;
@@ -77,7 +77,8 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     check_layers(&args.layers, &scene.groups)?;
     let mut world = World::freeze(&scene)?;
     let stop = || signals.caught().is_some();
-    let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked() };
+    let guides = if args.unguided { Guides::Off } else { Guides::On };
+    let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked(), guides };
     let behind = if args.resume { resume(&args.output, &|head| args.is_mine(head, &scene))? } else { None };
     let plan = match (&args.plan, &behind) {
         (Some(path), _) => Some(Frozen::read(path, &scene, asked)?.plan),

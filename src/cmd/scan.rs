@@ -6,10 +6,10 @@ use super::source::Source;
 use super::{Format, print};
 use crate::base::atomic::{check_writable, write_atomic};
 use crate::base::{Fault, Result, Where};
+use crate::plan::Asked;
 use crate::plan::scan::light::LightAsked;
 use crate::plan::scan::table::{csv, lines};
 use crate::plan::scan::{ScanAsked, scan};
-use crate::plan::{Asked, Choice};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -89,7 +89,7 @@ pub fn run(args: &ScanArgs) -> Result<ExitCode> {
         resolution: args.resolution.unwrap_or_else(|| smaller(scene.eye.resolution)),
         passes: args.samples,
         seed: args.seed,
-        asked: Asked { choice: Choice::Auto, polarisation },
+        asked: Asked { polarisation, ..Asked::default() },
     };
     let asked = ScanAsked {
         positions: args.eyebox,

@@ -8,12 +8,11 @@ use super::panes::Scattered;
 use super::pick_up::Shining;
 use super::pixel::Pixel;
 use super::route::{Reach, Route};
-use super::vision::Vision;
+use super::vision::{Hints, Vision};
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::film::accumulate::{Film, Light};
-use crate::film::train::Glint;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -45,9 +44,9 @@ pub struct Backward<'w, M: Mode> {
 
 impl<'w, M: Mode> Backward<'w, M> {
     /// `paths`: per pixel that a pass looks at. `share`: of the pixels, chosen by chance; what is seen there counts
-    /// 1/share. `glints`: where a pinhole sees lamps over specular faces.
-    pub fn new(world: &'w World, route: Route, (paths, share): (u32, f64), glints: &[Glint], seed: u64) -> Self {
-        let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, glints, seed));
+    /// 1/share. `hints`: where lamps are seen over specular faces.
+    pub fn new(world: &'w World, route: Route, (paths, share): (u32, f64), hints: Hints<'_>, seed: u64) -> Self {
+        let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, hints, seed));
         let asked = [world.lamps.all().is_empty(), world.sky.is_none(), world.lights.all().is_empty()];
         let asked = asked.iter().filter(|none| !**none).count() as u64;
         let transmits = |face: &FaceOptics| {

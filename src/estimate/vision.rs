@@ -1,7 +1,8 @@
 //! What the eye sees of lamps through specular faces alone (`E S* L`), apart from the paths that scatter: such paths
 //! cost little and know their way, so they get points of their own in every pixel and follow both ways on at an
 //! interface. A mirrored lamp smaller than a pixel would otherwise be the noise of the whole picture; where the plan knows
-//! of one in a pinhole's picture, some of the points are chosen about it.
+//! of one in a pinhole's picture, some of the points are chosen about it. Through a pupil that is no point, a lamp is seen
+//! in a small part of it: where the plan knows which, most of the rays go there.
 
 use super::ledger::Ledger;
 use super::pixel::Pixel;
@@ -11,6 +12,8 @@ use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::film::accumulate::Light;
+use crate::film::guide::PupilGuide;
+use crate::film::plan::Plan;
 use crate::film::train::Glint;
 use crate::world::World;
 use crate::world::eye::EyeLens;
@@ -31,11 +34,27 @@ const MOST_PIXELS: usize = 64;
 /// A path is split where both ways on carry at least this share of what it started with; else chance decides.
 const SPLIT_FROM: f64 = 1.0 / 256.0;
 
+/// What a plan knows of where lamps are seen.
+#[derive(Debug, Clone, Copy)]
+pub struct Hints<'p> {
+    /// In a pinhole's picture.
+    pub glints: &'p [Glint],
+    /// Through a pupil that is no point.
+    pub pupil: Option<&'p PupilGuide>,
+}
+
+impl<'p> Hints<'p> {
+    pub fn of(plan: &'p Plan) -> Hints<'p> {
+        Hints { glints: &plan.glints, pupil: plan.pupil_guide.as_ref() }
+    }
+}
+
 /// Follows paths from the eye to lamps, over specular events only.
 pub struct Vision<'w> {
     world: &'w World,
     /// By pixel: the places in it or near it that show lamps.
     glints: HashMap<u64, Vec<Glint>>,
+    pupil: Option<PupilGuide>,
     seed: u64,
 }
 
@@ -65,11 +84,12 @@ fn by_pixel(eye: &EyeLens, glints: &[Glint]) -> HashMap<u64, Vec<Glint>> {
 
 impl<'w> Vision<'w> {
     /// None if the route leaves direct vision of all lamps to others.
-    pub fn new(world: &'w World, route: &Route, glints: &[Glint], seed: u64) -> Option<Self> {
+    pub fn new(world: &'w World, route: &Route, hints: Hints<'_>, seed: u64) -> Option<Self> {
         let owned = |trail: Trail| world.lamps.all().iter().any(|lamp| route.from_eye(lamp.group, trail).is_some());
         (owned(Trail::START) || owned(Trail::START.then(Event::Specular))).then(|| Vision {
             world,
-            glints: by_pixel(&world.eye, glints),
+            glints: by_pixel(&world.eye, hints.glints),
+            pupil: hints.pupil.cloned(),
             seed,
         })
     }
@@ -87,33 +107,40 @@ impl<'w> Vision<'w> {
         let glints = self.glints.get(&pixel.index).map_or(&[][..], Vec::as_slice);
         let eye = &self.world.eye;
         let cell = eye.pixel().iter().product::<f64>();
+        let [width, height] = eye.size();
+        let field = [(pixel.x as f64 + 0.5) / width as f64, (pixel.y as f64 + 0.5) / height as f64];
         let corner = eye.film_of(pixel.x, pixel.y, [0.0; 2]);
         // All points of the pixel count by the density of all ways to choose them (the balance heuristic of E. Veach, 1997).
         let density = |film: [f64; 2]| {
             let about = glints.iter().filter(|glint| glint.holds(film)).map(|glint| cell / glint.area()).sum::<f64>();
             PATHS as f64 + PATHS_OF_A_GLINT as f64 * about
         };
-        let start = |stream: Stream, path: u64, of: u64| -> [f64; 2] {
-            pixel.start(self.seed, stream, pixel.pass.wrapping_mul(of).wrapping_add(path))
-        };
         let about = PATHS_OF_A_GLINT * glints.len() as u64;
         for path in 0..PATHS + about {
-            // The pupil is left to chance: all points are spent on the picture, where a small image is hard to find.
-            let jitter = match path.checked_sub(PATHS) {
-                None => start(Stream::Vision, path, PATHS),
-                Some(path) => {
+            let index = |path: u64, of: u64| pixel.pass.wrapping_mul(of).wrapping_add(path);
+            // Without a guide the pupil is left to chance: all points are spent on the picture, where a small image is hard
+            // to find. With one little else is left to find.
+            let (jitter, lens, of_lens) = match (path.checked_sub(PATHS), &self.pupil) {
+                (None, None) => (pixel.start(self.seed, Stream::Vision, index(path, PATHS)), rng.pair(), 1.0),
+                (None, Some(guide)) => {
+                    let [x, y, u, v] = pixel.start(self.seed, Stream::Vision, index(path, PATHS));
+                    let (lens, density) = guide.draw(field, [u, v]);
+                    ([x, y], lens, density)
+                }
+                (Some(path), _) => {
                     let glint = &glints[(path / PATHS_OF_A_GLINT) as usize];
-                    let [x, y] = glint.place(start(Stream::Glint, path, about).map(|u| 2.0 * u - 1.0));
+                    let place: [f64; 2] = pixel.start(self.seed, Stream::Glint, index(path, about));
+                    let [x, y] = glint.place(place.map(|u| 2.0 * u - 1.0));
                     let [width, height] = eye.pixel();
-                    [(x - corner.x) / width, (corner.y - y) / height]
+                    ([(x - corner.x) / width, (corner.y - y) / height], rng.pair(), 1.0)
                 }
             };
             // A glint may reach into other pixels, which have points of their own for it.
             if !jitter.iter().all(|x| (0.0..1.0).contains(x)) {
                 continue;
             }
-            let weight = 1.0 / density(eye.film_of(pixel.x, pixel.y, jitter).to_array());
-            let (origin, dir) = eye.ray(pixel.x, pixel.y, jitter, rng.pair());
+            let weight = 1.0 / (of_lens * density(eye.film_of(pixel.x, pixel.y, jitter).to_array()));
+            let (origin, dir) = eye.ray(pixel.x, pixel.y, jitter, lens);
             let ray = Ray { origin, dir, from: None };
             let mut walker =
                 Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());

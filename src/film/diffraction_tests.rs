@@ -96,6 +96,7 @@ fn square(side_m: f64, centre: [f64; 2]) -> Vec<Crossing> {
         at: [place(k % steps, centre[0]), place(k / steps, centre[1])],
         field: [(k % 7) as f64 / 7.0, (k % 11) as f64 / 11.0],
         light: 1.0,
+        open: 1.0,
     };
     (0..steps * steps).map(of).collect()
 }
@@ -199,7 +200,7 @@ fn what_cannot_be_spread_says_why() {
     assert!(because(&Pupil::Disc { diameter_m: f64::NAN }, [1e-3; 2]).contains("eighth of a pixel"));
     assert_eq!(Aperture::of(&[]), None);
     assert_eq!(Aperture::of(&square(0.0, [0.0; 2])), None);
-    let broken = vec![Crossing { at: [f64::NAN; 2], field: [f64::NAN; 2], light: f64::NAN }; 5000];
+    let broken = vec![Crossing { at: [f64::NAN; 2], field: [f64::NAN; 2], light: f64::NAN, open: f64::NAN }; 5000];
     assert_eq!(Aperture::of(&broken), None);
 }
 

@@ -1,7 +1,7 @@
 //! The plan as data: who owns which (light group, path class), and why. Made on floor 5, read by all below.
 
 use super::detail::ErrorDetail;
-use super::guide::Guide;
+use super::guide::{Guide, PupilGuide};
 use super::train::{Connection, Glint, Screen};
 use crate::base::ids::GroupId;
 use crate::base::path::{Class, Trail};
@@ -128,6 +128,10 @@ pub struct Plan {
     /// The same for photons.
     #[serde(default)]
     pub photon_guide: Option<Guide>,
+    /// Guided aperture: where in the pupil the backward estimator's rays look for lamps through specular faces, learned by
+    /// a pilot; none: all over it.
+    #[serde(default)]
+    pub pupil_guide: Option<PupilGuide>,
     /// Paths per pixel and pass of the backward estimator.
     pub backward_paths: u32,
     /// Share of the pixels that a pass of the backward estimator looks at: less than 1 where a pilot found no light of its.
@@ -193,6 +197,7 @@ impl Plan {
             glints: Vec::new(),
             forward_guide: None,
             photon_guide: None,
+            pupil_guide: None,
             mode,
             errors: ErrorDetail::default(),
             notes: Vec::new(),

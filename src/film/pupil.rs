@@ -16,6 +16,8 @@ pub struct Crossing {
     pub field: [f64; 2],
     /// What it brought; any unit.
     pub light: f64,
+    /// The same with all slides open.
+    pub open: f64,
 }
 
 /// The lit part of the pupil as cells of constant amplitude.

@@ -3,7 +3,7 @@
 
 mod trial;
 
-use super::{Making, connect, lamps_over_eye, own};
+use super::{Making, connect, kind, lamps_over_eye, own};
 use crate::base::path::Class;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use std::collections::BTreeSet;
@@ -11,7 +11,7 @@ use trial::{Small, Trial, costs};
 
 /// Ratios of the lamps' etendue to the eye's below which each point of the picture has few ways to a lamp, and above which
 /// rays from the eye can't miss them. Between them a pilot decides.
-const OPEN: [f64; 2] = [8.0, 1e5];
+pub(super) const OPEN: [f64; 2] = [8.0, 1e5];
 /// Lamps that fill less than this of the scene's cross-section are too small for rays from the eye, wherever they look.
 const SMALL: f64 = 3e-4;
 /// How much better a rival must be than what facts say: a pilot is not exact.
@@ -103,15 +103,6 @@ pub(super) fn settle(making: &Making<'_>, base: Plan, handicap: &Handicap) -> Pl
 /// Stands for the pilot's reason until it is known.
 const ASKED: &str = "of a pilot";
 
-/// A verdict without its reason: owner, and whether connection has what it can.
-fn kind(verdict: &Verdict) -> Option<(Estimator, bool)> {
-    match verdict {
-        Verdict::Own { owner, .. } => Some((*owner, false)),
-        Verdict::Connect { rest, .. } => Some((*rest, true)),
-        Verdict::Skip { .. } => None,
-    }
-}
-
 /// Who makes the paths of a question.
 fn names(plan: &Plan, question: Question) -> String {
     let of = |row: &&Row| question.classes().contains(&row.class);
@@ -157,7 +148,7 @@ impl Open {
         };
         let all: Vec<[bool; 2]> = (0..scene.groups.len()).map(of).collect();
         // What a pilot has given up is not asked again.
-        let said = super::rows(making.checked, making.world, making.choice);
+        let said = super::rows(making.checked, making.world, making.asked.choice);
         let given_up = |group: usize| {
             let of =
                 |rows: &[Row]| rows.get(group * Class::ALL.len() + Class::Vision as usize).map(|r| kind(&r.verdict));

@@ -10,6 +10,7 @@ mod mode;
 pub mod paths;
 mod pilot;
 pub mod pupil;
+mod pupil_guide;
 pub mod rays;
 pub mod scan;
 mod shared_faces;
@@ -21,6 +22,7 @@ use crate::estimate::ShouldStop;
 use crate::estimate::backward::Backward;
 use crate::estimate::route::Route;
 use crate::estimate::seen::Seen;
+use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
 use crate::world::World;
 use crate::world::mode::Mono;
@@ -45,16 +47,27 @@ pub enum Polarisation {
     Off,
 }
 
+/// Whether what a pilot finds tells where paths start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+pub enum Guides {
+    #[default]
+    On,
+    /// Paths are aimed at nothing: what each way of tracing is by itself.
+    Off,
+}
+
 /// What is asked of a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Asked {
     pub choice: Choice,
     pub polarisation: Polarisation,
+    #[serde(default)]
+    pub guides: Guides,
 }
 
 impl From<Choice> for Asked {
     fn from(choice: Choice) -> Self {
-        Asked { choice, polarisation: Polarisation::Auto }
+        Asked { choice, ..Asked::default() }
     }
 }
 
@@ -78,7 +91,7 @@ pub fn plan_handicapped(checked: &Checked, world: &World, handicap: &Handicap) -
 
 fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>, handicap: &Handicap) -> Plan {
     let mode = mode::decide(checked, world, asked.polarisation, stop);
-    let making = Making { checked, world, choice: asked.choice, mode, stop };
+    let making = Making { checked, world, asked, mode, stop };
     let mut plan = making.plan_of(rows(checked, world, asked.choice), None);
     if asked.choice == Choice::Auto {
         plan = contest::settle(&making, plan, handicap);
@@ -106,7 +119,7 @@ fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row> {
 struct Making<'m> {
     checked: &'m Checked<'m>,
     world: &'m World,
-    choice: Choice,
+    asked: Asked,
     mode: PathMode,
     stop: &'m ShouldStop<'m>,
 }
@@ -128,8 +141,17 @@ impl Making<'_> {
                 plan.forward_guide.clone_from(&known.forward_guide);
                 plan.connections.clone_from(&known.connections);
                 plan.forward_paths = known.forward_paths;
+                plan.pupil_guide.clone_from(&known.pupil_guide);
             }
-            None => self.light_paths(&mut plan),
+            None => {
+                let rows = plan.rows.clone();
+                self.light_paths(&mut plan);
+                // What a pilot has given up, another would not find either.
+                let kept = |row: &Row| rows.iter().any(|asked| asked == row);
+                if self.asked.guides == Guides::On {
+                    plan.pupil_guide = pupil_guide::learn(self, &plan, kept, known);
+                }
+            }
         }
         match scattered {
             Some(known) => {
@@ -141,6 +163,9 @@ impl Making<'_> {
             None => self.photons(&mut plan),
         }
         self.eye_paths(&mut plan);
+        if self.asked.guides == Guides::Off {
+            (plan.forward_guide, plan.photon_guide) = (None, None);
+        }
         plan
     }
 
@@ -159,7 +184,9 @@ impl Making<'_> {
     fn light_paths(&self, plan: &mut Plan) {
         while plan.runs(Estimator::Forward) && !self.stopped() {
             let pilot = pilot::forward(self.world, plan, self.groups(), self.stop);
-            if self.choice == Choice::Auto && give_up_forward(plan, &pilot::without_arrivals(&pilot), pilot.traced) {
+            if self.asked.choice == Choice::Auto
+                && give_up_forward(plan, &pilot::without_arrivals(&pilot), pilot.traced)
+            {
                 // The guide belongs to the lamps that are left.
                 continue;
             }
@@ -203,7 +230,8 @@ impl Making<'_> {
     /// Paths from the eye.
     fn eye_paths(&self, plan: &mut Plan) {
         let facts = self.checked.facts();
-        if facts.pinhole && facts.specular && plan.runs(Estimator::Backward) && !self.stopped() {
+        let guided = self.asked.guides == Guides::On;
+        if guided && facts.pinhole && facts.specular && plan.runs(Estimator::Backward) && !self.stopped() {
             plan.glints = glints::find(self.world, self.stop);
             if !plan.glints.is_empty() {
                 plan.notes.push(format!(
@@ -212,9 +240,12 @@ impl Making<'_> {
                 ));
             }
         }
-        if self.choice == Choice::Auto && plan.runs(Estimator::Backward) && !self.stopped() {
+        if plan.pupil_guide.is_some() {
+            plan.notes.push("backward looks for lamps through the parts of the pupil that a pilot saw lit".to_owned());
+        }
+        if self.asked.choice == Choice::Auto && plan.runs(Estimator::Backward) && !self.stopped() {
             let route = Route::new(plan, self.groups(), Estimator::Backward);
-            let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), &plan.glints, pilot::SEED);
+            let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), Hints::of(plan), pilot::SEED);
             if !backward.finds_light(LOOKS, self.stop) {
                 plan.backward_share = SELDOM;
                 plan.notes.push(format!(
@@ -330,6 +361,15 @@ fn connect(rest: Estimator, because: impl Into<String>) -> Verdict {
 
 fn skip(because: impl Into<String>) -> Verdict {
     Verdict::Skip { because: because.into() }
+}
+
+/// A verdict without its reason: owner, and whether connection has what it can.
+fn kind(verdict: &Verdict) -> Option<(Estimator, bool)> {
+    match verdict {
+        Verdict::Own { owner, .. } => Some((*owner, false)),
+        Verdict::Connect { rest, .. } => Some((*rest, true)),
+        Verdict::Skip { .. } => None,
+    }
 }
 
 /// Etendue of lamps of this area, m², over the eye's.

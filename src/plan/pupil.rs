@@ -9,6 +9,7 @@ use crate::estimate::ShouldStop;
 use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
 use crate::estimate::route::Route;
 use crate::estimate::walk::{Vertex, Walker};
+use crate::film::guide::Guide;
 use crate::film::plan::{Estimator, Plan, Verdict};
 use crate::film::pupil::{Aperture, Crossing, Pupil};
 use crate::film::sharpness::GroupPupil;
@@ -52,7 +53,8 @@ impl Visitor<Mono> for Arrivals<'_> {
             let field = [(pixel % width) as f64 / width as f64, (pixel / width) as f64 / height as f64];
             let at = walker.world.eye.on_pupil(walker.ray.origin + walker.ray.dir * arrival.t);
             self.group = Some(from.group);
-            self.crossings.push(Crossing { at, field, light });
+            let open = walker.beam.weight() * arrival.luminance_per_lumen;
+            self.crossings.push(Crossing { at, field, light, open });
         }
     }
 
@@ -108,18 +110,7 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
         (Choice::Auto, Some(guide)) => guide.clone(),
         (Choice::Auto | Choice::Only(_), _) => pilot::forward(world, &own, groups, stop).guide,
     };
-    let route = Route::new(&own, groups, Estimator::Forward);
-    let emission = Emission::new(world, &route, groups, Some(&guide));
-    let optics = Mono::<f64>::optics(world, SEED, 0);
-    let shots = Shots { seed: SEED, stream: Stream::Pilot, pass: 0, paths: PATHS, starts: Starts::OfPass };
-    let visitor = || Arrivals { route: &route, group: None, crossings: Vec::new() };
-    let arrived = emission.survey((world, &optics), shots, stop, visitor, |lamp, _, _, arrivals: Arrivals<'_>| {
-        Some((arrivals.group?, lamp, arrivals.crossings))
-    });
-    let mut lamps: BTreeMap<(GroupId, usize), Vec<Crossing>> = BTreeMap::new();
-    for (group, lamp, crossings) in arrived {
-        lamps.entry((group, lamp)).or_default().extend(crossings);
-    }
+    let lamps = crossings(world, &own, groups, &guide, PATHS, stop);
     for (index, of) in found.iter_mut().enumerate() {
         let group = GroupId::from_index(index);
         let vision = own.row(group, Class::Vision);
@@ -147,6 +138,30 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
         }
     }
     found
+}
+
+/// Where light that `own` leaves to `forward` crosses the pupil, by group and lamp.
+pub(super) fn crossings(
+    world: &World,
+    own: &Plan,
+    groups: usize,
+    guide: &Guide,
+    paths: u64,
+    stop: &ShouldStop<'_>,
+) -> BTreeMap<(GroupId, usize), Vec<Crossing>> {
+    let route = Route::new(own, groups, Estimator::Forward);
+    let emission = Emission::new(world, &route, groups, Some(guide));
+    let optics = Mono::<f64>::optics(world, SEED, 0);
+    let shots = Shots { seed: SEED, stream: Stream::Pilot, pass: 0, paths, starts: Starts::OfPass };
+    let visitor = || Arrivals { route: &route, group: None, crossings: Vec::new() };
+    let arrived = emission.survey((world, &optics), shots, stop, visitor, |lamp, _, _, arrivals: Arrivals<'_>| {
+        Some((arrivals.group?, lamp, arrivals.crossings))
+    });
+    let mut lamps: BTreeMap<(GroupId, usize), Vec<Crossing>> = BTreeMap::new();
+    for (group, lamp, crossings) in arrived {
+        lamps.entry((group, lamp)).or_default().extend(crossings);
+    }
+    lamps
 }
 
 /// The regions of a group's lamps with their shares of the light; none if too few paths arrived.

@@ -12,6 +12,7 @@ use crate::estimate::manifold::tables::Tables;
 use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::photon::PhotonMapper;
 use crate::estimate::route::Route;
+use crate::estimate::vision::Hints;
 use crate::film::accumulate::{Film, Sampling};
 use crate::film::detail::ErrorDetail;
 use crate::film::plan::{Estimator, Plan};
@@ -170,7 +171,7 @@ fn begin_with<'w, M: Mode + 'w>(
         engines.push(match estimator {
             Estimator::Backward => {
                 let paths = (plan.backward_paths, plan.backward_share);
-                Engine::Backward(Backward::new(world, route, paths, &plan.glints, seed))
+                Engine::Backward(Backward::new(world, route, paths, Hints::of(plan), seed))
             }
             Estimator::Forward => Engine::Forward(Forward::new(
                 world,

@@ -3,6 +3,7 @@
 //! sides are smoothed as in a Pólya tree.
 
 use super::tree::{AXES, Grower, MOST_DEPTH, Point, Tree};
+use std::ops::Range;
 
 /// A point of the cube and what it is worth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,9 +93,11 @@ impl Weights {
     }
 }
 
-/// A tree for `points`, with at most about `leaves` boxes.
-pub fn grow(points: &mut [Weighted], leaves: usize, even: Even) -> Tree {
-    let whole = Region { low: [0.0; AXES], high: [1.0; AXES], volume: 1.0, probability: 1.0, depth: 0 };
+/// A tree for `points`, cut across `axes`, with at most about `leaves` boxes.
+pub fn grow(points: &mut [Weighted], axes: Range<usize>, leaves: usize, even: Even) -> Tree {
+    let [first, end] = [axes.start, axes.end];
+    let whole =
+        Region { low: [0.0; AXES], high: [1.0; AXES], axes: [first, end], volume: 1.0, probability: 1.0, depth: 0 };
     let mut structure = Vec::new();
     let mut left = leaves;
     let defensive = even.of_cube(Weights::of(points).effective());
@@ -110,6 +113,8 @@ pub fn grow(points: &mut [Weighted], leaves: usize, even: Even) -> Tree {
 struct Region {
     low: Point,
     high: Point,
+    /// First and end of those that are cut across.
+    axes: [usize; 2],
     volume: f64,
     probability: f64,
     depth: usize,
@@ -189,7 +194,7 @@ fn insert(extremes: &mut [f64; EDGE], x: f64, before: impl Fn(f64, f64) -> bool)
 fn best_cut(points: &[Weighted], region: &Region, all: Weights) -> Option<Cut> {
     let (mass, effective) = (all.sum, all.effective());
     let mut best: Option<Cut> = None;
-    for axis in 0..AXES {
+    for axis in region.axes[0]..region.axes[1] {
         let (low, high) = (region.low[axis], region.high[axis]);
         let width = high - low;
         let mut bins = [Weights::default(); BINS];

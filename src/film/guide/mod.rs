@@ -5,12 +5,14 @@
 //! share keeps everything possible: the density is known, nothing is biased.
 
 mod learn;
+mod pupil;
 #[cfg(test)]
 mod tests;
 mod tree;
 
 pub use learn::Even;
 use learn::{Weighted, grow};
+pub use pupil::{Lit, PupilGuide};
 use serde::{Deserialize, Serialize};
 pub use tree::{AXES, Point, Tree};
 
@@ -123,7 +125,7 @@ impl Guide {
         let stride = pool.len().div_ceil(Self::FROM_POOL).max(1);
         let thinned: Vec<Weighted> = pool.iter().step_by(stride).copied().collect();
         let thinned_sum: f64 = thinned.iter().map(|p| p.weight).sum();
-        let mut trees = vec![grow(&mut pool, Self::LEAVES, even)];
+        let mut trees = vec![grow(&mut pool, 0..AXES, Self::LEAVES, even)];
         let mut of_lamp = vec![0; lamps];
         for ((mut points, sums), tree) in own.into_iter().zip(sums).zip(&mut of_lamp) {
             let effective = effective(sums);
@@ -133,7 +135,7 @@ impl Guide {
             let pooled = Self::POOLED / effective * sums.0 / thinned_sum;
             points.extend(thinned.iter().map(|p| Weighted { x: p.x, weight: p.weight * pooled }));
             *tree = trees.len() as u32;
-            trees.push(grow(&mut points, Self::LEAVES, even));
+            trees.push(grow(&mut points, 0..AXES, Self::LEAVES, even));
         }
         Guide::new(shares, of_lamp, trees)
     }

@@ -151,3 +151,52 @@ fn even_points_stay_even() {
     let (random, even) = (spread(false), spread(true));
     assert!(even < 0.05 * random, "{even} {random}");
 }
+
+/// A lamp's image that wanders through the pupil with the place in the picture is found with fewer points than if they were
+/// spread evenly, and its area is right; a density that is 5 % off is found.
+#[test]
+fn a_guided_aperture_is_unbiased_and_helps() {
+    let radius = 0.1;
+    let middle = |field: [f64; 2]| [0.3 + 0.2 * field[0], 0.6 - 0.1 * field[1]];
+    let crossing = |k: u64| {
+        let mut rng = Rng::new(5, Stream::Check, 1, k);
+        let (field, at) = (rng.pair(), crate::base::warp::disk(rng.pair()) * radius);
+        let [u, v] = middle(field);
+        Lit { field, pupil: [u + at.x, v + at.y], weight: 1.0 }
+    };
+    let crossings: Vec<Lit> = (0..6000).map(crossing).collect();
+    let guide = PupilGuide::learn(&crossings).expect("enough crossings");
+    let want = std::f64::consts::PI * radius * radius;
+    assert!(guide.gain(&crossings) > 0.3 / want, "{}", guide.gain(&crossings));
+    let run = |wrong: f64| {
+        let mut moments = Moments::default();
+        for k in 0..200_000 {
+            let mut rng = Rng::new(6, Stream::Check, 1, k);
+            let field = rng.pair();
+            let ([u, v], density) = guide.draw(field, rng.pair());
+            let inside = (u - middle(field)[0]).hypot(v - middle(field)[1]) < radius;
+            moments.add(if inside { 1.0 / (density * wrong) } else { 0.0 });
+        }
+        moments
+    };
+    let [right, planted] = [1.0, 0.95].map(run);
+    assert!((right.mean - want).abs() < 4.0 * right.stderr(), "{} ± {}, want {want}", right.mean, right.stderr());
+    assert!((planted.mean - want).abs() > 6.0 * planted.stderr(), "{} {want}", planted.mean);
+    let even = want * (1.0 - want);
+    assert!(even > 5.0 * right.variance(), "{even} {}", right.variance());
+    assert!(PupilGuide::learn(&crossings[..10]).is_none(), "ten crossings tell nothing");
+}
+
+/// A guided aperture comes back from a file as it was, and one that has no tree for each tile is refused.
+#[test]
+fn a_guided_aperture_is_read_with_care() {
+    let lit = |k: usize| Lit { field: [0.5; 2], pupil: [0.4 + 1e-4 * k as f64, 0.5], weight: 1.0 };
+    let guide = PupilGuide::learn(&(0..200).map(lit).collect::<Vec<_>>()).expect("enough crossings");
+    let mut value = serde_json::to_value(&guide).expect("plain data");
+    assert_eq!(serde_json::from_value::<PupilGuide>(value.clone()).expect("a guide"), guide);
+    for tiles in [[7, 8], [0, 64], [usize::MAX, 2]] {
+        value["tiles"] = serde_json::json!(tiles);
+        let error = serde_json::from_value::<PupilGuide>(value.clone()).expect_err("tiles without trees").to_string();
+        assert!(error.contains("trees"), "{error}");
+    }
+}
