@@ -115,7 +115,7 @@ fn leds(scene: &mut Scene, dice: &mut Dice, centre: DVec3, [a, b]: [DVec3; 2], p
 }
 
 /// A biconvex lens of this focal length (thin-lens formula) about the axis of sight, with a black rim.
-fn lens(scene: &mut Scene, depth: f64, focal: f64, edge: f64) {
+pub(super) fn lens(scene: &mut Scene, depth: f64, focal: f64, edge: f64) {
     let radius = 2.0 * (GLASS - 1.0) * focal;
     let half = kit::sag_of_sphere(radius, edge) + 5e-4;
     let low = kit::cap(-half, |r| kit::sag_of_sphere(radius, r), edge, false, [12, 48]);

@@ -8,7 +8,7 @@ use super::{generate, kit};
 use crate::base::chain::Step;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
-use crate::estimate::run::Limits;
+use crate::estimate::run::{Limits, begin};
 use crate::film::plan::{Estimator, Plan, Verdict};
 use crate::plan::contest::Handicap;
 use crate::plan::{Choice, plan, plan_handicapped};
@@ -52,6 +52,60 @@ fn sabotaged_connection_loses_its_lamps() {
     assert_eq!([slow, noisy], [(Estimator::Backward, false); 2]);
     let [_, slow, noisy] = owners(7, Class::Vision, &[Estimator::Backward]);
     assert_eq!([slow, noisy], [(Estimator::Forward, true); 2]);
+}
+
+/// Nine LEDs this far behind a lens of 25 mm that is 50 mm before the eye.
+fn collimated(behind: f64) -> Scene {
+    let mut scene = kit::scene(14.0, 1);
+    scene.eye.resolution = [96, 72];
+    scene.eye.pupil_diameter_m = 4e-3;
+    generate::lens(&mut scene, 0.05, 0.025, 0.01);
+    let group = kit::group(&mut scene, "led");
+    let place = |i: i32| 1.5e-3 * f64::from(i);
+    let centre = |k: i32| DVec3::new(place(k % 3 - 1), place(k / 3 - 1), -(0.05 + behind));
+    let leds: Vec<_> = (0..9).map(|k| kit::quad(centre(k), DVec3::X * 1e-4, DVec3::Y * 1e-4)).collect();
+    let faces = leds.iter().map(|_| kit::shining(group, 1e6)).collect();
+    kit::add(&mut scene, kit::mesh(&leds), DAffine3::IDENTITY, None, faces);
+    scene
+}
+
+/// A lamp that is imaged into the pupil is connected; one that is imaged at infinity is seen through all of the pupil, and
+/// there is no point of it to solve for. Facts say the same of both: 2.1 of the eye's etendue.
+#[test]
+fn a_lamp_at_infinity_is_not_connected() {
+    let of = |behind: f64| {
+        let scene = collimated(behind);
+        let ready = Ready::new(&scene, 0.0).unwrap();
+        owner(&plan(&ready.checked, &ready.world, Choice::Auto), Class::Vision)
+    };
+    assert_eq!(of(0.05), (Estimator::Forward, true));
+    let (_, connected) = of(0.025);
+    assert!(!connected);
+}
+
+/// Whoever has them, it is the same light.
+#[test]
+fn lamps_at_infinity_are_as_bright_by_any_way() {
+    let scene = collimated(0.025);
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    let light = |choice: Choice, passes: u64| {
+        let mut tracing = begin(&ready.world, &plan(&ready.checked, &ready.world, choice), 1, [96, 72], 1);
+        tracing.step(passes);
+        let (mut sum, mut variance) = (0.0, 0.0);
+        for (_, film, _) in &tracing.films().films {
+            let all = film.planes.len();
+            for pixel in 0..96 * 72 {
+                sum += (0..all).map(|plane| film.mean(pixel, plane).value).sum::<f64>();
+                variance += film.variance(pixel, all);
+            }
+        }
+        (sum, variance.sqrt())
+    };
+    let (auto, error) = light(Choice::Auto, 64);
+    let (eye, of_eye) = light(Choice::Only(Estimator::Backward), 512);
+    eprintln!("auto {auto} ± {error}, from the eye {eye} ± {of_eye}");
+    assert!(error.hypot(of_eye) < 5e-3 * eye, "{auto} ± {error}, {eye} ± {of_eye}");
+    assert!((auto - eye).abs() < 4.0 * error.hypot(of_eye), "{auto} ± {error}, {eye} ± {of_eye}");
 }
 
 /// LEDs over a matt floor: photons bring what is scattered twice several times as fast as rays from the eye.

@@ -3,7 +3,7 @@
 
 mod trial;
 
-use super::{Making, connect, kind, lamps_over_eye, own};
+use super::{Making, connect, kind, lamps_over_eye, own, pupil_guide};
 use crate::base::path::Class;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use std::collections::BTreeSet;
@@ -12,6 +12,9 @@ use trial::{Small, Trial, costs};
 /// Ratios of the lamps' etendue to the eye's below which each point of the picture has few ways to a lamp, and above which
 /// rays from the eye can't miss them. Between them a pilot decides.
 pub(super) const OPEN: [f64; 2] = [8.0, 1e5];
+/// How many times denser the light of a lamp may be in the pupil than if it were spread evenly, for a place in the picture, for
+/// it to fill the pupil: the lamp is imaged far from it, and rays from the eye that go its way hardly miss.
+const FILLED: f64 = 2.0;
 /// Lamps that fill less than this of the scene's cross-section are too small for rays from the eye, wherever they look.
 const SMALL: f64 = 3e-4;
 /// How much better a rival must be than what facts say: a pilot is not exact.
@@ -36,6 +39,9 @@ impl Default for Handicap {
 enum Question {
     /// Lamps seen through specular faces: from the lamps, or from the eye.
     Vision,
+    /// Whether these are connected. A point of a lamp that is imaged far from the pupil is seen through all of it in one
+    /// place of the picture and through none in any other: there is no point of the pupil to solve for.
+    Trains,
     /// Light that scatterers get over specular faces or from other scatterers: by photons, or from the eye.
     Scattered,
     /// Whether caustics are connected, or all left to photons.
@@ -43,11 +49,11 @@ enum Question {
 }
 
 impl Question {
-    const ALL: [Question; 3] = [Question::Vision, Question::Scattered, Question::Connections];
+    const ALL: [Question; 4] = [Question::Vision, Question::Trains, Question::Scattered, Question::Connections];
 
     fn classes(self) -> &'static [Class] {
         match self {
-            Question::Vision => &[Class::Vision],
+            Question::Vision | Question::Trains => &[Class::Vision],
             Question::Scattered => &[Class::Caustic, Class::Secondary],
             Question::Connections => &[Class::Caustic],
         }
@@ -123,6 +129,7 @@ fn names(plan: &Plan, question: Question) -> String {
 /// Which light groups the questions are open for.
 struct Open {
     vision: Vec<bool>,
+    trains: Vec<bool>,
     scattered: Vec<bool>,
 }
 
@@ -137,16 +144,17 @@ impl Open {
             let sky = scene.sky.as_ref().is_some_and(|sky| sky.group.index() == group);
             // Points and parallel light have no area, and the sky is all around.
             if lamps().next().is_none() || others || sky {
-                return [false; 2];
+                return [false; 3];
             }
             let ratio = lamps_over_eye(making.world, lamps().map(|lamp| lamp.area_m2).sum());
             let area: f64 = lamps().map(|lamp| lamp.area_m2).sum();
-            let vision = facts.specular && !facts.pinhole && (OPEN[0]..=OPEN[1]).contains(&ratio);
+            let sees = facts.specular && !facts.pinhole;
+            let [small, between] = [sees && ratio < OPEN[0], sees && (OPEN[0]..=OPEN[1]).contains(&ratio)];
             // Without specular faces every scatterer asks for the lamps, whatever their size.
             let seen = area > SMALL * section && (facts.pinhole || ratio > OPEN[0]);
-            [vision, seen || !facts.specular]
+            [small, between, seen || !facts.specular]
         };
-        let all: Vec<[bool; 2]> = (0..scene.groups.len()).map(of).collect();
+        let all: Vec<[bool; 3]> = (0..scene.groups.len()).map(of).collect();
         // What a pilot has given up is not asked again.
         let said = super::rows(making.checked, making.world, making.asked.choice);
         let given_up = |group: usize| {
@@ -154,14 +162,21 @@ impl Open {
                 |rows: &[Row]| rows.get(group * Class::ALL.len() + Class::Vision as usize).map(|r| kind(&r.verdict));
             of(&base.rows) != of(&said)
         };
+        let small: Vec<bool> = all.iter().map(|[small, ..]| *small).collect();
+        let trains: Vec<bool> = pupil_guide::densities(making, base, &small)
+            .into_iter()
+            .map(|density| density.is_some_and(|density| density <= FILLED))
+            .collect();
+        let vision = |(group, [_, between, _]): (usize, &[bool; 3])| (*between || trains[group]) && !given_up(group);
         Open {
-            vision: all.iter().enumerate().map(|(group, [vision, _])| *vision && !given_up(group)).collect(),
-            scattered: all.iter().map(|[_, scattered]| *scattered).collect(),
+            vision: all.iter().enumerate().map(vision).collect(),
+            trains,
+            scattered: all.iter().map(|[.., scattered]| *scattered).collect(),
         }
     }
 
     fn is_nothing(&self) -> bool {
-        !self.vision.iter().chain(&self.scattered).any(|open| *open)
+        !self.vision.iter().chain(&self.trains).chain(&self.scattered).any(|open| *open)
     }
 
     /// The rows of a plan with the other answer to a question; none if it is not open.
@@ -169,6 +184,7 @@ impl Open {
         let other = |row: &Row| {
             let open = match question {
                 Question::Vision => &self.vision,
+                Question::Trains => &self.trains,
                 Question::Scattered | Question::Connections => &self.scattered,
             };
             if !question.classes().contains(&row.class) || !open.get(row.group.index()).is_some_and(|open| *open) {
@@ -179,8 +195,8 @@ impl Open {
                 (Question::Vision | Question::Scattered, (Estimator::Forward | Estimator::Photon, _)) => {
                     Some(own(Estimator::Backward, ASKED))
                 }
-                (Question::Connections, (rest, true)) => Some(own(rest, ASKED)),
-                (Question::Vision | Question::Scattered | Question::Connections, _) => None,
+                (Question::Trains | Question::Connections, (rest, true)) => Some(own(rest, ASKED)),
+                (Question::Vision | Question::Trains | Question::Scattered | Question::Connections, _) => None,
             }
         };
         let mut changed = false;

@@ -7,14 +7,17 @@ use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::warp::disk_inverse;
 use crate::film::guide::{Lit, PupilGuide};
-use crate::film::plan::{Estimator, Plan};
+use crate::film::plan::{Estimator, Plan, Row};
 use crate::film::pupil::Crossing;
 use glam::DVec2;
 use std::collections::BTreeMap;
 
 /// Paths from the lamps, guided to the pupil: a first look, and what the guide is learned from.
 const LOOK: u64 = 1 << 11;
-const PATHS: u64 = 1 << 14;
+/// For each lamp that is looked at by itself, as many lamps as are.
+const OF_LAMP: u64 = 96;
+const MOST_LAMPS: usize = 64;
+const PATHS: u64 = 1 << 13;
 /// How much denser the points must be where light crosses than if they were spread evenly: below that lamps fill the pupil.
 const WORTH: f64 = 1.5;
 
@@ -63,6 +66,30 @@ pub(super) fn learn(
         PupilGuide::learn(&lit).filter(|learned| learned.gain(&lit) >= WORTH)
     };
     look(LOOK).and_then(|_| look(PATHS))
+}
+
+/// For each of the groups `of` that connection sees, how dense the light of one lamp is in the pupil for a place in the
+/// picture, over that of light that fills it: the mean over the lamps.
+pub(super) fn densities(making: &Making<'_>, plan: &Plan, of: &[bool]) -> Vec<Option<f64>> {
+    let (world, groups) = (making.world, making.groups());
+    let connected = |row: &Row| {
+        let kind = kind(&row.verdict);
+        row.class == Class::Vision && of[row.group.index()] && kind == Some((Estimator::Forward, true))
+    };
+    let asked = plan.rows.iter().any(connected) && !making.stopped();
+    let Some(guide) = plan.forward_guide.as_ref().filter(|_| asked) else { return vec![None; groups] };
+    let paths = LOOK.max(OF_LAMP * world.lamps.all().len().min(MOST_LAMPS) as u64);
+    let by_lamp = pupil::crossings(world, plan, groups, guide, paths, making.stop);
+    let density = |group: GroupId| {
+        let lamps = by_lamp.range((group, 0)..=(group, usize::MAX)).filter(|_| of[group.index()]).take(MOST_LAMPS);
+        let known = lamps.filter_map(|(lamp, crossings)| {
+            let lit = lit(&BTreeMap::from([(*lamp, crossings.clone())]), world.eye.pupil_radius_m());
+            Some(PupilGuide::learn(&lit)?.gain(&lit))
+        });
+        let (sum, count) = known.fold((0.0, 0u32), |(sum, count), density| (sum + density, count + 1));
+        (count > 0).then(|| sum / f64::from(count))
+    };
+    (0..groups).map(GroupId::from_index).map(density).collect()
 }
 
 /// Every light group is as important as any other, whatever it adds to the picture.
