@@ -108,6 +108,17 @@ fn lamps_at_infinity_are_as_bright_by_any_way() {
     assert!((auto - eye).abs() < 4.0 * error.hypot(of_eye), "{auto} ± {error}, {eye} ± {of_eye}");
 }
 
+/// Where connection has all light that a pilot sees, a pass has a quarter of a path from the lamps for each pixel; without
+/// its trains, as many as light tracing alone.
+#[test]
+fn light_tracing_costs_as_much_as_is_left_to_it() {
+    let scene = generate::scene(42);
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    let paths = |choice| plan(&ready.checked, &ready.world, choice).forward_paths;
+    assert_eq!(paths(Choice::Only(Estimator::Manifold)), 32 * 24 / 4);
+    assert_eq!(paths(Choice::Only(Estimator::Forward)), 1 << 12);
+}
+
 /// LEDs over a matt floor: photons bring what is scattered twice several times as fast as rays from the eye.
 #[test]
 fn sabotaged_photons_lose_their_light() {

@@ -6,6 +6,7 @@ pub mod forecast;
 pub mod frozen;
 mod glimpses;
 mod glints;
+mod made;
 mod mode;
 pub mod paths;
 mod pilot;
@@ -27,6 +28,7 @@ use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
 use crate::world::World;
 use crate::world::mode::Mono;
 use contest::Handicap;
+use made::Made;
 use std::collections::BTreeSet;
 
 /// Which estimators may be used.
@@ -91,7 +93,7 @@ pub fn plan_handicapped(checked: &Checked, world: &World, handicap: &Handicap) -
 
 fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>, handicap: &Handicap) -> Plan {
     let mode = mode::decide(checked, world, asked.polarisation, stop);
-    let making = Making { checked, world, asked, mode, stop };
+    let making = Making { checked, world, asked, mode, stop, made: Made::default() };
     let mut plan = making.plan_of(rows(checked, world, asked.choice), None);
     if asked.choice == Choice::Auto {
         plan = contest::settle(&making, plan, handicap);
@@ -122,6 +124,7 @@ struct Making<'m> {
     asked: Asked,
     mode: PathMode,
     stop: &'m ShouldStop<'m>,
+    made: Made,
 }
 
 impl Making<'_> {
@@ -183,22 +186,30 @@ impl Making<'_> {
     /// Light tracing and the connections of lamps with the pupil.
     fn light_paths(&self, plan: &mut Plan) {
         while plan.runs(Estimator::Forward) && !self.stopped() {
-            let pilot = pilot::forward(self.world, plan, self.groups(), self.stop);
+            let pilot = self.made.forward(self.world, plan, self.groups(), self.stop);
             if self.asked.choice == Choice::Auto
                 && give_up_forward(plan, &pilot::without_arrivals(&pilot), pilot.traced)
             {
                 // The guide belongs to the lamps that are left.
                 continue;
             }
-            plan.connections = chains::find(self.world, plan, self.groups(), Some(&pilot.guide), self.stop);
+            let connects = |row: &Row| row.class == Class::Vision && matches!(row.verdict, Verdict::Connect { .. });
+            if plan.rows.iter().any(connects) {
+                plan.connections = chains::find(self.world, plan, self.groups(), Some(&pilot.guide), self.stop);
+            }
             leave_unconnected(plan, Class::Vision);
             // What specular connection leaves is not the light that the pilot has found most of.
             let leaves = |row: &Row| matches!(row.verdict, Verdict::Connect { rest: Estimator::Forward, .. });
-            plan.forward_guide = Some(if plan.rows.iter().any(leaves) { pilot.guide } else { pilot.sure() });
-            // What specular connection leaves is little, and where it is nobody knows.
-            let only_rest =
-                plan.rows.iter().all(|row| !matches!(row.verdict, Verdict::Own { owner: Estimator::Forward, .. }));
-            plan.forward_paths = if only_rest { self.pixels() / 4 } else { 4 * self.pixels() }.max(1 << 12);
+            let owns = |row: &Row| matches!(row.verdict, Verdict::Own { owner: Estimator::Forward, .. });
+            // Where the rest is nobody knows.
+            let rest = if plan.rows.iter().any(owns) {
+                1.0
+            } else {
+                let connections = self.made.connections(self.world, plan);
+                pilot::left(self.world, plan, self.groups(), &pilot, connections, self.stop)
+            };
+            plan.forward_paths = pilot::forward_paths(rest, self.pixels());
+            plan.forward_guide = Some(if plan.rows.iter().any(leaves) { pilot.guide.clone() } else { pilot.sure() });
             break;
         }
     }
@@ -217,7 +228,7 @@ impl Making<'_> {
             leave_unconnected(plan, Class::Caustic);
         }
         if plan.runs(Estimator::Photon) {
-            let pilot = pilot::photon(self.world, plan, self.groups(), (pixel_m, &seen), self.stop);
+            let pilot = pilot::photon(self.world, plan, self.groups(), (pixel_m, &seen), &self.made, self.stop);
             (plan.photons, plan.photons_part) = (pilot.photons, pilot.part);
             plan.photon_radii_m = pilot.radii_m;
             if !pilot.part {

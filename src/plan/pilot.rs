@@ -7,6 +7,7 @@ use crate::base::ids::GroupId;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::Starts;
 use crate::estimate::forward::Forward;
+use crate::estimate::manifold::connections::Connections;
 use crate::estimate::route::Route;
 use crate::film::guide::{Even, Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan};
@@ -22,6 +23,15 @@ const MOST_WIDE: u64 = 1 << 16;
 const NARROW: [u64; 2] = [1 << 11, 3 << 11];
 /// Paths that have to count before a look can be guided by them, in all and of each group.
 const ENOUGH: [usize; 2] = [48, 4];
+/// Paths by which it is seen what connection leaves, of a pass that no look has.
+const LEFT: u64 = 1 << 11;
+const LAST: u64 = 1 << 20;
+/// Lamp paths per pixel for next to none of the light, and for most of it.
+const OF_LIGHT: [f64; 2] = [0.25, 4.0];
+/// Share of the light below which a small picture needs no more of them than others for its size; and the fewest in a
+/// pass, below it and above.
+const LITTLE: f64 = 0.03;
+const FEWEST: [u64; 2] = [1 << 7, 1 << 12];
 /// Pilots have a seed of their own: the plan is a function of the scene alone.
 pub const SEED: u64 = 0x9107;
 
@@ -158,6 +168,38 @@ pub fn forward(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>)
     pilot(with, || shared_faces::may_meet(world, plan, groups, stop), groups, stop)
 }
 
+/// Of the light that arrives in the picture, the share that the plan's connections leave to light tracing: the largest of
+/// any light group. `pilot`: of all of it; `connections`: the plan's.
+pub fn left(
+    world: &World,
+    plan: &Plan,
+    groups: usize,
+    pilot: &ForwardPilot,
+    connections: Arc<Connections>,
+    stop: &ShouldStop<'_>,
+) -> f64 {
+    let route = Route::new(plan, groups, Estimator::Forward);
+    let forward = Forward::<Mono>::new(world, route, groups, LEFT, Some(&pilot.guide), connections, SEED);
+    let forward = forward.starting(Starts::OfPass);
+    let sums = |samples: &mut dyn Iterator<Item = (usize, f64)>| {
+        let mut sums = vec![0.0; groups];
+        samples.for_each(|(lamp, light)| sums[forward.group_of(lamp).index()] += light);
+        sums
+    };
+    let of_path = |s: &Sample| (s.lamp, s.weight / (LEFT as f64 * forward.density(s.lamp, &s.x)));
+    let rest = sums(&mut forward.probe(LAST, stop).iter().map(of_path));
+    let all = sums(&mut pilot.found.iter().map(|s| (s.lamp, s.weight)));
+    let shares = rest.iter().zip(&all).filter(|(_, all)| **all > 0.0).map(|(rest, all)| rest / all);
+    shares.fold(0.0, f64::max).min(1.0)
+}
+
+/// Paths per pass for light tracing with this share of the light, in a picture of so many pixels.
+pub fn forward_paths(share: f64, pixels: u64) -> u64 {
+    let per_pixel = (OF_LIGHT[1] * 2.0 * share).clamp(OF_LIGHT[0], OF_LIGHT[1]);
+    let fewest = if share < LITTLE { FEWEST[0] } else { FEWEST[1] };
+    ((pixels as f64 * per_pixel) as u64).max(fewest)
+}
+
 /// A pilot of paths to the picture, see [`look`].
 pub(super) fn pilot<L: Look>(
     with: impl Fn(Option<&Guide>, u64) -> L,
@@ -231,4 +273,16 @@ fn spread<L: Look>(looks: &Looks<L>, first: usize) -> Option<f64> {
 /// Groups whose light no path of a pilot brought.
 pub fn without_arrivals(pilot: &ForwardPilot) -> Vec<GroupId> {
     (0..pilot.arrived.len()).filter(|&g| pilot.arrived[g] == 0).map(GroupId::from_index).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_light_has_more_paths() {
+        let of = |share: f64| forward_paths(share, 64_800);
+        assert_eq!([0.0, 1e-3, 0.25, 1.0].map(of), [16_200, 16_200, 129_600, 259_200]);
+        assert_eq!([0.0, 0.02, 0.04].map(|share| forward_paths(share, 100)), [128, 128, 4096]);
+    }
 }

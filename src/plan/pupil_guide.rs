@@ -2,7 +2,7 @@
 //! there. No ray from the eye tells, but light from the lamps does.
 
 use super::contest::OPEN;
-use super::{Making, connect, kind, lamps_over_eye, pilot, pupil, skip};
+use super::{Making, connect, kind, lamps_over_eye, pupil, skip};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::warp::disk_inverse;
@@ -54,11 +54,11 @@ pub(super) fn learn(
     let guide = match of_known.and_then(|known| known.forward_guide.clone()) {
         Some(guide) => guide,
         None => {
-            let pilot = pilot::forward(world, &own, groups, making.stop);
+            let pilot = making.made.forward(world, &own, groups, making.stop);
             if pilot.arrived.iter().all(|count| *count == 0) {
                 return None;
             }
-            pilot.guide
+            pilot.guide.clone()
         }
     };
     let look = |paths: u64| {

@@ -3,10 +3,14 @@
 use crate::world::World;
 use glam::DVec2;
 
-/// Cells of the grid along the picture's longer side.
+/// Most cells of the grid along the picture's longer side, and fewest. A small picture is asked less often than a fine grid
+/// of its own costs: a cell has so many of its pixels along its sides.
 const CELLS: usize = 24;
+const FEWEST: usize = 8;
+const PIXELS: usize = 3;
+
 /// Cells over the picture.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     half: DVec2,
     count: [usize; 2],
@@ -16,7 +20,8 @@ impl Grid {
     pub fn of(world: &World) -> Grid {
         let half = world.eye.half();
         let longer = half.max_element();
-        let along = |half: f64| ((CELLS as f64 * half / longer).ceil() as usize).clamp(1, CELLS);
+        let cells = (world.eye.size().into_iter().max().unwrap_or(1) / PIXELS).clamp(FEWEST, CELLS);
+        let along = |half: f64| ((cells as f64 * half / longer).ceil() as usize).clamp(1, cells);
         Grid { half, count: [along(half.x), along(half.y)] }
     }
     pub fn cells(&self) -> usize {

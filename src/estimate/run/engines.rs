@@ -94,18 +94,18 @@ pub fn begin<'w>(world: &'w World, plan: &Plan, groups: usize, size: [usize; 2],
     begin(world, plan, groups, size, seed)
 }
 
-/// The same for a pilot's small picture of a larger one, whose longer side has `longer` pixels: at one wavelength, without
-/// polarisation, and with coarse tables.
+/// The same for a pilot's small picture of a larger one, whose longer side has `longer` pixels: at one wavelength and
+/// without polarisation. `joined`: the connections and coarse tables of the plan.
 pub fn begin_trial<'w>(
     world: &'w World,
     plan: &Plan,
     groups: usize,
     (size, longer): ([usize; 2], usize),
     seed: u64,
+    (connections, screens): (Arc<Connections>, Screens<Mono>),
 ) -> Box<dyn Tracing + 'w> {
     let optics = Mono::<f64>::optics(world, seed, 0);
-    let screens = Screens::coarse(world, &optics, &plan.screens);
-    let kept = Kept::new((world, &optics), plan, screens, OverFilm::coarse(world, longer));
+    let kept = Kept::new((world, &optics), connections, screens, OverFilm::coarse(world, longer));
     begin_with::<Mono<f64>>(world, plan, groups, size, seed, kept)
 }
 
@@ -117,8 +117,9 @@ fn begin_in<'w, M: Mode + 'w>(
     seed: u64,
 ) -> Box<dyn Tracing + 'w> {
     let optics = M::optics(world, seed, 0);
+    let connections = Arc::new(Connections::new(world, &optics, &plan.connections));
     let screens = Screens::new(world, &optics, &plan.screens);
-    let kept = Kept::new((world, &optics), plan, screens, OverFilm::new(world));
+    let kept = Kept::new((world, &optics), connections, screens, OverFilm::new(world));
     begin_with::<M>(world, plan, groups, size, seed, kept)
 }
 
@@ -132,13 +133,17 @@ struct Kept<M: Mode> {
 
 impl<M: Mode> Kept<M> {
     /// `over`: the grid of tables over the picture, if they pay.
-    fn new((world, optics): (&World, &Optics<M>), plan: &Plan, screens: Screens<M>, over: Option<OverFilm>) -> Self {
-        let connections = Connections::new(world, optics, &plan.connections);
+    fn new(
+        (world, optics): (&World, &Optics<M>),
+        connections: Arc<Connections>,
+        screens: Screens<M>,
+        over: Option<OverFilm>,
+    ) -> Self {
         Kept {
             tables: over.and_then(|over| Tables::new(world, optics, &connections, over)),
             glances: over.and_then(|over| Glances::new(world, optics, &screens, over)).map(Arc::new),
             screens: Arc::new(screens),
-            connections: Arc::new(connections),
+            connections,
         }
     }
 }

@@ -54,7 +54,14 @@ impl Small {
             (own.forward_paths, own.photons) = (fewer(plan.forward_paths), fewer(plan.photons));
             own.photon_radii_m = plan.photon_radii_m.scaled(self.share.sqrt().recip());
         }
-        let mut tracing = begin_trial(&self.world, &own, making.groups(), (self.size, self.longer), pilot::SEED);
+        let mut tracing = begin_trial(
+            &self.world,
+            &own,
+            making.groups(),
+            (self.size, self.longer),
+            pilot::SEED,
+            (making.made.connections(&self.world, plan), making.made.screens(&self.world, &plan.screens)),
+        );
         while !tracing.films().films.is_empty() && !making.stopped() {
             let films = tracing.films();
             let work: u64 = films.films.iter().map(|(_, _, ledger)| ledger.work).sum();

@@ -14,6 +14,7 @@ use crate::estimate::route::Route;
 use crate::estimate::seen::Seen;
 use crate::film::guide::Guide;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Spectral, Verdict};
+use crate::plan::made::Made;
 use crate::plan::{auto, pilot, skip};
 use crate::world::World;
 
@@ -103,7 +104,7 @@ impl Sides {
                 plan_of(groups, Estimator::Photon, mode, |group, class| class != Class::Vision && !is_sky(group));
             let pixel_m = pilot::pixel_m(world, scene.eye.resolution);
             let seen = Seen::look(world, pixel_m, stop);
-            let pilot = pilot::photon(world, &plan, groups, (pixel_m, &seen), stop);
+            let pilot = pilot::photon(world, &plan, groups, (pixel_m, &seen), &Made::default(), stop);
             sides.photons = Lamps::new(world, &plan, groups, Estimator::Photon, &pilot.guide);
             if scene.sky.is_some() {
                 notes.push("what scatters the light of the sky is not in the table".to_owned());

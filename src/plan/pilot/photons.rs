@@ -1,6 +1,6 @@
 //! The photons' pilot: where they start, how many there are, and within which radii they are gathered.
 
-use super::{Look, SEED, look};
+use super::{LAST, LITTLE, Look, SEED, look};
 use crate::base::ids::GroupId;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ShouldStop;
@@ -14,6 +14,7 @@ use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan, Radii};
 use crate::film::train::Screen;
+use crate::plan::made::Made;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -21,9 +22,6 @@ use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
 use glam::DVec3;
 use std::sync::Arc;
-
-/// A pass that no look has.
-const LAST: u64 = 1 << 20;
 
 /// Photons, and where they are gathered.
 struct Photons<'w> {
@@ -59,8 +57,6 @@ pub struct PhotonPilot {
 const PER_PIXEL: f64 = 8.0;
 const FEWEST: f64 = 0.125;
 const MOST: f64 = 4.0;
-/// Share of the light below which a small picture needs fewer photons than others of its size.
-const LITTLE: f64 = 0.03;
 /// Photons to be gathered in the first pass, and the most of the radius in distances between what neighbouring pixels see.
 /// Scattered light is soft: on scene A1 twelve pixels blur it by less than 1 % (5e-5 of relMSE), and four pixels blur its
 /// caustic more than their noise would be.
@@ -75,6 +71,7 @@ pub fn photon(
     plan: &Plan,
     groups: usize,
     (pixel_m, seen): (f64, &Seen),
+    made: &Made,
     stop: &ShouldStop<'_>,
 ) -> PhotonPilot {
     const PATHS: u64 = 1 << 12;
@@ -95,7 +92,7 @@ pub fn photon(
         return PhotonPilot { guide, photons: 1, part: false, radii_m: radii };
     }
     let (_, guide) = look(|guide, paths| Photons { mapper: with(guide, paths, &nothing), seen }, || true, groups, stop);
-    let coarse = |screens: &[Screen]| Screens::coarse(world, &optics, screens);
+    let coarse = |screens: &[Screen]| made.screens(world, screens);
     let (strong, weak) = by_light(&plan.screens);
     let land = |connected: &Arc<Screens<Mono>>, part: bool| {
         let paths = if part { PATHS / PARTED_WORK } else { PATHS };

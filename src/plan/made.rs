@@ -1,0 +1,67 @@
+//! What pilots have made for one plan, for the next that differs from it in something else.
+
+use super::pilot::{self, ForwardPilot, SEED};
+use crate::estimate::ShouldStop;
+use crate::estimate::manifold::connections::Connections;
+use crate::estimate::manifold::grid::Grid;
+use crate::estimate::manifold::screens::Screens;
+use crate::film::plan::{Estimator, Plan, Verdict};
+use crate::film::train::{Connection, Screen};
+use crate::world::World;
+use crate::world::mode::{Mode, Mono};
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Things with what they were made from.
+type Known<K, V> = RefCell<Vec<(K, V)>>;
+
+/// Made for one scene, at one wavelength.
+#[derive(Default)]
+pub(super) struct Made {
+    /// By the rows whose paths start at the lamps.
+    forward: Known<Vec<bool>, Rc<ForwardPilot>>,
+    connections: Known<(Vec<Connection>, Grid), Arc<Connections>>,
+    screens: Known<Screen, Arc<Screens<Mono>>>,
+}
+
+impl Made {
+    /// [`pilot::forward`].
+    pub fn forward(&self, world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> Rc<ForwardPilot> {
+        let by = |verdict: &Verdict| match verdict {
+            Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => *by == Estimator::Forward,
+            Verdict::Skip { .. } => false,
+        };
+        let rows = plan.rows.iter().map(|row| by(&row.verdict)).collect();
+        known(&self.forward, rows, |_| Rc::new(pilot::forward(world, plan, groups, stop)))
+    }
+
+    /// The connections of a plan.
+    pub fn connections(&self, world: &World, plan: &Plan) -> Arc<Connections> {
+        known(&self.connections, (plan.connections.clone(), Grid::of(world)), |(connections, _)| {
+            Arc::new(Connections::new(world, &Mono::<f64>::optics(world, SEED, 0), connections))
+        })
+    }
+
+    /// Coarse tables of these screens.
+    pub fn screens(&self, world: &World, screens: &[Screen]) -> Screens<Mono> {
+        let optics = Mono::<f64>::optics(world, SEED, 0);
+        let none = Screens::coarse(world, &optics, &[]);
+        screens.iter().fold(none, |all, screen| {
+            let one = known(&self.screens, screen.clone(), |screen| {
+                Arc::new(Screens::coarse(world, &optics, std::slice::from_ref(screen)))
+            });
+            all.and(&one)
+        })
+    }
+}
+
+/// What was made from `key`, now or before.
+fn known<K: PartialEq, V: Clone>(all: &Known<K, V>, key: K, make: impl FnOnce(&K) -> V) -> V {
+    let before = all.borrow().iter().find(|(known, _)| *known == key).map(|(_, value)| value.clone());
+    before.unwrap_or_else(|| {
+        let value = make(&key);
+        all.borrow_mut().push((key, value.clone()));
+        value
+    })
+}
