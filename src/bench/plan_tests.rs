@@ -108,6 +108,15 @@ fn lamps_at_infinity_are_as_bright_by_any_way() {
     assert!((auto - eye).abs() < 4.0 * error.hypot(of_eye), "{auto} ± {error}, {eye} ± {of_eye}");
 }
 
+/// LEDs of 790 times the eye's etendue: pass by pass connection is no better than rays from the eye, but its points on the
+/// lamps are even over the passes. After 64 it needs a third of their time, after 256 a quarter.
+#[test]
+fn what_even_points_save_is_seen() {
+    let scene = generate::scene(49);
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    assert_eq!(owner(&plan(&ready.checked, &ready.world, Choice::Auto), Class::Vision), (Estimator::Forward, true));
+}
+
 /// Where connection has all light that a pilot sees, a pass has a quarter of a path from the lamps for each pixel; without
 /// its trains, as many as light tracing alone.
 #[test]

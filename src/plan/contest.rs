@@ -7,7 +7,7 @@ use super::{Making, connect, kind, lamps_over_eye, own, pupil_guide};
 use crate::base::path::Class;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use std::collections::BTreeSet;
-use trial::{Small, Trial, costs};
+use trial::{Compared, Trials, Tried};
 
 /// Ratios of the lamps' etendue to the eye's below which each point of the picture has few ways to a lamp, and above which
 /// rays from the eye can't miss them. Between them a pilot decides.
@@ -17,8 +17,6 @@ pub(super) const OPEN: [f64; 2] = [8.0, 1e5];
 const FILLED: f64 = 2.0;
 /// Lamps that fill less than this of the scene's cross-section are too small for rays from the eye, wherever they look.
 const SMALL: f64 = 3e-4;
-/// How much better a rival must be than what facts say: a pilot is not exact.
-const MARGIN: f64 = 1.25;
 
 /// By how much an estimator's work and variance are multiplied before they are compared: 1, but in tests that want to see
 /// the plan change.
@@ -63,10 +61,10 @@ impl Question {
 /// The plan that a pilot finds best among `base` and what differs from it in one answer after the other.
 pub(super) fn settle(making: &Making<'_>, base: Plan, handicap: &Handicap) -> Plan {
     let open = Open::new(making, &base);
-    let small = if open.is_nothing() { None } else { Small::new(making) };
-    let Some(small) = small else { return base };
+    let trials = if open.is_nothing() { None } else { Trials::new(making) };
+    let Some(trials) = trials else { return base };
     let mut best = base;
-    let mut of_best: Option<Trial> = None;
+    let mut of_best: Option<Tried> = None;
     let mut notes = Vec::new();
     for question in Question::ALL {
         let Some(rows) = open.rival(&best, question) else { continue };
@@ -78,16 +76,13 @@ pub(super) fn settle(making: &Making<'_>, base: Plan, handicap: &Handicap) -> Pl
             // A pilot of the rival's has given up.
             continue;
         }
-        let held = of_best.take().unwrap_or_else(|| small.trial(making, &best));
-        let rival = small.trial(making, &plan);
-        let Some([own, other]) = costs([&held, &rival], handicap) else {
-            of_best = Some(held);
-            continue;
-        };
+        let held = of_best.get_or_insert_with(|| trials.start(making, &best));
+        let mut rival = trials.start(making, &plan);
+        let compared = trials.compare(making, (&best, held), (&plan, &mut rival), handicap);
+        let Some(Compared { ratio, wins }) = compared else { continue };
         let [of_own, of_other] = [&best, &plan].map(|plan| names(plan, question));
-        let found =
-            format!("a pilot found {:.2e} times the variance × work for {of_other} as for {of_own}", other / own);
-        if other * MARGIN < own {
+        let found = format!("a pilot found {ratio:.2e} times the variance × work for {of_other} as for {of_own}");
+        if wins {
             best = plan;
             for row in best.rows.iter_mut().filter(|row| question.classes().contains(&row.class)) {
                 if let Verdict::Own { because, .. } | Verdict::Connect { because, .. } = &mut row.verdict
@@ -99,7 +94,6 @@ pub(super) fn settle(making: &Making<'_>, base: Plan, handicap: &Handicap) -> Pl
             of_best = Some(rival);
         } else {
             notes.push(found);
-            of_best = Some(held);
         }
     }
     best.notes.extend(notes);
