@@ -7,6 +7,7 @@
 //! solution are left to whoever computes the rest.
 
 mod grow;
+mod level;
 mod lit;
 mod sheet;
 
@@ -24,7 +25,7 @@ use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
 use glam::DVec3;
-use grow::COARSE;
+use level::COARSE;
 use lit::{Lit, Solution};
 use sheet::Cell;
 pub(super) use sheet::{Crossing, SLIDES};

@@ -1,8 +1,9 @@
 //! How the tables of a face are filled: from what a pilot found, node by node, and cell by cell on trial.
 
+use super::level::{Errs, slack};
 use super::lit::{Entry, Lit, Solution, letter};
 use super::sheet::{Cell, Crossing, Node, Sheet, beyond};
-use super::{MOST_SHEETS, MOST_SLACK, SAME, TOLERANCE};
+use super::{MOST_SHEETS, SAME, TOLERANCE};
 use crate::estimate::manifold::face_map::FaceMap;
 use crate::estimate::manifold::nodes::Spot;
 use crate::estimate::manifold::solve::Target;
@@ -17,12 +18,6 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
-/// Cells along the longer side of a face's map: the next where the one before has more than [`FEW`] cells that can't be
-/// interpolated.
-const CELLS: [usize; 2] = [16, 48];
-const FEW: f64 = 0.2;
-/// Of a pilot.
-pub(super) const COARSE: usize = 8;
 /// Largest difference of the mean over a lamp from its middle, as a share, that is let pass.
 const EVEN: f64 = 2e-3;
 /// The same of any of its points from its middle; beyond it photons do better.
@@ -35,25 +30,6 @@ const BESIDE: f64 = 0.1;
 const FORETOLD: f64 = 0.5;
 
 impl<M: Mode> Lit<M> {
-    /// With the coarsest map that does for most of the face.
-    pub(super) fn new(world: &World, optics: &Optics<M>, screen: &Screen) -> Option<Lit<M>> {
-        let [coarse @ .., finest] = CELLS;
-        let first = if slack(screen) >= MOST_SLACK { Some(COARSE) } else { None };
-        let good = first.into_iter().chain(coarse).find_map(|cells| {
-            let lit = Lit::with_cells(world, optics, screen, cells)?;
-            (lit.solved_share() <= FEW).then_some(lit)
-        });
-        good.or_else(|| Lit::with_cells(world, optics, screen, finest))
-    }
-
-    /// Of the cells with solutions, the share in which each connection is solved for.
-    pub(super) fn solved_share(&self) -> f64 {
-        let cells = || self.entries.iter().flat_map(|entry| &entry.sheets).flat_map(|sheet| &sheet.cells);
-        let count = |wanted: Cell| cells().filter(|cell| **cell == wanted).count() as f64;
-        let (solved, interpolated) = (count(Cell::Solved), count(Cell::Interpolated));
-        if solved > 0.0 { solved / (solved + interpolated) } else { 0.0 }
-    }
-
     pub(super) fn with_cells(world: &World, optics: &Optics<M>, screen: &Screen, cells: usize) -> Option<Lit<M>> {
         let map = FaceMap::new(world, screen, cells)?;
         let chain = screen.train.chain().reversed();
@@ -130,7 +106,9 @@ impl<M: Mode> Lit<M> {
         self.complete((world, optics), &mut sheet);
         sheet.gather();
         for cell in self.map.nodes.cells() {
-            sheet.cells[cell] = self.judge((world, optics), entry, &sheet, cell);
+            let (judged, errs) = self.judge((world, optics), entry, &sheet, cell);
+            sheet.cells[cell] = judged;
+            sheet.errs.extend(errs);
         }
         for cell in self.map.nodes.cells().filter(|cell| sheet.cells[*cell] == Cell::Nothing).collect::<Vec<_>>() {
             let beside = self.map.inner_of(cell).map(|inner| sheet.cells[inner]);
@@ -242,14 +220,21 @@ impl<M: Mode> Lit<M> {
     }
 
     /// How the connections of a cell are made: by a solution in its middle or, where the slides' pictures end in the cell,
-    /// by those about it.
-    pub(super) fn judge(&self, tracing: (&World, &Optics<M>), entry: &Entry<M>, sheet: &Sheet<M>, cell: usize) -> Cell {
-        let mut found = Cell::Nothing;
+    /// by those about it; and why, where there are any.
+    fn judge(
+        &self,
+        tracing: (&World, &Optics<M>),
+        entry: &Entry<M>,
+        sheet: &Sheet<M>,
+        cell: usize,
+    ) -> (Cell, Option<Errs>) {
+        let nothing = (Cell::Nothing, None);
+        let mut found = nothing;
         for (k, at) in self.map.nodes.trials(cell).enumerate() {
             let Some(spot) = self.map.spot_at(at) else { continue };
             let nodes = || spot.nodes().map(|(node, _)| sheet.nodes[node].as_ref());
             if nodes().all(|node| node.is_none()) {
-                return Cell::Nothing;
+                return nothing;
             }
             let whole = sheet.is_whole(&spot);
             let start = self.start(entry, sheet, (&spot, whole), &entry.middle);
@@ -258,23 +243,24 @@ impl<M: Mode> Lit<M> {
                 start.zip(from).and_then(|(start, from)| self.newton(tracing, entry, from, start, &entry.middle));
             match from.zip(solved) {
                 Some((from, middle)) => match self.try_at(tracing, entry, sheet, (&spot, whole), from, &middle) {
-                    Some(Cell::Interpolated) => found = Cell::Interpolated,
-                    Some(other @ (Cell::Nothing | Cell::Solved | Cell::Rim)) => return other,
+                    Some(Some(errs)) if errs.are_small() => found = (Cell::Interpolated, Some(errs)),
+                    Some(Some(errs)) => return (Cell::Solved, Some(errs)),
+                    Some(None) => return nothing,
                     None => {}
                 },
                 // Where the face has ended, or a slide's picture, there is nothing to find; elsewhere the nodes are wrong.
                 None if whole && (from.is_none() || has_ended(tracing, sheet, &spot)) => {}
-                None => return Cell::Nothing,
+                None => return nothing,
             }
-            if k == 0 && found == Cell::Interpolated {
+            if k == 0 && found.0 == Cell::Interpolated {
                 return found;
             }
         }
         found
     }
 
-    /// The same by the solution for one place of a cell; none where nodes and solution agree that a slide's picture has
-    /// ended. `whole`: all nodes about it are there.
+    /// By the solution for one place of a cell, by how much it is missed, or none where photons do better; none of that where
+    /// nodes and solution agree that a slide's picture has ended. `whole`: all nodes about it are there.
     fn try_at(
         &self,
         tracing: (&World, &Optics<M>),
@@ -283,46 +269,46 @@ impl<M: Mode> Lit<M> {
         (spot, whole): (&Spot, bool),
         from: (DVec3, Site),
         middle: &Solution,
-    ) -> Option<Cell> {
+    ) -> Option<Option<Errs>> {
         // Near a fold the lamp's points have solutions of very different strength, or none: few would bring much.
         let near = spot.nodes().filter_map(|(node, weight)| Some((sheet.nodes[node].as_ref()?, weight)));
         let by_lamp = near.max_by(|a, b| a.1.total_cmp(&b.1)).map_or([DVec3::ZERO; 2], |(node, _)| node.by_lamp);
         let factors = self.factors_aside(tracing, entry, (from, middle.dir, by_lamp));
         let alike = |factor: &f64| (factor - middle.factor).abs() <= UNEVEN * middle.factor;
-        let Some(factors) = factors.filter(|factors| factors.iter().all(alike)) else { return Some(Cell::Nothing) };
+        let Some(factors) = factors.filter(|factors| factors.iter().all(alike)) else { return Some(None) };
         if !whole {
-            return Some(Cell::Solved);
+            return Some(Some(Errs::AtEdge));
         }
-        let Some(blend) = sheet.blend(spot, DVec2::ZERO) else { return Some(Cell::Solved) };
+        let always = Some(Some(Errs::By(f64::INFINITY)));
+        let Some(blend) = sheet.blend(spot, DVec2::ZERO) else { return always };
         let (world, _) = tracing;
         let Some((light, alone, slides)) = self.probe(tracing, entry.lamp, from, middle.dir) else {
-            return if has_ended(tracing, sheet, spot) { None } else { Some(Cell::Solved) };
+            return if has_ended(tracing, sheet, spot) { None } else { always };
         };
         if blend.slides.len() != slides.len() || blend.alone != alone {
-            return Some(Cell::Solved);
-        }
-        let errs = |lane: usize| {
-            let found = light[lane] * middle.factor;
-            !found.is_finite() || (blend.strength[lane] - found).abs() > self.tolerance * found.abs()
-        };
-        let moved = |((_, at), (slide, local)): (&(usize, DVec3), &(usize, DVec3))| {
-            at.distance(*local) > self.tolerance * world.slides[*slide].size()
-        };
-        let turned = blend.dir.distance(middle.dir) > self.tolerance;
-        let wrong = turned || (0..M::LANES).any(errs) || blend.slides.iter().zip(&slides).any(moved);
-        if wrong {
-            return Some(Cell::Solved);
+            return always;
         }
         // The middle of the lamp has to stand for all of it.
         let mean = factors.iter().sum::<f64>() / factors.len() as f64;
         let even = (mean - middle.factor).abs() <= EVEN * (self.tolerance / TOLERANCE) * middle.factor;
-        Some(if even { Cell::Interpolated } else { Cell::Solved })
+        if !even {
+            return always;
+        }
+        let errs = |lane: usize| {
+            let found = light[lane] * middle.factor;
+            // Nothing is interpolated exactly where there is nothing.
+            if blend.strength[lane] == found { 0.0 } else { (blend.strength[lane] - found).abs() / found.abs() }
+        };
+        let moved = |((_, at), (slide, local)): (&(usize, DVec3), &(usize, DVec3))| {
+            at.distance(*local) / world.slides[*slide].size()
+        };
+        let all = std::iter::once(blend.dir.distance(middle.dir))
+            .chain((0..M::LANES).map(errs))
+            .chain(blend.slides.iter().zip(&slides).map(moved));
+        // What is no number is no small error.
+        let most = all.map(|err| if err.is_nan() { f64::INFINITY } else { err }).fold(0.0, f64::max);
+        Some(Some(Errs::By(most / self.tolerance)))
     }
-}
-
-/// How much more a train's tables may err than those of one that has all light.
-fn slack(screen: &Screen) -> f64 {
-    (1.0 / screen.share).clamp(1.0, MOST_SLACK)
 }
 
 /// Whether the nodes about a spot, which are whole, say that it lies beside a slide's picture.

@@ -1,6 +1,7 @@
 //! One branch of a train for one lamp as a table over a face: solutions at nodes, and what lies between them.
 
 use super::Incoming;
+use super::level::Errs;
 use crate::estimate::manifold::face_map::FaceMap;
 use crate::estimate::manifold::nodes::Spot;
 use crate::film::accumulate::Light;
@@ -63,6 +64,8 @@ pub(super) struct Sheet<M: Mode> {
     lean: Vec<Quad>,
     quads: usize,
     pub(super) cells: Vec<Cell>,
+    /// Of the cells with solutions, in no order.
+    pub(super) errs: Vec<Errs>,
 }
 
 /// What the nodes say of a place between them.
@@ -77,7 +80,13 @@ pub(super) struct Blend<M: Mode> {
 impl<M: Mode> Sheet<M> {
     /// Of so many nodes, none of which has a solution yet.
     pub(super) fn new(nodes: usize) -> Self {
-        Sheet { nodes: vec![None; nodes], lean: Vec::new(), quads: 0, cells: vec![Cell::Nothing; nodes] }
+        Sheet {
+            nodes: vec![None; nodes],
+            lean: Vec::new(),
+            quads: 0,
+            cells: vec![Cell::Nothing; nodes],
+            errs: Vec::new(),
+        }
     }
 
     /// To be called when all nodes are there, before they are blended.
