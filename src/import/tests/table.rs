@@ -130,6 +130,8 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
             put("look", across.0);
             put("up", across.1);
         }
+        // Three numbers may all be 0, and then they're no direction.
+        "finish" => put("axis", across.0),
         "shape" => {
             put("axis", across.0);
             put("x", list(&[1.0, turn, 5.0]));
