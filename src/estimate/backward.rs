@@ -106,7 +106,7 @@ impl<'w, M: Mode> Backward<'w, M> {
                                 light.iter_mut().for_each(|light| *light = light.scaled(1.0 / self.share));
                             }
                             ledgers[0].work += cost::KEPT;
-                            row.add_pass(x, &light);
+                            row.add_pass(x, *pass, &light);
                         }
                         let [mut ledger, scratch] = ledgers;
                         ledger.work += scratch.work;
@@ -117,7 +117,7 @@ impl<'w, M: Mode> Backward<'w, M> {
                 .collect();
             ledgers.iter().for_each(|ledger| total.merge(ledger));
         }
-        film.passes += count;
+        film.close(first, count);
         total
     }
 

@@ -113,7 +113,7 @@ impl<'w, M: Mode> Forward<'w, M> {
                 total.merge(&ledger);
             }
         }
-        film.passes += count;
+        film.close(first, count);
         film.settle();
         total
     }

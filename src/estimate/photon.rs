@@ -161,7 +161,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             total.merge(&ledger);
             let maps = Maps::new(photons, radii_of_pass(self.first_radii_m, pass), self.final_gather);
             total.work += self.gather(film, (pass, &optics), &maps);
-            film.passes += 1;
+            film.close(pass, 1);
         }
         total
     }

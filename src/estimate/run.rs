@@ -7,7 +7,7 @@ mod engines;
 
 use super::ledger::Ledger;
 use crate::base::stats::chi2_over_mean;
-use crate::film::accumulate::Film;
+use crate::film::accumulate::{Components, Film};
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
 pub use engines::{begin, begin_trial};
@@ -86,16 +86,19 @@ impl Films {
     /// Where few pixels have most of the variance, the squared error of a run is often larger than its mean. Then this is as
     /// much larger as it takes for [`LEEWAY`] times it to cover 19 in 20 of them. The pixels' sum counts as χ² of
     /// (Σv)²/Σv² degrees of freedom (F. E. Satterthwaite, Biometrics Bulletin 2, 1946).
+    ///
+    /// Where each pixel goes through points that are even over the passes, what that saves is found in the whole picture.
     pub fn relative_error(&self) -> Option<f64> {
         let (_, first, _) = self.films.first()?;
+        let saved: Vec<f64> = self.films.iter().map(|(estimator, film, _)| saved(*estimator, film)).collect();
         // Rows side by side, summed in their order whatever thread made them.
         let of_row = |row: usize| {
             let (mut noise, mut squares, mut signal) = (0.0, 0.0, 0.0);
             for pixel in row * first.width..(row + 1) * first.width {
                 let (mut value, mut variance) = (0.0, 0.0);
-                for (_, film, _) in &self.films {
+                for ((_, film, _), saved) in self.films.iter().zip(&saved) {
                     value += (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum::<f64>();
-                    variance += film.variance(pixel, film.planes.len());
+                    variance += saved * film.variance(pixel, film.planes.len());
                 }
                 noise += variance;
                 squares += variance * variance;
@@ -114,6 +117,17 @@ impl Films {
     /// The ledger of one estimator, if it ran.
     pub fn ledger(&self, estimator: Estimator) -> Option<&Ledger> {
         self.films.iter().find(|(e, _, _)| *e == estimator).map(|(_, _, ledger)| ledger)
+    }
+}
+
+/// What evenness over the passes leaves of a film's variance.
+fn saved(estimator: Estimator, film: &Film) -> f64 {
+    match (estimator, film.components) {
+        (Estimator::Backward | Estimator::Manifold, Components::Luminance) => film.saved_by_evenness(),
+        // What all pixels have of the same photons or wavelengths does not tell as much as so many pixels would; scrambles know
+        // by themselves.
+        (Estimator::Backward | Estimator::Manifold, Components::Rec709)
+        | (Estimator::Forward | Estimator::Photon, _) => 1.0,
     }
 }
 

@@ -6,6 +6,7 @@ mod plane;
 use super::detail::{Detail, DetailRow};
 use super::layer::Layer;
 use super::scrambles::Scrambles;
+use super::turns::{Turns, TurnsRow};
 use crate::base::ids::GroupId;
 use crate::base::twofold::Sum;
 pub use light::Light;
@@ -38,6 +39,8 @@ pub struct Film {
     /// `[pixel][plane]`, then one more for the sum over planes: squares of the luminance. Empty where scrambles tell.
     pub(super) squares: Vec<Sum>,
     pub(super) scrambles: Option<Scrambles>,
+    /// None where scrambles tell.
+    pub(super) turns: Option<Turns>,
     /// Kept on request.
     pub(super) detail: Option<Detail>,
 }
@@ -48,6 +51,7 @@ pub struct Row<'f> {
     components: Components,
     sums: &'f mut [LightSum],
     squares: &'f mut [Sum],
+    turns: Option<TurnsRow<'f>>,
     detail: Option<DetailRow<'f>>,
 }
 
@@ -62,9 +66,9 @@ pub struct MixError {
 impl Film {
     pub fn new(width: usize, height: usize, planes: Vec<PlaneKey>, components: Components, sampling: Sampling) -> Self {
         let (pixels, count) = (width * height, planes.len());
-        let (squares, scrambles) = match sampling {
-            Sampling::PerPass => (vec![Sum::ZERO; pixels * (count + 1)], None),
-            Sampling::PerScramble { paths } => (Vec::new(), Some(Scrambles::new(pixels, count, paths))),
+        let (squares, turns, scrambles) = match sampling {
+            Sampling::PerPass => (vec![Sum::ZERO; pixels * (count + 1)], Some(Turns::new(pixels)), None),
+            Sampling::PerScramble { paths } => (Vec::new(), None, Some(Scrambles::new(pixels, count, paths))),
         };
         Film {
             width,
@@ -76,6 +80,7 @@ impl Film {
             sums: vec![LightSum::default(); pixels * count * components.count()],
             squares,
             scrambles,
+            turns,
             detail: None,
         }
     }
@@ -108,6 +113,7 @@ impl Film {
         let components = self.components;
         let width = self.width;
         let mut details = self.detail.as_mut().map(|detail| detail.rows(width));
+        let mut turns = self.turns.as_mut().map(|turns| turns.rows(width));
         self.sums
             .chunks_mut((width * planes * components.count()).max(1))
             .zip(self.squares.chunks_mut(width * (planes + 1)))
@@ -116,9 +122,31 @@ impl Film {
                 components,
                 sums,
                 squares,
+                turns: turns.as_mut().and_then(Iterator::next),
                 detail: details.as_mut().and_then(Iterator::next),
             })
             .enumerate()
+    }
+
+    /// To be called when rows have passes `first .. first + count` in them.
+    pub fn close(&mut self, first: u64, count: u64) {
+        self.passes += count;
+        if let Some(turns) = &mut self.turns {
+            turns.close(first, count);
+        }
+    }
+
+    /// How many times smaller the variance of the whole picture is than those of its pixels say together: see [`Turns`].
+    /// For films whose pixels have sequences of their own.
+    pub fn saved_by_evenness(&self) -> f64 {
+        let all = self.planes.len();
+        let of_pixel = |pixel: usize| {
+            (
+                (0..all).map(|plane| self.sum(pixel, plane).value).sum::<f64>() / self.passes.max(1) as f64,
+                self.variance(pixel, all),
+            )
+        };
+        self.turns.as_ref().map_or(1.0, |turns| turns.saved(self.passes, of_pixel))
     }
 
     /// Adds the light of one path of a scramble that landed in `pixel`: the entries of one plane.
@@ -236,8 +264,8 @@ impl Film {
 }
 
 impl Row<'_> {
-    /// Adds one pass's light of pixel `x`: the entries of each plane in turn.
-    pub fn add_pass(&mut self, x: usize, pass: &[Light]) {
+    /// Adds the light of pixel `x` in the pass of this number: the entries of each plane in turn.
+    pub fn add_pass(&mut self, x: usize, number: u64, pass: &[Light]) {
         let count = self.components.count();
         let own = x * self.planes * count..(x + 1) * self.planes * count;
         self.sums[own].iter_mut().zip(pass).for_each(|(sum, light)| add(sum, light));
@@ -251,6 +279,9 @@ impl Row<'_> {
             }
         }
         self.squares[x * (self.planes + 1) + self.planes].add(total * total);
+        if let Some(turns) = &mut self.turns {
+            turns.add(x, number, total);
+        }
         if let Some(detail) = &mut self.detail {
             detail.close(x);
         }

@@ -12,7 +12,7 @@ fn light(value: f64) -> Light {
 fn mean_and_variance_per_pass() {
     let mut film = Film::new(1, 1, vec![KEY], Components::Luminance, Sampling::PerPass);
     for x in [1.0, 2.0, 4.0, 5.0] {
-        film.rows().for_each(|(_, mut row)| row.add_pass(0, &[light(x)]));
+        film.rows().for_each(|(_, mut row)| row.add_pass(0, 0, &[light(x)]));
         film.passes += 1;
     }
     assert_eq!(film.mean(0, 0).value, 3.0);

@@ -1,6 +1,7 @@
 //! A film as columns of numbers: how shards and checkpoints carry it, and how films of different passes are added up.
 
 use super::accumulate::Film;
+use super::turns::PER_PIXEL;
 use crate::base::twofold::Sum;
 
 /// A kind of sum that a film holds: `stride` sums per pixel, pixel after pixel.
@@ -11,7 +12,7 @@ pub struct Table<S> {
     pub sums: S,
 }
 
-const NAMES: [&str; 8] = [
+const NAMES: [&str; 9] = [
     "light",
     "squares",
     "scrambles",
@@ -20,6 +21,7 @@ const NAMES: [&str; 8] = [
     "scramble_content",
     "mixed_squares",
     "layer_squares",
+    "turns",
 ];
 
 impl Film {
@@ -27,7 +29,7 @@ impl Film {
     pub fn tables(&self) -> Vec<Table<&[Sum]>> {
         let scrambles = self.scrambles.as_ref();
         let detail = self.detail.as_ref();
-        let all: [&[Sum]; 8] = [
+        let all: [&[Sum]; 9] = [
             self.sums.as_flattened(),
             &self.squares,
             scrambles.map_or(&[], |s| s.value.as_flattened()),
@@ -36,6 +38,7 @@ impl Film {
             scrambles.map_or(&[], |s| s.content.as_flattened()),
             detail.map_or(&[], |d| d.mixed.as_flattened()),
             detail.map_or(&[], |d| &d.squares),
+            self.turns.as_ref().map_or(&[], |t| t.sums.as_flattened()),
         ];
         self.named(all, |sums| sums.len())
     }
@@ -55,7 +58,9 @@ impl Film {
             Some(d) => (d.mixed.as_flattened_mut(), &mut d.squares),
             None => (&mut [], &mut []),
         };
-        let all = [self.sums.as_flattened_mut(), &mut self.squares, value, squares, open, content, mixed, layers];
+        let turns: &mut [Sum] = self.turns.as_mut().map_or(&mut [], |t| t.sums.as_flattened_mut());
+        let all =
+            [self.sums.as_flattened_mut(), &mut self.squares, value, squares, open, content, mixed, layers, turns];
         named(pixels, all, |sums| sums.len())
     }
 
@@ -63,8 +68,19 @@ impl Film {
         self.width * self.height
     }
 
-    fn named<S>(&self, all: [S; 8], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
+    fn named<S>(&self, all: [S; 9], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
         named(self.pixels(), all, length)
+    }
+
+    /// Passes for, less passes against, of its [turns](crate::film::turns); zeros if it has none.
+    pub fn surplus(&self) -> [i64; PER_PIXEL] {
+        self.turns.as_ref().map_or([0; PER_PIXEL], |turns| turns.surplus)
+    }
+
+    pub fn set_surplus(&mut self, surplus: [i64; PER_PIXEL]) {
+        if let Some(turns) = &mut self.turns {
+            turns.surplus = surplus;
+        }
     }
 
     /// Adds the passes of another film of the same picture. False, and nothing done, if it is of another kind.
@@ -80,6 +96,9 @@ impl Film {
             own.sums.iter_mut().zip(theirs.sums).for_each(|(sum, more)| sum.merge(*more));
         }
         self.passes += other.passes;
+        if let (Some(own), Some(theirs)) = (&mut self.turns, &other.turns) {
+            own.surplus.iter_mut().zip(theirs.surplus).for_each(|(own, more)| *own = own.saturating_add(more));
+        }
         self.settle();
         true
     }
@@ -93,7 +112,7 @@ impl Film {
     }
 }
 
-fn named<S>(pixels: usize, all: [S; 8], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
+fn named<S>(pixels: usize, all: [S; 9], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
     let strides = |sums: &S| length(sums).checked_div(pixels).unwrap_or(0);
     let tables = NAMES.into_iter().zip(all).map(|(name, sums)| Table { name, stride: strides(&sums), sums });
     tables.filter(|table| table.stride > 0).collect()
@@ -128,14 +147,14 @@ mod tests {
         for pass in passes {
             match film.sampling {
                 Sampling::PerPass => film.rows().for_each(|(y, mut row)| {
-                    (0..3).for_each(|x| row.add_pass(x, &light(3 * y + x, pass)));
+                    (0..3).for_each(|x| row.add_pass(x, pass, &light(3 * y + x, pass)));
                 }),
                 Sampling::PerScramble { .. } => (0..6).for_each(|pixel| {
                     let all = light(pixel, pass);
                     (0..2).for_each(|plane| film.splat(pixel, plane, (pass % 8) as usize, &all[3 * plane..][..3]));
                 }),
             }
-            film.passes += 1;
+            film.close(pass, 1);
         }
         film.settle();
     }
@@ -164,6 +183,8 @@ mod tests {
                 assert_eq!(sum.variance(pixel, 2), whole.variance(pixel, 2));
                 assert!(whole.variance(pixel, 2) > 0.0);
             }
+            assert_eq!(sum.saved_by_evenness(), whole.saved_by_evenness());
+            assert_eq!(sum.turns, whole.turns);
         }
     }
 
@@ -178,7 +199,7 @@ mod tests {
         assert_eq!(own, before);
         assert_eq!(own.first_invalid(), None);
         own.rows()
-            .for_each(|(y, mut row)| row.add_pass(1, &[Light::ONE.scaled(if y == 1 { f64::NAN } else { 1.0 }); 6]));
+            .for_each(|(y, mut row)| row.add_pass(1, 3, &[Light::ONE.scaled(if y == 1 { f64::NAN } else { 1.0 }); 6]));
         assert_eq!(own.first_invalid(), Some(("light", 4)));
     }
 }

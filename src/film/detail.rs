@@ -180,7 +180,7 @@ mod tests {
                     [(&mut parted, &parts), (&mut whole, &all), (&mut taken, &some)];
                 for (film, planes) in films {
                     match sampling {
-                        Sampling::PerPass => film.rows().for_each(|(_, mut row)| row.add_pass(0, planes)),
+                        Sampling::PerPass => film.rows().for_each(|(_, mut row)| row.add_pass(0, 0, planes)),
                         Sampling::PerScramble { .. } => planes.iter().enumerate().for_each(|(plane, light)| {
                             film.splat(0, plane, (pass % 8) as usize, &[*light]);
                         }),

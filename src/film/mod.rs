@@ -15,4 +15,5 @@ pub mod pupil;
 pub mod scrambles;
 pub mod sharpness;
 pub mod train;
+pub mod turns;
 pub mod variance;

@@ -10,6 +10,7 @@ use crate::base::twofold::Sum;
 use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
 use crate::film::columns::Table;
 use crate::film::frame::{Channel, Frame, Meta};
+use crate::film::turns;
 use crate::output::exr::{read_exr, write_exr};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -46,6 +47,8 @@ struct Kind {
     components: Components,
     sampling: Sampling,
     passes: u64,
+    /// Passes for, less passes against, see [`crate::film::turns`].
+    surplus: [i64; turns::PER_PIXEL],
     detail: bool,
 }
 
@@ -54,7 +57,7 @@ impl Kind {
     fn bytes(&self, pixels: u64) -> Option<u64> {
         let light = 6 * self.components.count() as u64;
         let further = match self.sampling {
-            Sampling::PerPass => 8,
+            Sampling::PerPass => 8 + turns::PER_PIXEL as u64,
             Sampling::PerScramble { .. } => 9 + if self.detail { 16 } else { 0 },
         };
         let sums = (light + further).checked_mul(self.planes.len() as u64 + 1)?;
@@ -76,6 +79,7 @@ pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture
         components: film.components,
         sampling: film.sampling,
         passes: film.passes,
+        surplus: film.surplus(),
         detail: film.detail().is_some(),
     };
     let stored = Stored { films: films.iter().map(kind).collect(), head };
@@ -145,6 +149,10 @@ fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, V
     let film = Film::new(frame.width, frame.height, kind.planes, kind.components, kind.sampling);
     let mut film = if kind.detail { film.with_detail() } else { film };
     film.passes = kind.passes;
+    if kind.surplus.iter().any(|surplus| surplus.unsigned_abs() > kind.passes) {
+        return Err(format!("film {number} has a surplus of {:?} of its {} passes", kind.surplus, kind.passes));
+    }
+    film.set_surplus(kind.surplus);
     for Table { name, stride, sums: own } in film.tables_mut() {
         for column in 0..stride {
             let parts = PARTS.map(|part| sums.remove(&channel(number, name, column, part)));
@@ -199,13 +207,13 @@ mod tests {
                 |pixel: usize| Light::ONE.scaled((1.0 + pixel as f64) / (3.0 + pass as f64) * 1e9f64.powf(pass as f64));
             match sampling {
                 Sampling::PerPass => film.rows().for_each(|(y, mut row)| {
-                    (0..3).for_each(|x| row.add_pass(x, &[light(3 * y + x), Light::default()]));
+                    (0..3).for_each(|x| row.add_pass(x, pass, &[light(3 * y + x), Light::default()]));
                 }),
                 Sampling::PerScramble { .. } => {
                     (0..6).for_each(|pixel| film.splat(pixel, pixel % 2, pass as usize, &[light(pixel)]));
                 }
             }
-            film.passes += 1;
+            film.close(pass, 1);
         }
         film.settle();
         film

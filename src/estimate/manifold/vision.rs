@@ -66,7 +66,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
                 self.block(film, pass, 1, &screens, &mut total);
             }
         }
-        film.passes += count;
+        film.close(first, count);
         total
     }
 
@@ -93,7 +93,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
                             look::look(self, (optics, screens), pixel, &mut light, (&mut ledger, &mut scratch));
                         }
                         ledger.work += cost::KEPT;
-                        row.add_pass(x, &light);
+                        row.add_pass(x, *pass, &light);
                     }
                     total.merge(&ledger);
                 }

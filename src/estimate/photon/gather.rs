@@ -81,7 +81,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
                 let pixel = Pixel::new((x, *y), width, pass);
                 self.pixel((pixel, optics), maps, &mut light, &mut ledger);
                 ledger.work += cost::KEPT;
-                row.add_pass(x, &light);
+                row.add_pass(x, pass, &light);
             }
             ledger.work
         };

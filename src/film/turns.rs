@@ -1,0 +1,186 @@
+//! What evenness over the passes saves. Where passes go from point to point of a sequence that fills its space evenly, the
+//! mean of many errs by less than their spread says. How far runs of passes lie apart tells by how much: two runs of 64
+//! that are each even in themselves differ less than 64 independent passes and 64 others would.
+//!
+//! For each pixel, sums in which runs of 2ᵏ passes count by turns for and against: the pass's number decides, so pieces of
+//! a render add up to the whole, and the square of such a sum is the variance of the sum of all passes if the runs are
+//! independent of each other. Nets are even against each other, too, so for them that is more than it is. A lattice may
+//! swing in step with runs of some length, and then they tell too little: so two lengths are asked, and the larger counts. One
+//! sum tells little, those of many pixels much.
+
+use crate::base::twofold::Sum;
+
+/// Passes of a run, powers of two.
+const RUNS: [u32; COUNT] = [2, 3, 5, 7];
+const COUNT: usize = 4;
+/// Runs that there have to be for them to be believed.
+const FEWEST: u64 = 8;
+/// Independent pixels that there have to be, and by how many of their standard errors what is found is taken for more.
+const FREEDOM: f64 = 64.0;
+const SIGMAS: f64 = 2.0;
+
+/// The sums of a film.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Turns {
+    /// `[pixel][run]`: luminance of all planes.
+    pub(super) sums: Vec<[Sum; COUNT]>,
+    /// Passes for, less passes against.
+    pub(super) surplus: [i64; COUNT],
+}
+
+/// One row of them.
+pub struct TurnsRow<'f> {
+    sums: &'f mut [[Sum; COUNT]],
+}
+
+/// How many sums a pixel has.
+pub const PER_PIXEL: usize = COUNT;
+
+fn is_against(pass: u64, run: usize) -> bool {
+    pass >> RUNS[run] & 1 == 1
+}
+
+/// Passes for, less passes against, of those before `pass`.
+fn surplus_before(pass: u64, run: usize) -> i64 {
+    let length = 1u64 << RUNS[run];
+    let rest = pass % (2 * length);
+    rest.min(length) as i64 - rest.saturating_sub(length) as i64
+}
+
+impl Turns {
+    pub fn new(pixels: usize) -> Self {
+        Turns { sums: vec![[Sum::ZERO; COUNT]; pixels], surplus: [0; COUNT] }
+    }
+
+    /// The rows of a film that is `width` pixels wide.
+    pub fn rows(&mut self, width: usize) -> impl Iterator<Item = TurnsRow<'_>> {
+        self.sums.chunks_mut(width.max(1)).map(|sums| TurnsRow { sums })
+    }
+
+    /// To be called when these passes have been added.
+    pub fn close(&mut self, first: u64, count: u64) {
+        for (run, surplus) in self.surplus.iter_mut().enumerate() {
+            let more = surplus_before(first.wrapping_add(count), run) - surplus_before(first, run);
+            *surplus = surplus.saturating_add(more);
+        }
+    }
+
+    /// How many times smaller the variance of the mean over `passes` is than the spread of the passes says, as far as
+    /// that can be told: at most 1. `of_pixel`: mean luminance of a pixel and its variance by the spread of the passes.
+    pub fn saved(&self, passes: u64, of_pixel: impl Fn(usize) -> (f64, f64)) -> f64 {
+        let enough = (0..COUNT).filter(|run| passes >= FEWEST << RUNS[*run]).count();
+        let Some(shorter) = enough.checked_sub(2) else { return 1.0 };
+        [shorter, shorter + 1].map(|run| self.saved_by(run, passes as f64, &of_pixel)).into_iter().fold(0.0, f64::max)
+    }
+
+    /// By runs of one length.
+    fn saved_by(&self, run: usize, passes: f64, of_pixel: &impl Fn(usize) -> (f64, f64)) -> f64 {
+        let surplus = self.surplus[run] as f64;
+        // Passes that there are more of on one side do not swing.
+        let swinging = 1.0 - (surplus / passes).powi(2);
+        if swinging < 0.5 {
+            return 1.0;
+        }
+        let (mut by_passes, mut by_runs, mut squares) = (0.0, 0.0, 0.0);
+        for (pixel, sums) in self.sums.iter().enumerate() {
+            let (mean, variance) = of_pixel(pixel);
+            let swing = (sums[run].value() - surplus * mean) / passes;
+            let of_runs = swing * swing / swinging;
+            by_passes += variance;
+            by_runs += of_runs;
+            squares += of_runs * of_runs;
+        }
+        // A normal number's fourth moment is three times the square of its second.
+        let freedom = 3.0 * by_runs * by_runs / squares;
+        if freedom.is_nan() || freedom < FREEDOM {
+            return 1.0;
+        }
+        (by_runs / by_passes * (1.0 + SIGMAS * (2.0 / freedom).sqrt())).min(1.0)
+    }
+}
+
+impl TurnsRow<'_> {
+    /// Adds the luminance of pixel `x` in a pass.
+    pub fn add(&mut self, x: usize, pass: u64, luminance: f64) {
+        for (run, sum) in self.sums[x].iter_mut().enumerate() {
+            sum.add(if is_against(pass, run) { -luminance } else { luminance });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::rng::{Rng, Stream};
+    use crate::base::warp::lattice;
+
+    #[test]
+    fn the_surplus_is_counted() {
+        for run in 0..COUNT {
+            let mut sum = 0;
+            for pass in 0..3000 {
+                assert_eq!(surplus_before(pass, run), sum);
+                sum += if is_against(pass, run) { -1 } else { 1 };
+            }
+        }
+    }
+
+    /// Means of 3000 values per pixel, independent or from a lattice: what runs say against the truth.
+    #[test]
+    fn runs_tell_what_evenness_saves() {
+        const PIXELS: usize = 2000;
+        let of = |passes: std::ops::Range<u64>, value: &dyn Fn(usize, u64) -> f64| {
+            let mut turns = Turns::new(PIXELS);
+            let mut sums = vec![[0.0; 2]; PIXELS];
+            for pass in passes.clone() {
+                let mut row = turns.rows(PIXELS).next().unwrap();
+                for (x, [sum, square]) in sums.iter_mut().enumerate() {
+                    let value = value(x, pass);
+                    row.add(x, pass, value);
+                    (*sum, *square) = (*sum + value, *square + value * value);
+                }
+            }
+            let count = passes.end - passes.start;
+            turns.close(passes.start, count);
+            let count_f = count as f64;
+            let of_pixel = |pixel: usize| {
+                let [sum, square] = sums[pixel];
+                let mean = sum / count_f;
+                (mean, (square / count_f - mean * mean) / (count_f - 1.0))
+            };
+            let saved = turns.saved(count, of_pixel);
+            let real: f64 = (0..PIXELS).map(|pixel| (of_pixel(pixel).0 - 0.5).powi(2)).sum();
+            let stated: f64 = (0..PIXELS).map(|pixel| of_pixel(pixel).1).sum();
+            (saved, real / stated)
+        };
+        let by_chance = |pixel: usize, pass: u64| Rng::new(1, Stream::Check, pass, pixel as u64).uniform();
+        let evenly = |pixel: usize, pass: u64| {
+            let [x] = lattice([Rng::new(1, Stream::Check, 0, pixel as u64).next_u64()], pass);
+            x
+        };
+        // Wherever a piece of a render begins and ends.
+        for passes in [0..3000, 100..3111, 7..50] {
+            let (saved, _) = of(passes.clone(), &by_chance);
+            assert!(saved > 0.9, "{passes:?}: {saved}");
+            let (saved, real) = of(passes.clone(), &evenly);
+            // Runs of four are not even.
+            let most = if passes.end > 1000 { 0.2 } else { 1.0 };
+            assert!(saved > real && saved <= most, "{passes:?}: {saved} {real}");
+        }
+        let (saved, _) = of(0..63, &evenly);
+        assert_eq!(saved, 1.0);
+    }
+
+    /// Where few pixels have what is left, nothing is told.
+    #[test]
+    fn a_few_pixels_tell_nothing() {
+        let mut turns = Turns::new(1000);
+        let mut rng = Rng::new(3, Stream::Check, 0, 0);
+        for pass in 0..256 {
+            let mut row = turns.rows(1000).next().unwrap();
+            (0..10).for_each(|x| row.add(x, pass, rng.uniform()));
+        }
+        turns.close(0, 256);
+        assert_eq!(turns.saved(256, |pixel| if pixel < 10 { (0.5, 1.0 / 12.0 / 256.0) } else { (0.0, 1.0) }), 1.0);
+    }
+}
