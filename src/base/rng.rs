@@ -24,6 +24,9 @@ pub enum Stream {
     LampPoint,
     /// Of the points about the image of a lamp.
     Glint,
+    /// Of the sequences by which paths from the eye scatter, see `estimate::even`.
+    Bounce,
+    FinalGather,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.
@@ -71,6 +74,10 @@ impl Rng {
 
     pub fn pair(&mut self) -> [f64; 2] {
         [self.uniform(), self.uniform()]
+    }
+
+    pub fn triple(&mut self) -> [f64; 3] {
+        std::array::from_fn(|_| self.uniform())
     }
 }
 

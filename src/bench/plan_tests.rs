@@ -8,12 +8,18 @@ use super::{generate, kit};
 use crate::base::chain::Step;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
+use crate::base::stats::Moments;
+use crate::estimate::manifold::connections::Connections;
 use crate::estimate::run::{Limits, begin};
 use crate::film::plan::{Estimator, Plan, Verdict};
+use crate::film::train::Connection;
 use crate::plan::contest::Handicap;
+use crate::plan::pilot::{forward, left};
 use crate::plan::{Choice, plan, plan_handicapped};
 use crate::scene::{Finish, Scene};
+use crate::world::mode::{Mode, Mono};
 use glam::{DAffine3, DVec3};
+use std::sync::Arc;
 
 /// Who has the paths of a class of the first light group, but for what connection takes of them.
 fn owner(plan: &Plan, class: Class) -> (Estimator, bool) {
@@ -128,12 +134,65 @@ fn light_tracing_costs_as_much_as_is_left_to_it() {
     assert_eq!(paths(Choice::Only(Estimator::Forward)), 1 << 12);
 }
 
-/// LEDs over a matt floor: photons bring what is scattered twice several times as fast as rays from the eye.
+/// Without its connections all light is left to light tracing, without one of them what that one brings.
+#[test]
+fn what_is_left_is_what_is_not_connected() {
+    let scene = generate::scene(42);
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    let plan = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
+    let pilot = forward(&ready.world, &plan, 1, &|| false);
+    let optics = <Mono as Mode>::optics(&ready.world, 0, 0);
+    let share = |of: &[Connection]| {
+        let connections = Arc::new(Connections::new::<Mono>(&ready.world, &optics, of));
+        left(&ready.world, &plan, 1, &pilot, connections, &|| false)
+    };
+    assert!(share(&plan.connections) < 1e-3);
+    assert!((share(&[]) - 1.0).abs() < 0.15, "{}", share(&[]));
+    // Brightest first.
+    let faint: f64 = plan.connections[1..].iter().map(|connection| connection.share).sum();
+    let rest = share(&plan.connections[1..]);
+    assert!((rest - (1.0 - faint)).abs() < 0.15, "{rest} of {}", 1.0 - faint);
+}
+
+/// LEDs behind rough glass: photons bring what it scatters.
 #[test]
 fn sabotaged_photons_lose_their_light() {
-    let [plain, slow, noisy] = owners(5, Class::Secondary, &[Estimator::Photon]);
+    let [plain, slow, noisy] = owners(60, Class::Secondary, &[Estimator::Photon]);
     assert_eq!(plain, (Estimator::Photon, false));
     assert_eq!([slow, noisy], [(Estimator::Backward, false); 2]);
+}
+
+/// LEDs over a matt floor: pass by pass photons bring what is scattered twice several times as fast as rays from the eye,
+/// whose directions are even over the passes.
+#[test]
+fn sabotaged_rays_from_the_eye_lose_their_light() {
+    let [plain, slow, noisy] = owners(5, Class::Secondary, &[Estimator::Backward]);
+    assert_eq!(plain, (Estimator::Backward, false));
+    assert_eq!([slow, noisy], [(Estimator::Photon, false); 2]);
+}
+
+/// Light of the LEDs that the floor and the block on it send each other: with sixteen times the passes, independent paths
+/// would have a sixteenth of the variance.
+#[test]
+fn what_scatters_twice_converges_faster_than_by_chance() {
+    let mut scene = generate::scene(5);
+    scene.eye.resolution = [16, 12];
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    let plan = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Backward));
+    let mut spread = [16, 256].map(|passes| (passes, vec![Moments::default(); 16 * 12]));
+    for seed in 0..12 {
+        let mut tracing = begin(&ready.world, &plan, 1, [16, 12], seed);
+        for (passes, pixels) in &mut spread {
+            tracing.step(*passes - tracing.films().passes);
+            let films = &tracing.films().films;
+            let value = |pixel: usize| {
+                films.iter().flat_map(|(_, f, _)| (0..f.planes.len()).map(move |p| f.mean(pixel, p).value)).sum::<f64>()
+            };
+            pixels.iter_mut().enumerate().for_each(|(pixel, moments)| moments.add(value(pixel)));
+        }
+    }
+    let [few, many] = spread.map(|(_, pixels)| pixels.iter().map(Moments::variance).sum::<f64>());
+    assert!(few > 40.0 * many, "{few} {many}: {}", few / many);
 }
 
 fn by_brute_force(ready: &Ready<'_>, passes: u64) -> References {

@@ -3,6 +3,7 @@
 mod sent;
 
 use super::ShouldStop;
+use super::even::Even;
 use super::ledger::{Ledger, cost};
 use super::panes::Scattered;
 use super::pick_up::Shining;
@@ -83,8 +84,9 @@ impl<'w, M: Mode> Backward<'w, M> {
         // Optical constants of a few passes at a time; a row adds its passes in order whatever their number.
         const BATCH: u64 = 16;
         let mut next = first;
-        while next < first + count {
-            let passes = next..(next + BATCH).min(first + count);
+        let end = first.saturating_add(count);
+        while next < end {
+            let passes = next..next.saturating_add(BATCH).min(end);
             next = passes.end;
             let optics: Vec<(u64, Optics<M>)> =
                 passes.map(|pass| (pass, M::optics(self.world, self.seed, pass))).collect();
@@ -137,8 +139,10 @@ impl<'w, M: Mode> Backward<'w, M> {
             let weight = 1.0 / paths as f64;
             let walker =
                 Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
-            let points = pixel.start(self.seed, Stream::LampPoint, first.wrapping_add(path));
-            self.path(walker, weight, points, out, ledgers);
+            let index = first.wrapping_add(path);
+            let points = pixel.start(self.seed, Stream::LampPoint, index);
+            let even = Even::new(self.seed, Stream::Backward, pixel, index);
+            self.path(walker, weight, (points, &even), out, ledgers);
         }
         if let Some(vision) = &self.vision {
             vision.look(&self.route, optics, pixel, out, &mut ledgers[0]);
@@ -149,23 +153,24 @@ impl<'w, M: Mode> Backward<'w, M> {
         &self,
         mut walker: Walker<'_, M>,
         weight: f64,
-        points: [f64; 3],
+        even: ([f64; 3], &Even),
         out: &mut [Light],
         [ledger, scratch]: &mut [Ledger; 2],
     ) {
         let balance = ledger.imbalance();
         ledger.paths += 1;
         ledger.emitted += weight;
-        self.follow(&mut walker, points, out, (ledger, scratch));
+        self.follow(&mut walker, (even, 0), out, (ledger, scratch));
         ledger.close_path(balance);
     }
 
     /// `points`: the numbers by which the first scatterer on the way chooses a lamp and a place on it. They are even over
-    /// the pixel's paths as their starts are, so the borders of soft shadows converge as edges do.
+    /// the pixel's paths as their starts are, so the borders of soft shadows converge as edges do. `even`: those by which
+    /// it is left, and a lamp chosen at the next. `scattered`: how many scatterers the path has met so far.
     fn follow(
         &self,
         walker: &mut Walker<'_, M>,
-        points: [f64; 3],
+        ((points, even), mut scattered): (([f64; 3], &Even), u32),
         out: &mut [Light],
         (ledger, scratch): (&mut Ledger, &mut Ledger),
     ) {
@@ -185,7 +190,7 @@ impl<'w, M: Mode> Backward<'w, M> {
             if walker.events < SPLIT_FIRST_EVENTS
                 && let Some(mut reflected) = walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
             {
-                self.follow(&mut reflected, points, out, (ledger, scratch));
+                self.follow(&mut reflected, ((points, even), scattered), out, (ledger, scratch));
             }
             walker.last = None;
             match walker.meet(&vertex, ledger) {
@@ -193,13 +198,14 @@ impl<'w, M: Mode> Backward<'w, M> {
                 Meeting::Went => last = last.and_then(|last| last.past(walker)),
                 Meeting::Scatter(scatter, frame) => {
                     ledger.work += cost::SHADOW * self.asked;
-                    let first = !walker.trail.has_scatter();
-                    let points = if first { points } else { std::array::from_fn(|_| walker.rng.uniform()) };
+                    let points = if scattered == 0 { points } else { even.take(scattered, &mut walker.rng) };
                     let here = Here { walker: &*walker, vertex: &vertex, scatter, frame: &frame };
                     self.sample_lamps(&here, points, out);
                     self.sample_sky(&here, points, out, scratch);
                     self.sample_lights(&here, points, out, scratch);
-                    let Some(pdf) = walker.scatter(&vertex, scatter, &frame, ledger) else { return };
+                    let u = if scattered == 0 { even.take(0, &mut walker.rng) } else { walker.rng.triple() };
+                    scattered += 1;
+                    let Some(pdf) = walker.scatter_by(u, &vertex, (scatter, &frame), ledger) else { return };
                     last = Some(Scattered::new(walker, vertex.hit.point, pdf));
                 }
             }

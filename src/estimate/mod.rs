@@ -8,6 +8,7 @@ mod blur;
 pub mod both;
 pub mod data;
 pub mod emission;
+mod even;
 pub mod finishing;
 mod follow;
 pub mod forward;

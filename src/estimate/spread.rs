@@ -89,6 +89,18 @@ impl<'w, M: Mode> Walker<'w, M> {
     /// Scatters at a vertex for which [`Walker::meet`] said `Scatter`. Returns the direction's density per steradian
     /// while the path goes on.
     pub fn scatter(&mut self, vertex: &Vertex, scatter: &Scatter, frame: &Frame, ledger: &mut Ledger) -> Option<f64> {
+        let u = self.rng.triple();
+        self.scatter_by(u, vertex, (scatter, frame), ledger)
+    }
+
+    /// As [`Walker::scatter`], by these numbers in [0, 1).
+    pub fn scatter_by(
+        &mut self,
+        u: [f64; 3],
+        vertex: &Vertex,
+        (scatter, frame): (&Scatter, &Frame),
+        ledger: &mut Ledger,
+    ) -> Option<f64> {
         let part = vertex.hit.site.part;
         let d_in = frame.to_local(self.ray.dir);
         let sides = self.sides(vertex, scatter);
@@ -97,7 +109,6 @@ impl<'w, M: Mode> Walker<'w, M> {
         self.absorb(part, self.beam.carried() * absorbed, ledger);
         self.trail = self.trail.then(scatter.event());
         self.unlink();
-        let u = [self.rng.uniform(), self.rng.uniform(), self.rng.uniform()];
         let sampled = scatter.sample(d_in, sides.of(0), u)?;
         let through = sampled.dir.z < 0.0;
         self.tell(Letter::of(scatter.event(), through));

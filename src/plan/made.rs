@@ -18,7 +18,7 @@ type Known<K, V> = RefCell<Vec<(K, V)>>;
 
 /// Made for one scene, at one wavelength.
 #[derive(Default)]
-pub(super) struct Made {
+pub(crate) struct Made {
     /// By the rows whose paths start at the lamps.
     forward: Known<Vec<bool>, Rc<ForwardPilot>>,
     connections: Known<(Vec<Connection>, Grid), Arc<Connections>>,

@@ -9,7 +9,7 @@ mod glints;
 mod made;
 mod mode;
 pub mod paths;
-mod pilot;
+pub(crate) mod pilot;
 pub mod pupil;
 mod pupil_guide;
 pub mod rays;

@@ -6,6 +6,7 @@ use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::base::warp::{Frame, disk};
+use crate::estimate::even::Even;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::manifold::glances::{Glanced, Rest};
 use crate::estimate::photon_map::{Photon, PhotonMap};
@@ -109,11 +110,21 @@ impl<M: Mode> PhotonMapper<'_, M> {
         let (origin, (_, dir), ..) = world.eye.ray_of(film, pupil);
         let ray = Ray { origin, dir, from: None };
         let walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0 / rest.share, Interior::default(), rng);
-        self.eye_path(if rest.leaves_out() { walker.recording() } else { walker }, rest, maps, out, ledger);
+        let walker = if rest.leaves_out() { walker.recording() } else { walker };
+        let even = (pixel, &Even::new(self.seed, Stream::PhotonGather, pixel, pixel.pass));
+        self.eye_path((walker, even, 0), rest, maps, out, ledger);
     }
 
     /// Gathers along a ray and its branches. `rest`: what of it tables have not read.
-    fn eye_path(&self, mut walker: Walker<'_, M>, rest: Rest, maps: &Maps<M>, out: &mut [Light], ledger: &mut Ledger) {
+    /// `even`: by what it scatters. `scattered`: how many scatterers it has met.
+    fn eye_path(
+        &self,
+        (mut walker, even, mut scattered): (Walker<'_, M>, (Pixel, &Even), u32),
+        rest: Rest,
+        maps: &Maps<M>,
+        out: &mut [Light],
+        ledger: &mut Ledger,
+    ) {
         let faint = Faint { whole: 1.0 / rest.share, often: 1.0 / rest.share };
         loop {
             let Met::Face(vertex) = walker.advance(ledger) else { return };
@@ -123,13 +134,15 @@ impl<M: Mode> PhotonMapper<'_, M> {
                 walker.spare(&vertex, faint, ledger)
             };
             if let Some(reflected) = other {
-                self.eye_path(reflected, rest, maps, out, ledger);
+                self.eye_path((reflected, even, scattered), rest, maps, out, ledger);
             }
             match walker.meet(&vertex, ledger) {
                 Meeting::Ended => return,
                 Meeting::Went => {}
                 Meeting::Scatter(scatter, frame) if scatter.is_narrow() => {
-                    if walker.scatter(&vertex, scatter, &frame, ledger).is_none() {
+                    let u = even.1.take(scattered, &mut walker.rng);
+                    scattered += 1;
+                    if walker.scatter_by(u, &vertex, (scatter, &frame), ledger).is_none() {
                         return;
                     }
                 }
@@ -138,7 +151,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
                         let at = (&vertex, scatter, &frame);
                         self.gather_at(&walker, at, maps, out, ledger);
                         if final_gather::goes_on(walker.trail, scatter.asks_for_final_gather()) {
-                            self.go_on(walker, at, rest, maps, out, ledger);
+                            self.go_on((walker, even.0), at, rest, maps, out, ledger);
                         }
                     }
                     return;
@@ -153,7 +166,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
     /// Goes on with copies of a path that has met a scatterer.
     fn go_on(
         &self,
-        mut walker: Walker<'_, M>,
+        (mut walker, pixel): (Walker<'_, M>, Pixel),
         (vertex, scatter, frame): (&Vertex, &Scatter, &Frame),
         rest: Rest,
         maps: &Maps<M>,
@@ -162,11 +175,15 @@ impl<M: Mode> PhotonMapper<'_, M> {
     ) {
         let copies = final_gather::copies(walker.share());
         walker.beam.scale(1.0 / f64::from(copies));
-        for _ in 0..copies {
+        let copies = u64::from(copies);
+        for number in 0..copies {
             let mut copy = walker.clone();
             copy.rng = walker.rng.fork();
-            if copy.scatter(vertex, scatter, frame, ledger).is_some() && self.reach_eye.allows(copy.trail) {
-                self.eye_path(copy, rest, maps, out, ledger);
+            let even =
+                Even::new(self.seed, Stream::FinalGather, pixel, pixel.pass.wrapping_mul(copies).wrapping_add(number));
+            let u = even.take(0, &mut copy.rng);
+            if copy.scatter_by(u, vertex, (scatter, frame), ledger).is_some() && self.reach_eye.allows(copy.trail) {
+                self.eye_path((copy, (pixel, &even), 1), rest, maps, out, ledger);
             }
         }
     }
