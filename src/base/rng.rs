@@ -27,6 +27,8 @@ pub enum Stream {
     /// Of the sequences by which paths from the eye scatter, see `estimate::even`.
     Bounce,
     FinalGather,
+    /// Of a pilot that looks where light of the sky gets in.
+    Daylight,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

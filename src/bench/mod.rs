@@ -17,3 +17,5 @@ mod plan_tests;
 mod rough_tests;
 pub mod stated;
 pub mod stress;
+#[cfg(test)]
+mod windows_tests;

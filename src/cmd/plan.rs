@@ -38,7 +38,7 @@ pub struct PlanArgs {
     /// Trace the polarisation of light.
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
     polarisation: PolarisationArg,
-    /// Aim paths at nothing, to compare with: no guided emission, no guided aperture.
+    /// Aim paths at nothing, to compare with: no guided emission, no guided aperture, no guided sky.
     #[arg(long)]
     unguided: bool,
     /// Width and height in pixels, instead of the eye's.

@@ -56,7 +56,7 @@ pub struct RenderArgs {
     /// polarisations at each face, which is wrong after the first oblique one).
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
     pub polarisation: PolarisationArg,
-    /// Aim paths at nothing, to compare with: no guided emission, no guided aperture.
+    /// Aim paths at nothing, to compare with: no guided emission, no guided aperture, no guided sky.
     #[arg(long)]
     pub unguided: bool,
     /// Linear colour space of the picture: Rec.709 with D65, ACEScg (AP1), or CIE XYZ with D65.

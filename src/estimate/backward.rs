@@ -1,6 +1,8 @@
 //! Path tracing from the eye: next-event estimation with multiple importance sampling, unbiased roulette.
 
+mod probe;
 mod sent;
+mod skyward;
 
 use super::ShouldStop;
 use super::even::Even;
@@ -20,8 +22,10 @@ use crate::world::interior::Interior;
 use crate::world::mode::{Mode, lanes, plane_of};
 use crate::world::optics::Optics;
 use crate::world::surface::{FaceOptics, Surface};
+pub use probe::Daylight;
 use rayon::prelude::*;
 use sent::Here;
+use skyward::Skyward;
 use std::marker::PhantomData;
 
 /// The backward estimator, ready to run passes.
@@ -32,6 +36,7 @@ pub struct Backward<'w, M: Mode> {
     reach: Reach,
     /// Sees what lamps show through specular faces alone; the paths here leave that out.
     vision: Option<Vision<'w>>,
+    skyward: Skyward,
     /// Kinds of lamps that a scatterer asks for.
     asked: u64,
     /// The scene has faces that transmit.
@@ -45,8 +50,9 @@ pub struct Backward<'w, M: Mode> {
 
 impl<'w, M: Mode> Backward<'w, M> {
     /// `paths`: per pixel that a pass looks at. `share`: of the pixels, chosen by chance; what is seen there counts
-    /// 1/share. `hints`: where lamps are seen over specular faces.
+    /// 1/share. `hints`: where lamps are seen over specular faces, and the sky through windows.
     pub fn new(world: &'w World, route: Route, (paths, share): (u32, f64), hints: Hints<'_>, seed: u64) -> Self {
+        let skyward = Skyward::new(hints.windows);
         let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, hints, seed));
         let asked = [world.lamps.all().is_empty(), world.sky.is_none(), world.lights.all().is_empty()];
         let asked = asked.iter().filter(|none| !**none).count() as u64;
@@ -54,7 +60,7 @@ impl<'w, M: Mode> Backward<'w, M> {
             matches!(face.surface, Surface::Interface(_) | Surface::Slide(_) | Surface::Sheet(_) | Surface::Absent)
         };
         let panes = world.faces.iter().flatten().any(transmits);
-        Backward { world, mode: PhantomData, reach, vision, route, asked, panes, paths, share, seed }
+        Backward { world, mode: PhantomData, reach, vision, skyward, route, asked, panes, paths, share, seed }
     }
 
     /// Looks at `count` pixels spread over the picture and tells whether any of them has light of ours. Once `stop` says
@@ -239,7 +245,8 @@ impl<'w, M: Mode> Backward<'w, M> {
         let Some(sky) = &self.world.sky else { return };
         let Some(share) = self.route.from_eye(sky.group, walker.trail) else { return };
         let plane = self.route.plane_from_eye(share, walker.told, sky.group, Source::Sky);
-        let weight = last.map_or(1.0, |from| from.pdf / (from.pdf + sky.pdf(from.dir)));
+        let density = |from: &Scattered| self.skyward.pdf(sky, from.point, from.dir);
+        let weight = last.map_or(1.0, |from| from.pdf / (from.pdf + density(from)));
         let luminance = walker.optics.sky(sky, walker.ray.dir);
         walker.pick_up(plane_of::<M>(out, plane), &lanes::<M, _>(|lane| luminance[lane] * weight));
     }

@@ -12,7 +12,7 @@ use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::film::accumulate::Light;
-use crate::film::guide::PupilGuide;
+use crate::film::guide::{PupilGuide, Windows};
 use crate::film::plan::Plan;
 use crate::film::train::Glint;
 use crate::world::World;
@@ -34,18 +34,20 @@ const MOST_PIXELS: usize = 64;
 /// A path is split where both ways on carry at least this share of what it started with; else chance decides.
 const SPLIT_FROM: f64 = 1.0 / 256.0;
 
-/// What a plan knows of where lamps are seen.
+/// What a plan knows of where lamps are seen, and the sky.
 #[derive(Debug, Clone, Copy)]
 pub struct Hints<'p> {
     /// In a pinhole's picture.
     pub glints: &'p [Glint],
     /// Through a pupil that is no point.
     pub pupil: Option<&'p PupilGuide>,
+    /// Through which windows scatterers see the sky.
+    pub windows: Option<&'p Windows>,
 }
 
 impl<'p> Hints<'p> {
     pub fn of(plan: &'p Plan) -> Hints<'p> {
-        Hints { glints: &plan.glints, pupil: plan.pupil_guide.as_ref() }
+        Hints { glints: &plan.glints, pupil: plan.pupil_guide.as_ref(), windows: plan.sky_guide.as_ref() }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The plan as data: who owns which (light group, path class), and why. Made on floor 5, read by all below.
 
 use super::detail::ErrorDetail;
-use super::guide::{Guide, PupilGuide};
+use super::guide::{Guide, PupilGuide, Windows};
 use super::train::{Connection, Glint, Screen};
 use crate::base::ids::GroupId;
 use crate::base::path::{Class, Trail};
@@ -132,6 +132,10 @@ pub struct Plan {
     /// a pilot; none: all over it.
     #[serde(default)]
     pub pupil_guide: Option<PupilGuide>,
+    /// Guided sky: through which windows light of the sky gets in to the scatterers that the backward estimator meets, learned
+    /// by a pilot; none: directions to the sky are chosen by its luminance alone. Plans without it read as they always did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sky_guide: Option<Windows>,
     /// Paths per pixel and pass of the backward estimator.
     pub backward_paths: u32,
     /// Share of the pixels that a pass of the backward estimator looks at: less than 1 where a pilot found no light of its.
@@ -198,6 +202,7 @@ impl Plan {
             forward_guide: None,
             photon_guide: None,
             pupil_guide: None,
+            sky_guide: None,
             mode,
             errors: ErrorDetail::default(),
             notes: Vec::new(),

@@ -15,6 +15,7 @@ mod pupil_guide;
 pub mod rays;
 pub mod scan;
 mod shared_faces;
+mod sky_guide;
 
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -165,6 +166,9 @@ impl Making<'_> {
             }
             None => self.photons(&mut plan),
         }
+        if self.asked.guides == Guides::On {
+            self.windows(&mut plan, known);
+        }
         self.eye_paths(&mut plan);
         if self.asked.guides == Guides::Off {
             (plan.forward_guide, plan.photon_guide) = (None, None);
@@ -235,6 +239,19 @@ impl Making<'_> {
                 (plan.screens, _) = pilot::by_light(&plan.screens);
             }
             plan.photon_guide = Some(pilot.guide);
+        }
+    }
+
+    /// Windows to the sky, whose light is always for paths from the eye: what one plan has learned of them holds for others.
+    fn windows(&self, plan: &mut Plan, known: Option<&Plan>) {
+        match known {
+            Some(known) => plan.sky_guide.clone_from(&known.sky_guide),
+            None => plan.sky_guide = sky_guide::learn(self, plan).map(|(windows, _)| windows),
+        }
+        if plan.sky_guide.is_some() {
+            plan.notes.push(
+                "backward looks for the sky through the windows that a pilot saw its light come in by".to_owned(),
+            );
         }
     }
 

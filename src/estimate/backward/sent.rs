@@ -84,7 +84,7 @@ impl<M: Mode> Backward<'_, M> {
         if self.share_of(here, sky.group).is_none() && !self.may_be_behind_panes(here, sky.group) {
             return;
         }
-        let (dir, pdf) = sky.sample([u, v]);
+        let (dir, pdf) = self.skyward.sample(sky, here.vertex.hit.point, [u, v]);
         if pdf > 0.0 {
             let luminance = here.walker.optics.sky(sky, dir);
             let (distance, target, group, source) = (f64::INFINITY, None, sky.group, Source::Sky);

@@ -9,12 +9,14 @@ mod pupil;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod windows;
 
 pub use learn::Even;
 use learn::{Weighted, grow};
 pub use pupil::{Lit, PupilGuide};
 use serde::{Deserialize, Serialize};
 pub use tree::{AXES, Point, Tree};
+pub use windows::{Entry, Windows};
 
 /// Guide for all lamps that an estimator traces.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

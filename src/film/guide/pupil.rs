@@ -92,11 +92,14 @@ impl From<PupilGuide> for Data {
 impl TryFrom<Data> for PupilGuide {
     type Error = String;
 
-    /// Errors: no tree for each tile.
+    /// Errors: no tree for each tile, trees that are cut across other axes than the pupil's.
     fn try_from(data: Data) -> Result<PupilGuide, String> {
         let [across, down] = data.tiles;
         if across == 0 || down == 0 || across.checked_mul(down) != Some(data.trees.len()) {
             return Err(format!("a guide of the pupil has {} trees for {across} x {down} tiles", data.trees.len()));
+        }
+        if data.trees.iter().any(|tree| tree.is_cut_before(PUPIL)) {
+            return Err("a guide of the pupil has a tree that is cut across what is no pupil".to_owned());
         }
         Ok(PupilGuide { tiles: data.tiles, trees: data.trees })
     }

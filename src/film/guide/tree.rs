@@ -76,6 +76,11 @@ impl Tree {
         grower.tree()
     }
 
+    /// Whether any cut is across an axis before this one.
+    pub fn is_cut_before(&self, axis: usize) -> bool {
+        self.nodes.iter().any(|node| node.axis.is_some_and(|own| usize::from(own) < axis))
+    }
+
     /// Boxes of constant density.
     pub fn leaves(&self) -> usize {
         self.nodes.iter().filter(|node| node.axis.is_none()).count()
