@@ -166,9 +166,12 @@ fn sabotaged_photons_lose_their_light() {
 /// whose directions are even over the passes.
 #[test]
 fn sabotaged_rays_from_the_eye_lose_their_light() {
-    let [plain, slow, noisy] = owners(5, Class::Secondary, &[Estimator::Backward]);
-    assert_eq!(plain, (Estimator::Backward, false));
-    assert_eq!([slow, noisy], [(Estimator::Photon, false); 2]);
+    // In the pilot's picture of the second photons are the smoother ones.
+    for seed in [5, 19] {
+        let [plain, slow, noisy] = owners(seed, Class::Secondary, &[Estimator::Backward]);
+        assert_eq!(plain, (Estimator::Backward, false), "seed {seed}");
+        assert_eq!([slow, noisy], [(Estimator::Photon, false); 2], "seed {seed}");
+    }
 }
 
 /// Light of the LEDs that the floor and the block on it send each other: with sixteen times the passes, independent paths

@@ -99,6 +99,8 @@ struct Part {
     /// Per pixel: luminance and its variance.
     values: Vec<f64>,
     variances: Vec<f64>,
+    /// What is left of them in a run, whose passes are even.
+    left: f64,
     /// Counted work of a pass.
     work: f64,
 }
@@ -177,6 +179,7 @@ impl Trial {
                 estimator: *estimator,
                 values: (0..pixels).map(value).collect(),
                 variances: (0..pixels).map(|pixel| film.variance(pixel, all)).collect(),
+                left: 1.0,
                 work: ledger.work as f64 / passes,
             }
         };
@@ -208,7 +211,8 @@ impl Trial {
             Part {
                 estimator: a.estimator,
                 values: of(&a.values, &b.values, 0.5),
-                variances: of(&a.variances, &b.variances, 0.25 * saves.max(MOST_EVEN)),
+                variances: of(&a.variances, &b.variances, 0.25),
+                left: saves.max(MOST_EVEN),
                 work: 0.5 * (a.work + b.work),
             }
         };
@@ -218,6 +222,12 @@ impl Trial {
 
     fn variance(&self, pixel: usize, handicap: &Handicap) -> f64 {
         self.parts.iter().map(|part| handicap.noise[part.estimator as usize] * part.variances[pixel]).sum()
+    }
+
+    /// The same in a run of as many passes that go on from others.
+    fn variance_left(&self, pixel: usize, handicap: &Handicap) -> f64 {
+        let of = |part: &Part| handicap.noise[part.estimator as usize] * part.left * part.variances[pixel];
+        self.parts.iter().map(of).sum()
     }
 
     fn work(&self, handicap: &Handicap) -> f64 {
@@ -254,15 +264,17 @@ fn costs(trials: [&Trial; 2], handicap: &Handicap) -> Option<[f64; 2]> {
     let smooth = smooth(&trials[knows].values, trials[knows].width);
     let plain = Handicap::default();
     let cost = |one: usize| {
-        let (mut stated, mut differs) = (0.0, 0.0);
+        let (mut left, mut stated, mut differs) = (0.0, 0.0, 0.0);
         for (pixel, smooth) in smooth.iter().enumerate() {
             let reference = trials[knows].values[pixel];
             let scale = smooth.powi(2) + (FLOOR * mean).powi(2);
+            left += trials[one].variance_left(pixel, handicap) / scale;
             stated += trials[one].variance(pixel, handicap) / scale;
             let of_reference = trials[knows].variance(pixel, &plain);
             differs += ((trials[one].values[pixel] - reference).powi(2) - of_reference) / scale;
         }
-        let relative = if one == knows { stated } else { stated.max(differs) };
+        // These few passes differ as they state; what evenness saves shows in a run.
+        let relative = if one == knows { left } else { left + (differs - stated).max(0.0) };
         relative / pixels as f64 * trials[one].passes * trials[one].work(handicap)
     };
     Some([cost(0), cost(1)])
