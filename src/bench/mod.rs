@@ -8,6 +8,8 @@ pub mod closed;
 pub mod curve;
 pub mod generate;
 pub mod kit;
+#[cfg(test)]
+mod lamps_tests;
 pub mod measure;
 #[cfg(test)]
 mod panes_tests;

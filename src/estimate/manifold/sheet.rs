@@ -1,6 +1,8 @@
 //! Where the solver starts: per train and lamp, the solution for the middle of the lamp on a grid over the picture, with
 //! its derivatives. A train whose map is folded has a sheet for each of its branches.
 
+mod spread;
+
 use super::grid::Grid;
 use super::solve::{Family, Root, Target, newton, trace};
 use crate::film::train::{Connection, Train};
@@ -25,8 +27,10 @@ struct Node {
     /// How both change with the place in the picture, by its two coordinates.
     bend: [DMat2; 2],
     twist: [DMat2; 2],
-    /// Light of the cell may cross the pupil.
-    useful: bool,
+    /// How far from the pupil's middle it may be for light of the cell and of all the lamp to cross the pupil.
+    reach: f64,
+    /// By how much what is foretold from here may err within the cell, m.
+    unsure: f64,
 }
 
 /// One branch of the map from (picture, lamp) to the pupil.
@@ -66,42 +70,9 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
                 self.grow(starts, DVec2::from_array(seed.film), DVec2::from_array(seed.pupil));
             }
         }
-        // What one lamp does over a train its neighbours do too, moved.
-        let mut open: VecDeque<usize> = (0..all.len()).filter(|i| !all[*i].sheets.is_empty()).collect();
-        while let Some(from) = open.pop_front() {
-            for to in 0..all.len() {
-                if to != from && self.spread(&mut all, from, to) {
-                    open.push_back(to);
-                }
-            }
-        }
+        self.spread(&mut all);
         all.retain(|starts| !starts.sheets.is_empty());
         all
-    }
-
-    /// Starts the lamp `to` from what is known of the lamp `from`. Returns whether it had nothing before and has now.
-    fn spread(&self, all: &mut [Starts], from: usize, to: usize) -> bool {
-        if !all[to].sheets.is_empty() {
-            return false;
-        }
-        let radius = self.world.eye.pupil_radius_m();
-        let offset = all[from].middle.local(all[to].middle.point - all[from].middle.point);
-        let grid = all[from].grid;
-        let near: Vec<(usize, DVec2)> = all[from]
-            .sheets
-            .iter()
-            .flat_map(|sheet| sheet.nodes.iter().enumerate())
-            .filter_map(|(cell, node)| node.map(|node| (cell, node.pupil + node.by_lamp * offset)))
-            .filter(|(_, pupil)| pupil.length() <= 1.5 * radius)
-            .collect();
-        let mut next = 0;
-        while next < near.len() && all[to].sheets.is_empty() {
-            let (cell, pupil) = near[next];
-            self.grow(&mut all[to], grid.middle(cell), pupil);
-            // A few tries over all of the picture say whether there is anything.
-            next += near.len().div_ceil(16);
-        }
-        !all[to].sheets.is_empty()
     }
 
     /// Adds the branch that has this solution, unless it is known.
@@ -110,12 +81,14 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
         if starts.sheets.len() >= MOST_SHEETS {
             return;
         }
-        let family = Family::Pupil { film };
-        let found = newton(self.world, self.index, &family, pupil, self.train, &starts.middle, starts.size);
-        let Some(seed) = found else { return };
-        let mut known = Vec::new();
-        starts.roots(self.world, self.index, self.train, film, &starts.middle, &mut known);
-        if known.iter().any(|root: &Root| root.u.distance(seed.u) <= SAME * radius) {
+        let Some(seed) = self.solve(starts, film, pupil) else { return };
+        // Solutions for one place are one, however far outside of the pupil a sheet says that it is.
+        let solved = |sheet: &Sheet| {
+            let cell = starts.grid.cell(film);
+            self.solve(starts, film, sheet.nodes[cell]?.predict(film - starts.grid.middle(cell), DVec2::ZERO))
+        };
+        let same = |a: DVec2, b: DVec2| a.distance(b) <= SAME * radius;
+        if starts.sheets.iter().filter_map(solved).any(|known| same(known.u, seed.u)) {
             return;
         }
         let grid = starts.grid;
@@ -130,20 +103,34 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
                 continue;
             }
             let film = grid.middle(cell);
-            let family = Family::Pupil { film };
-            let found = newton(self.world, self.index, &family, start, self.train, &starts.middle, starts.size);
+            let found = self.solve(starts, film, start);
             let Some(node) = found.and_then(|root| self.node(starts, film, &root)) else { continue };
-            if node.useful {
+            if node.is_useful() {
                 for next in grid.neighbours(cell).filter(|next| !tried[*next]) {
                     open.push_back((next, node.pupil + node.by_film * (grid.middle(next) - film)));
                 }
             }
             sheet.nodes[cell] = Some(node);
         }
-        sheet.curve(&grid);
-        if sheet.nodes.iter().flatten().any(|node| node.useful) {
+        // A branch that was found from elsewhere: what of it is new is added. At folds two branches meet.
+        let alike = |known: &Sheet| sheet.both(known).filter(|[a, b]| same(a.pupil, b.pupil)).count();
+        let found = sheet.nodes.iter().flatten().count();
+        if let Some(known) = (0..starts.sheets.len()).find(|known| 2 * alike(&starts.sheets[*known]) > found) {
+            let known = &mut starts.sheets[known];
+            known.nodes.iter_mut().zip(&sheet.nodes).for_each(|(known, new)| *known = known.or(*new));
+            known.curve(&grid, starts.size);
+            return;
+        }
+        sheet.curve(&grid, starts.size);
+        if sheet.nodes.iter().flatten().any(Node::is_useful) {
             starts.sheets.push(sheet);
         }
+    }
+
+    /// The solution for the middle of the lamp at a place in the picture, from a start in the pupil.
+    fn solve(&self, starts: &Starts, film: DVec2, start: DVec2) -> Option<Root> {
+        let family = Family::Pupil { film };
+        newton(self.world, self.index, &family, start, self.train, &starts.middle, starts.size)
     }
 
     /// What there is to know of a solution for the middle of the lamp.
@@ -156,16 +143,21 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
         let half = starts.grid.half_cell();
         let moves = (by_film.x_axis * half.x).length() + (by_film.y_axis * half.y).length();
         let size = starts.size * (by_lamp.x_axis.length() + by_lamp.y_axis.length());
-        let useful = root.u.length() <= 1.1 * radius + 1.2 * (moves + size);
+        let reach = 1.1 * radius + 1.2 * (moves + size);
         let flat = [DMat2::ZERO; 2];
-        let node = Node { pupil: root.u, by_film, by_lamp, bend: flat, twist: flat, useful };
+        let node = Node { pupil: root.u, by_film, by_lamp, bend: flat, twist: flat, reach, unsure: 0.0 };
         (by_lamp.is_finite() && by_film.is_finite()).then_some(node)
     }
 }
 
 impl Sheet {
+    /// The nodes of cells where another sheet has one, too.
+    fn both(&self, other: &Sheet) -> impl Iterator<Item = [Node; 2]> {
+        self.nodes.iter().zip(&other.nodes).filter_map(|(own, other)| Some([(*own)?, (*other)?]))
+    }
+
     /// Takes how derivatives change from the nodes beside each other.
-    fn curve(&mut self, grid: &Grid) {
+    fn curve(&mut self, grid: &Grid, size: f64) {
         let at = |nodes: &[Option<Node>], cell: usize| nodes[cell].map(|node| (node.by_film, node.by_lamp));
         for cell in 0..self.nodes.len() {
             let Some(here) = at(&self.nodes, cell) else { continue };
@@ -182,10 +174,33 @@ impl Sheet {
                 (node.bend, node.twist) = (change.map(|[bend, _]| bend), change.map(|[_, twist]| twist));
             }
         }
+        for cell in 0..self.nodes.len() {
+            let Some(here) = self.nodes[cell] else { continue };
+            let missed = grid.neighbours(cell).filter_map(|next| {
+                let foretold = here.predict(grid.middle(next) - grid.middle(cell), DVec2::ZERO);
+                Some(foretold.distance(self.nodes[next]?.pupil))
+            });
+            // A corner of the cell is not farther than the next one's middle. Of the lamp only mixed derivatives are known: a step
+            // on it is like one in the picture that moves the place in the pupil as far.
+            let over_lamp = [DVec2::X, DVec2::Y].map(|axis| {
+                let alike = here.by_film.inverse() * (here.by_lamp * axis);
+                let twist = here.twist[0] * alike.x + here.twist[1] * alike.y;
+                if twist.is_finite() { size.powi(2) * (twist * axis).length() } else { 0.0 }
+            });
+            let unsure = missed.fold(0.0, f64::max) + over_lamp.into_iter().fold(0.0, f64::max);
+            if let Some(node) = &mut self.nodes[cell] {
+                node.unsure = unsure;
+            }
+        }
     }
 }
 
 impl Node {
+    /// Light of the cell may cross the pupil.
+    fn is_useful(&self) -> bool {
+        self.pupil.length() <= self.reach
+    }
+
     /// The place in the pupil for a place in the picture and on the lamp, from the node's own.
     fn predict(&self, film: DVec2, lamp: DVec2) -> DVec2 {
         let by_film = self.by_film + (self.bend[0] * film.x + self.bend[1] * film.y) * 0.5;
@@ -221,14 +236,14 @@ impl Starts {
         let around = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
         around.into_iter().find_map(|(x, y)| {
             let cell = self.grid.cell(film + half * DVec2::new(0.5 * x, 0.5 * y));
-            let node = sheet.nodes[cell].filter(|node| node.useful)?;
+            let node = sheet.nodes[cell].filter(Node::is_useful)?;
             Some(node.predict(film - self.grid.middle(cell), DVec2::ZERO))
         })
     }
 
     /// Whether light of the place in the picture may come this way.
     pub fn has(&self, cell: usize) -> bool {
-        self.sheets.iter().any(|sheet| sheet.nodes[cell].is_some_and(|node| node.useful))
+        self.sheets.iter().any(|sheet| sheet.nodes[cell].is_some_and(|node| node.is_useful()))
     }
 
     /// Adds the solutions for a place in the picture and a point of the lamp: a function of these alone. Returns how often it
@@ -247,12 +262,14 @@ impl Starts {
         let cell = self.grid.cell(film);
         let off = self.middle.local(target.point - self.middle.point);
         for sheet in &self.sheets {
-            let Some(node) = sheet.nodes[cell].filter(|node| node.useful) else { continue };
+            let Some(node) = sheet.nodes[cell].filter(Node::is_useful) else { continue };
             let start = node.predict(film - self.grid.middle(cell), off);
             // A start so far outside of the pupil leads to nothing: the solver says so without trying.
-            if start.length() > FAR * world.eye.pupil_radius_m() {
+            let far = FAR * world.eye.pupil_radius_m();
+            if start.length() > far + node.unsure {
                 continue;
             }
+            let start = start.clamp_length_max(far);
             let family = Family::Pupil { film };
             solved += 1;
             if let Some(root) = newton(world, index, &family, start, train, target, self.size) {
