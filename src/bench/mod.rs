@@ -17,6 +17,8 @@ mod panes_tests;
 mod plan_tests;
 #[cfg(test)]
 mod rough_tests;
+#[cfg(test)]
+mod screens_tests;
 pub mod stated;
 pub mod stress;
 #[cfg(test)]

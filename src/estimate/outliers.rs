@@ -18,19 +18,25 @@ const TOGETHER: f64 = 25.0;
 /// Deviations beyond this many standard errors are told.
 const SIGMA: f64 = 8.0;
 
-/// The light of all planes of a shard.
+/// The light of all planes of a shard. Estimators that share a plane count together: which of them has a path may depend on
+/// the pass (finer maps of lit faces come late).
 pub fn light(films: &Films) -> Vec<PlaneLight> {
-    let mut all = Vec::new();
-    for (estimator, film, _) in &films.films {
+    let mut all: Vec<PlaneLight> = Vec::new();
+    for (_, film, _) in &films.films {
         for (plane, key) in film.planes.iter().enumerate() {
             let pixels = || 0..film.width * film.height;
             let taken = if key.takes == 0 { String::new() } else { format!(", taken by {:b}", key.takes) };
-            all.push(PlaneLight {
-                name: format!("{} of group {}{taken} by {}", key.layer.name(), key.group.index(), estimator.name()),
-                mean: pixels().map(|pixel| film.mean(pixel, plane).value).sum(),
-                variance: pixels().map(|pixel| film.variance(pixel, plane)).sum(),
-                passes: film.passes as f64,
-            });
+            let name = format!("{} of group {}{taken}", key.layer.name(), key.group.index());
+            let mean = pixels().map(|pixel| film.mean(pixel, plane).value).sum();
+            let variance = pixels().map(|pixel| film.variance(pixel, plane)).sum();
+            let passes = film.passes as f64;
+            match all.iter_mut().find(|light| light.name == name) {
+                Some(light) => {
+                    light.mean += mean;
+                    light.variance += variance;
+                }
+                None => all.push(PlaneLight { name, mean, variance, passes }),
+            }
         }
     }
     all

@@ -156,7 +156,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         let mut total = Ledger::new(self.world.solids.len());
         for pass in first..first + count {
             let optics = M::optics(self.world, self.seed, pass);
-            let screens = self.screens.of_pass(self.world, &optics);
+            let screens = self.screens.of_pass(pass, self.world, &optics);
             let (photons, ledger) = self.emit(self.shots(Stream::PhotonEmission, pass), &optics, &screens);
             total.merge(&ledger);
             let maps = Maps::new(photons, radii_of_pass(self.first_radii_m, pass), self.final_gather);

@@ -56,6 +56,14 @@ pub fn components<M: Mode>() -> Components {
     }
 }
 
+/// Whether each pass has wavelengths of its own, so that light goes other ways in each.
+pub fn wavelengths_change<M: Mode>() -> bool {
+    match M::SPECTRAL {
+        Spectral::Mono | Spectral::Rgb => false,
+        Spectral::Hero => true,
+    }
+}
+
 /// The entries of a plane.
 #[inline]
 pub fn plane_of<M: Mode>(all: &mut [Light], plane: usize) -> &mut [Light] {

@@ -20,7 +20,7 @@ use crate::world::World;
 use crate::world::geometry::bend::site_of;
 use crate::world::geometry::{Hit, Ray};
 use crate::world::interior::Interior;
-use crate::world::mode::{Mode, Spectral, lanes};
+use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
 use glam::{DVec2, DVec3};
 
@@ -146,7 +146,7 @@ impl Rest {
 impl<M: Mode> Glances<M> {
     /// None without lit faces and trains to them, or where every pass has wavelengths of its own.
     pub fn new(world: &World, optics: &Optics<M>, screens: &Screens<M>, over: OverFilm) -> Option<Glances<M>> {
-        if M::SPECTRAL == Spectral::Hero || screens.is_empty() {
+        if wavelengths_change::<M>() || screens.is_empty() {
             return None;
         }
         let radius = world.eye.pupil_radius_m();

@@ -21,11 +21,11 @@ use crate::film::train::Screen;
 use crate::world::World;
 use crate::world::geometry::Site;
 use crate::world::interior::Interior;
-use crate::world::mode::{Mode, lanes};
+use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
 use glam::DVec3;
-use level::COARSE;
+use level::{COARSE, Level, RUN};
 use lit::{Lit, Solution};
 use sheet::Cell;
 pub(super) use sheet::{Crossing, SLIDES};
@@ -41,8 +41,8 @@ const SAME: f64 = 1e-6;
 const NEARLY_SAME: f64 = 3.0;
 const ABOUT_SAME: f64 = 1e-2;
 /// What a train brings of a face's light, times what the eye sees of that, from which on every lamp is asked. Of less it
-/// is some of them, and what they bring stands for all.
-const WORTH_EVERY_LAMP: f64 = 4e-4;
+/// is some of them, one at least, and what they bring stands for all.
+const WORTH_EVERY_LAMP: f64 = 2e-2;
 const FEWEST_LAMPS: f64 = 1.0 / 16.0;
 /// Sheets of one train and lamp.
 const MOST_SHEETS: usize = 4;
@@ -50,8 +50,8 @@ const MOST_SHEETS: usize = 4;
 /// All of a plan, at the wavelengths of one pass.
 #[derive(Debug)]
 pub struct Screens<M: Mode> {
-    lit: Vec<Arc<Lit<M>>>,
-    plan: Vec<Screen>,
+    levels: Vec<Level<M>>,
+    plan: Arc<[Screen]>,
 }
 
 /// Directions found so far, each with the distance within which another is the same: sheets that meet at a fold may both
@@ -94,42 +94,62 @@ pub struct Incoming<'s, M: Mode> {
 }
 
 impl<M: Mode> Screens<M> {
+    /// For the first passes of a run. Where each pass has its own, see [`Screens::of_pass`], there is nothing yet.
     pub fn new(world: &World, optics: &Optics<M>, screens: &[Screen]) -> Screens<M> {
-        let lit = screens.iter().filter_map(|screen| Lit::new(world, optics, screen)).map(Arc::new).collect();
-        Screens { lit, plan: screens.to_vec() }
+        let level = |screen| Level::new(world, optics, screen, RUN);
+        let known = if wavelengths_change::<M>() { &[][..] } else { screens };
+        Screens { levels: known.iter().filter_map(level).collect(), plan: screens.into() }
     }
 
     /// The same with coarse maps, for a pilot: what they can't interpolate is solved for.
     pub fn coarse(world: &World, optics: &Optics<M>, screens: &[Screen]) -> Screens<M> {
         let lit = screens.iter().filter_map(|screen| Lit::with_cells(world, optics, screen, COARSE));
-        let lit = lit.map(Arc::new).collect();
-        Screens { lit, plan: screens.to_vec() }
+        Screens { levels: lit.map(Level::only).collect(), plan: screens.into() }
     }
 
     /// Both together; their tables are not copied.
     #[must_use]
     pub fn and(&self, others: &Screens<M>) -> Screens<M> {
-        let lit = self.lit.iter().chain(&others.lit).cloned().collect();
-        let plan = self.plan.iter().chain(&others.plan).cloned().collect();
-        Screens { lit, plan }
+        let levels = self.levels.iter().chain(&others.levels).cloned().collect();
+        let plan = self.plan.iter().chain(&*others.plan).cloned().collect();
+        Screens { levels, plan }
     }
 
-    /// The same for a pass: at several wavelengths each has its own, and faces lit at them.
-    pub fn of_pass(self: &Arc<Self>, world: &World, optics: &Optics<M>) -> Arc<Self> {
-        if M::LANES == 1 || self.plan.is_empty() {
+    /// The same for a pass: where each has wavelengths of its own, faces are lit at them; else finer maps come when enough
+    /// passes have gone by.
+    pub fn of_pass(self: &Arc<Self>, pass: u64, world: &World, optics: &Optics<M>) -> Arc<Self> {
+        if self.plan.is_empty() {
             return self.clone();
         }
-        Arc::new(Screens::new(world, optics, &self.plan))
+        if wavelengths_change::<M>() {
+            let levels = self.plan.iter().filter_map(|screen| Level::new(world, optics, screen, 1.0));
+            return Arc::new(Screens { levels: levels.collect(), plan: self.plan.clone() });
+        }
+        if self.levels.iter().all(|level| level.changes().is_none_or(|from| from > pass)) {
+            return self.clone();
+        }
+        let levels = self.levels.iter().map(|level| level.at(pass, world, optics).unwrap_or_else(|| level.clone()));
+        Arc::new(Screens { levels: levels.collect(), plan: self.plan.clone() })
+    }
+
+    /// The first pass after this one that may have other maps.
+    pub fn next_change(&self, pass: u64) -> u64 {
+        let later = self.levels.iter().filter_map(Level::changes).filter(|from| *from > pass);
+        if wavelengths_change::<M>() { pass.saturating_add(1) } else { later.min().unwrap_or(u64::MAX) }
+    }
+
+    fn lit(&self) -> impl Iterator<Item = &Lit<M>> {
+        self.levels.iter().map(|level| &*level.lit)
     }
 
     /// Whether a face (part, face) is joined with lamps.
     pub fn has_face(&self, face: (u32, u32)) -> bool {
-        self.lit.iter().any(|lit| (lit.map.part, lit.map.face) == face)
+        self.lit().any(|lit| (lit.map.part, lit.map.face) == face)
     }
 
     /// Nothing is connected.
     pub fn is_empty(&self) -> bool {
-        self.lit.is_empty()
+        self.levels.is_empty()
     }
 
     /// Calls `visit` with what comes to a point of a face from each lamp. `interior`: around the ray that leaves the point
@@ -145,9 +165,9 @@ impl<M: Mode> Screens<M> {
         ledger: &mut Ledger,
         mut visit: impl FnMut(Incoming<'_, M>),
     ) {
-        for lit in self.lit.iter().filter(|lit| (lit.map.part, lit.map.face) == (site.part, site.face)) {
+        for lit in self.lit().filter(|lit| (lit.map.part, lit.map.face) == (site.part, site.face)) {
             let Some(spot) = lit.map.spot(point) else { continue };
-            let chance = (lit.share * ask.seen / WORTH_EVERY_LAMP).clamp(FEWEST_LAMPS, 1.0);
+            let chance = lit.chance(ask.seen);
             let mut turn = ask.turn;
             for entry in &lit.entries {
                 turn += chance;
@@ -197,8 +217,8 @@ impl<M: Mode> Screens<M> {
         (point, site, dir): (DVec3, Site, DVec3),
         work: &mut u64,
     ) -> bool {
-        let face = |lit: &&Arc<Lit<M>>| (lit.map.part, lit.map.face) == (site.part, site.face) && lit.chain == *chain;
-        self.lit.iter().filter(face).any(|lit| {
+        let face = |lit: &&Lit<M>| (lit.map.part, lit.map.face) == (site.part, site.face) && lit.chain == *chain;
+        self.lit().filter(face).any(|lit| {
             let Some(spot) = lit.map.spot(point) else { return false };
             lit.entries.iter().filter(|entry| entry.lamp == lamp).any(|entry| {
                 let off = entry.middle.local(target.point - entry.middle.point);

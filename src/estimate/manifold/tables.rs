@@ -16,7 +16,7 @@ use crate::base::lpe::Told;
 use crate::base::path::Trail;
 use crate::film::accumulate::Light;
 use crate::world::World;
-use crate::world::mode::{Mode, Spectral, lanes};
+use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
 use glam::{DMat2, DVec2, DVec3};
@@ -76,7 +76,7 @@ pub struct Tables<M: Mode> {
 impl<M: Mode> Tables<M> {
     /// None without connections, or where every pass has wavelengths of its own.
     pub fn new(world: &World, optics: &Optics<M>, connections: &Connections, over: OverFilm) -> Option<Tables<M>> {
-        if M::SPECTRAL == Spectral::Hero || connections.is_empty() {
+        if wavelengths_change::<M>() || connections.is_empty() {
             return None;
         }
         let mut tables = Tables { over, tables: Vec::new() };

@@ -56,15 +56,13 @@ impl<'w, M: Mode> Manifold<'w, M> {
     /// units of importance, as emitted and arrived: they lose nothing by chance.
     pub fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
         let mut total = Ledger::new(self.world.solids.len());
-        if M::LANES == 1 {
-            self.block(film, first, count, &self.screens, &mut total);
-        } else {
-            // Each pass has wavelengths of its own, and faces lit at them.
-            for pass in first..first + count {
-                let optics = M::optics(self.world, self.seed, pass);
-                let screens = self.screens.of_pass(self.world, &optics);
-                self.block(film, pass, 1, &screens, &mut total);
-            }
+        let (mut pass, end) = (first, first + count);
+        while pass < end {
+            let next = self.screens.next_change(pass).min(end);
+            let optics = M::optics(self.world, self.seed, pass);
+            let screens = self.screens.of_pass(pass, self.world, &optics);
+            self.block(film, pass, next - pass, &screens, &mut total);
+            pass = next;
         }
         film.close(first, count);
         total

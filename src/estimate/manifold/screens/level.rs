@@ -1,5 +1,6 @@
 //! How fine the table of a face is: as fine as pays. A first one tells by how much it errs, and so how many of a finer one's
-//! cells would do; what they cost to fill is held against what they save in a run.
+//! cells would do; what they cost to fill is held against what they save in a run. The finer one comes when so many passes have
+//! gone by as would have paid for it: a short run does without, a long one has lost no more than its price.
 
 use super::lit::Lit;
 use super::sheet::Cell;
@@ -8,6 +9,7 @@ use crate::film::train::Screen;
 use crate::world::World;
 use crate::world::mode::Mode;
 use crate::world::optics::Optics;
+use std::sync::{Arc, OnceLock};
 
 /// Cells along the longer side of a face's map.
 const CELLS: [usize; 4] = [16, 24, 32, 48];
@@ -17,7 +19,7 @@ pub(super) const COARSE: usize = 8;
 const CELL: f64 = 2.0;
 /// Passes of a run, in each of which a pixel asks for a connection. What pays for so many is not far from the best for a
 /// half or twice of them.
-const RUN: f64 = 32.0;
+pub(super) const RUN: f64 = 32.0;
 /// How much is saved where what errs is interpolated between nodes half as far from each other: by cubics.
 const ORDER: i32 = 4;
 
@@ -45,27 +47,72 @@ pub(super) fn slack(screen: &Screen) -> f64 {
     (1.0 / screen.share).clamp(1.0, MOST_SLACK)
 }
 
-impl<M: Mode> Lit<M> {
-    /// With a map as fine as pays for a run of this picture.
-    pub(super) fn new(world: &World, optics: &Optics<M>, screen: &Screen) -> Option<Lit<M>> {
+/// The map of a face, and the one that takes its place.
+#[derive(Debug, Clone)]
+pub(super) struct Level<M: Mode> {
+    pub(super) lit: Arc<Lit<M>>,
+    finer: Option<Arc<Finer<M>>>,
+}
+
+#[derive(Debug)]
+struct Finer<M: Mode> {
+    /// Along the longer side.
+    cells: usize,
+    /// First pass that has it.
+    from: u64,
+    screen: Screen,
+    /// None where it has nothing.
+    made: OnceLock<Option<Arc<Lit<M>>>>,
+}
+
+impl<M: Mode> Level<M> {
+    /// A map that stays.
+    pub(super) fn only(lit: Lit<M>) -> Self {
+        Level { lit: Arc::new(lit), finer: None }
+    }
+
+    /// For runs of `run` passes of this picture. None where nothing is lit.
+    pub(super) fn new(world: &World, optics: &Optics<M>, screen: &Screen, run: f64) -> Option<Self> {
         let first = if slack(screen) >= MOST_SLACK { Some(COARSE) } else { None };
         let mut levels = first.into_iter().chain(CELLS);
         let (first, lit) = levels.find_map(|cells| Some((cells, Lit::with_cells(world, optics, screen, cells)?)))?;
         let pixels = world.eye.size().iter().product::<usize>() as f64;
-        let asks = RUN * pixels * (screen.share / WORTH_EVERY_LAMP).clamp(FEWEST_LAMPS, 1.0);
-        let cells = lit.cells() / lit.entries.len().max(1) as f64;
-        let mut best = (None, asks * lit.solved_share(1.0));
-        for level in levels {
-            let finer = level as f64 / first as f64;
-            let cost = CELL * cells * finer.powi(2) + asks * lit.solved_share(finer);
-            if cost < best.1 {
-                best = (Some(level), cost);
+        let asks = pixels * lit.chance(1.0);
+        let known = lit.cells() / lit.entries.len().max(1) as f64;
+        let now = asks * lit.solved_share(1.0);
+        let mut best = (None, run * now);
+        for cells in levels {
+            let finer = cells as f64 / first as f64;
+            let (price, then) = (CELL * known * finer.powi(2), asks * lit.solved_share(finer));
+            if price + run * then < best.1 {
+                // More than `run` passes can't be asked for: it is saved in fewer.
+                best = (Some((cells, (price / (now - then)) as u64)), price + run * then);
             }
         }
-        match best.0 {
-            Some(level) => Lit::with_cells(world, optics, screen, level).or(Some(lit)),
-            None => Some(lit),
-        }
+        let finer = best.0.map(|(cells, from)| Finer { cells, from, screen: screen.clone(), made: OnceLock::new() });
+        let level = Level { lit: Arc::new(lit), finer: finer.map(Arc::new) };
+        Some(level.at(0, world, optics).unwrap_or(level))
+    }
+
+    /// The first pass from which another map is used.
+    pub(super) fn changes(&self) -> Option<u64> {
+        Some(self.finer.as_ref()?.from)
+    }
+
+    /// The same for a pass from which on there is another map; none: it stays.
+    pub(super) fn at(&self, pass: u64, world: &World, optics: &Optics<M>) -> Option<Self> {
+        let finer = self.finer.as_ref().filter(|finer| finer.from <= pass)?;
+        let make = || Lit::with_cells(world, optics, &finer.screen, finer.cells).map(Arc::new);
+        let lit = finer.made.get_or_init(make).as_ref().unwrap_or(&self.lit);
+        Some(Level { lit: lit.clone(), finer: None })
+    }
+}
+
+impl<M: Mode> Lit<M> {
+    /// The share of lamps that is asked where the eye sees this much of the face's light.
+    pub(super) fn chance(&self, seen: f64) -> f64 {
+        let fewest = FEWEST_LAMPS.max(1.0 / self.entries.len().max(1) as f64);
+        (self.share * seen / WORTH_EVERY_LAMP).clamp(fewest, 1.0)
     }
 
     /// Cells with solutions, of all lamps.
