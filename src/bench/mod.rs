@@ -6,6 +6,8 @@ pub mod choice;
 pub mod clock;
 pub mod closed;
 pub mod curve;
+#[cfg(test)]
+mod forecast_tests;
 pub mod generate;
 pub mod kit;
 #[cfg(test)]
