@@ -246,7 +246,7 @@ impl Making<'_> {
     fn windows(&self, plan: &mut Plan, known: Option<&Plan>) {
         match known {
             Some(known) => plan.sky_guide.clone_from(&known.sky_guide),
-            None => plan.sky_guide = sky_guide::learn(self, plan).map(|(windows, _)| windows),
+            None => plan.sky_guide = sky_guide::learn(self, plan),
         }
         if plan.sky_guide.is_some() {
             plan.notes.push(

@@ -23,9 +23,9 @@ const WORTH: f64 = 1.5;
 /// Tiles along either side of the picture: in each the same light matters relative to what it has.
 const TILES: usize = 4;
 
-/// What scatterers need to know to find the sky, and how many times less variance they have of it. None if the plan leaves
+/// What scatterers need to know to find the sky. None if the plan leaves
 /// no light of the sky that scatterers send to paths from the eye, or the sky is open.
-pub(super) fn learn(making: &Making<'_>, plan: &Plan) -> Option<(Windows, f64)> {
+pub(super) fn learn(making: &Making<'_>, plan: &Plan) -> Option<Windows> {
     let (world, facts) = (making.world, making.checked.facts());
     let sky = world.sky.as_ref().filter(|sky| sky.integral() > 0.0)?;
     let scattered = |class: &Class| match class {
@@ -44,12 +44,10 @@ pub(super) fn learn(making: &Making<'_>, plan: &Plan) -> Option<(Windows, f64)> 
         known = looks.learn(LOOK);
     }
     // An estimate that knows what was learned from is too hopeful, and that is good enough to give up by.
-    let worth = |looks: &Looks<'_>, windows: &Windows, of: usize| {
-        let gain = looks.moment(None, of) / looks.moment(Some(windows), of);
-        (gain >= WORTH).then_some(gain)
-    };
-    worth(&looks, known.as_ref()?, 0)?;
-    let mut gain = 0.0;
+    let gain = looks.moment(None, 0) / looks.moment(Some(known.as_ref()?), 0);
+    if gain.is_nan() || gain < WORTH {
+        return None;
+    }
     let mut aimed = LOOK;
     for paths in NARROW {
         if making.stopped() {
@@ -61,13 +59,14 @@ pub(super) fn learn(making: &Making<'_>, plan: &Plan) -> Option<(Windows, f64)> 
         // By paths of which nothing was learned.
         let aiming = AIMED.map(|aimed| (looks.moment(Some(&windows.clone().aiming(aimed)), of), aimed));
         let best = aiming.into_iter().min_by(|a, b| a.0.total_cmp(&b.0))?;
-        (gain, aimed) = (looks.moment(None, of) / best.0, best.1);
+        let gain = looks.moment(None, of) / best.0;
         if gain.is_nan() || gain < WORTH {
             return None;
         }
+        aimed = best.1;
         known = looks.learn(LOOK);
     }
-    Some((known?.aiming(aimed), gain))
+    Some(known?.aiming(aimed))
 }
 
 /// Looks taken so far.

@@ -13,7 +13,7 @@ pub const MOST_DEPTH: usize = 48;
 /// The least probability on either side of a cut: nothing is ever out of reach.
 const LEAST: f32 = 1.0 / (1 << 24) as f32;
 /// Largest number below 1.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+pub(super) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A node of the tree: a box that is cut, or (no axis) a box of constant density.
 #[derive(Debug, Clone, Copy, PartialEq)]

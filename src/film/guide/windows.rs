@@ -5,7 +5,7 @@
 //! points is aimed at from all.
 
 use super::learn::{Even, Weighted, grow};
-use super::tree::{AXES, Point, Tree};
+use super::tree::{AXES, BELOW_ONE, Point, Tree};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -175,9 +175,6 @@ impl Windows {
         Some(Crossing { side, at: [at(first), at(second)], distance, cos: dir[across].abs() })
     }
 }
-
-/// Largest number below 1.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// The axis across a side, and the two along it.
 fn axes(side: usize) -> [usize; 3] {
