@@ -112,14 +112,14 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
             }
             sheet.nodes[cell] = Some(node);
         }
-        // A branch that was found from elsewhere: what of it is new is added. At folds two branches meet.
-        let alike = |known: &Sheet| sheet.both(known).filter(|[a, b]| same(a.pupil, b.pupil)).count();
-        let found = sheet.nodes.iter().flatten().count();
-        if let Some(known) = (0..starts.sheets.len()).find(|known| 2 * alike(&starts.sheets[*known]) > found) {
-            let known = &mut starts.sheets[known];
-            known.nodes.iter_mut().zip(&sheet.nodes).for_each(|(known, new)| *known = known.or(*new));
+        // A branch that was found from elsewhere: what of it is new is added. At folds two branches meet, and the solver goes over
+        // from one to the other: what of both is known stays out, the rest is a branch.
+        let alike: Vec<usize> = starts.sheets.iter().map(|known| sheet.strip(known, same)).collect();
+        let new = sheet.nodes.iter().flatten().count();
+        let known = starts.sheets.iter_mut().zip(alike).max_by_key(|(_, alike)| *alike);
+        if let Some((known, _)) = known.filter(|(_, alike)| *alike > new) {
+            sheet.hand_over(known);
             known.curve(&grid, starts.size);
-            return;
         }
         sheet.curve(&grid, starts.size);
         if sheet.nodes.iter().flatten().any(Node::is_useful) {
@@ -151,9 +151,20 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
 }
 
 impl Sheet {
-    /// The nodes of cells where another sheet has one, too.
-    fn both(&self, other: &Sheet) -> impl Iterator<Item = [Node; 2]> {
-        self.nodes.iter().zip(&other.nodes).filter_map(|(own, other)| Some([(*own)?, (*other)?]))
+    /// Takes out the nodes that another sheet has, too. Returns how many.
+    fn strip(&mut self, known: &Sheet, same: impl Fn(DVec2, DVec2) -> bool) -> usize {
+        let alike = self.nodes.iter_mut().zip(&known.nodes).filter_map(|(own, known)| {
+            let (node, known) = ((*own)?, (*known)?);
+            same(node.pupil, known.pupil).then(|| *own = None)
+        });
+        alike.count()
+    }
+
+    /// Gives its nodes to another sheet where that has none.
+    fn hand_over(&mut self, known: &mut Sheet) {
+        for (own, known) in self.nodes.iter_mut().zip(&mut known.nodes).filter(|(_, known)| known.is_none()) {
+            *known = own.take();
+        }
     }
 
     /// Takes how derivatives change from the nodes beside each other.
@@ -189,7 +200,8 @@ impl Sheet {
             });
             let unsure = missed.fold(0.0, f64::max) + over_lamp.into_iter().fold(0.0, f64::max);
             if let Some(node) = &mut self.nodes[cell] {
-                node.unsure = unsure;
+                // Beyond a fold nothing is foretold.
+                node.unsure = unsure.min(node.reach);
             }
         }
     }

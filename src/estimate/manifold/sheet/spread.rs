@@ -75,8 +75,9 @@ impl Node {
         let pupil = self.pupil + self.by_lamp * offset;
         let wanted = pupil.clamp_length_max(INSIDE * radius);
         let place = middle + self.by_film.inverse() * (wanted - pupil);
-        // A lamp that is imaged in the pupil stays there, wherever one looks.
-        let film = if place.is_finite() { place.clamp(-eye.half(), eye.half()) } else { middle };
+        // A lamp that is imaged in the pupil, or nearly so, stays there wherever one looks.
+        let near = (place - middle).abs().cmple(2.0 * eye.half()).all();
+        let film = if near { place.clamp(-eye.half(), eye.half()) } else { middle };
         let pupil = pupil + self.by_film * (film - middle);
         let cells = ((film - middle) / (2.0 * source.grid.half_cell())).length();
         let far = cells + pupil.length() / self.reach;
