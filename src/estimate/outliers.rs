@@ -17,6 +17,8 @@ pub struct PlaneLight {
 const TOGETHER: f64 = 25.0;
 /// Deviations beyond this many standard errors are told.
 const SIGMA: f64 = 8.0;
+/// What maps of lit faces may err by, as a share of the light: later passes have finer ones.
+const OF_MAPS: f64 = 1e-3;
 
 /// The light of all planes of a shard. Estimators that share a plane count together: which of them has a path may depend on
 /// the pass (finer maps of lit faces come late).
@@ -85,7 +87,8 @@ fn deviation(own: &PlaneLight, others: &[&PlaneLight]) -> Option<f64> {
     others.iter().for_each(|other| scatter.add((other.mean - mean) * other.passes.sqrt()));
     let per_pass = if others.len() > 2 { scatter.variance() } else { 0.0 };
     let variance = (of_pixels(own) + rest).max(per_pass * (1.0 / own.passes + 1.0 / passes));
-    let apart = own.mean - mean;
+    let apart = (own.mean - mean).abs() - OF_MAPS * mean.abs();
+    let apart = apart.max(0.0).copysign(own.mean - mean);
     (variance > 0.0).then(|| apart / variance.sqrt()).or((apart != 0.0).then_some(f64::INFINITY.copysign(apart)))
 }
 
@@ -116,6 +119,10 @@ mod tests {
         // Nor of light that comes seldom, which two shards have not met and the single pass of a third has.
         let none = || vec![PlaneLight { variance: 0.0, ..shard(0.0, 2.0).remove(0) }];
         assert!(find(&paths[..3], &[none(), none(), single(1.0)]).is_empty());
+        // Maps that come late move light a little, whatever the noise is.
+        let quiet = |mean| vec![PlaneLight { variance: 1e-9, ..shard(mean, 10.0).remove(0) }];
+        assert!(find(&paths[..4], &[quiet(1000.9), quiet(1000.0), quiet(1000.0), quiet(1000.0)]).is_empty());
+        assert_eq!(find(&paths[..4], &[quiet(1001.1), quiet(1000.0), quiet(1000.0), quiet(1000.0)]).len(), 1);
         let wide: Vec<_> = [900.0, 1100.0, 1000.0, 950.0, 1080.0].map(|mean| shard(mean, 10.0)).into();
         assert!(find(&paths, &wide).is_empty());
     }
