@@ -80,15 +80,27 @@ pub struct Outcome {
 }
 
 impl Films {
+    /// The relative error that a run states: [`Films::relative_noise`], and where few pixels have most of the variance, the
+    /// squared error of a run is often larger than its mean. Then this is as much larger as it takes for [`LEEWAY`] times it to
+    /// cover 19 in 20 of them. The pixels' sum counts as χ² of (Σv)²/Σv² degrees of freedom (F. E. Satterthwaite, Biometrics
+    /// Bulletin 2, 1946). None before the second pass or for a black picture.
+    pub fn relative_error(&self) -> Option<f64> {
+        let [noise, squares, signal] = self.noise()?;
+        let freedom = if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
+        let most = (chi2_over_mean(freedom, Z_OF_95) / (LEEWAY * LEEWAY)).max(1.0);
+        Some((noise * most / signal).sqrt())
+    }
+
     /// Root of (sum of the variances of all pixels' luminance) over (sum of their squares): the noise's share of the
     /// picture. None before the second pass or for a black picture.
-    ///
-    /// Where few pixels have most of the variance, the squared error of a run is often larger than its mean. Then this is as
-    /// much larger as it takes for [`LEEWAY`] times it to cover 19 in 20 of them. The pixels' sum counts as χ² of
-    /// (Σv)²/Σv² degrees of freedom (F. E. Satterthwaite, Biometrics Bulletin 2, 1946).
+    pub fn relative_noise(&self) -> Option<f64> {
+        self.noise().map(|[noise, _, signal]| (noise / signal).sqrt())
+    }
+
+    /// Sums over the pixels: variance, its square, and luminance squared.
     ///
     /// Where each pixel goes through points that are even over the passes, what that saves is found in the whole picture.
-    pub fn relative_error(&self) -> Option<f64> {
+    fn noise(&self) -> Option<[f64; 3]> {
         let (_, first, _) = self.films.first()?;
         let saved: Vec<f64> = self.films.iter().map(|(estimator, film, _)| saved(*estimator, film)).collect();
         // Rows side by side, summed in their order whatever thread made them.
@@ -108,10 +120,8 @@ impl Films {
         };
         let rows: Vec<[f64; 3]> = (0..first.height).into_par_iter().map(of_row).collect();
         let add = |sum: [f64; 3], row: &[f64; 3]| std::array::from_fn(|k| sum[k] + row[k]);
-        let [noise, squares, signal] = rows.iter().fold([0.0; 3], add);
-        let freedom = if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
-        let most = (chi2_over_mean(freedom, Z_OF_95) / (LEEWAY * LEEWAY)).max(1.0);
-        (self.passes >= 2 && signal > 0.0).then(|| (noise * most / signal).sqrt())
+        let sums = rows.iter().fold([0.0; 3], add);
+        (self.passes >= 2 && sums[2] > 0.0).then_some(sums)
     }
 
     /// The ledger of one estimator, if it ran.

@@ -1,6 +1,6 @@
 //! How much work a relative error takes: passes of a small picture until it states that error or has cost enough, and the square
 //! root law from there on. Even points converge faster than that law has it, which few passes cannot tell. How much less noise the
-//! pixels of the whole picture have is foretold from those of a still smaller one.
+//! pixels of the whole picture have is foretold from a few passes of one in between.
 
 use crate::base::Result;
 use crate::estimate::run::{Films, begin};
@@ -11,11 +11,11 @@ use crate::world::World;
 /// Passes and paths to a relative error of 1 %.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Forecast {
-    /// Relative error of one pass, by the pilot; none for a black picture.
+    /// Relative error of one pass of the whole picture, by the pilot's first six; none for a black picture.
     pub error_of_a_pass: Option<f64>,
     /// Paths of one pass of the whole picture.
     pub paths_of_a_pass: f64,
-    /// Passes to 1 %.
+    /// Passes to 1 %, by all of the pilot's: fewer than the error of one tells where points are even.
     pub passes: Option<f64>,
     /// Passes that the pilot made.
     pub pilot_passes: u64,
@@ -27,8 +27,11 @@ const AIM: f64 = 0.01;
 const PASSES: u64 = 6;
 /// Counted work that the pilot may take, about a second's.
 const WORK: u64 = 50_000_000;
-/// Longer side of its picture, pixels.
+/// Longer side of its picture, pixels, and of the one that tells how errors depend on the pixels' size.
 const SIDE: usize = 64;
+const LARGER_SIDE: usize = 128;
+/// The error goes as the number of pixels to a power of at least this: that of edges.
+const MOST_BY_PIXELS: f64 = -0.25;
 
 /// Runs the pilot. Errors: as [`World::freeze`].
 pub fn forecast(scene: &Scene, plan: &Plan) -> Result<Forecast> {
@@ -48,14 +51,14 @@ pub fn forecast(scene: &Scene, plan: &Plan) -> Result<Forecast> {
     let mut tracing = begin(&world, &own, scene.groups.len(), small.eye.resolution, 0);
     tracing.step(PASSES);
     let first = of_a_pass(tracing.films());
-    let larger = match first {
-        Some(error) if share < 1.0 => {
-            let (smaller, own, _) = shrunk(SIDE / 2);
-            let world = World::freeze(&smaller)?;
-            let mut tracing = begin(&world, &own, scene.groups.len(), smaller.eye.resolution, 0);
+    let larger = match tracing.films().relative_noise() {
+        Some(noise) if share < 1.0 => {
+            let (finer, own, share_of_finer) = shrunk(LARGER_SIDE);
+            let world = World::freeze(&finer)?;
+            let mut tracing = begin(&world, &own, scene.groups.len(), finer.eye.resolution, 0);
             tracing.step(PASSES);
-            let rough = of_a_pass(tracing.films()).unwrap_or(0.0);
-            of_the_whole([error, rough], pixels(&small) / pixels(&smaller), share)
+            let fine = tracing.films().relative_noise().unwrap_or(0.0);
+            of_the_whole([noise, fine], share_of_finer / share, share_of_finer)
         }
         Some(_) | None => 1.0,
     };
@@ -79,12 +82,13 @@ fn pixels(scene: &Scene) -> f64 {
     scene.eye.resolution.iter().product::<usize>() as f64
 }
 
-/// How many times the error of a small picture that of the whole one is, whose pixels are 1/`share` as many. `errors`: of the small
-/// picture and of one with 1/`ratio` of its pixels.
-fn of_the_whole([error, rough]: [f64; 2], ratio: f64, share: f64) -> f64 {
-    let exponent = (error / rough).ln() / ratio.ln();
-    // Pixels of half the size have less of an edge or a slope each, and no more noise. Where none has any there is no number.
-    if exponent.is_nan() { 1.0 } else { share.powf(-exponent.clamp(-0.5, 0.0)) }
+/// The whole picture's error in that of a small one, from the errors of this and of one with `ratio` times its pixels, which are
+/// `share` of the whole one's.
+fn of_the_whole([small, fine]: [f64; 2], ratio: f64, share: f64) -> f64 {
+    // Smaller pixels have no more noise. Of two pixels where one was, at most one has the edge: error² is as the pixels' side.
+    let exponent = ((fine / small).ln() / ratio.ln()).clamp(MOST_BY_PIXELS, 0.0);
+    // Where there is no noise there is no number.
+    if exponent.is_nan() { 1.0 } else { (ratio / share).powf(exponent) }
 }
 
 /// The relative error of one pass that these would state if passes were independent.
@@ -112,16 +116,17 @@ mod tests {
 
     #[test]
     fn errors_fall_with_the_pixels_size_as_far_as_two_pictures_tell() {
+        let root = 2f64.sqrt();
         for (errors, want) in [
-            ([0.1, 0.2], 0.25),
+            ([0.1 * root, 0.1], 0.25),
             ([0.1, 0.1], 1.0),
-            ([0.2, 0.1], 1.0),
-            ([0.1, 10.0], 0.25),
-            ([0.1, 0.1 * 2f64.sqrt()], 0.5),
+            ([0.1, 0.2], 1.0),
+            ([10.0, 0.1], 0.25),
+            ([0.1 * root.sqrt(), 0.1], 0.5),
             ([0.0, 0.0], 1.0),
-            ([0.1, 0.0], 1.0),
+            ([0.1, 0.0], 0.25),
         ] {
-            let got = of_the_whole(errors, 4.0, 1.0 / 16.0);
+            let got = of_the_whole(errors, 4.0, 1.0 / 64.0);
             assert!((got - want).abs() < 1e-12, "{errors:?}: {got} {want}");
         }
     }
