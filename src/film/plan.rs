@@ -87,6 +87,10 @@ pub struct Row {
 
 /// Most paths of a pixel in one pass.
 const MOST_PATHS: u32 = 64;
+/// Trains times lamps that tables are made for, towards the pupil and towards scatterers; with more lamps there are fewer
+/// trains, and with more than this none.
+pub const MOST_ENTRIES: usize = 512;
+pub const MOST_LIT: usize = 128;
 
 /// Radii within which photons are gathered, m.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
@@ -172,6 +176,13 @@ impl Plan {
         let used = used.chain(self.screens.iter().map(|screen| screen.part));
         if let Some(part) = used.into_iter().find(|part| *part as usize >= parts) {
             return Err(format!("names part {part} of {}", parts));
+        }
+        for (named, count, most) in
+            [("connections", self.connections.len(), MOST_ENTRIES), ("screens", self.screens.len(), MOST_LIT)]
+        {
+            if count > most {
+                return Err(format!("has {count} {named}, more than {most}"));
+            }
         }
         let share = self.backward_share;
         if !(1..=MOST_PATHS).contains(&self.backward_paths) {

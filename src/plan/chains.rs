@@ -12,7 +12,7 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::route::Route;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::film::guide::Guide;
-use crate::film::plan::{Estimator, Plan};
+use crate::film::plan::{Estimator, MOST_ENTRIES, MOST_LIT, Plan};
 use crate::film::train::{Connection, Lens, Screen, ScreenSeed, Seed, Train};
 use crate::world::World;
 use crate::world::eye::Arrival;
@@ -35,10 +35,6 @@ const WORTH: f64 = 1e-7;
 const SEEDS: usize = 6;
 /// Interfaces at which one path and all its branches may split.
 const MOST_SPLITS: u32 = 768;
-/// Trains times lamps that tables are made for, towards the pupil and towards scatterers; with more lamps there are fewer
-/// trains, and with more than this none.
-const MOST_ENTRIES: usize = 512;
-const MOST_LIT: usize = 128;
 
 /// Light that arrived over one chain, and where.
 pub(super) struct Arrived {

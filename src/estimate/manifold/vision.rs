@@ -29,6 +29,9 @@ use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+/// Passes whose optical constants are held at a time.
+const BATCH: u64 = 16;
+
 /// The estimator, ready to run passes.
 pub struct Manifold<'w, M: Mode> {
     mode: PhantomData<M>,
@@ -58,7 +61,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let mut total = Ledger::new(self.world.solids.len());
         let (mut pass, end) = (first, first + count);
         while pass < end {
-            let next = self.screens.next_change(pass).min(end);
+            let next = self.screens.next_change(pass).min(pass.saturating_add(BATCH)).min(end);
             let optics = M::optics(self.world, self.seed, pass);
             let screens = self.screens.of_pass(pass, self.world, &optics);
             self.block(film, pass, next - pass, &screens, &mut total);
