@@ -159,7 +159,9 @@ impl Fields {
     fn power(&self, num: f64, den: f64, out: f64) -> (f64, f64, f64) {
         let (a, b) = (self.b * num, self.c * den);
         let whole = (a + b).norm_sq();
-        let transmitted = 4.0 * num * den * out / whole * (-2.0 * self.log_scale).exp();
+        // Most films take nothing out.
+        let scale = if self.log_scale == 0.0 { 1.0 } else { (-2.0 * self.log_scale).exp() };
+        let transmitted = 4.0 * num * den * out / whole * scale;
         ((a - b).norm_sq() / whole, transmitted, 4.0 * num * den * self.absorbed / whole)
     }
 
