@@ -24,4 +24,6 @@ mod screens_tests;
 pub mod stated;
 pub mod stress;
 #[cfg(test)]
+mod unknown_tests;
+#[cfg(test)]
 mod windows_tests;

@@ -7,6 +7,7 @@ mod skyward;
 use super::ShouldStop;
 use super::even::Even;
 use super::ledger::{Ledger, cost};
+use super::manifold::connections::Connections;
 use super::panes::Scattered;
 use super::pick_up::Shining;
 use super::pixel::Pixel;
@@ -27,6 +28,7 @@ use rayon::prelude::*;
 use sent::Here;
 use skyward::Skyward;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 /// The backward estimator, ready to run passes.
 pub struct Backward<'w, M: Mode> {
@@ -49,7 +51,7 @@ pub struct Backward<'w, M: Mode> {
 }
 
 impl<'w, M: Mode> Backward<'w, M> {
-    /// `paths`: per pixel that a pass looks at. `share`: of the pixels, chosen by chance; what is seen there counts
+    /// `paths`: per pixel that a pass looks at, but for those to lamps over specular faces alone. `share`: of the pixels, chosen by chance; what is seen there counts
     /// 1/share. `hints`: where lamps are seen over specular faces, and the sky through windows.
     pub fn new(world: &'w World, route: Route, (paths, share): (u32, f64), hints: Hints<'_>, seed: u64) -> Self {
         let skyward = Skyward::new(hints.windows);
@@ -61,6 +63,15 @@ impl<'w, M: Mode> Backward<'w, M> {
         };
         let panes = world.faces.iter().flatten().any(transmits);
         Backward { world, mode: PhantomData, reach, vision, skyward, route, asked, panes, paths, share, seed }
+    }
+
+    /// Looks for what these connections leave to rays from the eye, too, at this share of the pixels in a pass.
+    #[must_use]
+    pub fn beside(mut self, connections: Arc<Connections>, share: f64) -> Self {
+        // Of the pixels that are looked at anyway.
+        let share = (share / self.share).min(1.0);
+        self.vision.iter_mut().for_each(|vision| vision.beside(connections.clone(), share));
+        self
     }
 
     /// Looks at `count` pixels spread over the picture and tells whether any of them has light of ours. Once `stop` says
@@ -109,6 +120,10 @@ impl<'w, M: Mode> Backward<'w, M> {
                             let pixel = Pixel::new((x, *y), width, *pass);
                             if self.looks(pixel) {
                                 self.pixel(optics, pixel, &mut light, &mut ledgers);
+                            }
+                            // A pixel without light adds nothing but zeros; where few are looked at, that is most of them.
+                            if light.iter().all(|light| *light == Light::default()) {
+                                continue;
                             }
                             if self.share < 1.0 {
                                 light.iter_mut().for_each(|light| *light = light.scaled(1.0 / self.share));

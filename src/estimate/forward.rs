@@ -165,7 +165,7 @@ impl<M: Mode> Visitor<M> for Arrivals<'_, M> {
         if !from.visible && walker.trail.class_from_lamp() == Class::Vision {
             return;
         }
-        if self.is_connected(walker, from, arrival) {
+        if self.is_of_others(walker, from, arrival) {
             return;
         }
         let share = self.route.from_lamp(from.group, walker.trail);
@@ -189,13 +189,17 @@ impl<M: Mode> Visitor<M> for Arrivals<'_, M> {
 }
 
 impl<M: Mode> Arrivals<'_, M> {
-    /// Whether the path is one that specular connection returns for its ends.
-    fn is_connected(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival) -> bool {
+    /// Whether the path is one that specular connection returns for its ends, or comes over a train that it does not know:
+    /// then rays from the eye have it.
+    fn is_of_others(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival) -> bool {
         let (Some(chain), Some((lamp, point, normal))) = (walker.chain(), from.face) else { return false };
-        arrival.pixel.is_some() && walker.trail.class_from_lamp() == Class::Vision && {
+        let vision = arrival.pixel.is_some() && walker.trail.class_from_lamp() == Class::Vision;
+        vision && self.route.is_connected(from.group) && {
             let target = Target::new(point, normal);
             let places = (arrival.film, arrival.pupil);
-            self.connections.owns((walker.world, self.optics), chain, (lamp, &target), places, &mut self.work)
+            let tracing = (walker.world, self.optics);
+            !self.connections.knows(chain)
+                || self.connections.owns(tracing, chain, (lamp, &target), places, &mut self.work)
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::base::lpe::{Sieve, Source, Takes, Told};
 use crate::base::path::{Class, Event, Trail};
 use crate::film::accumulate::PlaneKey;
 use crate::film::layer::Layer;
-use crate::film::plan::{Estimator, Plan};
+use crate::film::plan::{Estimator, Plan, Verdict};
 use std::sync::Arc;
 
 /// The planes that one estimator fills, and which path goes where.
@@ -15,6 +15,8 @@ pub struct Route {
     /// `[group][class][has_broad]` → share: a group's light in a layer.
     table: Vec<Option<usize>>,
     groups: usize,
+    /// Per group: of its vision paths we have what connection leaves, or are connection.
+    connected: Vec<bool>,
     /// How light path expressions part shares; none: a share is a plane.
     parted: Option<Parted>,
 }
@@ -36,7 +38,9 @@ impl Route {
                     // Without a scatterer there is no broad one; the plan's answer must not open a plane for it.
                     let possible = !(broad && class == Class::Vision);
                     let plane = (possible && plan.computes(estimator, group, class, broad)).then(|| {
-                        let key = PlaneKey { layer: Layer::of(class, estimator), group, takes: 0 };
+                        // What connection leaves goes where its own light goes.
+                        let owner = plan.owner(group, class, broad).unwrap_or(estimator);
+                        let key = PlaneKey { layer: Layer::of(class, owner), group, takes: 0 };
                         planes.iter().position(|&plane| plane == key).unwrap_or_else(|| {
                             planes.push(key);
                             planes.len() - 1
@@ -46,7 +50,14 @@ impl Route {
                 }
             }
         }
-        Route { planes, table, groups, parted: None }
+        let connected = |group| matches!(plan.row(group, Class::Vision).verdict, Verdict::Connect { .. });
+        let connected = (0..groups).map(|group| connected(GroupId::from_index(group))).collect();
+        Route { planes, table, groups, connected, parted: None }
+    }
+
+    /// Whether connection has the vision paths of a group that it can solve for.
+    pub fn is_connected(&self, group: GroupId) -> bool {
+        self.connected[group.index()]
     }
 
     /// The same with a plane for whatever the expressions of `sieve` take of a share.

@@ -2,9 +2,11 @@
 //! cost little and know their way, so they get points of their own in every pixel and follow both ways on at an
 //! interface. A mirrored lamp smaller than a pixel would otherwise be the noise of the whole picture; where the plan knows
 //! of one in a pinhole's picture, some of the points are chosen about it. Through a pupil that is no point, a lamp is seen
-//! in a small part of it: where the plan knows which, most of the rays go there.
+//! in a small part of it: where the plan knows which, most of the rays go there. Where specular connection has what it can,
+//! some pixels of a pass look for what comes over trains of faces that it does not know.
 
 use super::ledger::Ledger;
+use super::manifold::connections::Connections;
 use super::pixel::Pixel;
 use super::route::Route;
 use super::walk::{Meeting, Met, Travel, Walker};
@@ -19,9 +21,11 @@ use crate::world::World;
 use crate::world::eye::EyeLens;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
+use crate::world::lamp::Lamp;
 use crate::world::mode::{Mode, plane_of};
 use crate::world::optics::Optics;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Paths per pixel and pass, and those about each image of a lamp in the pixel.
 const PATHS: u64 = 4;
@@ -54,10 +58,21 @@ impl<'p> Hints<'p> {
 /// Follows paths from the eye to lamps, over specular events only.
 pub struct Vision<'w> {
     world: &'w World,
+    /// Some group is ours whose lamps are not connected.
+    whole: bool,
+    unknown: Option<Unknown>,
     /// By pixel: the places in it or near it that show lamps.
     glints: HashMap<u64, Vec<Glint>>,
     pupil: Option<PupilGuide>,
     seed: u64,
+}
+
+/// What specular connection leaves to rays from the eye.
+struct Unknown {
+    /// What it does not leave.
+    connections: Arc<Connections>,
+    /// Of the pixels that a pass looks at for that.
+    share: f64,
 }
 
 /// The glints that reach into each pixel.
@@ -87,13 +102,23 @@ fn by_pixel(eye: &EyeLens, glints: &[Glint]) -> HashMap<u64, Vec<Glint>> {
 impl<'w> Vision<'w> {
     /// None if the route leaves direct vision of all lamps to others.
     pub fn new(world: &'w World, route: &Route, hints: Hints<'_>, seed: u64) -> Option<Self> {
-        let owned = |trail: Trail| world.lamps.all().iter().any(|lamp| route.from_eye(lamp.group, trail).is_some());
-        (owned(Trail::START) || owned(Trail::START.then(Event::Specular))).then(|| Vision {
+        let trails = [Trail::START, Trail::START.then(Event::Specular)];
+        let ours = |lamp: &&Lamp| trails.iter().any(|trail| route.from_eye(lamp.group, *trail).is_some());
+        let mut ours = world.lamps.all().iter().filter(ours).peekable();
+        ours.peek()?;
+        Some(Vision {
             world,
+            whole: ours.any(|lamp| !route.is_connected(lamp.group)),
+            unknown: None,
             glints: by_pixel(&world.eye, hints.glints),
             pupil: hints.pupil.cloned(),
             seed,
         })
+    }
+
+    /// Looks for what these connections don't know, too, at this share of the pixels in a pass.
+    pub fn beside(&mut self, connections: Arc<Connections>, share: f64) {
+        self.unknown = (!connections.is_empty()).then_some(Unknown { connections, share });
     }
 
     /// Adds what one pass sees in a pixel to `out`, by plane.
@@ -105,7 +130,15 @@ impl<'w> Vision<'w> {
         out: &mut [Light],
         ledger: &mut Ledger,
     ) {
+        let share = match &self.unknown {
+            _ if self.whole => 1.0,
+            Some(unknown) => unknown.share,
+            None => return,
+        };
         let mut rng = pixel.rng(self.seed, Stream::Vision);
+        if share < 1.0 && rng.uniform() >= share {
+            return;
+        }
         let glints = self.glints.get(&pixel.index).map_or(&[][..], Vec::as_slice);
         let eye = &self.world.eye;
         let cell = eye.pixel().iter().product::<f64>();
@@ -141,17 +174,26 @@ impl<'w> Vision<'w> {
             if !jitter.iter().all(|x| (0.0..1.0).contains(x)) {
                 continue;
             }
-            let weight = 1.0 / (of_lens * density(eye.film_of(pixel.x, pixel.y, jitter).to_array()));
+            let weight = 1.0 / (share * of_lens * density(eye.film_of(pixel.x, pixel.y, jitter).to_array()));
             let (origin, dir) = eye.ray(pixel.x, pixel.y, jitter, lens);
             let ray = Ray { origin, dir, from: None };
             let mut walker =
                 Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
+            if self.unknown.is_some() {
+                walker = walker.recording();
+            }
             let balance = ledger.imbalance();
             ledger.paths += 1;
             ledger.emitted += weight;
             self.follow(route, &mut walker, weight * SPLIT_FROM, out, ledger);
             ledger.close_path(balance);
         }
+    }
+
+    /// Whether a path to a connected lamp comes over a train that connection does not know.
+    fn is_unknown<M: Mode>(&self, walker: &Walker<'_, M>) -> bool {
+        let unknown = self.unknown.as_ref().zip(walker.chain());
+        unknown.is_some_and(|(unknown, chain)| !unknown.connections.knows(&chain.reversed()))
     }
 
     fn follow<M: Mode>(
@@ -173,6 +215,7 @@ impl<'w> Vision<'w> {
             };
             if let Some(seen) = walker.lamp_at(&vertex)
                 && let Some(share) = route.from_eye(seen.lamp.group, walker.trail)
+                && (!route.is_connected(seen.lamp.group) || self.is_unknown(walker))
             {
                 let plane = route.plane_from_eye(share, walker.told, seen.lamp.group, Source::Face);
                 walker.see(plane_of::<M>(out, plane), &seen, 1.0);

@@ -38,7 +38,9 @@ impl Estimator {
 pub enum Verdict {
     /// `owner` computes these paths. Where `owner` is `Photon`, paths without a broad scatterer are `Backward`'s.
     Own { owner: Estimator, because: String },
-    /// Specular connection computes those of these paths that its solver returns for their ends, `rest` all others.
+    /// Specular connection computes those of these paths that its solver returns for their ends, `rest` all others. Of
+    /// vision, rays from the eye have what comes over trains that connection does not know: no pilot has seen these, so
+    /// paths from the lamps to there may have any weight, but no ray from the eye brings more than a lamp's luminance.
     Connect { rest: Estimator, because: String },
     /// There are no such paths, or nobody is asked for them.
     Skip { because: String },
@@ -112,6 +114,10 @@ impl Radii {
     }
 }
 
+fn whole() -> f64 {
+    1.0
+}
+
 /// Everything that was decided before pass 0.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Plan {
@@ -144,6 +150,9 @@ pub struct Plan {
     pub backward_paths: u32,
     /// Share of the pixels that a pass of the backward estimator looks at: less than 1 where a pilot found no light of its.
     pub backward_share: f64,
+    /// Share of the pixels that such a pass looks at for lamps over trains that connection does not know.
+    #[serde(default = "whole")]
+    pub unknown_share: f64,
     /// Trains over which lamps and eye are joined.
     pub connections: Vec<Connection>,
     /// Trains over which lamps and faces that scatter are joined.
@@ -184,15 +193,15 @@ impl Plan {
                 return Err(format!("has {count} {named}, more than {most}"));
             }
         }
-        let share = self.backward_share;
         if !(1..=MOST_PATHS).contains(&self.backward_paths) {
             return Err(format!(
                 "has {} backward paths per pixel and pass, not 1 to {MOST_PATHS}",
                 self.backward_paths
             ));
         }
-        if !(share > 0.0 && share <= 1.0 && self.photon_radii_m.is_valid()) {
-            return Err(format!("has a share of {share} and radii of {:?} m", self.photon_radii_m));
+        let shares = [self.backward_share, self.unknown_share];
+        if !(shares.iter().all(|share| *share > 0.0 && *share <= 1.0) && self.photon_radii_m.is_valid()) {
+            return Err(format!("has shares of {shares:?} and radii of {:?} m", self.photon_radii_m));
         }
         Ok(())
     }
@@ -206,6 +215,7 @@ impl Plan {
             photons_part: false,
             photon_radii_m: Radii::default(),
             backward_share: 1.0,
+            unknown_share: 1.0,
             backward_paths: 1,
             connections: Vec::new(),
             screens: Vec::new(),
@@ -236,12 +246,13 @@ impl Plan {
         }
     }
 
-    /// Whether `estimator` computes paths of this class: as their owner, or as the one that keeps what the owner's solver
-    /// does not return.
+    /// Whether `estimator` computes paths of this class: as their owner, or as one that keeps what the owner's solver does
+    /// not return.
     pub fn computes(&self, estimator: Estimator, group: GroupId, class: Class, has_broad: bool) -> bool {
         match &self.row(group, class).verdict {
             Verdict::Connect { rest, .. } if has_broad || *rest != Estimator::Photon => {
-                estimator == Estimator::Manifold || estimator == *rest
+                let unknown = class == Class::Vision && estimator == Estimator::Backward;
+                estimator == Estimator::Manifold || estimator == *rest || unknown
             }
             Verdict::Connect { .. } | Verdict::Own { .. } | Verdict::Skip { .. } => {
                 self.owner(group, class, has_broad) == Some(estimator)
@@ -249,11 +260,17 @@ impl Plan {
         }
     }
 
-    /// Whether `estimator` owns any path at all.
+    /// Whether `estimator` computes any path at all.
     pub fn runs(&self, estimator: Estimator) -> bool {
         // With and without a broad scatterer the owners differ; see `Verdict::Own`.
         let any = |row: &Row| [false, true].map(|has_broad| self.computes(estimator, row.group, row.class, has_broad));
         self.rows.iter().any(|row| any(row).contains(&true))
+    }
+
+    /// Whether `estimator` owns all paths of some kind, and does not just keep what connection leaves.
+    pub fn owns(&self, estimator: Estimator) -> bool {
+        let owner = |row: &Row| [false, true].map(|has_broad| self.owner(row.group, row.class, has_broad));
+        self.rows.iter().any(|row| owner(row).contains(&Some(estimator)))
     }
 
     /// [`Plan::owner`] of the path whose trail was walked from the eye.

@@ -83,15 +83,16 @@ impl Visitor<Mono> for Arrivals {
     fn scatterer(&mut self, _: &Walker<'_, Mono>, _: Origin, _: &Vertex, _: &Scatter) {}
 }
 
-/// The connections worth making for the groups whose vision paths the plan gives to specular connection, brightest
-/// first. Once `stop` says true the rest is left out, and the result is worthless.
-pub fn find(
-    world: &World,
-    plan: &Plan,
-    groups: usize,
-    guide: Option<&Guide>,
-    stop: &ShouldStop<'_>,
-) -> Vec<Connection> {
+/// What the pilot found.
+pub struct Found {
+    /// Brightest first.
+    pub connections: Vec<Connection>,
+    /// Share of the light on trains that are not among them: the largest of any light group.
+    pub left: f64,
+}
+
+/// The connections worth making for the groups whose vision paths the plan gives to specular connection. Once `stop` says true the rest is left out, and the result is worthless.
+pub fn find(world: &World, plan: &Plan, groups: usize, guide: Option<&Guide>, stop: &ShouldStop<'_>) -> Found {
     let route = Route::new(plan, groups, Estimator::Manifold);
     let emission = Emission::new(world, &Route::new(plan, groups, Estimator::Forward), groups, guide);
     let optics = Mono::<f64>::optics(world, SEED, 0);
@@ -138,7 +139,9 @@ pub fn find(
         .collect();
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
     found.truncate(MOST_ENTRIES / world.lamps.all().len().max(1));
-    found
+    let mut lefts: Vec<f64> = totals.iter().map(|total| if *total > 0.0 { 1.0 } else { 0.0 }).collect();
+    found.iter().for_each(|connection| lefts[connection.group.index()] -= connection.share);
+    Found { connections: found, left: lefts.into_iter().fold(0.0, f64::max) }
 }
 
 /// A few arrivals of every lamp, apart from each other in the picture.

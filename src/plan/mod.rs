@@ -144,6 +144,7 @@ impl Making<'_> {
             Some(known) => {
                 plan.forward_guide.clone_from(&known.forward_guide);
                 plan.connections.clone_from(&known.connections);
+                plan.unknown_share = known.unknown_share;
                 plan.forward_paths = known.forward_paths;
                 plan.pupil_guide.clone_from(&known.pupil_guide);
             }
@@ -197,9 +198,11 @@ impl Making<'_> {
                 // The guide belongs to the lamps that are left.
                 continue;
             }
-            let connects = |row: &Row| row.class == Class::Vision && matches!(row.verdict, Verdict::Connect { .. });
-            if plan.rows.iter().any(connects) {
-                plan.connections = chains::find(self.world, plan, self.groups(), Some(&pilot.guide), self.stop);
+            if plan.rows.iter().any(|row| row.class == Class::Vision && is_connected(row)) {
+                let found = chains::find(self.world, plan, self.groups(), Some(&pilot.guide), self.stop);
+                plan.connections = found.connections;
+                let least = SELDOM_UNKNOWN.max(FEWEST_LOOKS / self.pixels().max(1) as f64).min(1.0);
+                plan.unknown_share = (UNKNOWN * found.left).clamp(least, 1.0);
             }
             leave_unconnected(plan, Class::Vision);
             // What specular connection leaves is not the light that the pilot has found most of.
@@ -220,8 +223,7 @@ impl Making<'_> {
 
     /// Photons and the connections of lamps with faces that scatter.
     fn photons(&self, plan: &mut Plan) {
-        let connected = |row: &Row| row.class == Class::Caustic && matches!(row.verdict, Verdict::Connect { .. });
-        let caustics = plan.rows.iter().any(connected);
+        let caustics = plan.rows.iter().any(|row| row.class == Class::Caustic && is_connected(row));
         if !(caustics || plan.runs(Estimator::Photon)) || self.stopped() {
             return;
         }
@@ -271,7 +273,7 @@ impl Making<'_> {
         if plan.pupil_guide.is_some() {
             plan.notes.push("backward looks for lamps through the parts of the pupil that a pilot saw lit".to_owned());
         }
-        if self.asked.choice == Choice::Auto && plan.runs(Estimator::Backward) && !self.stopped() {
+        if self.asked.choice == Choice::Auto && plan.owns(Estimator::Backward) && !self.stopped() {
             let route = Route::new(plan, self.groups(), Estimator::Backward);
             let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), Hints::of(plan), pilot::SEED);
             if !backward.finds_light(LOOKS, self.stop) {
@@ -291,6 +293,12 @@ impl Making<'_> {
 
     /// What a reader of the plan should know.
     fn remarks(&self, plan: &mut Plan) {
+        if plan.rows.iter().any(|row| row.class == Class::Vision && is_connected(row)) {
+            plan.notes.push(format!(
+                "backward looks at 1 pixel in {:.0} a pass for lamps over trains that connection does not know",
+                1.0 / plan.unknown_share
+            ));
+        }
         let sightless = self.world.lights.all().iter().filter(|light| !light.is_visible());
         let sightless: BTreeSet<GroupId> = sightless.map(|light| light.group()).collect();
         plan.notes.extend(sightless.into_iter().map(|group| {
@@ -315,6 +323,12 @@ impl Making<'_> {
 /// Paths of the pilot that looks whether rays from the eye find anything, and how many pixels are looked at if not.
 const LOOKS: u64 = 2048;
 const SELDOM: f64 = 1.0 / 64.0;
+/// Looks per pixel and pass for lamps over trains that connection does not know, over their share of the light as far as a
+/// pilot has seen it.
+const UNKNOWN: f64 = 64.0;
+/// The least of it, and the fewest pixels of a pass.
+const SELDOM_UNKNOWN: f64 = 1.0 / 128.0;
+const FEWEST_LOOKS: f64 = 4.0;
 
 /// Backward paths per pixel and pass beside dearer estimators.
 const AMONG_OTHERS: u32 = 4;
@@ -389,6 +403,11 @@ fn connect(rest: Estimator, because: impl Into<String>) -> Verdict {
 
 fn skip(because: impl Into<String>) -> Verdict {
     Verdict::Skip { because: because.into() }
+}
+
+/// Whether connection has what it can.
+fn is_connected(row: &Row) -> bool {
+    matches!(row.verdict, Verdict::Connect { .. })
 }
 
 /// A verdict without its reason: owner, and whether connection has what it can.

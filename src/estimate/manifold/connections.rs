@@ -78,6 +78,11 @@ impl Connections {
         entries.iter().filter_map(|index| Some((*index as usize, self.entries.get(*index as usize)?)))
     }
 
+    /// Whether a chain (from the lamp) is a train's.
+    pub fn knows(&self, chain: &Chain) -> bool {
+        self.known.contains_key(chain)
+    }
+
     /// The probability with which an entry is tried.
     pub fn chance(&self, entry: &Entry) -> f64 {
         self.chances[entry.train]

@@ -175,8 +175,10 @@ fn begin_with<'w, M: Mode + 'w>(
         };
         engines.push(match estimator {
             Estimator::Backward => {
-                let paths = (plan.backward_paths, plan.backward_share);
-                Engine::Backward(Backward::new(world, route, paths, Hints::of(plan), seed))
+                // What connection leaves is lamps over specular faces alone.
+                let paths = if plan.owns(estimator) { plan.backward_paths } else { 0 };
+                let backward = Backward::new(world, route, (paths, plan.backward_share), Hints::of(plan), seed);
+                Engine::Backward(backward.beside(connections.clone(), plan.unknown_share))
             }
             Estimator::Forward => Engine::Forward(Forward::new(
                 world,
