@@ -20,7 +20,7 @@ use crate::film::accumulate::{Film, Light};
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
-use crate::world::mode::{Mode, lanes, plane_of};
+use crate::world::mode::{Mode, OPTICS_AT_A_TIME, lanes, plane_of};
 use crate::world::optics::Optics;
 use crate::world::surface::{FaceOptics, Surface};
 pub use probe::Daylight;
@@ -98,12 +98,11 @@ impl<'w, M: Mode> Backward<'w, M> {
         let width = film.width;
         let parts = self.world.solids.len();
         let mut total = Ledger::new(parts);
-        // Optical constants of a few passes at a time; a row adds its passes in order whatever their number.
-        const BATCH: u64 = 16;
+        // A row adds its passes in order whatever their number.
         let mut next = first;
         let end = first.saturating_add(count);
         while next < end {
-            let passes = next..next.saturating_add(BATCH).min(end);
+            let passes = next..next.saturating_add(OPTICS_AT_A_TIME).min(end);
             next = passes.end;
             let optics: Vec<(u64, Optics<M>)> =
                 passes.map(|pass| (pass, M::optics(self.world, self.seed, pass))).collect();

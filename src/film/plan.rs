@@ -278,3 +278,7 @@ impl Plan {
         self.owner(group, trail.class_from_eye(), trail.has_broad())
     }
 }
+
+#[cfg(test)]
+#[path = "plan_tests.rs"]
+mod tests;

@@ -32,6 +32,9 @@ impl<T: Copy + Debug + Send + Sync, const N: usize> LaneArray<T> for [T; N] {
     }
 }
 
+/// Passes whose optical constants an estimator holds at a time.
+pub const OPTICS_AT_A_TIME: u64 = 16;
+
 /// A spectral mode with or without polarisation.
 pub trait Mode: Copy + Debug + Send + Sync + 'static {
     type Lanes<T: Copy + Debug + Send + Sync>: LaneArray<T>;

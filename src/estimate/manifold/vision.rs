@@ -22,15 +22,12 @@ use crate::film::accumulate::{Film, Light};
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
-use crate::world::mode::{Mode, lanes, plane_of};
+use crate::world::mode::{Mode, OPTICS_AT_A_TIME, lanes, plane_of};
 use crate::world::optics::Optics;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::sync::Arc;
-
-/// Passes whose optical constants are held at a time.
-const BATCH: u64 = 16;
 
 /// The estimator, ready to run passes.
 pub struct Manifold<'w, M: Mode> {
@@ -61,7 +58,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let mut total = Ledger::new(self.world.solids.len());
         let (mut pass, end) = (first, first + count);
         while pass < end {
-            let next = self.screens.next_change(pass).min(pass.saturating_add(BATCH)).min(end);
+            let next = self.screens.next_change(pass).min(pass.saturating_add(OPTICS_AT_A_TIME)).min(end);
             let optics = M::optics(self.world, self.seed, pass);
             let screens = self.screens.of_pass(pass, self.world, &optics);
             self.block(film, pass, next - pass, &screens, &mut total);
