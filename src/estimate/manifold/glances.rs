@@ -33,6 +33,8 @@ const OUTER: f64 = 0.8;
 const FAINT: f64 = 1e-3;
 /// Of the looks at a train by itself so many are by the ray itself.
 const SELDOM: f64 = 1.0 / 16.0;
+/// So much more seldom it is followed for light that is little.
+const SELDOM_OF_LITTLE: f64 = 1.0 / 4.0;
 /// Least share of the looks in which a train is looked at by itself, where its light is all that a pixel may have: a ghost of
 /// 10⁻⁵ of a symbol is some hundredths of the black beside it. By every sixteenth look it made two thirds of the error of the
 /// diffuse HUD.
@@ -115,6 +117,14 @@ impl Glanced {
         }
     }
 
+    /// How often a ray itself is followed where another would always be.
+    fn followed(self) -> f64 {
+        match self {
+            Glanced::Lit | Glanced::All => 1.0,
+            Glanced::Little => SELDOM_OF_LITTLE,
+        }
+    }
+
     /// How often at least.
     fn least(self) -> f64 {
         match self {
@@ -172,7 +182,8 @@ impl<M: Mode> Glances<M> {
             return Some(Rest::ALL);
         };
         let look = self.look_at(spot, pupil);
-        let followed = rng.uniform() < usage.share;
+        let usual = usage.share * of.followed();
+        let followed = rng.uniform() < usual;
         let mut read = 0;
         for (k, glance) in self.glances.iter().enumerate() {
             let by_itself = glance.share < of.by_itself();
@@ -195,7 +206,7 @@ impl<M: Mode> Glances<M> {
             let share = match (known, by_itself) {
                 (false, _) => 1.0,
                 (true, true) => SELDOM,
-                (true, false) => usage.share,
+                (true, false) => usual,
             };
             let control = if followed { 1.0 - 1.0 / share } else { 1.0 };
             let table = Some(glance).filter(|_| known);
@@ -212,7 +223,7 @@ impl<M: Mode> Glances<M> {
                 }
             }
         }
-        followed.then_some(Rest { share: usage.share, read })
+        followed.then_some(Rest { share: usual, read })
     }
 
     /// Whether a followed ray has landed where a glance has been read by itself.

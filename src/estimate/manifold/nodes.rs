@@ -98,14 +98,18 @@ fn cubic(t: f64) -> [f64; 4] {
 }
 
 impl Spot {
+    /// The first of the four nodes of each row, which follow one another, and their weights.
+    pub fn rows(&self) -> impl Iterator<Item = (usize, [f64; 4])> + use<> {
+        let spot = *self;
+        (0..4).map(move |j| {
+            let first = (spot.first[1] + j) * spot.columns + spot.first[0];
+            (first, spot.weights[0].map(|weight| weight * spot.weights[1][j]))
+        })
+    }
+
     /// The sixteen nodes and their weights.
     pub fn nodes(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
-        let spot = *self;
-        (0..16).map(move |k| {
-            let (i, j) = (k % 4, k / 4);
-            let node = (spot.first[1] + j) * spot.columns + spot.first[0] + i;
-            (node, spot.weights[0][i] * spot.weights[1][j])
-        })
+        self.rows().flat_map(|(first, weights)| (first..).zip(weights))
     }
 }
 

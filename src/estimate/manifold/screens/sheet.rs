@@ -106,22 +106,27 @@ impl<M: Mode> Sheet<M> {
     /// The first so many numbers of the nodes about a spot, blended; zeros follow.
     #[inline]
     fn blended(&self, spot: &Spot, quads: usize) -> Option<[Quad; QUADS]> {
-        match quads {
-            1 => self.blended_of::<1>(spot),
-            2 => self.blended_of::<2>(spot),
-            3 => self.blended_of::<3>(spot),
-            _ => self.blended_of::<QUADS>(spot),
+        match (quads, self.quads) {
+            // Nothing is there yet.
+            (_, 0) => None,
+            (1, stride) => self.blended_of::<1>(spot, stride),
+            (2, 2) => self.blended_of::<2>(spot, 2),
+            (3, 3) => self.blended_of::<3>(spot, 3),
+            (_, stride) => self.blended_of::<QUADS>(spot, stride),
         }
     }
 
-    #[inline]
-    fn blended_of<const N: usize>(&self, spot: &Spot) -> Option<[Quad; QUADS]> {
+    /// `stride`: numbers of a node, in fours; known where this is put in place, it makes all of a row known to be there at once.
+    #[inline(always)]
+    fn blended_of<const N: usize>(&self, spot: &Spot, stride: usize) -> Option<[Quad; QUADS]> {
         let mut sums = [Quad::default(); N];
-        for (node, weight) in spot.nodes() {
-            let node = self.lean.get(node * self.quads..)?.first_chunk::<N>()?;
-            for (sum, quad) in sums.iter_mut().zip(node) {
-                for k in 0..4 {
-                    sum[k] += weight * quad[k];
+        for (first, weights) in spot.rows() {
+            let row = self.lean.get(first * stride..(first + 4) * stride)?;
+            for (node, weight) in row.chunks_exact(stride).zip(weights) {
+                for (sum, quad) in sums.iter_mut().zip(node.first_chunk::<N>()?) {
+                    for k in 0..4 {
+                        sum[k] += weight * quad[k];
+                    }
                 }
             }
         }
