@@ -215,14 +215,12 @@ impl<'s> Maker<'s> {
     /// The layers that hold paths of this class from this group; none if nobody traces them.
     fn layers(&self, group: usize, class: Class) -> Vec<Layer> {
         let group = crate::base::ids::GroupId::from_index(group);
-        let computes = |estimator: Estimator| {
-            [false, true].iter().any(|broad| {
-                let possible = !(*broad && class == Class::Vision);
-                possible && self.plan.computes(estimator, group, class, *broad)
-            })
+        let broads = [false, true].into_iter().filter(|broad| !(*broad && class == Class::Vision));
+        let of = |broad: bool| {
+            let computes = move |e: &Estimator| self.plan.computes(*e, group, class, broad);
+            Estimator::ALL.into_iter().filter(computes).map(move |e| self.plan.layer(e, group, class, broad))
         };
-        let mut layers: Vec<Layer> =
-            Estimator::ALL.into_iter().filter(|e| computes(*e)).map(|e| Layer::of(class, e)).collect();
+        let mut layers: Vec<Layer> = broads.flat_map(of).collect();
         layers.sort_unstable();
         layers.dedup();
         layers

@@ -4,7 +4,6 @@ use crate::base::ids::GroupId;
 use crate::base::lpe::{Sieve, Source, Takes, Told};
 use crate::base::path::{Class, Event, Trail};
 use crate::film::accumulate::PlaneKey;
-use crate::film::layer::Layer;
 use crate::film::plan::{Estimator, Plan, Verdict};
 use std::sync::Arc;
 
@@ -38,9 +37,7 @@ impl Route {
                     // Without a scatterer there is no broad one; the plan's answer must not open a plane for it.
                     let possible = !(broad && class == Class::Vision);
                     let plane = (possible && plan.computes(estimator, group, class, broad)).then(|| {
-                        // What connection leaves goes where its own light goes.
-                        let owner = plan.owner(group, class, broad).unwrap_or(estimator);
-                        let key = PlaneKey { layer: Layer::of(class, owner), group, takes: 0 };
+                        let key = PlaneKey { layer: plan.layer(estimator, group, class, broad), group, takes: 0 };
                         planes.iter().position(|&plane| plane == key).unwrap_or_else(|| {
                             planes.push(key);
                             planes.len() - 1

@@ -2,6 +2,7 @@
 
 use super::detail::ErrorDetail;
 use super::guide::{Guide, PupilGuide, Windows};
+use super::layer::Layer;
 use super::train::{Connection, Glint, Screen};
 use crate::base::ids::GroupId;
 use crate::base::path::{Class, Trail};
@@ -118,6 +119,11 @@ fn whole() -> f64 {
     1.0
 }
 
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde wants it
+fn is_whole(share: &f64) -> bool {
+    *share == 1.0
+}
+
 /// Everything that was decided before pass 0.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Plan {
@@ -151,7 +157,7 @@ pub struct Plan {
     /// Share of the pixels that a pass of the backward estimator looks at: less than 1 where a pilot found no light of its.
     pub backward_share: f64,
     /// Share of the pixels that such a pass looks at for lamps over trains that connection does not know.
-    #[serde(default = "whole")]
+    #[serde(default = "whole", skip_serializing_if = "is_whole")]
     pub unknown_share: f64,
     /// Trains over which lamps and eye are joined.
     pub connections: Vec<Connection>,
@@ -258,6 +264,11 @@ impl Plan {
                 self.owner(group, class, has_broad) == Some(estimator)
             }
         }
+    }
+
+    /// The layer that holds what `estimator` computes of a class: what connection leaves goes where its own light goes.
+    pub fn layer(&self, estimator: Estimator, group: GroupId, class: Class, has_broad: bool) -> Layer {
+        Layer::of(class, self.owner(group, class, has_broad).unwrap_or(estimator))
     }
 
     /// Whether `estimator` computes any path at all.

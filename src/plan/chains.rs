@@ -87,7 +87,7 @@ impl Visitor<Mono> for Arrivals {
 pub struct Found {
     /// Brightest first.
     pub connections: Vec<Connection>,
-    /// Share of the light on trains that are not among them: the largest of any light group.
+    /// Share of the light on trains that are not among them: the largest of any light group that has some.
     pub left: f64,
 }
 
@@ -139,9 +139,11 @@ pub fn find(world: &World, plan: &Plan, groups: usize, guide: Option<&Guide>, st
         .collect();
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
     found.truncate(MOST_ENTRIES / world.lamps.all().len().max(1));
-    let mut lefts: Vec<f64> = totals.iter().map(|total| if *total > 0.0 { 1.0 } else { 0.0 }).collect();
-    found.iter().for_each(|connection| lefts[connection.group.index()] -= connection.share);
-    Found { connections: found, left: lefts.into_iter().fold(0.0, f64::max) }
+    // Groups without a train are not connected.
+    let mut connected: BTreeMap<GroupId, f64> = BTreeMap::new();
+    found.iter().for_each(|connection| *connected.entry(connection.group).or_default() += connection.share);
+    let left = connected.into_values().map(|share| 1.0 - share).fold(0.0, f64::max);
+    Found { connections: found, left }
 }
 
 /// A few arrivals of every lamp, apart from each other in the picture.
