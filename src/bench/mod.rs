@@ -5,6 +5,8 @@
 pub mod choice;
 pub mod clock;
 pub mod closed;
+#[cfg(test)]
+mod covers_tests;
 pub mod curve;
 #[cfg(test)]
 mod forecast_tests;

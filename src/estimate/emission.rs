@@ -129,6 +129,9 @@ impl Emission {
         let dir = ray.dir;
         let weights = lanes::<M, _>(|lane| flux_lm * tint[lane]);
         let mut walker = Walker::with_weights((world, optics), Travel::FromLamp, ray, weights, interior, rng);
+        if let Some((.., normal)) = origin.face {
+            walker = walker.from_face(normal);
+        }
         if let Some(sieve) = &world.sieve {
             let source = match self.sources[drawn.lamp] {
                 Source::Face(_) => lpe::Source::Face,

@@ -93,12 +93,21 @@ pub struct Vertex {
     pub touching: Option<Touching>,
     /// What a ray that goes on through this face meets next, at no distance: a face and what lies on it.
     pub then: Option<Hit>,
+    /// What one that goes back from this face meets next, at no distance: the other of the two, where it came through that.
+    pub back: Option<Hit>,
     /// The other face here, of one of these kinds.
     pub beside: Option<Site>,
     /// The ray arrives at the outside of the part's face.
     pub outside: bool,
     /// Unit shading normal on the side where the ray arrives.
     pub normal: DVec3,
+}
+
+impl Vertex {
+    /// What a ray that leaves here, `through` the face or back from it, meets at no distance.
+    pub fn at_once(&self, through: bool) -> Option<&Hit> {
+        if through { self.then.as_ref() } else { self.back.as_ref() }
+    }
 }
 
 /// What the face at a vertex asks for.
@@ -163,6 +172,17 @@ impl<'w, M: Mode> Walker<'w, M> {
         }
     }
 
+    /// The same from a place on a lamp with this normal: where that lies on glass, light which goes there meets it at once.
+    #[must_use]
+    pub fn from_face(mut self, normal: DVec3) -> Self {
+        let (world, dir) = (self.world, self.ray.dir);
+        let glass =
+            self.ray.from.and_then(|site| world.contacts.under(&world.geometry, site, [self.ray.origin, normal, dir]));
+        self.beside = glass.map(|(glass, _)| glass.site);
+        self.pending = glass.map(|(glass, _)| glass).filter(|glass| dir.dot(glass.normal) < 0.0);
+        self
+    }
+
     /// Tells light path expressions of an event.
     pub(super) fn tell(&mut self, letter: Letter) {
         if let Some(sieve) = &self.world.sieve {
@@ -205,9 +225,10 @@ impl<'w, M: Mode> Walker<'w, M> {
         let Some(hit) = hit else { return Met::Sky };
         self.attenuate(hit.t, ledger);
         let (geometry, contacts) = (&self.world.geometry, &self.world.contacts);
-        let (mut touching, mut then, mut hit) = (None, None, hit);
+        let (mut touching, mut then, mut back, mut hit) = (None, None, None, hit);
         if at_once {
             // The other one of the two has been met.
+            back = contacts.covered(geometry, &hit, dir).map(|[first, _]| first);
         } else if let Some(joint) = contacts.joint(geometry, &self.world.solids, &hit) {
             (hit, touching) = (joint.hit, Some(joint.other));
         } else if let Some([first, second]) = contacts.covered(geometry, &hit, dir) {
@@ -217,7 +238,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         let beside = if at_once { self.ray.from } else { other };
         let outside = dir.dot(hit.normal) < 0.0;
         let normal = if outside { hit.shading } else { -hit.shading };
-        Met::Face(Vertex { outside, normal, hit, touching, then, beside })
+        Met::Face(Vertex { outside, normal, hit, touching, then, back, beside })
     }
 
     /// Beer–Lambert over `length` metres of the medium that the ray runs in.
@@ -389,7 +410,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             self.interior = self.interior_beyond(vertex);
         }
         self.ray = Ray { origin: vertex.hit.point, dir, from: Some(vertex.hit.site) };
-        (self.beside, self.pending) = (vertex.beside, vertex.then.filter(|_| through));
+        (self.beside, self.pending) = (vertex.beside, vertex.at_once(through).copied());
         self.roulette(ledger)
     }
 

@@ -231,6 +231,10 @@ impl Visitor<Mono> for Strikes<'_> {
         if walker.trail.has_scatter() || walker.trail.is_empty() || scatter.is_narrow() || !self.seen.contains(&face) {
             return;
         }
+        // Which way light gets into the glass that it lies on is for paths to find.
+        if walker.world.contacts.is_cover_or_covered(face.0, face.1) {
+            return;
+        }
         if let (Some(chain), Some((lamp, ..))) = (walker.chain(), from.face) {
             let (place, dir) = (vertex.hit.point, -walker.ray.dir);
             let lumens = walker.beam.weight();

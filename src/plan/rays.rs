@@ -125,14 +125,14 @@ fn start<'w>(
             let lights: f64 = world.lights.all().iter().map(|light| light.flux_lm()).sum();
             let faces = world.lamps.total_flux_lm();
             let pick = rng.uniform() * (faces + lights);
-            let (source, ray, interior) = if pick < faces {
+            let (source, ray, normal, interior) = if pick < faces {
                 let (index, _) = world.lamps.pick_by_flux(rng.uniform())?;
                 let lamp = world.lamps.get(index)?;
                 let point = lamp.sample_point(rng.pair());
                 let dir = lamp.sample_direction(point.normal, rng.pair());
                 let from = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: point.triangle };
                 let ray = Ray { origin: point.position, dir, from: Some(from) };
-                (Source::Face(index), ray, *world.lamp_interiors.get(index)?)
+                (Source::Face(index), ray, Some(point.normal), *world.lamp_interiors.get(index)?)
             } else {
                 let mut left = pick - faces;
                 let mut all = world.lights.all().iter().enumerate().filter(|(_, light)| light.flux_lm() > 0.0);
@@ -142,10 +142,13 @@ fn start<'w>(
                 })?;
                 let (origin, dir) = light.emit(rng.pair(), rng.pair());
                 let ray = Ray { origin, dir, from: None };
-                (Source::Light(index), ray, *world.light_interiors.get(index)?)
+                (Source::Light(index), ray, None, *world.light_interiors.get(index)?)
             };
             let dir = ray.dir;
             let mut walker = Walker::new((world, optics), Travel::FromLamp, ray, 1.0, interior, rng);
+            if let Some(normal) = normal {
+                walker = walker.from_face(normal);
+            }
             if let Source::Face(index) = source
                 && let Some(light) = world.lamps.get(index).and_then(|lamp| lamp.polarisation)
             {

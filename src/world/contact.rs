@@ -104,8 +104,7 @@ impl Contacts {
                             note(&mut faces, [part, face], [other, its], reach, false);
                             note(&mut faces, [other, its], [part, face], reach, false);
                         } else if can_cover(other, its) && distance <= grain {
-                            note(&mut covers, [part, face], [other, its], grain, true);
-                            note(&mut covers, [other, its], [part, face], grain, false);
+                            cover(&mut covers, [part, face], [other, its], grain);
                         }
                         let full = faces[part][face].len() + covers[part][face].len() >= MOST;
                         if full { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -113,6 +112,30 @@ impl Contacts {
                     if faces[part][face].len() + covers[part][face].len() >= MOST {
                         break;
                     }
+                }
+            }
+        }
+        // A small cover lies between the places of a large face: it is asked about its own.
+        let is_glass = |part: &usize| (0..diameters[*part].len()).any(|face| can_touch(*part, face));
+        let glass: Vec<u32> = (0..scene.parts.len()).filter(is_glass).map(|part| part as u32).collect();
+        let many = scene.parts.len() > MANY;
+        for (part, own) in diameters.iter().enumerate() {
+            let is_near = |other: &u32| many || geometry.are_near([part as u32, *other], grain);
+            let near: Vec<u32> = glass.iter().copied().filter(is_near).collect();
+            let own = if near.is_empty() { 0 } else { own.len() };
+            for face in (0..own).filter(|face| can_cover(part, *face) && !can_touch(part, *face)) {
+                let is_near = |other: &u32| geometry.is_near(*other, corners(scene, geometry, part, face), grain);
+                if !many && !near.iter().any(is_near) {
+                    continue;
+                }
+                for (p, normal) in places(scene, geometry, part, face) {
+                    geometry.all_beside(part as u32, p, normal, grain, |hit| {
+                        let under = [hit.site.part as usize, hit.site.face as usize];
+                        if can_touch(under[0], under[1]) {
+                            cover(&mut covers, under, [part, face], grain);
+                        }
+                        ControlFlow::Continue(())
+                    });
                 }
             }
         }
@@ -172,6 +195,23 @@ impl Contacts {
             Some(if dir.dot(glass.normal) > 0.0 { [glass, cover] } else { [cover, glass] })
         })
     }
+
+    /// The polished face that a place on a cover, with its normal, lies on; of two that hold it, the one that light which
+    /// leaves along `dir` goes into. And how far off it may be, m.
+    #[inline]
+    pub fn under(&self, geometry: &Geometry, site: Site, [point, normal, dir]: [DVec3; 3]) -> Option<(Hit, f64)> {
+        let held = listed(&self.covers, site).iter().filter(|contact| !contact.covers);
+        let held = held.filter_map(|contact| {
+            let glass = geometry.beside(contact.part, point, normal, contact.reach)?;
+            (glass.site.face == contact.face).then_some((glass, contact.reach))
+        });
+        held.reduce(|a, b| if dir.dot(a.0.normal) < 0.0 { a } else { b })
+    }
+
+    /// Whether a face lies on a polished one of another solid, or such a one under it.
+    pub fn is_cover_or_covered(&self, part: u32, face: u32) -> bool {
+        !listed(&self.covers, Site { part, face, triangle: 0 }).is_empty()
+    }
 }
 
 #[inline]
@@ -191,30 +231,38 @@ fn note(table: &mut Table, of: [usize; 2], face: [usize; 2], reach: f64, covers:
     }
 }
 
+/// Lists a face as the cover of a polished one.
+fn cover(covers: &mut Table, polished: [usize; 2], face: [usize; 2], reach: f64) {
+    note(covers, polished, face, reach, true);
+    note(covers, face, polished, reach, false);
+}
+
 /// What f64 may be off by, m.
 pub(super) fn grain(geometry: &Geometry) -> f64 {
     let (low, high) = geometry.bounds();
     64.0 * f64::EPSILON * low.abs().max(high.abs()).max_element()
 }
 
-/// Diameter of each face of a part about the mean of its corners, m.
-fn diameters(scene: &Scene, geometry: &Geometry, part: usize) -> Vec<f64> {
+/// The corners of a face's triangles, in the world.
+fn corners(scene: &Scene, geometry: &Geometry, part: usize, face: usize) -> impl Iterator<Item = DVec3> + Clone {
     let mesh = scene.mesh(scene.parts[part].mesh);
     let to_world = geometry.part_to_world(part as u32);
-    let corners = |face: usize| {
-        let range = mesh.faces.get(face).map_or(0..0, |range| range.triangles());
-        mesh.triangles.get(range).unwrap_or(&[]).iter().flatten().filter_map(|v| {
-            let [x, y, z] = *mesh.positions.get(*v as usize)?;
-            Some(to_world.transform_point3(DVec3::new(f64::from(x), f64::from(y), f64::from(z))))
-        })
+    let range = mesh.faces.get(face).map_or(0..0, |range| range.triangles());
+    mesh.triangles.get(range).unwrap_or(&[]).iter().flatten().filter_map(move |v| {
+        let [x, y, z] = *mesh.positions.get(*v as usize)?;
+        Some(to_world.transform_point3(DVec3::new(f64::from(x), f64::from(y), f64::from(z))))
+    })
+}
+
+/// Diameter of each face of a part about the mean of its corners, m.
+fn diameters(scene: &Scene, geometry: &Geometry, part: usize) -> Vec<f64> {
+    let diameter = |face: usize| {
+        let corners = corners(scene, geometry, part, face);
+        let count = corners.clone().count().max(1) as f64;
+        let middle = corners.clone().sum::<DVec3>() / count;
+        2.0 * corners.map(|p| p.distance(middle)).fold(0.0, f64::max)
     };
-    (0..scene.parts[part].faces.len())
-        .map(|face| {
-            let count = corners(face).count().max(1) as f64;
-            let middle = corners(face).sum::<DVec3>() / count;
-            2.0 * corners(face).map(|p| p.distance(middle)).fold(0.0, f64::max)
-        })
-        .collect()
+    (0..scene.parts[part].faces.len()).map(diameter).collect()
 }
 
 /// Places spread over the triangles of a face, on its exact surface, with their outward normals.

@@ -31,7 +31,7 @@ use crate::base::lpe::Sieve;
 use crate::scene::{BeaconForm, Coating, Eye, Medium, Scene};
 use contact::Contacts;
 use eye::EyeLens;
-use geometry::Geometry;
+use geometry::{Geometry, Site};
 use interior::{Interior, Solid};
 use lamp::Lamps;
 use light::Lights;
@@ -106,9 +106,12 @@ impl World {
             .iter()
             .map(|lamp| {
                 let start = lamp.sample_point([0.5, 0.5]);
-                Interior::of(
-                    geometry.solids_containing(start.position).into_iter().filter(|&p| p as usize != lamp.part),
-                )
+                let site = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: start.triangle };
+                // Where it lies on glass it is outside of that, on whichever side rounding puts its points.
+                let under = contacts.under(&geometry, site, [start.position, start.normal, start.normal]);
+                let out = [Some(site.part), under.map(|(glass, _)| glass.site.part)];
+                let around = geometry.solids_containing(start.position);
+                Interior::of(around.into_iter().filter(|part| !out.contains(&Some(*part))))
             })
             .collect();
         let emitters = lamps.all().iter().map(|lamp| scene.parts[lamp.part].faces[lamp.face].emitter.as_ref());
@@ -156,6 +159,11 @@ impl World {
             #[cfg(test)]
             planted: Planted::Nothing,
         })
+    }
+
+    /// Whether rays pass a face as if it were not there.
+    pub fn is_absent(&self, site: Site) -> bool {
+        matches!(self.faces[site.part as usize][site.face as usize].surface, surface::Surface::Absent)
     }
 
     /// The same world in a picture of another size. Errors: a picture without pixels.

@@ -65,7 +65,16 @@ impl<M: Mode> Backward<'_, M> {
             return;
         }
         let pdf = probability / lamp.area_m2 * distance * distance / cos;
-        let target = Some(Site { part: lamp.part as u32, face: lamp.face as u32, triangle: target.triangle });
+        let site = Site { part: lamp.part as u32, face: lamp.face as u32, triangle: target.triangle };
+        let distance =
+            match self.world.contacts.under(&self.world.geometry, site, [target.position, target.normal, -dir]) {
+                None => distance,
+                // The glass that it lies on bends the light: rays meet it.
+                Some((glass, _)) if dir.dot(glass.normal) > 0.0 => return,
+                // What is behind the lamp is not before it, whatever rounding says.
+                Some((_, reach)) => distance - 4.0 * reach / cos,
+            };
+        let target = Some(site);
         let tint = here.walker.optics.lamp(index);
         let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
         let (group, source) = (lamp.group, Source::Face);
@@ -148,15 +157,16 @@ impl<M: Mode> Backward<'_, M> {
         if values.as_slice().iter().all(|value| *value <= 0.0) {
             return true;
         }
+        let through = d_out.z < 0.0;
         let ray = Ray { origin: vertex.hit.point, dir, from: Some(vertex.hit.site) };
-        if self.world.geometry.occluded_beside(&ray, vertex.beside, distance, target) {
+        let at_once = vertex.at_once(through).is_some_and(|hit| !self.world.is_absent(hit.site));
+        if at_once || self.world.geometry.occluded_beside(&ray, vertex.beside, distance, target) {
             return false;
         }
         if self.world.eye.blocks_reversed(ray.origin, ray.dir, distance) {
             return true;
         }
         let Some(share) = self.share_of(here, group) else { return true };
-        let through = d_out.z < 0.0;
         let plane = self.route.plane(share, |sieve| {
             let told = sieve.after(walker.told, Letter::of(scatter.event(), through));
             sieve.takes(told, sieve.lamp(group.index(), source))

@@ -99,11 +99,15 @@ impl Bundle {
         }
     }
 
-    /// Where the ray meets the plane through `point` with this normal, ahead of it.
+    /// Where the ray meets the plane through `point` with this normal, ahead of it; or at once, where a lamp lies on the
+    /// last face: to rounding of the places.
     pub fn land(&self, point: DVec3, normal: DVec3) -> Option<Landing> {
+        const ROUNDING: f64 = 64.0 * f64::EPSILON;
         let along = normal.dot(self.ray.dir);
-        let t = normal.dot(point - self.ray.origin) / along;
-        if !(t > 0.0 && t.is_finite()) {
+        let ahead = normal.dot(point - self.ray.origin) * along.signum();
+        let behind = ROUNDING * point.abs().max(self.ray.origin.abs()).max_element();
+        let t = ahead / along.abs();
+        if !(ahead > -behind && t.is_finite()) {
             return None;
         }
         let by = std::array::from_fn(|k| {

@@ -315,7 +315,7 @@ impl<M: Mode> Glance<M> {
             shading: meet.shading,
         };
         let normal = if outside { hit.shading } else { -hit.shading };
-        let vertex = Vertex { hit, touching: known.touching, then: None, beside: None, outside, normal };
+        let vertex = Vertex { hit, touching: known.touching, then: None, back: None, beside: None, outside, normal };
         let weights = lanes::<M, _>(|lane| weight * landing.weight[lane]);
         let interior = self.interior;
         let mut walker = Walker::with_weights((world, optics), Travel::FromEye, ray, weights, interior, rng);

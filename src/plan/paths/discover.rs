@@ -227,7 +227,8 @@ fn is_met_from(world: &World, optics: &Optics<Mono>, chain: &Chain, end: Option<
     let Some(interior) = world.lamp_interiors.get(end.lamp) else { return false };
     let ray = Ray { origin: end.point, dir: -end.dir, from: Some(end.site) };
     let rng = Rng::new(pilot::SEED, Stream::Pilot, 3, 0);
-    let mut walker = Walker::new((world, optics), Travel::FromLamp, ray, 1.0, *interior, rng);
+    let walker = Walker::new((world, optics), Travel::FromLamp, ray, 1.0, *interior, rng);
+    let mut walker = walker.from_face(end.normal);
     let mut ledger = Ledger::new(world.solids.len());
     walker.follow_to_pupil(chain.0.iter().copied(), &mut ledger).is_some()
 }

@@ -116,7 +116,13 @@ impl<'w, M: Mode> Looking<'_, 'w, M> {
                 && (self.vision)(seen.lamp.group)
             {
                 let hit = &vertex.hit;
-                let end = LampEnd { lamp: seen.index, point: hit.point, dir: walker.ray.dir, site: hit.site };
+                let end = LampEnd {
+                    lamp: seen.index,
+                    point: hit.point,
+                    normal: hit.normal,
+                    dir: walker.ray.dir,
+                    site: hit.site,
+                };
                 let found = (seen.lamp.group, Source::Face(seen.index), seen_light(&walker, &seen));
                 self.find(&walker, look, found, Some(end));
             }

@@ -87,6 +87,7 @@ pub struct Trace {
 pub struct LampEnd {
     pub lamp: usize,
     pub point: DVec3,
+    pub normal: DVec3,
     pub dir: DVec3,
     pub site: Site,
 }

@@ -109,6 +109,10 @@ impl<M: Mode> Glances<M> {
         };
         let first = (0..self.over.nodes.number()).find_map(|at| landed(at).into_iter().flatten().next());
         let (walker, vertex) = first?;
+        if vertex.then.is_some() || vertex.back.is_some() {
+            // What lies on it there is not known here.
+            return None;
+        }
         // What the nodes do not say has to be the same everywhere.
         let alike = |(other, at): &(Walker<'_, M>, Vertex)| {
             let touching =
