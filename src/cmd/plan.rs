@@ -63,7 +63,7 @@ pub fn run(args: &PlanArgs) -> Result<ExitCode> {
     let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked(), guides };
     let plan = plan(&checked, &world, asked);
     let frozen = Frozen::new(&scene, asked, &plan);
-    let forecast = forecast(&scene, &frozen.plan)?;
+    let forecast = forecast(&scene, &world, &frozen.plan)?;
     if let Some(path) = &args.output {
         let bytes = serde_json::to_vec_pretty(&frozen)
             .map_err(|error| Fault::new(Where::file(path), format!("cannot be written: {error}")))?;

@@ -3,8 +3,9 @@
 //! pixels of the whole picture have is foretold from a few passes of one in between.
 
 use crate::base::Result;
-use crate::estimate::run::{Films, begin};
+use crate::estimate::run::{Films, Tracing, begin};
 use crate::film::plan::Plan;
+use crate::plan::shrunk::Shrunk;
 use crate::scene::Scene;
 use crate::world::World;
 
@@ -33,32 +34,18 @@ const LARGER_SIDE: usize = 128;
 /// The error goes as the number of pixels to a power of at least this: that of edges.
 const MOST_BY_PIXELS: f64 = -0.25;
 
-/// Runs the pilot. Errors: as [`World::freeze`].
-pub fn forecast(scene: &Scene, plan: &Plan) -> Result<Forecast> {
-    let longer = scene.eye.resolution[0].max(scene.eye.resolution[1]).max(1);
-    let shrunk = |side: usize| {
-        let mut small = scene.clone();
-        let scale = (side as f64 / longer as f64).min(1.0);
-        small.eye.resolution = scene.eye.resolution.map(|n| ((n as f64 * scale) as usize).max(1));
-        let share = pixels(&small) / pixels(scene);
-        let mut own = plan.clone();
-        let fewer = |paths: u64| if paths == 0 { 0 } else { ((paths as f64 * share) as u64).max(1 << 10) };
-        (own.forward_paths, own.photons) = (fewer(plan.forward_paths), fewer(plan.photons));
-        (small, own, share)
-    };
-    let (small, own, share) = shrunk(SIDE);
-    let world = World::freeze(&small)?;
-    let mut tracing = begin(&world, &own, scene.groups.len(), small.eye.resolution, 0);
-    tracing.step(PASSES);
+/// Runs the pilot for a plan of this scene, whose world it is. Errors: as [`World::seen_by`].
+pub fn forecast(scene: &Scene, world: &World, plan: &Plan) -> Result<Forecast> {
+    let shrunk = |side: usize| Shrunk::new(world, &scene.eye, side);
+    let small = shrunk(SIDE)?;
+    let mut tracing = first_passes(&small, plan, scene);
     let first = of_a_pass(tracing.films());
     let larger = match tracing.films().relative_noise() {
-        Some(noise) if share < 1.0 => {
-            let (finer, own, share_of_finer) = shrunk(LARGER_SIDE);
-            let world = World::freeze(&finer)?;
-            let mut tracing = begin(&world, &own, scene.groups.len(), finer.eye.resolution, 0);
-            tracing.step(PASSES);
+        Some(noise) if small.share < 1.0 => {
+            let finer = shrunk(LARGER_SIDE)?;
+            let tracing = first_passes(&finer, plan, scene);
             let fine = tracing.films().relative_noise().unwrap_or(0.0);
-            of_the_whole([noise, fine], share_of_finer / share, share_of_finer)
+            of_the_whole([noise, fine], finer.share / small.share, finer.share)
         }
         Some(_) | None => 1.0,
     };
@@ -72,14 +59,16 @@ pub fn forecast(scene: &Scene, plan: &Plan) -> Result<Forecast> {
     let paths: u64 = films.films.iter().map(|(_, _, ledger)| ledger.paths).sum();
     Ok(Forecast {
         error_of_a_pass: first.map(|error| error * larger),
-        paths_of_a_pass: paths as f64 / films.passes as f64 / share,
+        paths_of_a_pass: paths as f64 / films.passes as f64 / small.share,
         passes: of_a_pass(films).map(|error| (error * larger / AIM).powi(2).ceil().max(1.0)),
         pilot_passes: films.passes,
     })
 }
 
-fn pixels(scene: &Scene) -> f64 {
-    scene.eye.resolution.iter().product::<usize>() as f64
+fn first_passes<'w>(small: &'w Shrunk, plan: &Plan, scene: &Scene) -> Box<dyn Tracing + 'w> {
+    let mut tracing = begin(&small.world, &small.plan(plan), scene.groups.len(), small.size, 0);
+    tracing.step(PASSES);
+    tracing
 }
 
 /// The whole picture's error in that of a small one, from the errors of this and of one with `ratio` times its pixels, which are

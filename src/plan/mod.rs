@@ -15,6 +15,7 @@ mod pupil_guide;
 pub mod rays;
 pub mod scan;
 mod shared_faces;
+mod shrunk;
 mod sky_guide;
 
 use crate::base::ids::GroupId;

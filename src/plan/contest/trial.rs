@@ -5,8 +5,8 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::run::{Films, begin_trial};
 use crate::film::accumulate::Film;
 use crate::film::plan::{Estimator, Plan};
+use crate::plan::shrunk::Shrunk;
 use crate::plan::{Making, pilot};
-use crate::world::World;
 
 /// Longer sides of the pilot's pictures, pixels: a rough one, and a fine one for what that leaves open.
 const SIDES: [usize; 2] = [12, 32];
@@ -73,7 +73,7 @@ impl Trials {
         if rough.as_ref().is_some_and(|rough| clear(rough.ratio)) {
             return rough;
         }
-        let larger = self.fine.pixels() / self.rough.pixels();
+        let larger = self.fine.picture.pixels() / self.rough.picture.pixels();
         let dearest = tried.rough.work(handicap).max(of_rival.rough.work(handicap));
         if rough.is_some() && dearest * larger * PASSES[0] as f64 > MOST_WORK {
             return rough;
@@ -107,45 +107,23 @@ struct Part {
 
 /// A small picture of a pilot.
 struct Small {
-    world: World,
+    picture: Shrunk,
     /// Counted work after which a trial ends.
     work: u64,
-    size: [usize; 2],
-    /// Longer side of the real one.
-    longer: usize,
-    /// Of the pixels of the real one.
-    share: f64,
 }
 
 impl Small {
     fn new(making: &Making<'_>, level: usize) -> Option<Small> {
-        let mut eye = making.checked.scene().eye.clone();
-        let [width, height] = eye.resolution;
-        let scale = (SIDES[level] as f64 / width.max(height).max(1) as f64).min(1.0);
-        let size = [width, height].map(|n| ((n as f64 * scale).round() as usize).max(1));
-        eye.resolution = size;
-        let share = (size[0] * size[1]) as f64 / (width * height).max(1) as f64;
-        let world = making.world.seen_by(&eye).ok()?;
-        Some(Small { world, work: WORK[level], size, longer: width.max(height), share })
-    }
-
-    fn pixels(&self) -> f64 {
-        (self.size[0] * self.size[1]) as f64
+        let picture = Shrunk::new(making.world, &making.checked.scene().eye, SIDES[level]).ok()?;
+        Some(Small { picture, work: WORK[level] })
     }
 
     fn trial(&self, making: &Making<'_>, plan: &Plan) -> Trial {
-        let mut own = plan.clone();
-        if self.share < 1.0 {
-            // As many photons within reach of a point as in the real picture.
-            let fewer = |paths: u64| ((paths as f64 * self.share).ceil() as u64).max(u64::from(paths > 0));
-            (own.forward_paths, own.photons) = (fewer(plan.forward_paths), fewer(plan.photons));
-            own.photon_radii_m = plan.photon_radii_m.scaled(self.share.sqrt().recip());
-        }
+        let Shrunk { world, size, longer, .. } = &self.picture;
+        let own = self.picture.plan(plan);
         let begin = |seed: u64| {
-            let (connections, screens) =
-                (making.made.connections(&self.world, plan), making.made.screens(&self.world, &plan.screens));
-            let joined = (connections, screens);
-            begin_trial(&self.world, &own, making.groups(), (self.size, self.longer), seed, joined)
+            let joined = (making.made.connections(world, plan), making.made.screens(world, &plan.screens));
+            begin_trial(world, &own, making.groups(), (*size, *longer), seed, joined)
         };
         let mut tracing = begin(pilot::SEED);
         while !tracing.films().films.is_empty() && !making.stopped() {
@@ -157,14 +135,14 @@ impl Small {
             }
             tracing.step(2);
         }
-        let first = Trial::of(tracing.films(), self.size);
+        let first = Trial::of(tracing.films(), *size);
         let passes = tracing.films().passes;
         if passes < TELL_EVEN || making.stopped() {
             return first;
         }
         let mut again = begin(pilot::SEED + 1);
         again.step(passes);
-        first.and(&Trial::of(again.films(), self.size))
+        first.and(&Trial::of(again.films(), *size))
     }
 }
 
