@@ -27,6 +27,11 @@ impl Bounds {
     pub fn widen(self, by: DVec3) -> Bounds {
         Bounds { lo: self.lo - by, hi: self.hi + by }
     }
+    /// Whether another comes within `reach` of this one.
+    pub fn comes_near(self, other: Bounds, reach: f64) -> bool {
+        let around = self.widen(DVec3::splat(reach));
+        around.lo.cmple(other.hi).all() && other.lo.cmple(around.hi).all()
+    }
     pub fn centre(self) -> DVec3 {
         0.5 * self.lo + 0.5 * self.hi
     }

@@ -1,5 +1,6 @@
 //! What lies at a face: the questions that find solids in contact.
 
+use super::bound::Bounds;
 use super::instance::Instance;
 use super::{Geometry, Hit, Ray};
 use glam::DVec3;
@@ -11,33 +12,22 @@ const ALONG: f64 = 0.9;
 impl Geometry {
     /// Whether the box of another part comes within `reach` metres of the box of this one.
     pub fn has_neighbours(&self, part: u32, reach: f64) -> bool {
-        let own = self.instance_of(part);
-        own.is_some_and(|own| {
-            let around = own.bounds.widen(DVec3::splat(reach));
-            self.instances.iter().any(|other| {
-                other.part != part && around.lo.cmple(other.bounds.hi).all() && other.bounds.lo.cmple(around.hi).all()
-            })
+        self.instance_of(part).is_some_and(|own| {
+            let is_near = |other: &Instance| own.bounds.comes_near(other.bounds, reach);
+            self.instances.iter().any(|other| other.part != part && is_near(other))
         })
     }
 
     /// Whether the boxes of two different parts come within `reach` metres of each other.
     pub fn are_near(&self, parts: [u32; 2], reach: f64) -> bool {
         let [a, b] = parts.map(|part| self.instance_of(part));
-        parts[0] != parts[1]
-            && a.zip(b).is_some_and(|(a, b)| {
-                let a = a.bounds.widen(DVec3::splat(reach));
-                a.lo.cmple(b.bounds.hi).all() && b.bounds.lo.cmple(a.hi).all()
-            })
+        parts[0] != parts[1] && a.zip(b).is_some_and(|(a, b)| a.bounds.comes_near(b.bounds, reach))
     }
 
     /// Whether the box of these points comes within `reach` metres of the box of a part.
     pub fn is_near(&self, part: u32, points: impl Iterator<Item = DVec3>, reach: f64) -> bool {
-        let none = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
-        let (low, high) = points.fold(none, |(low, high), p| (low.min(p), high.max(p)));
-        self.instance_of(part).is_some_and(|instance| {
-            let around = instance.bounds.widen(DVec3::splat(reach));
-            around.lo.cmple(high).all() && low.cmple(around.hi).all()
-        })
+        let points = Bounds::of(points);
+        self.instance_of(part).is_some_and(|instance| instance.bounds.comes_near(points, reach))
     }
 
     /// The point of a part's face that the line through `p` along the unit vector `normal` meets within `reach` metres.
