@@ -86,6 +86,9 @@ impl Frame {
     }
 }
 
+/// The largest number below 1.
+pub const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+
 /// Point `index` of a lattice of `D` dimensions, moved by `shift` (fractions of 2⁶⁴): each point alone is uniform where the
 /// shift is, and all points so far are spread evenly.
 pub fn lattice<const D: usize>(shift: [u64; D], index: u64) -> [f64; D] {

@@ -20,6 +20,8 @@ mod panes_tests;
 #[cfg(test)]
 mod plan_tests;
 #[cfg(test)]
+mod rims_tests;
+#[cfg(test)]
 mod rough_tests;
 #[cfg(test)]
 mod screens_tests;

@@ -1,5 +1,7 @@
 //! Choosing one of many by weight, and handing the unused part of the random number on.
 
+use crate::base::warp::BELOW_ONE;
+
 /// A discrete distribution over `0..n` with probabilities proportional to non-negative weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cdf {
@@ -63,7 +65,7 @@ impl Cdf {
 
 /// `offset / width` kept inside [0, 1).
 pub(super) fn within(offset: f64, width: f64) -> f64 {
-    (offset / width).clamp(0.0, 1.0 - f64::EPSILON / 2.0)
+    (offset / width).clamp(0.0, BELOW_ONE)
 }
 
 #[cfg(test)]

@@ -133,10 +133,9 @@ impl EyeLens {
     /// The point of the unit cube (right and down over the picture, then what [`EyeLens::ray`] takes to the place in the
     /// pupil) of a place in the picture (tangents) and in the pupil (m).
     pub fn unit_of(&self, film: DVec2, pupil: DVec2) -> [f64; 4] {
-        const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
         let lens = warp::disk_inverse(if self.radius > 0.0 { pupil / self.radius } else { DVec2::ZERO });
         let film = [0.5 + 0.5 * film.x / self.half.x, 0.5 - 0.5 * film.y / self.half.y];
-        [film[0], film[1], lens[0], lens[1]].map(|x| x.clamp(0.0, BELOW_ONE))
+        [film[0], film[1], lens[0], lens[1]].map(|x| x.clamp(0.0, warp::BELOW_ONE))
     }
 
     /// The pixel of a point of that cube, and what [`EyeLens::ray`] wants to know: place in the pixel, place in the pupil.

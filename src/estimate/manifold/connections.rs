@@ -29,8 +29,8 @@ pub struct Entry {
 #[derive(Debug, Default)]
 pub struct Connections {
     pub trains: Vec<Train>,
-    /// Per train: the probability with which a pixel is joined over it in a pass. Faint ones are left out now and then.
-    chances: Vec<f64>,
+    /// Per train: of its group's light.
+    shares: Vec<f64>,
     pub entries: Vec<Entry>,
     /// Per cell of the picture: the entries whose light may arrive there.
     by_cell: Vec<Vec<u32>>,
@@ -54,9 +54,9 @@ impl Connections {
             let train = *known;
             if train == out.trains.len() {
                 out.trains.push(connection.train.clone());
-                out.chances.push(0.0);
+                out.shares.push(0.0);
             }
-            out.chances[train] = out.chances[train].max((connection.share / FULL).clamp(SELDOM, 1.0));
+            out.shares[train] = out.shares[train].max(connection.share);
             let builder = Builder { world, index: &index, train: &connection.train };
             for starts in builder.starts(connection) {
                 let entry = out.entries.len() as u32;
@@ -83,9 +83,19 @@ impl Connections {
         self.known.contains_key(chain)
     }
 
-    /// The probability with which an entry is tried.
+    /// The share that an entry's train has of its group's light.
+    pub fn share(&self, entry: &Entry) -> f64 {
+        self.shares[entry.train]
+    }
+
+    /// The probability with which an entry is tried. Faint trains are left out now and then.
     pub fn chance(&self, entry: &Entry) -> f64 {
-        self.chances[entry.train]
+        (self.share(entry) / FULL).clamp(SELDOM, 1.0)
+    }
+
+    /// The cells of the picture by which entries are looked up; none without any.
+    pub fn grid(&self) -> Option<Grid> {
+        self.grid
     }
 
     /// The solutions of an entry for a place in the picture and a point of its lamp. Returns how often it was solved for one.

@@ -8,6 +8,7 @@ pub mod grid;
 mod look;
 pub mod nodes;
 pub mod over_film;
+pub mod rims;
 pub mod screens;
 pub mod sheet;
 pub mod solve;

@@ -1,6 +1,7 @@
 //! Where the solver starts: per train and lamp, the solution for the middle of the lamp on a grid over the picture, with
 //! its derivatives. A train whose map is folded has a sheet for each of its branches.
 
+mod aim;
 mod spread;
 
 use super::grid::Grid;
@@ -8,6 +9,7 @@ use super::solve::{Family, Root, Target, newton, trace};
 use crate::film::train::{Connection, Train};
 use crate::world::World;
 use crate::world::lamp::Lamp;
+use aim::Part;
 use glam::{DMat2, DVec2};
 use std::collections::VecDeque;
 
@@ -49,6 +51,8 @@ pub struct Starts {
     size: f64,
     grid: Grid,
     sheets: Vec<Sheet>,
+    /// Of the lamp.
+    parts: Vec<Part>,
 }
 
 /// What the tables are made with.
@@ -216,8 +220,11 @@ impl Node {
     /// The place in the pupil for a place in the picture and on the lamp, from the node's own.
     fn predict(&self, film: DVec2, lamp: DVec2) -> DVec2 {
         let by_film = self.by_film + (self.bend[0] * film.x + self.bend[1] * film.y) * 0.5;
-        let by_lamp = self.by_lamp + self.twist[0] * film.x + self.twist[1] * film.y;
-        self.pupil + by_film * film + by_lamp * lamp
+        self.pupil + by_film * film + self.by_lamp_at(film) * lamp
+    }
+
+    fn by_lamp_at(&self, film: DVec2) -> DMat2 {
+        self.by_lamp + self.twist[0] * film.x + self.twist[1] * film.y
     }
 }
 
@@ -226,7 +233,8 @@ impl Starts {
         let middle = lamp.sample_point([0.5, 0.5]);
         let (centre, radius) = lamp.around();
         let middle = Target::new(centre, middle.normal);
-        Starts { lamp: index, middle, size: radius, grid, sheets: Vec::new() }
+        let parts = Part::of(lamp, |point| middle.local(point - centre));
+        Starts { lamp: index, middle, size: radius, grid, sheets: Vec::new(), parts }
     }
 
     /// The middle of the lamp, and its radius in metres.

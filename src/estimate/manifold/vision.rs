@@ -9,6 +9,7 @@
 use super::connections::{Connections, Entry};
 use super::glances::Glances;
 use super::look;
+use super::rims::Rims;
 use super::screens::Screens;
 use super::solve::{Root, Target};
 use super::tables::Tables;
@@ -36,6 +37,7 @@ pub struct Manifold<'w, M: Mode> {
     pub(super) route: Route,
     connections: Arc<Connections>,
     tables: Option<Tables<M>>,
+    rims: Rims,
     pub(super) glances: Option<Arc<Glances<M>>>,
     screens: Arc<Screens<M>>,
     pub(super) seed: u64,
@@ -49,7 +51,8 @@ impl<'w, M: Mode> Manifold<'w, M> {
         (screens, glances): (Arc<Screens<M>>, Option<Arc<Glances<M>>>),
         seed: u64,
     ) -> Self {
-        Manifold { mode: PhantomData, world, route, connections, tables, glances, screens, seed }
+        let rims = Rims::new(world, &connections);
+        Manifold { mode: PhantomData, world, route, connections, tables, rims, glances, screens, seed }
     }
 
     /// Adds passes `first .. first + count` to the film. The ledger counts connections as paths, and what they bring, in
@@ -86,7 +89,12 @@ impl<'w, M: Mode> Manifold<'w, M> {
                     for x in 0..width {
                         light.fill(Light::default());
                         let pixel = Pixel::new((x, *y), width, *pass);
-                        self.pixel(optics, pixel, &mut light, &mut roots, (&mut ledger, &mut scratch));
+                        let times = self.rims.times(pixel.index);
+                        for k in 0..times {
+                            let once = Pixel { pass: pass.wrapping_mul(times).wrapping_add(k), ..pixel };
+                            let books = (&mut ledger, &mut scratch);
+                            self.pixel(optics, (once, times as f64), &mut light, &mut roots, books);
+                        }
                         if !screens.is_empty() {
                             look::look(self, (optics, screens), pixel, &mut light, (&mut ledger, &mut scratch));
                         }
@@ -103,10 +111,11 @@ impl<'w, M: Mode> Manifold<'w, M> {
         ledgers.iter().for_each(|ledger| total.merge(ledger));
     }
 
+    /// `pixel`: with the number of this time among all of its passes' times.
     fn pixel(
         &self,
         optics: &Optics<M>,
-        pixel: Pixel,
+        (pixel, times): (Pixel, f64),
         out: &mut [Light],
         roots: &mut Vec<Root>,
         (ledger, scratch): (&mut Ledger, &mut Ledger),
@@ -120,7 +129,8 @@ impl<'w, M: Mode> Manifold<'w, M> {
             let share = spot.as_ref().map_or(1.0, |(tables, spot)| tables.share(index, spot));
             let chance = self.connections.chance(entry) * share;
             let solved = chance >= 1.0 || choices.uniform() < chance;
-            let point = lamp.sample_point([at[2], at[3]]);
+            let (point, density) = entry.starts.aim(lamp, film, self.world.eye.pupil_radius_m(), [at[2], at[3]]);
+            let weight = 1.0 / (density * times);
             ledger.work += cost::READ;
             // What the table says, less what stands for it where the solver is asked.
             let control = if solved { 1.0 - 1.0 / chance } else { 1.0 };
@@ -132,7 +142,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
                     let share = self.route.from_eye(lamp.group, brought.trail).filter(|_| inside);
                     let Some(share) = share else { continue };
                     let plane = self.route.plane_from_eye(share, brought.told, lamp.group, Source::Face);
-                    let light = lanes::<M, _>(|lane| brought.light[lane].scaled(control));
+                    let light = lanes::<M, _>(|lane| brought.light[lane].scaled(weight * control));
                     M::deposit(optics, plane_of::<M>(out, plane), light, brought.alone);
                 }
             }
@@ -145,7 +155,8 @@ impl<'w, M: Mode> Manifold<'w, M> {
             ledger.work += cost::SOLVED * solved * self.connections.trains[entry.train].0.len() as u64;
             for root in roots.iter().filter(|root| root.u.length() <= self.world.eye.pupil_radius_m()) {
                 ledger.paths += 1;
-                let brought = self.connect((optics, entry), film, root, lamp.area_m2 / chance, pixel, out, scratch);
+                let area_m2 = lamp.area_m2 * weight / chance;
+                let brought = self.connect((optics, entry), film, root, area_m2, pixel, out, scratch);
                 ledger.emitted += brought;
                 ledger.arrived += brought;
             }

@@ -1,6 +1,7 @@
 //! A density on the unit cube that is constant in boxes: a binary tree of cuts across one axis at a time. Sampling walks
 //! down the cuts and stretches, at each, the one coordinate that it used, so that evenly spread points stay even.
 
+use crate::base::warp::BELOW_ONE;
 use serde::{Deserialize, Serialize};
 
 /// Numbers that a path starts with beside the choice of its lamp: two for the place, two for the direction.
@@ -12,8 +13,6 @@ pub type Point = [f64; AXES];
 pub const MOST_DEPTH: usize = 48;
 /// The least probability on either side of a cut: nothing is ever out of reach.
 const LEAST: f32 = 1.0 / (1 << 24) as f32;
-/// Largest number below 1.
-pub(super) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A node of the tree: a box that is cut, or (no axis) a box of constant density.
 #[derive(Debug, Clone, Copy, PartialEq)]

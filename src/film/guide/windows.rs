@@ -5,7 +5,8 @@
 //! points is aimed at from all.
 
 use super::learn::{Even, Weighted, grow};
-use super::tree::{AXES, BELOW_ONE, Point, Tree};
+use super::tree::{AXES, Point, Tree};
+use crate::base::warp::BELOW_ONE;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 

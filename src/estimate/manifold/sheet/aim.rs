@@ -1,0 +1,150 @@
+//! Which points of a lamp to join with a place of the picture, where only some of them are seen through the pupil: at the
+//! rim of a lamp's picture most others would be solved for in vain, and the few that are not would be bright and rare.
+
+use super::{MOST_SHEETS, Node, Starts};
+use crate::base::warp::BELOW_ONE;
+use crate::world::eye::EyeLens;
+use crate::world::lamp::{Lamp, LampPoint};
+use arrayvec::ArrayVec;
+use glam::{DVec2, DVec3};
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// Boxes that a lamp's points are told apart by, along both of the numbers that they are drawn by.
+const BOXES: [usize; 2] = [8, 6];
+const ALL: usize = BOXES[0] * BOXES[1];
+/// A point that is not foretold to be seen is taken with at most this of the density of one that is; and at most so many of
+/// them, over the others.
+const ELSEWHERE: f64 = 0.1;
+const SPENT_ELSEWHERE: f64 = 0.25;
+/// How much farther than foretold light may reach, over the radius of the pupil and over the extent of what is foretold.
+const MARGIN: f64 = 0.02;
+/// How far from its middle a spread ends, in standard deviations: √3 for a side of the lamp or of the pixel, more for the
+/// corner of both.
+const ENDS: f64 = 2.8;
+
+/// A box's points of a lamp, on its plane from the middle, m.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part {
+    middle: DVec2,
+    corners: [DVec2; 4],
+}
+
+impl Part {
+    /// All of a lamp. `local`: of a point, its place on the lamp's plane.
+    pub(super) fn of(lamp: &Lamp, local: impl Fn(DVec3) -> DVec2) -> Vec<Part> {
+        // A box's corners belong to it, though its neighbour may be elsewhere on the lamp.
+        const INSIDE: f64 = 1e-6;
+        let part = |index: usize| {
+            let at = |s: [f64; 2]| {
+                let first = [index / BOXES[1], index % BOXES[1]];
+                local(lamp.sample_point([0, 1].map(|k| (first[k] as f64 + s[k]) / BOXES[k] as f64)).position)
+            };
+            let (low, high) = (INSIDE, 1.0 - INSIDE);
+            Part { middle: at([0.5; 2]), corners: [[low, low], [high, low], [low, high], [high, high]].map(at) }
+        };
+        (0..ALL).map(part).collect()
+    }
+}
+
+impl Starts {
+    /// About which share of the rays between places about one in the picture, as far as `half` along both axes, and points of
+    /// the lamp go through the pupil; and what share of that the lamp's picture fills, or more than all. None where no
+    /// branch is known. Both are rough.
+    pub fn shown(&self, film: DVec2, half: DVec2, eye: &EyeLens) -> Option<(f64, f64)> {
+        let cell = self.grid.cell(film);
+        let off = film - self.grid.middle(cell);
+        let nodes = self.sheets.iter().filter_map(|sheet| sheet.nodes[cell].as_ref().filter(|node| node.is_useful()));
+        let area = 2.0 * self.size.powi(2) / eye.pupil_area_m2();
+        let of = |node: &Node| {
+            let shown = node.share_shown(off, half, self.size, eye.pupil_radius_m());
+            (shown, area * node.by_lamp_at(off).determinant().abs())
+        };
+        nodes.map(of).max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// A point of the lamp to be joined with a place of the picture, and its density over that of all points alike. A
+    /// function of the arguments alone. `radius`: of the pupil, m.
+    pub fn aim(&self, lamp: &Lamp, film: DVec2, radius: f64, [u, v]: [f64; 2]) -> (LampPoint, f64) {
+        let anywhere = || (lamp.sample_point([u, v]), 1.0);
+        let cell = self.grid.cell(film);
+        let off = film - self.grid.middle(cell);
+        let nodes: ArrayVec<&Node, MOST_SHEETS> =
+            self.sheets.iter().filter_map(|sheet| sheet.nodes[cell].as_ref().filter(|node| node.is_useful())).collect();
+        // Whether all of the lamp is seen through the pupil on a branch, and whether any of it may be.
+        let mut some = false;
+        for node in &nodes {
+            let far = node.predict(off, DVec2::ZERO).length();
+            let size = node.extent(off, self.size);
+            if far + size <= radius {
+                return anywhere();
+            }
+            some |= far - size - node.unsure <= radius;
+        }
+        if !some {
+            return anywhere();
+        }
+        let seen: ArrayVec<bool, ALL> =
+            self.parts.iter().map(|part| nodes.iter().any(|node| node.shows(part, off, radius))).collect();
+        let shown = seen.iter().filter(|seen| **seen).count() as f64;
+        let others = ALL as f64 - shown;
+        // Nothing is chosen where none is shown, or all.
+        if others == 0.0 || shown == 0.0 {
+            return anywhere();
+        }
+        let elsewhere = ELSEWHERE.min(SPENT_ELSEWHERE * shown / others);
+        let density = |seen: bool| if seen { 1.0 } else { elsewhere };
+        // By rows and within the row, so that points that are even stay so.
+        let rows = seen.chunks_exact(BOXES[1]);
+        let (row, s) = choose(rows.clone().map(|row| row.iter().map(|seen| density(*seen)).sum()), u);
+        let Some(of_row) = rows.clone().nth(row) else { return anywhere() };
+        let (column, t) = choose(of_row.iter().map(|seen| density(*seen)), v);
+        let uv = [(row as f64 + s) / BOXES[0] as f64, (column as f64 + t) / BOXES[1] as f64];
+        let whole = shown + elsewhere * others;
+        (lamp.sample_point(uv), density(of_row[column]) * ALL as f64 / whole)
+    }
+}
+
+/// Which of some weights `u` falls to, and where in it. Their sum is positive.
+fn choose(weights: impl Iterator<Item = f64> + Clone, u: f64) -> (usize, f64) {
+    let mut left = u * weights.clone().sum::<f64>();
+    let mut chosen = (0, 0.0);
+    for (index, weight) in weights.enumerate() {
+        chosen = (index, (left / weight).min(BELOW_ONE));
+        if left < weight {
+            break;
+        }
+        left -= weight;
+    }
+    chosen
+}
+
+impl Node {
+    /// About which share of the rays between places about one in the picture and points of a lamp go through the pupil.
+    fn share_shown(&self, off: DVec2, half: DVec2, size: f64, radius: f64) -> f64 {
+        let middle = self.predict(off, DVec2::ZERO);
+        let outwards = middle.normalize_or_zero();
+        let (by_lamp, by_film) = (self.by_lamp_at(off), self.by_film);
+        let along = |column: DVec2, half: f64| (column.dot(outwards) * half).powi(2) / 3.0;
+        // A square of that radius has sides of √2 of it.
+        let side = size * FRAC_1_SQRT_2;
+        let of_lamp = along(by_lamp.x_axis, side) + along(by_lamp.y_axis, side);
+        let of_film = along(by_film.x_axis, half.x) + along(by_film.y_axis, half.y);
+        let spread = ENDS * (of_lamp + of_film).sqrt();
+        let inside = (0.5 + 0.5 * (radius - middle.length()) / spread).clamp(0.0, 1.0);
+        inside.powi(3) * (10.0 + inside * (6.0 * inside - 15.0))
+    }
+
+    /// Radius about the middle's place in the pupil within which a lamp of this radius is seen, m.
+    fn extent(&self, off: DVec2, size: f64) -> f64 {
+        let by_lamp = self.by_lamp_at(off);
+        (1.0 + MARGIN) * size * by_lamp.x_axis.length().hypot(by_lamp.y_axis.length())
+    }
+
+    /// Whether a part of the lamp may be seen through the pupil.
+    fn shows(&self, part: &Part, off: DVec2, radius: f64) -> bool {
+        let middle = self.predict(off, part.middle);
+        let by_lamp = self.by_lamp_at(off);
+        let reach = part.corners.iter().map(|corner| (by_lamp * (*corner - part.middle)).length()).fold(0.0, f64::max);
+        middle.length() <= (1.0 + MARGIN) * radius + reach + self.unsure
+    }
+}
