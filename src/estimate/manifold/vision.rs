@@ -30,6 +30,10 @@ use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+/// A train with less of its group's light than this is joined with points from all over its lamps: to look where they are seen
+/// costs more than what its part of the error is worth.
+const AIMED: f64 = 1e-2;
+
 /// The estimator, ready to run passes.
 pub struct Manifold<'w, M: Mode> {
     mode: PhantomData<M>,
@@ -129,7 +133,12 @@ impl<'w, M: Mode> Manifold<'w, M> {
             let share = spot.as_ref().map_or(1.0, |(tables, spot)| tables.share(index, spot));
             let chance = self.connections.chance(entry) * share;
             let solved = chance >= 1.0 || choices.uniform() < chance;
-            let (point, density) = entry.starts.aim(lamp, film, self.world.eye.pupil_radius_m(), [at[2], at[3]]);
+            let uv = [at[2], at[3]];
+            let (point, density) = if self.connections.share(entry) < AIMED {
+                (lamp.sample_point(uv), 1.0)
+            } else {
+                entry.starts.aim(lamp, film, self.world.eye.pupil_radius_m(), uv)
+            };
             let weight = 1.0 / (density * times);
             ledger.work += cost::READ;
             // What the table says, less what stands for it where the solver is asked.

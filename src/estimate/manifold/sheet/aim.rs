@@ -1,16 +1,15 @@
 //! Which points of a lamp to join with a place of the picture, where only some of them are seen through the pupil: at the
 //! rim of a lamp's picture most others would be solved for in vain, and the few that are not would be bright and rare.
 
-use super::{MOST_SHEETS, Node, Starts};
+use super::{Node, Starts};
 use crate::base::warp::BELOW_ONE;
 use crate::world::eye::EyeLens;
 use crate::world::lamp::{Lamp, LampPoint};
-use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Boxes that a lamp's points are told apart by, along both of the numbers that they are drawn by.
-const BOXES: [usize; 2] = [8, 6];
+const BOXES: [usize; 2] = [6, 4];
 const ALL: usize = BOXES[0] * BOXES[1];
 /// A point that is not foretold to be seen is taken with at most this of the density of one that is; and at most so many of
 /// them, over the others.
@@ -26,7 +25,7 @@ const ENDS: f64 = 2.8;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
     middle: DVec2,
-    corners: [DVec2; 4],
+    radius: f64,
 }
 
 impl Part {
@@ -40,7 +39,9 @@ impl Part {
                 local(lamp.sample_point([0, 1].map(|k| (first[k] as f64 + s[k]) / BOXES[k] as f64)).position)
             };
             let (low, high) = (INSIDE, 1.0 - INSIDE);
-            Part { middle: at([0.5; 2]), corners: [[low, low], [high, low], [low, high], [high, high]].map(at) }
+            let middle = at([0.5; 2]);
+            let corners = [[low, low], [high, low], [low, high], [high, high]].map(at);
+            Part { middle, radius: corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max) }
         };
         (0..ALL).map(part).collect()
     }
@@ -68,23 +69,26 @@ impl Starts {
         let anywhere = || (lamp.sample_point([u, v]), 1.0);
         let cell = self.grid.cell(film);
         let off = film - self.grid.middle(cell);
-        let nodes: ArrayVec<&Node, MOST_SHEETS> =
-            self.sheets.iter().filter_map(|sheet| sheet.nodes[cell].as_ref().filter(|node| node.is_useful())).collect();
-        // Whether all of the lamp is seen through the pupil on a branch, and whether any of it may be.
-        let mut some = false;
-        for node in &nodes {
-            let far = node.predict(off, DVec2::ZERO).length();
-            let size = node.extent(off, self.size);
+        let nodes = self.sheets.iter().filter_map(|sheet| sheet.nodes[cell].as_ref().filter(|node| node.is_useful()));
+        let mut seen = [false; ALL];
+        for node in nodes {
+            let middle = node.predict(off, DVec2::ZERO);
+            let by_lamp = node.by_lamp_at(off);
+            let wide = (1.0 + MARGIN) * by_lamp.x_axis.length().hypot(by_lamp.y_axis.length());
+            let (far, size) = (middle.length(), wide * self.size);
+            // All of the lamp is seen through the pupil, or none.
             if far + size <= radius {
                 return anywhere();
             }
-            some |= far - size - node.unsure <= radius;
+            let about = (1.0 + MARGIN) * radius + node.unsure;
+            if far - size > about {
+                continue;
+            }
+            for (part, seen) in self.parts.iter().zip(&mut seen) {
+                let reach = about + wide * part.radius;
+                *seen |= (middle + by_lamp * part.middle).length_squared() <= reach * reach;
+            }
         }
-        if !some {
-            return anywhere();
-        }
-        let seen: ArrayVec<bool, ALL> =
-            self.parts.iter().map(|part| nodes.iter().any(|node| node.shows(part, off, radius))).collect();
         let shown = seen.iter().filter(|seen| **seen).count() as f64;
         let others = ALL as f64 - shown;
         // Nothing is chosen where none is shown, or all.
@@ -132,19 +136,5 @@ impl Node {
         let spread = ENDS * (of_lamp + of_film).sqrt();
         let inside = (0.5 + 0.5 * (radius - middle.length()) / spread).clamp(0.0, 1.0);
         inside.powi(3) * (10.0 + inside * (6.0 * inside - 15.0))
-    }
-
-    /// Radius about the middle's place in the pupil within which a lamp of this radius is seen, m.
-    fn extent(&self, off: DVec2, size: f64) -> f64 {
-        let by_lamp = self.by_lamp_at(off);
-        (1.0 + MARGIN) * size * by_lamp.x_axis.length().hypot(by_lamp.y_axis.length())
-    }
-
-    /// Whether a part of the lamp may be seen through the pupil.
-    fn shows(&self, part: &Part, off: DVec2, radius: f64) -> bool {
-        let middle = self.predict(off, part.middle);
-        let by_lamp = self.by_lamp_at(off);
-        let reach = part.corners.iter().map(|corner| (by_lamp * (*corner - part.middle)).length()).fold(0.0, f64::max);
-        middle.length() <= (1.0 + MARGIN) * radius + reach + self.unsure
     }
 }
