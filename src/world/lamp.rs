@@ -173,6 +173,14 @@ impl Lamp {
         LampPoint { position, normal: triangle.normal, triangle: triangle.index }
     }
 
+    /// Corners of the triangles that [`Lamp::sample_point`] chooses by first numbers of a range, and how many those are.
+    pub fn corners_of(&self, [from, to]: [f64; 2]) -> (usize, impl Iterator<Item = DVec3>) {
+        let (first, last) = (self.by_area.sample(from).0, self.by_area.sample(to).0);
+        let triangles = self.triangles.get(first..=last).unwrap_or_default();
+        let corners = triangles.iter().flat_map(|t| [t.origin, t.origin + t.edges[0], t.origin + t.edges[1]]);
+        (triangles.len(), corners)
+    }
+
     /// Centre and radius, m, of a sphere about the face.
     pub fn around(&self) -> (DVec3, f64) {
         (self.centre, self.radius2.sqrt())

@@ -22,6 +22,8 @@ const SELDOM: f64 = 1.0 / 32.0;
 #[derive(Debug)]
 pub struct Entry {
     pub train: usize,
+    /// Of its group's light, what the train brings.
+    pub share: f64,
     pub starts: Starts,
 }
 
@@ -29,7 +31,7 @@ pub struct Entry {
 #[derive(Debug, Default)]
 pub struct Connections {
     pub trains: Vec<Train>,
-    /// Per train: of its group's light.
+    /// Per train: of the light of the group that it brings most of.
     shares: Vec<f64>,
     pub entries: Vec<Entry>,
     /// Per cell of the picture: the entries whose light may arrive there.
@@ -61,7 +63,7 @@ impl Connections {
             for starts in builder.starts(connection) {
                 let entry = out.entries.len() as u32;
                 (0..grid.cells()).filter(|cell| starts.has(*cell)).for_each(|cell| out.by_cell[cell].push(entry));
-                out.entries.push(Entry { train, starts });
+                out.entries.push(Entry { train, share: connection.share, starts });
             }
         }
         out
@@ -83,14 +85,9 @@ impl Connections {
         self.known.contains_key(chain)
     }
 
-    /// The share that an entry's train has of its group's light.
-    pub fn share(&self, entry: &Entry) -> f64 {
-        self.shares[entry.train]
-    }
-
     /// The probability with which an entry is tried. Faint trains are left out now and then.
     pub fn chance(&self, entry: &Entry) -> f64 {
-        (self.share(entry) / FULL).clamp(SELDOM, 1.0)
+        (self.shares[entry.train] / FULL).clamp(SELDOM, 1.0)
     }
 
     /// The cells of the picture by which entries are looked up; none without any.

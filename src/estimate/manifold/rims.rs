@@ -8,7 +8,7 @@ use crate::world::eye::EyeLens;
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// Most times.
+/// Most times: what the other two allow is less.
 const MOST: f64 = 32.0;
 /// Relative variance of a pixel that sees its lamps whole: it holds edges of the slides' pictures.
 const USUAL: f64 = 0.1;
@@ -27,7 +27,7 @@ impl Rims {
     pub fn new(world: &World, connections: &Connections) -> Rims {
         let Some(grid) = connections.grid() else { return Rims { times: Vec::new() } };
         let eye = &world.eye;
-        let of_cell = |cell: usize| times(connections, eye, grid.middle(cell), grid.half_cell()) > 1.0;
+        let of_cell = |cell: usize| Sums::new(connections, eye, grid.middle(cell), grid.half_cell()).variance > 0.0;
         let at_rim: Vec<bool> = (0..grid.cells()).map(of_cell).collect();
         if !at_rim.contains(&true) {
             return Rims { times: Vec::new() };
@@ -36,7 +36,7 @@ impl Rims {
         let half = 0.5 * DVec2::from_array(eye.pixel());
         let of_pixel = |index: usize| {
             let film = eye.film_of(index % width, index / width, [0.5; 2]);
-            if at_rim[grid.cell(film)] { times(connections, eye, film, half).round() as u8 } else { 1 }
+            if at_rim[grid.cell(film)] { Sums::new(connections, eye, film, half).times().round() as u8 } else { 1 }
         };
         Rims { times: (0..width * height).into_par_iter().map(of_pixel).collect() }
     }
@@ -47,17 +47,33 @@ impl Rims {
     }
 }
 
-/// Work is spent best in proportion to the standard deviation of what it brings, relative to what is there. `half`: of the
-/// sides of a place in the picture.
-fn times(connections: &Connections, eye: &EyeLens, film: DVec2, half: DVec2) -> f64 {
-    let (mut variance, mut mean, mut whole) = (0.0, 0.0, 0.0);
-    for (_, entry) in connections.at(film) {
-        let Some((shown, fills)) = entry.starts.shown(film, half, eye) else { continue };
-        let brings = connections.share(entry) * fills.min(1.0);
-        variance += brings.powi(2) * shown * (1.0 - shown);
-        mean += brings * shown;
-        whole += brings;
+/// What all lamps bring to a place in the picture, in units of a lamp whose picture fills the pupil.
+#[derive(Default)]
+struct Sums {
+    variance: f64,
+    mean: f64,
+    /// What there would be if all were seen whole, over trains with all light of their group.
+    whole: f64,
+}
+
+impl Sums {
+    /// `half`: of the sides of the place.
+    fn new(connections: &Connections, eye: &EyeLens, film: DVec2, half: DVec2) -> Sums {
+        let (mut sums, mut best) = (Sums::default(), 0.0f64);
+        for (_, entry) in connections.at(film) {
+            let Some((shown, fills)) = entry.starts.shown(film, half, eye) else { continue };
+            let brings = entry.share * fills.min(1.0);
+            sums.variance += brings.powi(2) * shown * (1.0 - shown);
+            sums.mean += brings * shown;
+            sums.whole += brings;
+            best = best.max(entry.share);
+        }
+        Sums { whole: sums.whole / best, ..sums }
     }
-    let times = (variance / (mean.powi(2) + (DARK * whole).powi(2)) / USUAL).sqrt();
-    if times.is_finite() { times.clamp(1.0, MOST) } else { 1.0 }
+
+    /// Work is spent best in proportion to the standard deviation of what it brings, relative to what is there.
+    fn times(&self) -> f64 {
+        let times = (self.variance / (self.mean.powi(2) + (DARK * self.whole).powi(2)) / USUAL).sqrt();
+        if times.is_finite() { times.clamp(1.0, MOST) } else { 1.0 }
+    }
 }

@@ -8,7 +8,7 @@ use super::grid::Grid;
 use super::solve::{Family, Root, Target, newton, trace};
 use crate::film::train::{Connection, Train};
 use crate::world::World;
-use crate::world::lamp::Lamp;
+use crate::world::lamp::{Lamp, Lamps};
 use aim::Part;
 use glam::{DMat2, DVec2};
 use std::collections::VecDeque;
@@ -17,6 +17,9 @@ use std::collections::VecDeque;
 const MOST_SHEETS: usize = 4;
 /// How far from its middle, in radii of the pupil, the solver looks for solutions.
 const FAR: f64 = 1.05;
+/// A train with less of its group's light than this is joined with points from all over its lamps: to look where they are seen
+/// costs more than what its part of the error is worth.
+const AIMED: f64 = 1e-2;
 /// Roots nearer to each other than this share of the pupil's radius are one.
 pub const SAME: f64 = 1e-6;
 
@@ -51,7 +54,7 @@ pub struct Starts {
     size: f64,
     grid: Grid,
     sheets: Vec<Sheet>,
-    /// Of the lamp.
+    /// Of the lamp; none where its points are drawn evenly.
     parts: Vec<Part>,
 }
 
@@ -76,6 +79,9 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
         }
         self.spread(&mut all);
         all.retain(|starts| !starts.sheets.is_empty());
+        if connection.share >= AIMED {
+            all.iter_mut().for_each(|starts| starts.take_apart(&self.world.lamps));
+        }
         all
     }
 
@@ -233,8 +239,14 @@ impl Starts {
         let middle = lamp.sample_point([0.5, 0.5]);
         let (centre, radius) = lamp.around();
         let middle = Target::new(centre, middle.normal);
-        let parts = Part::of(lamp, |point| middle.local(point - centre));
-        Starts { lamp: index, middle, size: radius, grid, sheets: Vec::new(), parts }
+        Starts { lamp: index, middle, size: radius, grid, sheets: Vec::new(), parts: Vec::new() }
+    }
+
+    fn take_apart(&mut self, lamps: &Lamps) {
+        let middle = self.middle;
+        self.parts = lamps
+            .get(self.lamp)
+            .map_or_else(Vec::new, |lamp| Part::of(lamp, |point| middle.local(point - middle.point)));
     }
 
     /// The middle of the lamp, and its radius in metres.

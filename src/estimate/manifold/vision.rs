@@ -1,5 +1,5 @@
 //! The estimator that owns vision paths with known trains: per pixel and pass, one point of each lamp whose light may come
-//! over a train is joined with a point of the pixel, by solving for the point of the pupil between them.
+//! over a train (at [`Rims`] several) is joined with a point of the pixel, by solving for the point of the pupil between them.
 //!
 //! With J the derivative of the place on the lamp by the place in the pupil, the pixel's mean over the pupil is
 //! ∫ L T dA_pupil/A = ∫ L T |det J|⁻¹ dA_lamp/A: what is left to chance is the point of the lamp and of the pixel, over
@@ -29,10 +29,6 @@ use glam::DVec2;
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::sync::Arc;
-
-/// A train with less of its group's light than this is joined with points from all over its lamps: to look where they are seen
-/// costs more than what its part of the error is worth.
-const AIMED: f64 = 1e-2;
 
 /// The estimator, ready to run passes.
 pub struct Manifold<'w, M: Mode> {
@@ -133,12 +129,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
             let share = spot.as_ref().map_or(1.0, |(tables, spot)| tables.share(index, spot));
             let chance = self.connections.chance(entry) * share;
             let solved = chance >= 1.0 || choices.uniform() < chance;
-            let uv = [at[2], at[3]];
-            let (point, density) = if self.connections.share(entry) < AIMED {
-                (lamp.sample_point(uv), 1.0)
-            } else {
-                entry.starts.aim(lamp, film, self.world.eye.pupil_radius_m(), uv)
-            };
+            let (point, density) = entry.starts.aim(lamp, film, self.world.eye.pupil_radius_m(), [at[2], at[3]]);
             let weight = 1.0 / (density * times);
             ledger.work += cost::READ;
             // What the table says, less what stands for it where the solver is asked.

@@ -8,8 +8,9 @@ use crate::world::lamp::{Lamp, LampPoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Boxes that a lamp's points are told apart by, along both of the numbers that they are drawn by.
-const BOXES: [usize; 2] = [6, 4];
+/// Boxes that a lamp's points are told apart by, along both of the numbers that they are drawn by. By half as many the error of
+/// `eyebox bench --generate 409..410` is three times as large.
+const BOXES: [usize; 2] = [8, 6];
 const ALL: usize = BOXES[0] * BOXES[1];
 /// A point that is not foretold to be seen is taken with at most this of the density of one that is; and at most so many of
 /// them, over the others.
@@ -33,15 +34,19 @@ impl Part {
     pub(super) fn of(lamp: &Lamp, local: impl Fn(DVec3) -> DVec2) -> Vec<Part> {
         // A box's corners belong to it, though its neighbour may be elsewhere on the lamp.
         const INSIDE: f64 = 1e-6;
+        let (low, high) = (INSIDE, 1.0 - INSIDE);
         let part = |index: usize| {
-            let at = |s: [f64; 2]| {
-                let first = [index / BOXES[1], index % BOXES[1]];
-                local(lamp.sample_point([0, 1].map(|k| (first[k] as f64 + s[k]) / BOXES[k] as f64)).position)
-            };
-            let (low, high) = (INSIDE, 1.0 - INSIDE);
+            let first = [index / BOXES[1], index % BOXES[1]];
+            let number = |k: usize, s: f64| (first[k] as f64 + s) / BOXES[k] as f64;
+            let at = |[s, t]: [f64; 2]| local(lamp.sample_point([number(0, s), number(1, t)]).position);
             let middle = at([0.5; 2]);
-            let corners = [[low, low], [high, low], [low, high], [high, high]].map(at);
-            Part { middle, radius: corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max) }
+            let farthest = |far: f64, corner: DVec2| far.max(corner.distance(middle));
+            let radius = match lamp.corners_of([low, high].map(|s| number(0, s))) {
+                (1, _) => [[low, low], [high, low], [low, high], [high, high]].map(at).into_iter().fold(0.0, farthest),
+                // Triangles that follow each other may lie anywhere.
+                (_, corners) => corners.map(&local).fold(0.0, farthest),
+            };
+            Part { middle, radius }
         };
         (0..ALL).map(part).collect()
     }
@@ -49,8 +54,8 @@ impl Part {
 
 impl Starts {
     /// About which share of the rays between places about one in the picture, as far as `half` along both axes, and points of
-    /// the lamp go through the pupil; and what share of that the lamp's picture fills, or more than all. None where no
-    /// branch is known. Both are rough.
+    /// the lamp go through the pupil, or reach all of it; and what share of that the lamp's picture fills, or more than all.
+    /// Of the branch that shows most; none where no branch is known. Both are rough.
     pub fn shown(&self, film: DVec2, half: DVec2, eye: &EyeLens) -> Option<(f64, f64)> {
         let cell = self.grid.cell(film);
         let off = film - self.grid.middle(cell);
@@ -60,13 +65,16 @@ impl Starts {
             let shown = node.share_shown(off, half, self.size, eye.pupil_radius_m());
             (shown, area * node.by_lamp_at(off).determinant().abs())
         };
-        nodes.map(of).max_by(|a, b| a.0.total_cmp(&b.0))
+        nodes.map(of).filter(|(shown, fills)| shown.is_finite() && fills.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// A point of the lamp to be joined with a place of the picture, and its density over that of all points alike. A
-    /// function of the arguments alone. `radius`: of the pupil, m.
+    /// A point of the lamp to be joined with a place of the picture, and its density over that of all points alike; of a train
+    /// with little light any point. A function of the arguments alone. `radius`: of the pupil, m.
     pub fn aim(&self, lamp: &Lamp, film: DVec2, radius: f64, [u, v]: [f64; 2]) -> (LampPoint, f64) {
         let anywhere = || (lamp.sample_point([u, v]), 1.0);
+        if self.parts.is_empty() {
+            return anywhere();
+        }
         let cell = self.grid.cell(film);
         let off = film - self.grid.middle(cell);
         let nodes = self.sheets.iter().filter_map(|sheet| sheet.nodes[cell].as_ref().filter(|node| node.is_useful()));
@@ -74,7 +82,7 @@ impl Starts {
         for node in nodes {
             let middle = node.predict(off, DVec2::ZERO);
             let by_lamp = node.by_lamp_at(off);
-            let wide = (1.0 + MARGIN) * by_lamp.x_axis.length().hypot(by_lamp.y_axis.length());
+            let wide = (1.0 + MARGIN) * (by_lamp.x_axis.length_squared() + by_lamp.y_axis.length_squared()).sqrt();
             let (far, size) = (middle.length(), wide * self.size);
             // All of the lamp is seen through the pupil, or none.
             if far + size <= radius {
@@ -133,8 +141,9 @@ impl Node {
         let side = size * FRAC_1_SQRT_2;
         let of_lamp = along(by_lamp.x_axis, side) + along(by_lamp.y_axis, side);
         let of_film = along(by_film.x_axis, half.x) + along(by_film.y_axis, half.y);
-        let spread = ENDS * (of_lamp + of_film).sqrt();
-        let inside = (0.5 + 0.5 * (radius - middle.length()) / spread).clamp(0.0, 1.0);
+        // The smaller of the lamp's picture and the pupil ends within the larger.
+        let spread = ENDS * (of_lamp.min(0.25 * radius * radius) + of_film).sqrt();
+        let inside = (0.5 + 0.5 * (radius.max((3.0 * of_lamp).sqrt()) - middle.length()) / spread).clamp(0.0, 1.0);
         inside.powi(3) * (10.0 + inside * (6.0 * inside - 15.0))
     }
 }
