@@ -8,8 +8,8 @@ use crate::world::lamp::{Lamp, LampPoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Boxes that a lamp's points are told apart by, along both of the numbers that they are drawn by. By half as many the error of
-/// `eyebox bench --generate 409..410` is three times as large.
+/// Boxes that a lamp's points are told apart by, along both of the numbers that they are drawn by. At the rim of seed 409 of
+/// `eyebox bench --generate` the variance for a place is 0.62 of that of even points, and 0.73 with 6 x 4 boxes.
 const BOXES: [usize; 2] = [8, 6];
 const ALL: usize = BOXES[0] * BOXES[1];
 /// A point that is not foretold to be seen is taken with at most this of the density of one that is; and at most so many of
