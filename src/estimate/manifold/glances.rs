@@ -78,6 +78,8 @@ struct Use {
     in_part: u32,
     /// No ray was found that lands on other faces that scatter.
     whole: bool,
+    /// Which of [`SIDES`](super::nodes::SIDES) is asked.
+    aside: [i8; 2],
 }
 
 /// All trains from the eye to faces that are joined with lamps.
@@ -181,6 +183,9 @@ impl<M: Mode> Glances<M> {
         else {
             return Some(Rest::ALL);
         };
+        // The nodes about the spot, or, where those are not all there, others beside it.
+        let spot = if usage.aside == [0; 2] { Some(spot) } else { self.over.nodes.spot_by(spot.at, usage.aside) };
+        let Some(spot) = spot else { return Some(Rest::ALL) };
         let look = self.look_at(spot, pupil);
         let usual = usage.share * of.followed();
         let followed = rng.uniform() < usual;

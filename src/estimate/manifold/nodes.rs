@@ -21,6 +21,13 @@ pub struct Spot {
     columns: usize,
 }
 
+/// Which sixteen nodes are asked, by cells aside of those about a place: these, or, near the rim of what is lit, as many on its
+/// lit side. The place's cell is between some of them in any case.
+pub const SIDES: [[i8; 2]; 9] = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, 1], [1, -1], [-1, -1]];
+
+/// Four rows of nodes.
+pub type Rows = [(usize, [f64; 4]); 4];
+
 impl Nodes {
     /// How many there are.
     pub fn number(&self) -> usize {
@@ -99,17 +106,16 @@ fn cubic(t: f64) -> [f64; 4] {
 
 impl Spot {
     /// The first of the four nodes of each row, which follow one another, and their weights.
-    pub fn rows(&self) -> impl Iterator<Item = (usize, [f64; 4])> + use<> {
-        let spot = *self;
-        (0..4).map(move |j| {
-            let first = (spot.first[1] + j) * spot.columns + spot.first[0];
-            (first, spot.weights[0].map(|weight| weight * spot.weights[1][j]))
+    pub fn rows(&self) -> Rows {
+        std::array::from_fn(|j| {
+            let first = (self.first[1] + j) * self.columns + self.first[0];
+            (first, self.weights[0].map(|weight| weight * self.weights[1][j]))
         })
     }
 
     /// The sixteen nodes and their weights.
     pub fn nodes(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
-        self.rows().flat_map(|(first, weights)| (first..).zip(weights))
+        self.rows().into_iter().flat_map(|(first, weights)| (first..).zip(weights))
     }
 }
 

@@ -167,6 +167,7 @@ impl<M: Mode> Screens<M> {
     ) {
         for lit in self.lit().filter(|lit| (lit.map.part, lit.map.face) == (site.part, site.face)) {
             let Some(spot) = lit.map.spot(point) else { continue };
+            let rows = spot.rows();
             let chance = lit.chance(ask.seen);
             let mut turn = ask.turn;
             for entry in &lit.entries {
@@ -182,7 +183,7 @@ impl<M: Mode> Screens<M> {
                 let mut known = Known::default();
                 for sheet in of(Cell::Interpolated) {
                     ledger.work += cost::READ;
-                    let incoming = sheet.interpolate(world, optics, &spot, entry.lamp, off);
+                    let incoming = sheet.interpolate((world, optics), (spot.cell, &rows), entry.lamp, off);
                     if let Some(incoming) =
                         incoming.filter(|incoming| known.add(incoming.dir, NEARLY_SAME * lit.tolerance))
                     {
@@ -220,6 +221,7 @@ impl<M: Mode> Screens<M> {
         let face = |lit: &&Lit<M>| (lit.map.part, lit.map.face) == (site.part, site.face) && lit.chain == *chain;
         self.lit().filter(face).any(|lit| {
             let Some(spot) = lit.map.spot(point) else { return false };
+            let rows = spot.rows();
             lit.entries.iter().filter(|entry| entry.lamp == lamp).any(|entry| {
                 let off = entry.middle.local(target.point - entry.middle.point);
                 entry.sheets.iter().any(|sheet| match sheet.cell(&lit.map, &spot) {
@@ -227,7 +229,7 @@ impl<M: Mode> Screens<M> {
                     Cell::Interpolated => {
                         *work += cost::READ;
                         sheet
-                            .interpolate(world, optics, &spot, lamp, off)
+                            .interpolate((world, optics), (spot.cell, &rows), lamp, off)
                             .is_some_and(|incoming| incoming.dir.distance(-dir) <= ABOUT_SAME)
                     }
                     Cell::Solved => {

@@ -5,7 +5,7 @@ use crate::base::chain::{Chain, Link};
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::look::to_scatterer;
-use crate::estimate::manifold::nodes::Spot;
+use crate::estimate::manifold::nodes::{SIDES, Spot};
 use crate::estimate::manifold::screens::Screens;
 use crate::estimate::turn::Faint;
 use crate::estimate::walk::{Travel, Vertex, Walker};
@@ -36,7 +36,7 @@ const SHARP: f64 = 0.2;
 const TRIALS: [DVec2; 4] = [DVec2::new(0.6, 0.3), DVec2::new(-0.3, 0.6), DVec2::new(-0.6, -0.3), DVec2::new(0.3, -0.6)];
 
 /// The ray itself is always followed.
-const NONE: Use = Use { share: 1.0, known: 0, in_part: 0, whole: false };
+const NONE: Use = Use { share: 1.0, known: 0, in_part: 0, whole: false, aside: [0; 2] };
 
 /// Specular faces, and the scatterer behind them as (part, face).
 type Way = (Chain, (u32, u32));
@@ -138,7 +138,13 @@ impl<M: Mode> Glances<M> {
     /// How a cell is to be used, by rays through its middle.
     fn use_of(&self, tracing: Tracing<'_, M>, cell: usize) -> Use {
         let middle = self.over.nodes.at_node(cell) + 0.5;
-        let Some(spot) = self.over.nodes.spot(middle) else { return NONE };
+        // Those nodes by which most light is known.
+        let known = |spot: &Spot| -> f64 {
+            let whole = |glance: &&Glance<M>| spot.nodes().all(|(node, _)| glance.nodes[node].is_some());
+            self.glances.iter().filter(whole).map(|glance| glance.share).sum()
+        };
+        let spots = SIDES.iter().filter_map(|aside| Some((*aside, self.over.nodes.spot_by(middle, *aside)?)));
+        let Some((aside, spot)) = spots.rev().max_by(|a, b| known(&a.1).total_cmp(&known(&b.1))) else { return NONE };
         let film = self.over.film(middle);
         let (mut known, mut in_part, mut worst, mut best) = (0u32, 0u32, 0f64, 0f64);
         for (k, glance) in self.glances.iter().enumerate() {
@@ -166,7 +172,7 @@ impl<M: Mode> Glances<M> {
             return NONE;
         }
         let whole = !TRIALS.iter().any(|trial| self.lands_elsewhere(tracing, film, *trial * self.radius));
-        Use { share: (worst / POOR).clamp(LEAST, 1.0), known, in_part, whole }
+        Use { share: (worst / POOR).clamp(LEAST, 1.0), known, in_part, whole, aside }
     }
 
     /// Whether a ray meets scatterers that no train of ours leads to.

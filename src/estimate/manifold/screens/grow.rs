@@ -280,7 +280,7 @@ impl<M: Mode> Lit<M> {
             return Some(Some(Errs::AtEdge));
         }
         let always = Some(Some(Errs::By(f64::INFINITY)));
-        let Some(blend) = sheet.blend(spot, DVec2::ZERO) else { return always };
+        let Some(blend) = sheet.blend((spot.cell, &spot.rows()), DVec2::ZERO) else { return always };
         let (world, _) = tracing;
         let Some((light, alone, slides)) = self.probe(tracing, entry.lamp, from, middle.dir) else {
             return if has_ended(tracing, sheet, spot) { None } else { always };
@@ -314,5 +314,5 @@ impl<M: Mode> Lit<M> {
 /// Whether the nodes about a spot, which are whole, say that it lies beside a slide's picture.
 fn has_ended<M: Mode>((world, optics): (&World, &Optics<M>), sheet: &Sheet<M>, spot: &Spot) -> bool {
     let ended = |(slide, at): &(usize, DVec3)| optics.slide(&world.slides[*slide], *at).is_none();
-    sheet.blend(spot, DVec2::ZERO).is_some_and(|blend| blend.slides.iter().any(ended))
+    sheet.blend((spot.cell, &spot.rows()), DVec2::ZERO).is_some_and(|blend| blend.slides.iter().any(ended))
 }

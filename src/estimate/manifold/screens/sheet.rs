@@ -3,7 +3,7 @@
 use super::Incoming;
 use super::level::Errs;
 use crate::estimate::manifold::face_map::FaceMap;
-use crate::estimate::manifold::nodes::Spot;
+use crate::estimate::manifold::nodes::{Rows, Spot};
 use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{LaneArray, Mode, lanes};
@@ -103,24 +103,24 @@ impl<M: Mode> Sheet<M> {
         }
     }
 
-    /// The first so many numbers of the nodes about a spot, blended; zeros follow.
+    /// The first so many numbers of the nodes in these rows, blended; zeros follow.
     #[inline]
-    fn blended(&self, spot: &Spot, quads: usize) -> Option<[Quad; QUADS]> {
+    fn blended(&self, rows: &Rows, quads: usize) -> Option<[Quad; QUADS]> {
         match (quads, self.quads) {
             // Nothing is there yet.
             (_, 0) => None,
-            (1, stride) => self.blended_of::<1>(spot, stride),
-            (2, 2) => self.blended_of::<2>(spot, 2),
-            (3, 3) => self.blended_of::<3>(spot, 3),
-            (_, stride) => self.blended_of::<QUADS>(spot, stride),
+            (1, stride) => self.blended_of::<1>(rows, stride),
+            (2, 2) => self.blended_of::<2>(rows, 2),
+            (3, 3) => self.blended_of::<3>(rows, 3),
+            (_, stride) => self.blended_of::<QUADS>(rows, stride),
         }
     }
 
     /// `stride`: numbers of a node, in fours; known where this is put in place, it makes all of a row known to be there at once.
     #[inline(always)]
-    fn blended_of<const N: usize>(&self, spot: &Spot, stride: usize) -> Option<[Quad; QUADS]> {
+    fn blended_of<const N: usize>(&self, rows: &Rows, stride: usize) -> Option<[Quad; QUADS]> {
         let mut sums = [Quad::default(); N];
-        for (first, weights) in spot.rows() {
+        for (first, weights) in rows {
             let row = self.lean.get(first * stride..(first + 4) * stride)?;
             for (node, weight) in row.chunks_exact(stride).zip(weights) {
                 for (sum, quad) in sums.iter_mut().zip(node.first_chunk::<N>()?) {
@@ -154,10 +154,10 @@ impl<M: Mode> Sheet<M> {
         }
     }
 
-    /// The nodes' solutions in between; only where they are whole.
-    pub(super) fn blend(&self, spot: &Spot, off: DVec2) -> Option<Blend<M>> {
-        let near = self.nodes[spot.cell].as_ref()?;
-        let sums = self.blended(spot, self.quads)?;
+    /// The nodes' solutions in between, in a cell by rows of nodes about it; only where they are whole.
+    pub(super) fn blend(&self, (cell, rows): (usize, &Rows), off: DVec2) -> Option<Blend<M>> {
+        let near = self.nodes[cell].as_ref()?;
+        let sums = self.blended(rows, self.quads)?;
         let sums = sums.as_flattened();
         let place = |at: usize| DVec3::from_slice(&sums[at..at + 3]);
         let mut dir = place(0);
@@ -175,19 +175,18 @@ impl<M: Mode> Sheet<M> {
     /// The direction alone; none before the nodes are all there.
     pub(super) fn blend_dir(&self, spot: &Spot, off: DVec2) -> Option<DVec3> {
         let near = self.nodes[spot.cell].as_ref()?;
-        let dir = DVec3::from_slice(&self.blended(spot, 1)?[0]);
+        let dir = DVec3::from_slice(&self.blended(&spot.rows(), 1)?[0]);
         Some(dir + near.by_lamp[0] * off.x + near.by_lamp[1] * off.y)
     }
 
     pub(super) fn interpolate(
         &self,
-        world: &World,
-        optics: &Optics<M>,
-        spot: &Spot,
+        (world, optics): (&World, &Optics<M>),
+        near: (usize, &Rows),
         lamp: usize,
         off: DVec2,
     ) -> Option<Incoming<'static, M>> {
-        let blend = self.blend(spot, off)?;
+        let blend = self.blend(near, off)?;
         let mut light = lanes::<M, _>(|lane| Light::ONE.scaled(blend.strength[lane]));
         for (slide, at) in &blend.slides {
             let map = &world.slides[*slide];

@@ -6,7 +6,7 @@ use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::connections::{Connections, Entry, index_of};
-use crate::estimate::manifold::nodes::Spot;
+use crate::estimate::manifold::nodes::{SIDES, Spot};
 use crate::estimate::manifold::screens::Crossing;
 use crate::estimate::manifold::solve::{Family, Root, Target, newton};
 use crate::estimate::walk::{Travel, Walker};
@@ -31,8 +31,6 @@ const ASIDE: f64 = 0.6;
 const BEYOND: usize = 2;
 /// Solutions farther than this from the pupil's middle, in radii, are of no use to a table.
 const FAR: f64 = 3.0;
-/// The sixteen nodes about a place, or, near the rim of what is lit, as many on its lit side.
-const SIDES: [[i8; 2]; 9] = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, 1], [1, -1], [-1, -1]];
 
 /// A solution, followed.
 struct Found<M: Mode> {
