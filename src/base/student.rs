@@ -28,6 +28,18 @@ pub fn as_normal(t: f64, freedom: f64) -> f64 {
     if rare.is_nan() || rare < 1e-300 || freedom.is_infinite() { t } else { stats::two_sided_z(rare).copysign(t) }
 }
 
+/// A mean's deviate `t` as it would be if what the mean is of were not skew: P. Hall's transformation (On the removal of
+/// skewness by transformation, J. R. Stat. Soc. B 54, 1992). `skewness`: estimated, of the mean, the third cumulant over the
+/// variance to 3/2. Where rare events are missing from a sample, its mean is too small, and so is what it states as its error.
+/// Monotone in `t`, and never less than a third of it but for the sixth of the skewness.
+pub fn unskewed(t: f64, skewness: f64) -> f64 {
+    if skewness.is_finite() {
+        t + skewness * (t * t / 3.0 + 1.0 / 6.0) + skewness * skewness * t.powi(3) / 27.0
+    } else {
+        t
+    }
+}
+
 /// I_x(a, b); y = 1 − x is given too, since it may be too small to be told from x.
 fn incomplete_beta(x: f64, y: f64, a: f64, b: f64) -> f64 {
     if x <= 0.0 {

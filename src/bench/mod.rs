@@ -11,6 +11,8 @@ pub mod curve;
 #[cfg(test)]
 mod forecast_tests;
 pub mod generate;
+#[cfg(test)]
+mod glances_tests;
 pub mod kit;
 #[cfg(test)]
 mod lamps_tests;

@@ -132,23 +132,23 @@ impl<L: Look> Looks<L> {
 
 /// Looks for paths that count: first everywhere, until there are some, then where they came from. `with`: the estimator
 /// with a guide (none: by flux and intensity) and a number of paths. `worth`: whether it is worth going on if the first look
-/// has found nothing. `of`: of the usual paths one in so many.
+/// has found nothing.
 fn look<L: Look>(
     with: impl Fn(Option<&Guide>, u64) -> L,
     worth: impl Fn() -> bool,
-    (groups, of): (usize, u64),
+    groups: usize,
     stop: &ShouldStop<'_>,
 ) -> (Looks<L>, Guide) {
     let mut looks = Looks::new(groups);
     let wide = Guide::wide(with(None, 1).flux());
     while !looks.enough() && looks.traced() < MOST_WIDE && !stop() {
-        let paths = looks.traced().max(WIDE / of);
+        let paths = looks.traced().max(WIDE);
         looks.take(with(Some(&wide), paths), paths, stop);
         if looks.looks.len() == 1 && looks.found.is_empty() && !worth() {
             break;
         }
     }
-    for paths in NARROW.map(|paths| paths / of) {
+    for paths in NARROW {
         if looks.found.is_empty() || stop() {
             break;
         }
@@ -207,7 +207,7 @@ pub(super) fn pilot<L: Look>(
     groups: usize,
     stop: &ShouldStop<'_>,
 ) -> ForwardPilot {
-    let (looks, guide) = look(with, worth, (groups, 1), stop);
+    let (looks, guide) = look(with, worth, groups, stop);
     let (flux, found) = (looks.flux().to_vec(), looks.weighted());
     ForwardPilot { guide, traced: looks.traced(), arrived: looks.arrived, flux, found }
 }

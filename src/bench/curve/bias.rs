@@ -1,8 +1,7 @@
 //! Whether a picture has the references' light, block by block.
 
-use super::cells::{Batches, CELLS, Grid};
+use super::cells::{Batches, CELLS, Grid, Worth};
 use super::picture::Picture;
-use crate::base::student::{as_normal, welch};
 
 /// Standard error of the references over a block's light from which on the blocks are made larger. A picture that is as
 /// rough as the references and took a sixteenth of their time then has some hundred of the rare bright hits in each block:
@@ -33,10 +32,9 @@ impl Light {
         block.iter().map(|&cell| self.sums[cell]).sum()
     }
 
-    /// Variance of a block's light and its degrees of freedom.
-    fn variance(&self, block: &[usize]) -> [f64; 2] {
-        let stated = || [block.iter().map(|&cell| self.stated[cell]).sum(), f64::INFINITY];
-        self.batches.variance(block).unwrap_or_else(stated)
+    fn worth(&self, block: &[usize]) -> Worth {
+        let stated = || Worth::stated(block.iter().map(|&cell| self.stated[cell]).sum());
+        self.batches.worth(block).unwrap_or_else(stated)
     }
 }
 
@@ -81,7 +79,7 @@ impl Blocks {
     /// was found once or never states a wrong error or none.
     fn know(&self, side: usize) -> bool {
         let limit = if side > 1 { KNOWN } else { KNOWN_WHOLE };
-        self.grid.blocks(side).iter().all(|block| self.variance(block)[0].sqrt() <= limit * self.light(block))
+        self.grid.blocks(side).iter().all(|block| self.worth(block).variance.sqrt() <= limit * self.light(block))
     }
 
     /// The references' light of a block.
@@ -89,17 +87,14 @@ impl Blocks {
         self.references.iter().map(|reference| 0.5 * reference.of_block(block)).sum()
     }
 
-    /// Variance of that, and its degrees of freedom: by the references' batches. Files have none: then it is taken from how
-    /// the two differ, (R₁ − R₂)²/4 having the mean of the variance of their mean. In a small block, where a few pixels
-    /// have most of the variance, that is a rough guess.
-    fn variance(&self, block: &[usize]) -> [f64; 2] {
-        let [first, second] = [0, 1].map(|k| {
-            let [variance, freedom] = self.references[k].variance(block);
-            [0.25 * variance, freedom]
-        });
-        let stated = first[0] + second[0];
-        let differ = || block.iter().map(|&cell| self.differ[cell]).sum();
-        if stated > 0.0 { [stated, welch(first, second)] } else { [differ(), f64::INFINITY] }
+    /// What that is worth: by the references' batches. Files have none: then it is taken from how the two differ,
+    /// (R₁ − R₂)²/4 having the mean of the variance of their mean. In a small block, where a few pixels have most of the
+    /// variance, that is a rough guess.
+    fn worth(&self, block: &[usize]) -> Worth {
+        let [first, second] = &self.references;
+        let known = Worth::stated(0.0).less(first.worth(block), -0.5).less(second.worth(block), -0.5);
+        let differ = || Worth::stated(block.iter().map(|&cell| self.differ[cell]).sum());
+        if known.variance > 0.0 { known } else { differ() }
     }
 
     /// Number of blocks; none if the references don't even know the light of the whole.
@@ -121,20 +116,23 @@ impl Blocks {
     pub fn deviation(&self, picture: &Picture) -> Deviation {
         let light = Light::of(picture);
         let all = self.blocks.concat();
-        let [sum, variance, _] = self.difference(&light, &all);
+        let (sum, worth) = self.difference(&light, &all);
         let sigma_of = |block: &Vec<usize>| {
-            let [sum, variance, freedom] = self.difference(&light, block);
-            if sum == 0.0 { 0.0 } else { as_normal(sum / variance.sqrt(), freedom) }
+            let (sum, worth) = self.difference(&light, block);
+            worth.sigmas(sum)
         };
         let worse = |worst: f64, z: f64| if z.abs() > worst.abs() || z.is_nan() { z } else { worst };
-        Deviation { whole: [sum, variance.sqrt()], worst_sigma: self.blocks.iter().map(sigma_of).fold(0.0, worse) }
+        Deviation {
+            whole: [sum, worth.variance.sqrt()],
+            worst_sigma: self.blocks.iter().map(sigma_of).fold(0.0, worse),
+        }
     }
 
-    /// Sum of t − r over a block, its variance, and the degrees of freedom of that.
-    fn difference(&self, light: &Light, block: &[usize]) -> [f64; 3] {
+    /// Sum of t − r over a block, and what it is worth.
+    fn difference(&self, light: &Light, block: &[usize]) -> (f64, Worth) {
         let reference = self.light(block);
-        let (own, theirs) = (light.variance(block), self.variance(block));
-        let rounding = (ROUNDED * reference).powi(2);
-        [light.of_block(block) - reference, own[0] + theirs[0] + rounding, welch(own, theirs)]
+        let rounding = Worth::stated((ROUNDED * reference).powi(2));
+        let worth = light.worth(block).less(self.worth(block), 1.0).less(rounding, 1.0);
+        (light.of_block(block) - reference, worth)
     }
 }

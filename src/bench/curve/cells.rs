@@ -3,6 +3,8 @@
 //! The film knows the variance of a pixel. That of a sum over pixels is more where they share a photon, and less where
 //! places in a pixel are chosen evenly; the sums of a few dozen batches know both.
 
+use crate::base::student::{as_normal, unskewed, welch};
+
 /// Cells per side, at most.
 pub const CELLS: usize = 8;
 /// A cell has at least so many pixels per side.
@@ -51,6 +53,43 @@ impl Grid {
     }
 }
 
+/// What is known of how sure a light is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Worth {
+    pub variance: f64,
+    /// Degrees of freedom of that.
+    pub freedom: f64,
+    /// Third cumulant: of light that comes seldom and bright it is more than 0.
+    pub third: f64,
+}
+
+impl Worth {
+    /// What variances state that are known for sure.
+    pub fn stated(variance: f64) -> Worth {
+        Worth { variance, freedom: f64::INFINITY, third: 0.0 }
+    }
+
+    /// Of the difference of two lights, of which the other counts so much.
+    #[must_use]
+    pub fn less(self, other: Worth, share: f64) -> Worth {
+        let other = Worth { variance: other.variance * share * share, ..other };
+        Worth {
+            variance: self.variance + other.variance,
+            freedom: welch([self.variance, self.freedom], [other.variance, other.freedom]),
+            third: self.third - other.third * share.powi(3),
+        }
+    }
+
+    /// A deviation as a normal deviate.
+    pub fn sigmas(self, off: f64) -> f64 {
+        if off == 0.0 {
+            return 0.0;
+        }
+        let deviation = self.variance.sqrt();
+        as_normal(unskewed(off / deviation, self.third / deviation.powi(3)), self.freedom)
+    }
+}
+
 /// The light of each cell after so many passes, 2 × `width` passes, … and at the end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Batches {
@@ -87,8 +126,8 @@ impl Batches {
         }
     }
 
-    /// Variance of the mean pass's light in a block of cells, and its degrees of freedom; none before the second batch.
-    pub fn variance(&self, block: &[usize]) -> Option<[f64; 2]> {
+    /// What is known of the mean pass's light in a block of cells; none before the second batch.
+    pub fn worth(&self, block: &[usize]) -> Option<Worth> {
         let count = self.sums.len();
         if count < 2 {
             return None;
@@ -96,10 +135,12 @@ impl Batches {
         let light = |sums: &Vec<f64>| block.iter().map(|&cell| sums[cell]).sum::<f64>();
         let ends: Vec<f64> = std::iter::once(0.0).chain(self.sums.iter().map(light)).collect();
         let mean = ends[count] / count as f64;
-        let squares: f64 = ends.windows(2).map(|ends| (ends[1] - ends[0] - mean).powi(2)).sum();
-        let freedom = (count - 1) as f64;
+        let powers = |power: i32| -> f64 { ends.windows(2).map(|ends| (ends[1] - ends[0] - mean).powi(power)).sum() };
+        let (width, passes, freedom) = (self.width as f64, self.passes as f64, (count - 1) as f64);
         // Of a batch; of a pass so much less; of the mean of all passes less again.
-        Some([squares / freedom / self.width as f64 / self.passes as f64, freedom])
+        let variance = powers(2) / freedom / width / passes;
+        let third = if count < 3 { 0.0 } else { powers(3) * count as f64 / (freedom * (freedom - 1.0)) };
+        Some(Worth { variance, freedom, third: third / width / passes.powi(2) })
     }
 }
 
@@ -108,6 +149,47 @@ mod tests {
     use super::*;
     use crate::base::rng::{Rng, Stream};
     use crate::base::stats::Moments;
+
+    /// What passes of a light bring is worth.
+    fn worth(seed: u64, light: impl Fn(&mut Rng) -> f64) -> (f64, Worth) {
+        const PASSES: u64 = 1024;
+        let mut rng = Rng::new(seed, Stream::Check, 1, 0);
+        let (mut batches, mut sum) = (Batches::default(), 0.0);
+        for pass in 1..=PASSES {
+            sum += light(&mut rng);
+            if pass == batches.next() || pass == PASSES {
+                batches.add(pass, &[sum / pass as f64]);
+            }
+        }
+        (sum / PASSES as f64, batches.worth(&[0]).unwrap())
+    }
+
+    /// A picture that is right is compared with references in which bright light came eight times, or less: by their variance
+    /// alone six times as many as there should be are told to be wrong. A picture that is wrong is found as before.
+    #[test]
+    fn rare_light_that_is_missing_is_no_bias() {
+        const SEEDS: u64 = 4000;
+        let rare = |rng: &mut Rng| if rng.uniform() < 1.0 / 128.0 { 128.0 } else { 0.0 };
+        let exact = Worth::stated(0.0);
+        let (mut plain, mut told) = (0u64, 0u64);
+        for seed in 0..SEEDS {
+            let (mean, worth) = worth(seed, rare);
+            let off = 1.0 - mean;
+            plain += u64::from(Worth { third: 0.0, ..exact.less(worth, 1.0) }.sigmas(off).abs() > 3.0);
+            told += u64::from(exact.less(worth, 1.0).sigmas(off).abs() > 3.0);
+        }
+        let want = 0.0027 * SEEDS as f64;
+        assert!(plain as f64 > 3.0 * want && (told as f64) < 1.5 * want, "{plain} {told} of {want}");
+        let mut kept = Moments::default();
+        for seed in 0..100 {
+            let (mean, worth) = worth(seed, Rng::uniform);
+            let off = 0.5 - mean + 8.0 * worth.variance.sqrt();
+            let sigmas = exact.less(worth, 1.0).sigmas(off);
+            kept.add(sigmas / Worth { third: 0.0, ..exact.less(worth, 1.0) }.sigmas(off));
+            assert!(sigmas > 3.0, "{seed}: {sigmas}");
+        }
+        assert!((kept.mean - 1.0).abs() < 0.05, "{kept:?}");
+    }
 
     #[test]
     fn cells_and_blocks_hold_each_pixel_once() {
@@ -143,8 +225,8 @@ mod tests {
                         batches.add(pass, &[mean, mean, 1.0]);
                     }
                 }
-                let [variance, freedom] = batches.variance(&[0, 1]).unwrap();
-                assert!(batches.variance(&[2]).unwrap()[0] < 1e-20 && (1.0..64.0).contains(&freedom));
+                let Worth { variance, freedom, .. } = batches.worth(&[0, 1]).unwrap();
+                assert!(batches.worth(&[2]).unwrap().variance < 1e-20 && (1.0..64.0).contains(&freedom));
                 stated.add(variance);
             }
             let want = 4.0 / 12.0 / passes as f64;
@@ -153,6 +235,6 @@ mod tests {
         }
         let mut one = Batches::default();
         one.add(1, &[1.0]);
-        assert_eq!(one.variance(&[0]), None);
+        assert_eq!(one.worth(&[0]), None);
     }
 }

@@ -195,7 +195,7 @@ fn photons_that_pixels_share() {
         for cell in 0..cells {
             let mean = lights.iter().map(|light| light[cell]).sum::<f64>() / lights.len() as f64;
             real += (lights[seed][cell] - mean).powi(2) / (lights.len() - 1) as f64;
-            of_batches += picture.batches.variance(&[cell]).unwrap()[0] / lights.len() as f64;
+            of_batches += picture.batches.worth(&[cell]).unwrap().variance / lights.len() as f64;
             of_pixels += pixels[cell] / lights.len() as f64;
         }
     }

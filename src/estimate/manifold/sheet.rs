@@ -275,7 +275,12 @@ impl Starts {
 
     /// Whether light of the place in the picture may come this way.
     pub fn has(&self, cell: usize) -> bool {
-        self.sheets.iter().any(|sheet| sheet.nodes[cell].is_some_and(|node| node.is_useful()))
+        self.useful(cell).next().is_some()
+    }
+
+    /// What the branches know of a cell.
+    fn useful(&self, cell: usize) -> impl Iterator<Item = &Node> {
+        self.sheets.iter().filter_map(move |sheet| sheet.nodes[cell].as_ref()).filter(|node| node.is_useful())
     }
 
     /// Adds the solutions for a place in the picture and a point of the lamp: a function of these alone. Returns how often it
@@ -293,8 +298,7 @@ impl Starts {
         let mut solved = 0;
         let cell = self.grid.cell(film);
         let off = self.middle.local(target.point - self.middle.point);
-        for sheet in &self.sheets {
-            let Some(node) = sheet.nodes[cell].filter(Node::is_useful) else { continue };
+        for node in self.useful(cell) {
             let start = node.predict(film - self.grid.middle(cell), off);
             // A start so far outside of the pupil leads to nothing: the solver says so without trying.
             let far = FAR * world.eye.pupil_radius_m();

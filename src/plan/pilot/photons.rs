@@ -53,9 +53,6 @@ pub struct PhotonPilot {
     pub radii_m: Radii,
 }
 
-/// What lands on anything that is seen teaches, which is much of what starts, while few paths come through a pupil: half of
-/// the usual ones do.
-const EASY: u64 = 2;
 /// Photons per pixel by the share of the light that connection leaves to them, and their limits.
 const PER_PIXEL: f64 = 8.0;
 const FEWEST: f64 = 0.125;
@@ -94,8 +91,7 @@ pub fn photon(
         let guide = Guide::unguided(with(None, 1, &nothing).flux());
         return PhotonPilot { guide, photons: 1, part: false, radii_m: radii };
     }
-    let photons = |guide: Option<&Guide>, paths| Photons { mapper: with(guide, paths, &nothing), seen };
-    let (_, guide) = look(photons, || true, (groups, EASY), stop);
+    let (_, guide) = look(|guide, paths| Photons { mapper: with(guide, paths, &nothing), seen }, || true, groups, stop);
     let coarse = |screens: &[Screen]| made.screens(world, screens);
     let (strong, weak) = by_light(&plan.screens);
     let land = |connected: &Arc<Screens<Mono>>, part: bool| {

@@ -59,13 +59,15 @@ impl Starts {
     pub fn shown(&self, film: DVec2, half: DVec2, eye: &EyeLens) -> Option<(f64, f64)> {
         let cell = self.grid.cell(film);
         let off = film - self.grid.middle(cell);
-        let nodes = self.sheets.iter().filter_map(|sheet| sheet.nodes[cell].as_ref().filter(|node| node.is_useful()));
         let area = 2.0 * self.size.powi(2) / eye.pupil_area_m2();
         let of = |node: &Node| {
             let shown = node.share_shown(off, half, self.size, eye.pupil_radius_m());
             (shown, area * node.by_lamp_at(off).determinant().abs())
         };
-        nodes.map(of).filter(|(shown, fills)| shown.is_finite() && fills.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0))
+        self.useful(cell)
+            .map(of)
+            .filter(|(shown, fills)| shown.is_finite() && fills.is_finite())
+            .max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// A point of the lamp to be joined with a place of the picture, and its density over that of all points alike; of a train
@@ -77,9 +79,8 @@ impl Starts {
         }
         let cell = self.grid.cell(film);
         let off = film - self.grid.middle(cell);
-        let nodes = self.sheets.iter().filter_map(|sheet| sheet.nodes[cell].as_ref().filter(|node| node.is_useful()));
         let mut seen = [false; ALL];
-        for node in nodes {
+        for node in self.useful(cell) {
             let middle = node.predict(off, DVec2::ZERO);
             let by_lamp = node.by_lamp_at(off);
             let wide = (1.0 + MARGIN) * (by_lamp.x_axis.length_squared() + by_lamp.y_axis.length_squared()).sqrt();
