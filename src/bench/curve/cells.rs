@@ -12,6 +12,9 @@ const PIXELS: usize = 4;
 /// Batches are made twice as long when there would be more.
 const MOST: usize = 64;
 
+/// Batches from which on their skewness says something.
+const SKEW: usize = 16;
+
 /// A picture's pixels in cells, row by row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Grid {
@@ -139,7 +142,7 @@ impl Batches {
         let (width, passes, freedom) = (self.width as f64, self.passes as f64, (count - 1) as f64);
         // Of a batch; of a pass so much less; of the mean of all passes less again.
         let variance = powers(2) / freedom / width / passes;
-        let third = if count < 3 { 0.0 } else { powers(3) * count as f64 / (freedom * (freedom - 1.0)) };
+        let third = if count < SKEW { 0.0 } else { powers(3) * count as f64 / (freedom * (freedom - 1.0)) };
         Some(Worth { variance, freedom, third: third / width / passes.powi(2) })
     }
 }
@@ -171,14 +174,19 @@ mod tests {
         const SEEDS: u64 = 4000;
         let rare = |rng: &mut Rng| if rng.uniform() < 1.0 / 128.0 { 128.0 } else { 0.0 };
         let exact = Worth::stated(0.0);
-        let (mut plain, mut told) = (0u64, 0u64);
+        let (mut plain, mut told, mut third) = (0u64, 0u64, Moments::default());
         for seed in 0..SEEDS {
             let (mean, worth) = worth(seed, rare);
+            third.add(worth.third);
             let off = 1.0 - mean;
             plain += u64::from(Worth { third: 0.0, ..exact.less(worth, 1.0) }.sigmas(off).abs() > 3.0);
             told += u64::from(exact.less(worth, 1.0).sigmas(off).abs() > 3.0);
         }
         let want = 0.0027 * SEEDS as f64;
+        // Of a pass 128² − 3·128 + 2.
+        let want_third = (128.0f64.powi(2) - 3.0 * 128.0 + 2.0) / 1024f64.powi(2);
+        let off = (third.mean - want_third).abs();
+        assert!(off < 4.0 * third.stderr() && third.stderr() < 0.1 * want_third, "{third:?} {want_third}");
         assert!(plain as f64 > 3.0 * want && (told as f64) < 1.5 * want, "{plain} {told} of {want}");
         let mut kept = Moments::default();
         for seed in 0..100 {
