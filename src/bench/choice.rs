@@ -91,7 +91,8 @@ impl Row {
 
 /// Lets all choices trace the scene of a seed for `seconds` each; the references are from the eye, `factor` times as long
 /// each. Where they don't know the light of every block to a tenth, they can't tell who is fast either: then the automatic
-/// choice makes two more for that, and brute force says what it can of a bias.
+/// choice makes two more for that, and brute force says what it can of a bias. What is beyond the limit then is judged once
+/// more by new brute force, four times as long, if that knows the picture's light at all.
 ///
 /// Errors: those of checking and freezing.
 pub fn judge(seed: u64, seconds: f64, factor: f64, stop: &ShouldStop<'_>) -> Result<Row> {
