@@ -5,9 +5,10 @@
 //! [`Tables`](super::tables::Tables) no table is trusted. Now and then the ray itself is followed with all its branches,
 //! and makes good what the tables had wrong or did not have.
 
+mod landing;
 mod make;
 
-use super::nodes::Spot;
+use super::nodes::{Rows, Spot};
 use super::over_film::OverFilm;
 use super::screens::Screens;
 use crate::base::chain::Chain;
@@ -22,11 +23,10 @@ use crate::world::geometry::{Hit, Ray};
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
+use landing::{Landing, Landings, OVER_PUPIL};
 
-/// Nodes over the pupil: three along both axes.
-const OVER_PUPIL: usize = 9;
-/// The outer of them, in radii.
+/// The outer nodes over the pupil, in radii.
 const OUTER: f64 = 0.8;
 
 /// Rays with all their branches hardly ever find trains with less than this of what the best brings.
@@ -39,16 +39,6 @@ const SELDOM_OF_LITTLE: f64 = 1.0 / 4.0;
 /// 10⁻⁵ of a symbol is some hundredths of the black beside it. By every sixteenth look it made two thirds of the error of the
 /// diffuse HUD.
 const OFTEN: f64 = 1.0 / 4.0;
-
-/// Where a ray lands.
-#[derive(Debug, Clone, Copy)]
-struct Landing<M: Mode> {
-    /// Recentred world, m.
-    point: DVec3,
-    dir: DVec3,
-    /// Of what the ray starts with, per lane.
-    weight: M::Lanes<f64>,
-}
 
 /// A train from the eye to a lit face.
 struct Glance<M: Mode> {
@@ -63,8 +53,7 @@ struct Glance<M: Mode> {
     events: u32,
     /// Over the picture, where any ray lands over this train.
     lands: Vec<bool>,
-    /// Each over the pupil; none where not all rays land.
-    nodes: Vec<Option<[Landing<M>; OVER_PUPIL]>>,
+    landings: Landings<M>,
 }
 
 /// How a cell is used.
@@ -94,7 +83,7 @@ pub struct Glances<M: Mode> {
 
 /// Where to look.
 struct Look {
-    spot: Spot,
+    rows: Rows,
     /// Weights of the nodes over the pupil.
     pupil: [f64; OVER_PUPIL],
 }
@@ -184,8 +173,7 @@ impl<M: Mode> Glances<M> {
             return Some(Rest::ALL);
         };
         // The nodes about the spot, or, where those are not all there, others beside it.
-        let spot = if usage.aside == [0; 2] { Some(spot) } else { self.over.nodes.spot_by(spot.at, usage.aside) };
-        let Some(spot) = spot else { return Some(Rest::ALL) };
+        let Some(spot) = self.over.nodes.aside(spot, usage.aside) else { return Some(Rest::ALL) };
         let look = self.look_at(spot, pupil);
         let usual = usage.share * of.followed();
         let followed = rng.uniform() < usual;
@@ -216,7 +204,7 @@ impl<M: Mode> Glances<M> {
             let control = if followed { 1.0 - 1.0 / share } else { 1.0 };
             let table = Some(glance).filter(|_| known);
             let landed = table
-                .and_then(|glance| glance.blend(&look))
+                .and_then(|glance| glance.landings.blend(&look.rows, &look.pupil))
                 .and_then(|at| glance.land(tracing, &at, weight * control, rng.fork()));
             if let Some((mut walker, vertex)) = landed {
                 visit(&mut walker, &vertex, weight * control);
@@ -249,7 +237,7 @@ impl<M: Mode> Glances<M> {
     fn look_at(&self, spot: Spot, pupil: DVec2) -> Look {
         let at = if self.radius > 0.0 { pupil / (OUTER * self.radius) } else { DVec2::ZERO };
         let [x, y] = at.to_array().map(|t| [0.5 * t * (t - 1.0), 1.0 - t * t, 0.5 * t * (t + 1.0)]);
-        Look { spot, pupil: std::array::from_fn(|k| x[k % 3] * y[k / 3]) }
+        Look { rows: spot.rows(), pupil: std::array::from_fn(|k| x[k % 3] * y[k / 3]) }
     }
 }
 
@@ -274,22 +262,6 @@ impl<M: Mode> Glance<M> {
         let ray = Ray { origin, dir, from: None };
         let walker = Walker::new(tracing, Travel::FromEye, ray, weight, Interior::default(), rng);
         follow(walker, &self.chain, self.face())
-    }
-
-    fn blend(&self, look: &Look) -> Option<Landing<M>> {
-        let mut sum: Landing<M> = Landing { point: DVec3::ZERO, dir: DVec3::ZERO, weight: lanes::<M, _>(|_| 0.0) };
-        for (node, over_film) in look.spot.nodes() {
-            let node = self.nodes.get(node)?.as_ref()?;
-            for (landing, over_pupil) in node.iter().zip(&look.pupil) {
-                let share = over_film * over_pupil;
-                sum.point += share * landing.point;
-                sum.dir += share * landing.dir;
-                for lane in 0..M::LANES {
-                    sum.weight[lane] += share * landing.weight[lane];
-                }
-            }
-        }
-        Some(sum)
     }
 
     /// A ray that lands there; none where it misses the face.

@@ -5,6 +5,7 @@ pub mod connections;
 pub mod face_map;
 pub mod glances;
 pub mod grid;
+pub mod lean;
 mod look;
 pub mod nodes;
 pub mod over_film;

@@ -76,6 +76,11 @@ impl Nodes {
         self.spot_by(at, [0; 2])
     }
 
+    /// A spot, or the same place by sixteen nodes that lie aside of those about it; none where those are not all there.
+    pub fn aside(&self, spot: Spot, aside: [i8; 2]) -> Option<Spot> {
+        if aside == [0; 2] { Some(spot) } else { self.spot_by(spot.at, aside) }
+    }
+
     /// The same with sixteen nodes that lie aside of those about the place, by cells along both axes: −1 to 1.
     pub fn spot_by(&self, at: DVec2, aside: [i8; 2]) -> Option<Spot> {
         // The cell, the first of the four nodes about it (all of which there are), and the place from the second of them.

@@ -107,8 +107,7 @@ impl<M: Mode> Tables<M> {
         off: DVec2,
     ) -> impl Iterator<Item = Brought<M>> + use<'t, M> {
         let known = self.tables.get(entry).and_then(|table| {
-            let aside = table.uses[spot.cell].aside;
-            let spot = if aside == [0; 2] { *spot } else { self.over.nodes.spot_by(spot.at, aside)? };
+            let spot = self.over.nodes.aside(*spot, table.uses[spot.cell].aside)?;
             Some((table, spot))
         });
         let branches =

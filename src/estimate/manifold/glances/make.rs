@@ -1,6 +1,7 @@
 //! How the tables are filled: trains as rays from the eye find them, node by node, and cell by cell on trial.
 
-use super::{Glance, Glances, Landing, OUTER, OVER_PUPIL, Use, follow};
+use super::landing::{Landing, Landings, OVER_PUPIL};
+use super::{Glance, Glances, OUTER, Use, follow};
 use crate::base::chain::{Chain, Link};
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
@@ -123,16 +124,15 @@ impl<M: Mode> Glances<M> {
                 && at.outside == vertex.outside
                 && touching(at) == touching(&vertex)
         };
-        let node = |at: usize| -> (bool, Option<[Landing<M>; OVER_PUPIL]>) {
+        let node = |at: usize| -> (bool, Option<Vec<Landing<M>>>) {
             let all = landed(at);
             let any = all.iter().any(Option::is_some);
             let landing = |one: &Option<(Walker<'_, M>, Vertex)>| one.as_ref().filter(|one| alike(one)).map(landing);
-            let all: Option<Vec<Landing<M>>> = all.iter().map(landing).collect();
-            (any, all.and_then(|all| all.try_into().ok()))
+            (any, all.iter().map(landing).collect())
         };
-        let (lands, nodes) = (0..self.over.nodes.number()).into_par_iter().map(node).unzip();
+        let (lands, nodes): (Vec<bool>, Vec<_>) = (0..self.over.nodes.number()).into_par_iter().map(node).unzip();
         let Walker { trail, told, interior, events, .. } = walker;
-        Some(Glance { chain, share, vertex, trail, told, interior, events, lands, nodes })
+        Some(Glance { chain, share, vertex, trail, told, interior, events, lands, landings: Landings::new(&nodes) })
     }
 
     /// How a cell is to be used, by rays through its middle.
@@ -140,7 +140,7 @@ impl<M: Mode> Glances<M> {
         let middle = self.over.nodes.at_node(cell) + 0.5;
         // Those nodes by which most light is known.
         let known = |spot: &Spot| -> f64 {
-            let whole = |glance: &&Glance<M>| spot.nodes().all(|(node, _)| glance.nodes[node].is_some());
+            let whole = |glance: &&Glance<M>| spot.nodes().all(|(node, _)| glance.landings.has(node));
             self.glances.iter().filter(whole).map(|glance| glance.share).sum()
         };
         let spots = SIDES.iter().filter_map(|aside| Some((*aside, self.over.nodes.spot_by(middle, *aside)?)));
@@ -148,7 +148,7 @@ impl<M: Mode> Glances<M> {
         let film = self.over.film(middle);
         let (mut known, mut in_part, mut worst, mut best) = (0u32, 0u32, 0f64, 0f64);
         for (k, glance) in self.glances.iter().enumerate() {
-            let has = |(node, _): &(usize, f64)| glance.nodes[*node].is_some();
+            let has = |(node, _): &(usize, f64)| glance.landings.has(*node);
             let count = spot.nodes().filter(has).count();
             let trial = if count == 16 { self.error(tracing, glance, &spot, film) } else { None };
             let Some((off, weight)) = trial else {
@@ -209,12 +209,13 @@ impl<M: Mode> Glances<M> {
     /// ray does not land.
     fn error(&self, tracing: Tracing<'_, M>, glance: &Glance<M>, spot: &Spot, film: DVec2) -> Option<(f64, f64)> {
         let (mut worst, mut light) = (0f64, 0f64);
-        let point = |node: usize| Some(glance.nodes.get(node)?.as_ref()?[OVER_PUPIL / 2].point);
+        let point = |node: usize| Some(glance.landings.middle(node)?.point);
         let pixel_m = point(spot.cell)?.distance(point(spot.cell + 1)?) / self.over.pixels;
         for trial in TRIALS {
             let pupil = trial * self.radius;
             let (walker, vertex) = self.follow(tracing, (film, pupil), &glance.chain, glance.face())?;
-            let blend = glance.blend(&self.look_at(*spot, pupil))?;
+            let look = self.look_at(*spot, pupil);
+            let blend = glance.landings.blend(&look.rows, &look.pupil)?;
             let (table, _) = glance.land(tracing, &blend, 1.0, Rng::new(0, Stream::Pilot, 6, 1))?;
             let real = landing(&(walker, vertex));
             let of_lane = |lane: usize| (table.beam.amount(lane).power() / real.weight[lane] - 1.0).abs();

@@ -3,6 +3,7 @@
 use super::Incoming;
 use super::level::Errs;
 use crate::estimate::manifold::face_map::FaceMap;
+use crate::estimate::manifold::lean::{Lean, Quad, filled};
 use crate::estimate::manifold::nodes::{Rows, Spot};
 use crate::film::accumulate::Light;
 use crate::world::World;
@@ -51,18 +52,15 @@ pub(super) enum Cell {
     Rim,
 }
 
-/// Numbers of a node that are blended with others: direction, strength per lane, places on slides.
-type Quad = [f64; 4];
-/// Most of them for a node.
+/// Most quads of a node's numbers that are blended with others: direction, strength per lane, places on slides.
 const QUADS: usize = 4;
 
 /// One branch of a train for one lamp.
 #[derive(Debug)]
 pub(super) struct Sheet<M: Mode> {
     pub(super) nodes: Vec<Option<Node<M>>>,
-    /// What of the nodes is blended, apart from the rest so that sixteen of them lie close together: so many for each.
-    lean: Vec<Quad>,
-    quads: usize,
+    /// What of the nodes is blended; none before they are all there.
+    lean: Option<Lean>,
     pub(super) cells: Vec<Cell>,
     /// Of the cells with solutions, in no order.
     pub(super) errs: Vec<Errs>,
@@ -80,59 +78,33 @@ pub(super) struct Blend<M: Mode> {
 impl<M: Mode> Sheet<M> {
     /// Of so many nodes, none of which has a solution yet.
     pub(super) fn new(nodes: usize) -> Self {
-        Sheet {
-            nodes: vec![None; nodes],
-            lean: Vec::new(),
-            quads: 0,
-            cells: vec![Cell::Nothing; nodes],
-            errs: Vec::new(),
-        }
+        Sheet { nodes: vec![None; nodes], lean: None, cells: vec![Cell::Nothing; nodes], errs: Vec::new() }
     }
 
     /// To be called when all nodes are there, before they are blended.
     pub(super) fn gather(&mut self) {
         const { assert!(3 + M::LANES + 3 * SLIDES <= 4 * QUADS) };
         let slides = self.nodes.iter().flatten().map(|node| node.slides.len()).max().unwrap_or(0);
-        self.quads = (3 + M::LANES + 3 * slides).div_ceil(4);
-        self.lean = vec![Quad::default(); self.quads * self.nodes.len()];
-        for (node, lean) in self.nodes.iter().zip(self.lean.as_flattened_mut().chunks_exact_mut(4 * self.quads)) {
+        let mut lean = Lean::new(self.nodes.len(), (3 + M::LANES + 3 * slides).div_ceil(4), 0.0);
+        for (node, lean) in self.nodes.iter().zip(lean.nodes_mut()) {
             let Some(node) = node else { continue };
             let places = node.slides.iter().flat_map(|crossing| crossing.local.to_array());
             let numbers = node.dir.to_array().into_iter().chain(node.strength.as_slice().iter().copied()).chain(places);
             lean.iter_mut().zip(numbers).for_each(|(place, number)| *place = number);
         }
+        self.lean = Some(lean);
     }
 
-    /// The first so many numbers of the nodes in these rows, blended; zeros follow.
+    /// All numbers of the nodes in these rows, blended; zeros follow.
     #[inline]
-    fn blended(&self, rows: &Rows, quads: usize) -> Option<[Quad; QUADS]> {
-        match (quads, self.quads) {
-            // Nothing is there yet.
-            (_, 0) => None,
-            (1, stride) => self.blended_of::<1>(rows, stride),
-            (2, 2) => self.blended_of::<2>(rows, 2),
-            (3, 3) => self.blended_of::<3>(rows, 3),
-            (_, stride) => self.blended_of::<QUADS>(rows, stride),
+    fn blended(&self, rows: &Rows) -> Option<[Quad; QUADS]> {
+        let lean = self.lean.as_ref()?;
+        match lean.stride() {
+            1 => lean.blend::<1>(rows).map(filled),
+            2 => lean.blend::<2>(rows).map(filled),
+            3 => lean.blend::<3>(rows).map(filled),
+            _ => lean.blend::<QUADS>(rows),
         }
-    }
-
-    /// `stride`: numbers of a node, in fours; known where this is put in place, it makes all of a row known to be there at once.
-    #[inline(always)]
-    fn blended_of<const N: usize>(&self, rows: &Rows, stride: usize) -> Option<[Quad; QUADS]> {
-        let mut sums = [Quad::default(); N];
-        for (first, weights) in rows {
-            let row = self.lean.get(first * stride..(first + 4) * stride)?;
-            for (node, weight) in row.chunks_exact(stride).zip(weights) {
-                for (sum, quad) in sums.iter_mut().zip(node.first_chunk::<N>()?) {
-                    for k in 0..4 {
-                        sum[k] += weight * quad[k];
-                    }
-                }
-            }
-        }
-        let mut all = [Quad::default(); QUADS];
-        all[..N].copy_from_slice(&sums);
-        Some(all)
     }
 
     /// Whether the nodes about a spot are all there and can be blended.
@@ -157,7 +129,7 @@ impl<M: Mode> Sheet<M> {
     /// The nodes' solutions in between, in a cell by rows of nodes about it; only where they are whole.
     pub(super) fn blend(&self, (cell, rows): (usize, &Rows), off: DVec2) -> Option<Blend<M>> {
         let near = self.nodes[cell].as_ref()?;
-        let sums = self.blended(rows, self.quads)?;
+        let sums = self.blended(rows)?;
         let sums = sums.as_flattened();
         let place = |at: usize| DVec3::from_slice(&sums[at..at + 3]);
         let mut dir = place(0);
@@ -175,7 +147,9 @@ impl<M: Mode> Sheet<M> {
     /// The direction alone; none before the nodes are all there.
     pub(super) fn blend_dir(&self, spot: &Spot, off: DVec2) -> Option<DVec3> {
         let near = self.nodes[spot.cell].as_ref()?;
-        let dir = DVec3::from_slice(&self.blended(&spot.rows(), 1)?[0]);
+        let lean = self.lean.as_ref()?;
+        let [dir] = lean.blend(&spot.rows())?;
+        let dir = DVec3::from_slice(&dir);
         Some(dir + near.by_lamp[0] * off.x + near.by_lamp[1] * off.y)
     }
 
