@@ -66,6 +66,15 @@ pub struct PhotonMapper<'w, M: Mode> {
     starts: Starts,
 }
 
+/// A path as a pilot sees it.
+#[derive(Debug, Clone)]
+pub struct Landed {
+    /// Index in the emission's lamps, and the point of its cube.
+    pub lamp: usize,
+    pub x: Point,
+    pub landings: Vec<Landing>,
+}
+
 /// A photon as a pilot sees it.
 #[derive(Debug, Clone, Copy)]
 pub struct Landing {
@@ -198,11 +207,15 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         self.emission.probe((self.world, &optics), shots, stop, new, useful)
     }
 
-    /// Traces one pass for a pilot: where photons land.
-    pub fn landings(&self, pass: u64) -> Vec<Landing> {
+    /// Traces one pass for a pilot: where the photons of each path land that has any. Once `stop` says true the rest is left
+    /// out, and the result is worthless.
+    pub fn landings(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Landed> {
         let optics = M::optics(self.world, self.seed, pass);
-        let (photons, _) = self.emit(self.shots(Stream::Pilot, pass), &optics, &self.screens);
-        photons.iter().map(Landing::of).collect()
+        let new = || Stored::new(&self.screens, self.part);
+        self.emission.survey((self.world, &optics), self.shots(Stream::Pilot, pass), stop, new, |lamp, x, _, stored| {
+            let landings: Vec<Landing> = stored.photons.iter().map(Landing::of).collect();
+            (!landings.is_empty()).then_some(Landed { lamp, x, landings })
+        })
     }
 
     /// [`Emission::density`].

@@ -156,6 +156,12 @@ impl Seen {
         })
     }
 
+    /// How bright the eye sees what a photon brings, and how much of that specular connection does not have.
+    pub fn shown(&self, world: &World, landing: &Landing) -> (f64, f64) {
+        let [first, second] = self.brightness(world, landing).map(|brightness| landing.lumens * brightness);
+        (first + second, if landing.connected { second } else { first + second })
+    }
+
     /// Points that the eye sees of the photon's face, of each cell within half a cell of the photon.
     fn about<'a>(&'a self, cells: &'a Cells, landing: &Landing) -> impl Iterator<Item = &'a Sighting> {
         let (site, point) = (landing.site, landing.position);

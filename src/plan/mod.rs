@@ -80,8 +80,7 @@ pub fn plan(checked: &Checked, world: &World, asked: impl Into<Asked>) -> Plan {
     make(checked, world, asked.into(), &|| false, &Handicap::default())
 }
 
-/// The same; none if `stop` says true (Ctrl-C) before the pilots are through. It is asked before each path of a pilot, but
-/// for one of 4096 photons.
+/// The same; none if `stop` says true (Ctrl-C) before the pilots are through. It is asked before each path of a pilot.
 pub fn plan_unless(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>) -> Option<Plan> {
     let plan = make(checked, world, asked, stop, &Handicap::default());
     (!stop()).then_some(plan)

@@ -1,6 +1,8 @@
 //! Pilots: small deterministic runs that measure what facts do not tell.
 
 mod photons;
+#[cfg(test)]
+mod photons_tests;
 
 use super::shared_faces;
 use crate::base::ids::GroupId;
@@ -116,6 +118,17 @@ impl<L: Look> Looks<L> {
             Sample { weight: sample.weight / paths.sum::<f64>(), ..*sample }
         };
         self.found.iter().map(weighted).collect()
+    }
+
+    /// A guide for light that connection leaves: half by what all looks found, for the light that it has nearly all of may be
+    /// left where its tables end, and half by what it was seen to leave.
+    fn learn_rest(&self, rest: &[Sample]) -> Guide {
+        let half = |samples: &[Sample]| {
+            let sum: f64 = samples.iter().map(|sample| sample.weight).sum();
+            let scaled = |sample: &Sample| Sample { weight: 0.5 * sample.weight / sum, ..*sample };
+            samples.iter().map(scaled).filter(|sample| sample.weight.is_finite()).collect::<Vec<Sample>>()
+        };
+        Guide::learn(self.flux(), &[half(&self.weighted()), half(rest)].concat(), Even::MANY)
     }
 
     fn traced(&self) -> u64 {

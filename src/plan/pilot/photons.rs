@@ -7,7 +7,7 @@ use crate::estimate::ShouldStop;
 use crate::estimate::emission::Starts;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::screens::Screens;
-use crate::estimate::photon::{Landing, PhotonMapper};
+use crate::estimate::photon::{Landed, Landing, PhotonMapper};
 use crate::estimate::route::Route;
 use crate::estimate::seen::{Seen, Sighting};
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
@@ -53,9 +53,11 @@ pub struct PhotonPilot {
     pub radii_m: Radii,
 }
 
-/// Photons per pixel by the share of the light that connection leaves to them, and their limits.
+/// Photons per pixel by the share of the light that connection leaves to them, and their limits: the fewest, as work, and
+/// where they part, which is where their guide has learned from the very light that is left.
 const PER_PIXEL: f64 = 8.0;
 const FEWEST: f64 = 0.125;
+const FEWEST_PARTED: f64 = 0.0625;
 const MOST: f64 = 4.0;
 /// Photons to be gathered in the first pass, and the most of the radius in distances between what neighbouring pixels see.
 /// Scattered light is soft: on scene A1 twelve pixels blur it by less than 1 % (5e-5 of relMSE), and four pixels blur its
@@ -77,6 +79,8 @@ pub fn photon(
     const PATHS: u64 = 1 << 12;
     /// A photon that parts is as much work as so many that do not.
     const PARTED_WORK: u64 = 16;
+    /// By so many it is seen whether connection leaves little.
+    const PARTED_FIRST: u64 = 1 << 6;
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let radii = Radii { caustic: pixel_m, secondary: pixel_m };
     let with = |guide: Option<&Guide>, paths: u64, screens: &Arc<Screens<Mono>>| {
@@ -91,21 +95,32 @@ pub fn photon(
         let guide = Guide::unguided(with(None, 1, &nothing).flux());
         return PhotonPilot { guide, photons: 1, part: false, radii_m: radii };
     }
-    let (_, guide) = look(|guide, paths| Photons { mapper: with(guide, paths, &nothing), seen }, || true, groups, stop);
+    // What specular connection owns of the paths is bright where the rest is, too.
+    let (looks, mut guide) =
+        look(|guide, paths| Photons { mapper: with(guide, paths, &nothing), seen }, || true, groups, stop);
     let coarse = |screens: &[Screen]| made.screens(world, screens);
     let (strong, weak) = by_light(&plan.screens);
-    let land = |connected: &Arc<Screens<Mono>>, part: bool| {
-        let paths = if part { PATHS / PARTED_WORK } else { PATHS };
-        (with(Some(&guide), paths, connected).parting(part).landings(LAST), paths)
+    let land = |guide: &Guide, paths: u64, connected: &Arc<Screens<Mono>>, part: bool| {
+        with(Some(guide), paths, connected).parting(part).landings(LAST, stop)
     };
     // Photons that part tell best what little is left by the trains with most of the light. The others are worth their
     // tables only where it is little.
     let strong = Arc::new(coarse(&strong));
-    let part = !strong.is_empty() && rest_share(world, &land(&strong, true).0, seen) < LITTLE;
-    let (landings, paths) = if part { land(&Arc::new(strong.and(&coarse(&weak))), true) } else { land(&strong, false) };
+    let part = !strong.is_empty() && rest_share(world, &land(&guide, PARTED_FIRST, &strong, true), seen) < LITTLE;
+    let (landed, paths) = if part {
+        let paths = PATHS / PARTED_WORK;
+        let landed = land(&guide, paths, &Arc::new(strong.and(&coarse(&weak))), true);
+        // The little that is left starts elsewhere than the light that all looks were for.
+        guide = looks.learn_rest(&of_rest(world, &landed, seen));
+        (landed, paths)
+    } else {
+        (land(&guide, PATHS, &strong, false), PATHS)
+    };
     // Photons for a little light need not be many.
-    let rest = rest_share(world, &landings, seen);
-    let photons = (pixels as f64 * (PER_PIXEL * rest).clamp(FEWEST, MOST)) as u64;
+    let rest = rest_share(world, &landed, seen);
+    let landings: Vec<Landing> = landed.into_iter().flat_map(|path| path.landings).collect();
+    let fewest = if part { FEWEST_PARTED } else { FEWEST };
+    let photons = (pixels as f64 * (PER_PIXEL * rest).clamp(fewest, MOST)) as u64;
     let photons = photons.max(if rest < LITTLE { 1 << 12 } else { 1 << 14 });
     let photons = if part { photons / PARTED_WORK } else { photons };
     let radius = |at: &dyn Fn(&&Sighting) -> bool, counts: &Counts<'_>, (gathered, most_blur): (f64, f64)| {
@@ -137,14 +152,23 @@ pub fn by_light(screens: &[Screen]) -> (Vec<Screen>, Vec<Screen>) {
 }
 
 /// Of what the eye sees by the photons, the share that specular connection leaves to them.
-fn rest_share(world: &World, landings: &[Landing], seen: &Seen) -> f64 {
+fn rest_share(world: &World, landed: &[Landed], seen: &Seen) -> f64 {
     let (mut all, mut rest) = (0.0, 0.0);
-    for landing in landings {
-        let [first, second] = seen.brightness(world, landing).map(|brightness| landing.lumens * brightness);
-        all += first + second;
-        rest += if landing.connected { second } else { first + second };
+    for landing in landed.iter().flat_map(|path| &path.landings) {
+        let (shown, left) = seen.shown(world, landing);
+        all += shown;
+        rest += left;
     }
     if all > 0.0 { rest / all } else { 1.0 }
+}
+
+/// Starts of paths, weighted with what the eye sees of them that specular connection leaves.
+fn of_rest(world: &World, landed: &[Landed], seen: &Seen) -> Vec<Sample> {
+    let start = |path: &Landed| {
+        let weight = path.landings.iter().map(|landing| seen.shown(world, landing).1).sum::<f64>();
+        (weight > 0.0).then_some(Sample { lamp: path.lamp, x: path.x, weight })
+    };
+    landed.iter().filter_map(start).collect()
 }
 
 /// Whether a photon counts where it is seen.
