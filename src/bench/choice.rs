@@ -55,14 +55,21 @@ pub struct Row {
     pub ratio: f64,
     /// The same without setup on both sides.
     pub trace_ratio: f64,
-    /// The block of the automatic picture that differs most from brute force, in standard errors; and the limit.
+    #[serde(flatten)]
+    pub agreement: Agreement,
+}
+
+/// The automatic choice's last picture beside brute force.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Agreement {
+    /// The block that differs most, in standard errors; and the limit.
     pub worst_sigma: f64,
     /// Blocks that were compared; none: brute force does not know the light of the whole to a tenth.
     pub blocks: Option<usize>,
     pub most_sigma: f64,
     pub energy: f64,
     pub energy_sigma: f64,
-    /// The last five are of a second time: in the first the picture was farther from brute force than the limit.
+    /// All this is of a second time: in the first the picture was farther from brute force than the limit.
     pub again: bool,
 }
 
@@ -71,20 +78,24 @@ impl Row {
     pub fn is_fast(&self) -> bool {
         self.ratio <= MOST_RATIO
     }
-    /// With what the automatic picture's last error says of brute force.
-    fn agreeing(self, error: Option<Error>, references: &References, again: bool) -> Row {
-        Row {
-            worst_sigma: error.map_or(f64::NAN, |error| error.worst_sigma),
+}
+
+impl Agreement {
+    /// What the last error of a curve says.
+    fn new(auto: Option<&Curve>, references: &References, again: bool) -> Agreement {
+        let error = auto.and_then(|auto| auto.points.last()).map(|point| point.error);
+        let told = |of: fn(Error) -> f64| error.map_or(f64::NAN, of);
+        Agreement {
+            worst_sigma: told(|error| error.worst_sigma),
             blocks: references.known_blocks(),
             most_sigma: references.most_sigma_at(2.0 * normal_tail(MOST_SIGMA)),
-            energy: error.map_or(f64::NAN, |error| error.energy),
-            energy_sigma: error.map_or(f64::NAN, |error| error.energy_sigma),
+            energy: told(|error| error.energy),
+            energy_sigma: told(|error| error.energy_sigma),
             again,
-            ..self
         }
     }
     /// As bright as brute force, as far as that knows.
-    pub fn agrees(&self) -> bool {
+    pub fn holds(&self) -> bool {
         self.worst_sigma.abs() <= self.most_sigma || self.blocks.is_none()
     }
 }
@@ -108,7 +119,7 @@ pub fn judge(seed: u64, seconds: f64, factor: f64, stop: &ShouldStop<'_>) -> Res
     let budget = Budget { seconds, passes: None };
     let curves = race(&ready, &contenders(), &references, seed, budget, stop);
     let row = row(seed, &curves, &references);
-    if row.agrees() || stop() {
+    if row.agreement.holds() || stop() {
         return Ok(row);
     }
     let again = seed ^ AGAIN;
@@ -118,8 +129,7 @@ pub fn judge(seed: u64, seconds: f64, factor: f64, stop: &ShouldStop<'_>) -> Res
     }
     let references = references.with_bias_by(brute);
     let curves = race(&ready, &[Choice::Auto], &references, again, budget, stop);
-    let last = curves.first().and_then(|auto| auto.points.last());
-    Ok(row.agreeing(last.map(|point| point.error), &references, true))
+    Ok(Row { agreement: Agreement::new(curves.first(), &references, true), ..row })
 }
 
 /// What the curves say; the first is the automatic choice's.
@@ -147,8 +157,7 @@ fn row(seed: u64, curves: &[Curve], references: &References) -> Row {
     };
     let (best_seconds, best) = fastest(&|single| single.seconds).unwrap_or((f64::NAN, "none"));
     let (best_trace, _) = fastest(&|single| single.trace_seconds).unwrap_or((f64::NAN, "none"));
-    let error = last.map(|point| point.error);
-    let row = Row {
+    Row {
         seed,
         family: Family::of_seed(seed),
         runs: auto.map_or_else(Vec::new, |auto| auto.runs.clone()),
@@ -158,15 +167,9 @@ fn row(seed: u64, curves: &[Curve], references: &References) -> Row {
         best,
         ratio: (setup + trace) / best_seconds,
         trace_ratio: trace / best_trace,
-        worst_sigma: f64::NAN,
-        blocks: None,
-        most_sigma: f64::NAN,
-        energy: f64::NAN,
-        energy_sigma: f64::NAN,
-        again: false,
+        agreement: Agreement::new(auto, references, false),
         singles,
-    };
-    row.agreeing(error, references, false)
+    }
 }
 
 /// (seconds of tracing, error) with errors that cannot be told set to what can.
@@ -206,13 +209,14 @@ pub fn line(row: &Row) -> String {
     if !row.is_fast() {
         verdict += "; slower than the best by hand";
     }
-    if !row.agrees() {
-        verdict += &format!("; more than {:.1} σ from brute force", row.most_sigma);
+    let told = &row.agreement;
+    if !told.holds() {
+        verdict += &format!("; more than {:.1} σ from brute force", told.most_sigma);
     }
-    if row.again {
+    if told.again {
         verdict += &format!("; told of brute force for {LONGER} times as long, as the first was beyond the limit");
     }
-    let blocks = row.blocks.map_or("too rough".to_owned(), |blocks| blocks.to_string());
+    let blocks = told.blocks.map_or("too rough".to_owned(), |blocks| blocks.to_string());
     format!(
         "{:>5} {:12} {:24} {:>9.2e} {:>8.2} {:>8.3} {:10} {:>6.2} {:>6.2} {:>+8.1} {blocks:>9} {:>8.4} ± {:.4}  {}{verdict}",
         row.seed,
@@ -224,9 +228,9 @@ pub fn line(row: &Row) -> String {
         row.best,
         row.ratio,
         row.trace_ratio,
-        row.worst_sigma,
-        row.energy,
-        row.energy_sigma,
+        told.worst_sigma,
+        told.energy,
+        told.energy_sigma,
         singles.join(", ")
     )
 }
@@ -277,7 +281,7 @@ mod tests {
         let curves =
             [curve("auto", 0.01, 1.0, 0.5), curve("forward", 0.1, 0.0, 0.0), curve("photon", 0.0025, 0.0, 0.0)];
         let row = row(0, &curves, &exact());
-        assert_eq!((row.best, row.is_fast(), row.agrees()), ("photon", false, true));
+        assert_eq!((row.best, row.is_fast(), row.agreement.holds()), ("photon", false, true));
         assert!((row.ratio - 6.0).abs() < 1e-9 && (row.trace_ratio - 4.0).abs() < 1e-9, "{row:?}");
         assert!(line(&row).contains("slower"), "{}", line(&row));
     }
@@ -286,9 +290,9 @@ mod tests {
     fn a_good_choice_is_fast_and_a_wrong_picture_is_told() {
         let curves = [curve("auto", 0.01, 0.1, -9.0), curve("forward", 0.01, 0.1, 0.0), curve("photon", 1.0, 0.0, 0.0)];
         let row = row(0, &curves, &exact());
-        assert_eq!((row.best, row.is_fast(), row.agrees()), ("forward", true, false));
+        assert_eq!((row.best, row.is_fast(), row.agreement.holds()), ("forward", true, false));
         assert!((row.ratio - 1.0).abs() < 1e-9 && line(&row).contains("σ from brute force"), "{row:?}");
         // 48 blocks at 3 σ in all.
-        assert!((3.9..4.1).contains(&row.most_sigma), "{}", row.most_sigma);
+        assert!((3.9..4.1).contains(&row.agreement.most_sigma), "{}", row.agreement.most_sigma);
     }
 }

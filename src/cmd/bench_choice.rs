@@ -89,7 +89,7 @@ fn generated(seeds: Range<u64>, curve: &CurveArgs, json: bool) -> Result<ExitCod
     if json {
         print_text(to_json(&rows));
     }
-    let sound = rows.iter().all(|row| row.is_fast() && row.agrees());
+    let sound = rows.iter().all(|row| row.is_fast() && row.agreement.holds());
     Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!sound)) })
 }
 

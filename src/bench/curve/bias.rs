@@ -92,7 +92,7 @@ impl Blocks {
     /// variance, that is a rough guess.
     fn worth(&self, block: &[usize]) -> Worth {
         let [first, second] = &self.references;
-        let known = Worth::stated(0.0).less(first.worth(block), -0.5).less(second.worth(block), -0.5);
+        let known = first.worth(block).mean(second.worth(block));
         let differ = || Worth::stated(block.iter().map(|&cell| self.differ[cell]).sum());
         if known.variance > 0.0 { known } else { differ() }
     }

@@ -83,6 +83,12 @@ impl Worth {
         }
     }
 
+    /// Of half the sum of two lights.
+    #[must_use]
+    pub fn mean(self, other: Worth) -> Worth {
+        Worth::stated(0.0).less(self, -0.5).less(other, -0.5)
+    }
+
     /// A deviation as a normal deviate.
     pub fn sigmas(self, off: f64) -> f64 {
         if off == 0.0 {
