@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{add_part, block_z, cuboid, face, image, mesh, render, worst_z};
+use common::{add_part, block_z, cuboid, face, image_of, mesh, render, worst_z};
 use eyebox::base::path::{Event, Trail};
 use eyebox::base::stats::Moments;
 use eyebox::bench::generate;
@@ -209,7 +209,8 @@ fn a_hair_is_seen(name: &str, pupil_m: Option<f64>, passes: [u64; 2]) {
     let columns = |scene: &Scene, passes: u64, seed: u64, times: usize| {
         let [width, height] = scene.eye.resolution;
         let films = render(scene, asked(Choice::Auto), passes, seed).0;
-        let pixels = image(&films);
+        // Without photons: one lights many pixels, whose errors are not their own. Beside the display theirs is all light.
+        let pixels = image_of(&films, |estimator| estimator != Estimator::Photon);
         let followed = films.ledger(Estimator::Manifold).map_or(0, |ledger| ledger.paths);
         let followed = followed as f64 / (passes as usize * width * height) as f64;
         let count = (times * height) as f64;

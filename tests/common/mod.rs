@@ -4,7 +4,7 @@
 use eyebox::base::ids::{GroupId, MediumId, MeshId};
 use eyebox::check::check;
 use eyebox::estimate::run::{Films, Limits, run};
-use eyebox::film::plan::Plan;
+use eyebox::film::plan::{Estimator, Plan};
 use eyebox::plan::{Asked, plan};
 use eyebox::scene::*;
 use eyebox::world::World;
@@ -188,10 +188,16 @@ pub fn render(scene: &Scene, asked: impl Into<Asked>, passes: u64, seed: u64) ->
 
 /// Value and variance of each pixel, summed over all films and planes.
 pub fn image(films: &Films) -> Vec<(f64, f64)> {
+    image_of(films, |_| true)
+}
+
+/// The same of some estimators.
+pub fn image_of(films: &Films, keep: impl Fn(Estimator) -> bool) -> Vec<(f64, f64)> {
     let pixels = films.films[0].1.width * films.films[0].1.height;
     (0..pixels)
         .map(|pixel| {
-            films.films.iter().fold((0.0, 0.0), |(value, variance), (_, film, _)| {
+            let kept = films.films.iter().filter(|(estimator, ..)| keep(*estimator));
+            kept.fold((0.0, 0.0), |(value, variance), (_, film, _)| {
                 let sum: f64 = (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum();
                 (value + sum, variance + film.variance(pixel, film.planes.len()))
             })

@@ -2,7 +2,7 @@
 
 use super::photons::pixel_m;
 use super::{LAST, SEED};
-use crate::bench::curve::race::Ready;
+use crate::check::check;
 use crate::estimate::manifold::screens::Screens;
 use crate::estimate::photon::PhotonMapper;
 use crate::estimate::route::Route;
@@ -11,6 +11,7 @@ use crate::film::guide::{Even, Guide, Sample};
 use crate::film::plan::Estimator;
 use crate::import::{ImportOptions, import};
 use crate::plan::{Choice, plan};
+use crate::world::World;
 use crate::world::mode::{Mode, Mono};
 use std::path::Path;
 use std::sync::Arc;
@@ -22,10 +23,9 @@ fn photons_that_part_start_where_light_is_left() {
     const PATHS: u64 = 1 << 12;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/hud-diffuse/hud.optics.toml");
     let scene = import(&path, &ImportOptions::default()).unwrap().scene;
-    let ready = Ready::new(&scene, 0.0).unwrap();
-    let plan = plan(&ready.checked, &ready.world, Choice::Auto);
+    let (checked, world) = (check(&scene).unwrap(), &World::freeze(&scene).unwrap());
+    let (plan, groups) = (plan(&checked, world, Choice::Auto), scene.groups.len());
     assert!(plan.photons_part);
-    let (world, groups) = (&ready.world, ready.checked.scene().groups.len());
     let seen = Seen::look(world, pixel_m(world, scene.eye.resolution), &|| false);
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let connected = Arc::new(Screens::coarse(world, &optics, &plan.screens));
