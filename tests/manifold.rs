@@ -208,7 +208,7 @@ fn a_hair_is_seen(name: &str, pupil_m: Option<f64>, passes: [u64; 2]) {
     };
     let columns = |scene: &Scene, passes: u64, seed: u64, times: usize| {
         let [width, height] = scene.eye.resolution;
-        let films = render(scene, asked(Choice::Auto), passes, seed).0;
+        let (films, plan) = render(scene, asked(Choice::Auto), passes, seed);
         // Without photons: one lights many pixels, whose errors are not their own. Beside the display theirs is all light.
         let pixels = image_of(&films, |estimator| estimator != Estimator::Photon);
         let followed = films.ledger(Estimator::Manifold).map_or(0, |ledger| ledger.paths);
@@ -219,14 +219,16 @@ fn a_hair_is_seen(name: &str, pupil_m: Option<f64>, passes: [u64; 2]) {
             let (sum, variance) = own.fold((0.0, 0.0), |(sum, variance), p| (sum + p.0, variance + p.1));
             (sum / count, variance / (count * count))
         };
-        ((0..width / times).map(mean).collect::<Vec<(f64, f64)>>(), followed)
+        let owned = (plan.photons_part, plan.connections.len(), plan.screens.len());
+        ((0..width / times).map(mean).collect::<Vec<(f64, f64)>>(), followed, owned)
     };
-    let (tables, seldom) = columns(&with_hair(SMALL.map(|side| TIMES * side)), passes[0], 1, TIMES);
-    let (solved, always) = columns(&with_hair(SMALL), passes[1], 2, 1);
-    let (without, _) = columns(&dark, passes[1], 3, 1);
+    let (tables, seldom, owned) = columns(&with_hair(SMALL.map(|side| TIMES * side)), passes[0], 1, TIMES);
+    let (solved, always, as_owned) = columns(&with_hair(SMALL), passes[1], 2, 1);
+    let (without, ..) = columns(&dark, passes[1], 3, 1);
     let z = |a: &[(f64, f64)], b: &[(f64, f64)]| worst_z(&block_z(a, b, SMALL[0], 1), 1e-3);
     let ((worst, bound), (hair, _)) = (z(&tables, &solved), z(&tables, &without));
     println!("worst z {worst:.2} of {bound:.2}; without the hair {hair:.0}; paths {seldom:.2} and {always:.2} a pixel");
+    assert_eq!(owned, as_owned, "what photons keep is not the same");
     assert!(seldom < 0.5 * always, "tables are not used: {seldom} and {always} paths a pixel");
     assert!(worst < bound, "{worst} of {bound}");
     assert!(hair > 2.0 * bound, "the hair is not seen: {hair}");

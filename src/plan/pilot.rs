@@ -2,7 +2,7 @@
 
 mod photons;
 #[cfg(test)]
-mod photons_tests;
+mod tests;
 
 use super::shared_faces;
 use crate::base::ids::GroupId;
@@ -25,6 +25,8 @@ const MOST_WIDE: u64 = 1 << 16;
 const NARROW: [u64; 2] = [1 << 11, 3 << 11];
 /// Paths that have to count before a look can be guided by them, in all and of each group.
 const ENOUGH: [usize; 2] = [48, 4];
+/// Effective paths that have shown what connection leaves, before photons are guided by them.
+const ENOUGH_OF_REST: f64 = 24.0;
 /// Paths by which it is seen what connection leaves, of a pass that no look has.
 const LEFT: u64 = 1 << 11;
 const LAST: u64 = 1 << 20;
@@ -121,14 +123,20 @@ impl<L: Look> Looks<L> {
     }
 
     /// A guide for light that connection leaves: half by what all looks found, for the light that it has nearly all of may be
-    /// left where its tables end, and half by what it was seen to leave.
-    fn learn_rest(&self, rest: &[Sample]) -> Guide {
+    /// left where its tables end, and half by what it was seen to leave. None if that is too little to learn from, or nearly
+    /// all one path's: with so much weight it would hide what the looks found.
+    fn learn_rest(&self, rest: &[Sample]) -> Option<Guide> {
+        let weights = rest.iter().map(|sample| sample.weight);
+        let (sum, squares) = weights.fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
+        if sum * sum < ENOUGH_OF_REST * squares || squares <= 0.0 {
+            return None;
+        }
         let half = |samples: &[Sample]| {
             let sum: f64 = samples.iter().map(|sample| sample.weight).sum();
             let scaled = |sample: &Sample| Sample { weight: 0.5 * sample.weight / sum, ..*sample };
             samples.iter().map(scaled).filter(|sample| sample.weight.is_finite()).collect::<Vec<Sample>>()
         };
-        Guide::learn(self.flux(), &[half(&self.weighted()), half(rest)].concat(), Even::MANY)
+        Some(Guide::learn(self.flux(), &[half(&self.weighted()), half(rest)].concat(), Even::MANY))
     }
 
     fn traced(&self) -> u64 {
@@ -286,16 +294,4 @@ fn spread<L: Look>(looks: &Looks<L>, first: usize) -> Option<f64> {
 /// Groups whose light no path of a pilot brought.
 pub fn without_arrivals(pilot: &ForwardPilot) -> Vec<GroupId> {
     (0..pilot.arrived.len()).filter(|&g| pilot.arrived[g] == 0).map(GroupId::from_index).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn more_light_has_more_paths() {
-        let of = |share: f64| forward_paths(share, 64_800);
-        assert_eq!([0.0, 1e-3, 0.25, 1.0].map(of), [16_200, 16_200, 129_600, 259_200]);
-        assert_eq!([0.0, 0.02, 0.04].map(|share| forward_paths(share, 100)), [128, 128, 4096]);
-    }
 }

@@ -15,6 +15,7 @@ pub struct Lean {
 impl Lean {
     /// For as many nodes as are said, with `stride` quads each that are all `number`.
     pub fn new(nodes: usize, stride: usize, number: f64) -> Lean {
+        debug_assert!(stride > 0);
         Lean { quads: vec![[number; 4]; nodes * stride], stride }
     }
 
@@ -30,7 +31,7 @@ impl Lean {
 
     /// The numbers of each node in turn.
     pub fn nodes_mut(&mut self) -> impl Iterator<Item = &mut [f64]> {
-        self.quads.as_flattened_mut().chunks_exact_mut(4 * self.stride.max(1))
+        self.quads.as_flattened_mut().chunks_exact_mut(4 * self.stride)
     }
 
     /// The first N quads of the nodes in these rows, blended by their weights; none beyond the nodes.
@@ -92,6 +93,7 @@ impl Lean {
 
     #[inline(always)]
     fn blend_grids_by<const N: usize, const K: usize>(&self, rows: &Rows, shares: &[f64; K]) -> Option<[Quad; N]> {
+        debug_assert_eq!(self.stride, N * K);
         let mut sums = [[Quad::default(); N]; 4];
         for (first, weights) in rows {
             let row: &[Quad] = self.quads.get(first * N * K..(first + 4) * N * K)?;
@@ -166,5 +168,23 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// The first quad of longer ones, as all of them say it; a node that is not known, or not there, leaves none of the blend.
+    #[test]
+    fn parts_of_nodes_and_unknown_nodes() {
+        let nodes = Nodes { count: [5, 4] };
+        let mut lean = Lean::new(nodes.number(), 3, f64::NAN);
+        for (node, numbers) in lean.nodes_mut().enumerate().filter(|(node, _)| *node != 4) {
+            numbers.iter_mut().enumerate().for_each(|(k, number)| *number = (node * node + k) as f64);
+        }
+        let rows = |x: f64| nodes.spot(DVec2::new(x, 1.5)).map(|spot| spot.rows()).expect("it is among the nodes");
+        let all = lean.blend::<3>(&rows(1.3)).expect("all nodes are there");
+        assert_eq!(lean.blend::<1>(&rows(1.3)), Some([all[0]]));
+        assert!(all.as_flattened().iter().all(|number| number.is_finite()));
+        // The node at (4, 0) is asked from beyond the third on.
+        assert!(lean.blend::<1>(&rows(3.5)).is_some_and(|[quad]| quad.iter().all(|number| number.is_nan())));
+        let few = Lean::new(nodes.number() - 1, 3, 0.0);
+        assert_eq!(few.blend::<3>(&rows(3.5)), None);
     }
 }

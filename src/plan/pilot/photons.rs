@@ -54,10 +54,10 @@ pub struct PhotonPilot {
 }
 
 /// Photons per pixel by the share of the light that connection leaves to them, and their limits: the fewest, as work, and
-/// where they part, which is where their guide has learned from the very light that is left.
+/// of those that part and whose guide has learned from the very light that is left.
 const PER_PIXEL: f64 = 8.0;
 const FEWEST: f64 = 0.125;
-const FEWEST_PARTED: f64 = 0.0625;
+const FEWEST_GUIDED: f64 = 0.0625;
 const MOST: f64 = 4.0;
 /// Photons to be gathered in the first pass, and the most of the radius in distances between what neighbouring pixels see.
 /// Scattered light is soft: on scene A1 twelve pixels blur it by less than 1 % (5e-5 of relMSE), and four pixels blur its
@@ -87,7 +87,6 @@ pub fn photon(
         let route = Route::new(plan, groups, Estimator::Photon);
         PhotonMapper::new(world, route, groups, paths, guide, radii, screens.clone(), SEED).starting(Starts::OfPass)
     };
-    // What specular connection owns of the paths is bright where the rest is, too: one guide for both.
     let nothing = Arc::new(Screens::new(world, &optics, &[]));
     let pixels = world.eye.size().iter().product::<usize>() as u64;
     if seen.is_empty() {
@@ -95,7 +94,7 @@ pub fn photon(
         let guide = Guide::unguided(with(None, 1, &nothing).flux());
         return PhotonPilot { guide, photons: 1, part: false, radii_m: radii };
     }
-    // What specular connection owns of the paths is bright where the rest is, too.
+    // By all light of the faces, connected or not.
     let (looks, mut guide) =
         look(|guide, paths| Photons { mapper: with(guide, paths, &nothing), seen }, || true, groups, stop);
     let coarse = |screens: &[Screen]| made.screens(world, screens);
@@ -107,11 +106,14 @@ pub fn photon(
     // tables only where it is little.
     let strong = Arc::new(coarse(&strong));
     let part = !strong.is_empty() && rest_share(world, &land(&guide, PARTED_FIRST, &strong, true), seen) < LITTLE;
+    let mut knows_rest = false;
     let (landed, paths) = if part {
         let paths = PATHS / PARTED_WORK;
         let landed = land(&guide, paths, &Arc::new(strong.and(&coarse(&weak))), true);
         // The little that is left starts elsewhere than the light that all looks were for.
-        guide = looks.learn_rest(&of_rest(world, &landed, seen));
+        if let Some(learned) = looks.learn_rest(&of_rest(world, &landed, seen)) {
+            (guide, knows_rest) = (learned, true);
+        }
         (landed, paths)
     } else {
         (land(&guide, PATHS, &strong, false), PATHS)
@@ -119,7 +121,7 @@ pub fn photon(
     // Photons for a little light need not be many.
     let rest = rest_share(world, &landed, seen);
     let landings: Vec<Landing> = landed.into_iter().flat_map(|path| path.landings).collect();
-    let fewest = if part { FEWEST_PARTED } else { FEWEST };
+    let fewest = if knows_rest { FEWEST_GUIDED } else { FEWEST };
     let photons = (pixels as f64 * (PER_PIXEL * rest).clamp(fewest, MOST)) as u64;
     let photons = photons.max(if rest < LITTLE { 1 << 12 } else { 1 << 14 });
     let photons = if part { photons / PARTED_WORK } else { photons };
