@@ -43,8 +43,21 @@ fn without_the_brightest(ready: &Ready<'_>) -> Plan {
     plan
 }
 
+/// The sums that a plan brings over 12 runs, by estimator, and whether they make up what rays from the eye alone bring.
+fn against_brute_force(ready: &Ready<'_>, plan: &Plan, brute: &Moments) -> [f64; 3] {
+    let found = sums(ready, plan, 200, 12);
+    let parts = [Estimator::Backward, Estimator::Forward, Estimator::Manifold].map(|estimator| of(&found, estimator));
+    let total: f64 = parts.iter().map(|part| part.mean).sum();
+    let sigma = parts.iter().fold(brute.stderr(), |sigma, part| sigma.hypot(part.stderr()));
+    assert!(sigma < 0.02 * total, "{sigma} of {total}");
+    assert!((total - brute.mean).abs() < 4.0 * sigma, "{total} of {} ± {sigma}", brute.mean);
+    parts.map(|part| part.mean / brute.mean)
+}
+
 /// Light tracing, which would find that train with ease, leaves it alone; whatever share of the pixels is looked at, rays from
-/// the eye bring it, once.
+/// the eye bring it, once. So they do with a train that is known, but not how it goes, if it is faint: what light tracing
+/// finds of it is rare and bright (on seed 476 one such path in 256 passes was 44 times the error of the rest). Of a
+/// bright one light tracing has learned where it starts.
 #[test]
 fn what_connection_does_not_know_is_seen_from_the_eye() {
     let mut scene = generate::scene(42);
@@ -52,18 +65,20 @@ fn what_connection_does_not_know_is_seen_from_the_eye() {
     let ready = Ready::new(&scene, 0.0).unwrap();
     let brute = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Backward));
     let brute = of(&sums(&ready, &brute, 200, 12), Estimator::Backward);
-    let mut plan = without_the_brightest(&ready);
+    let mut missed = without_the_brightest(&ready);
     for share in [1.0, 0.25] {
-        plan.unknown_share = share;
-        let found = sums(&ready, &plan, 200, 12);
-        let [backward, forward, manifold] =
-            [Estimator::Backward, Estimator::Forward, Estimator::Manifold].map(|estimator| of(&found, estimator));
-        assert!(forward.mean < 1e-3 * brute.mean, "{} of {}", forward.mean, brute.mean);
-        let total = backward.mean + forward.mean + manifold.mean;
-        let sigma = brute.stderr().hypot(backward.stderr());
-        assert!(sigma < 0.02 * total, "{sigma} of {total}");
-        assert!((total - brute.mean).abs() < 4.0 * sigma, "share {share}: {total} of {} ± {sigma}", brute.mean);
+        missed.unknown_share = share;
+        let [backward, forward, _] = against_brute_force(&ready, &missed, &brute);
+        assert!(forward < 1e-3 && backward > 0.9, "{forward} and {backward}");
     }
+    let mut without_starts = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
+    without_starts.unknown_share = 1.0;
+    without_starts.connections[0].seeds.clear();
+    let [backward, forward, _] = against_brute_force(&ready, &without_starts, &brute);
+    assert!(forward > 0.9 && backward < 0.1, "{forward} and {backward}");
+    without_starts.connections[0].share = 5e-3;
+    let [backward, forward, _] = against_brute_force(&ready, &without_starts, &brute);
+    assert!(forward < 1e-3 && backward > 0.9, "{forward} and {backward}");
 }
 
 /// The error that is stated knows of it.

@@ -189,8 +189,8 @@ impl<M: Mode> Visitor<M> for Arrivals<'_, M> {
 }
 
 impl<M: Mode> Arrivals<'_, M> {
-    /// Whether the path is one that specular connection returns for its ends, or comes over a train that it does not know:
-    /// then rays from the eye have it.
+    /// Whether the path is one that specular connection returns for its ends, or comes over a train that it does not know
+    /// there: then rays from the eye have it.
     fn is_of_others(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival) -> bool {
         let (Some(chain), Some((lamp, point, normal))) = (walker.chain(), from.face) else { return false };
         let vision = arrival.pixel.is_some() && walker.trail.class_from_lamp() == Class::Vision;
@@ -198,7 +198,7 @@ impl<M: Mode> Arrivals<'_, M> {
             let target = Target::new(point, normal);
             let places = (arrival.film, arrival.pupil);
             let tracing = (walker.world, self.optics);
-            !self.connections.knows(chain)
+            !self.connections.knows(chain, lamp, arrival.film)
                 || self.connections.owns(tracing, chain, (lamp, &target), places, &mut self.work)
         }
     }

@@ -24,6 +24,7 @@ use crate::world::interior::Interior;
 use crate::world::lamp::Lamp;
 use crate::world::mode::{Mode, plane_of};
 use crate::world::optics::Optics;
+use glam::DVec2;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -174,7 +175,8 @@ impl<'w> Vision<'w> {
             if !jitter.iter().all(|x| (0.0..1.0).contains(x)) {
                 continue;
             }
-            let weight = 1.0 / (share * of_lens * density(eye.film_of(pixel.x, pixel.y, jitter).to_array()));
+            let film = eye.film_of(pixel.x, pixel.y, jitter);
+            let weight = 1.0 / (share * of_lens * density(film.to_array()));
             let (origin, dir) = eye.ray(pixel.x, pixel.y, jitter, lens);
             let ray = Ray { origin, dir, from: None };
             let mut walker =
@@ -185,22 +187,23 @@ impl<'w> Vision<'w> {
             let balance = ledger.imbalance();
             ledger.paths += 1;
             ledger.emitted += weight;
-            self.follow(route, &mut walker, weight * SPLIT_FROM, out, ledger);
+            self.follow(route, &mut walker, (film, weight * SPLIT_FROM), out, ledger);
             ledger.close_path(balance);
         }
     }
 
-    /// Whether a path to a connected lamp comes over a train that connection does not know.
-    fn is_unknown<M: Mode>(&self, walker: &Walker<'_, M>) -> bool {
+    /// Whether a path from a place in the picture to a connected lamp comes over a train that connection does not know there.
+    fn is_unknown<M: Mode>(&self, walker: &Walker<'_, M>, lamp: usize, film: DVec2) -> bool {
         let unknown = self.unknown.as_ref().zip(walker.chain());
-        unknown.is_some_and(|(unknown, chain)| !unknown.connections.knows(&chain.reversed()))
+        unknown.is_some_and(|(unknown, chain)| !unknown.connections.knows(&chain.reversed(), lamp, film))
     }
 
+    /// `film`: where the path started in the picture. `least`: below this chance decides between the ways on.
     fn follow<M: Mode>(
         &self,
         route: &Route,
         walker: &mut Walker<'_, M>,
-        least: f64,
+        (film, least): (DVec2, f64),
         out: &mut [Light],
         ledger: &mut Ledger,
     ) {
@@ -215,7 +218,7 @@ impl<'w> Vision<'w> {
             };
             if let Some(seen) = walker.lamp_at(&vertex)
                 && let Some(share) = route.from_eye(seen.lamp.group, walker.trail)
-                && (!route.is_connected(seen.lamp.group) || self.is_unknown(walker))
+                && (!route.is_connected(seen.lamp.group) || self.is_unknown(walker, seen.index, film))
             {
                 let plane = route.plane_from_eye(share, walker.told, seen.lamp.group, Source::Face);
                 walker.see(plane_of::<M>(out, plane), &seen, 1.0);
@@ -225,7 +228,7 @@ impl<'w> Vision<'w> {
             if share > least
                 && let Some(mut reflected) = walker.split(&vertex, least / share, u8::MAX, ledger)
             {
-                self.follow(route, &mut reflected, least, out, ledger);
+                self.follow(route, &mut reflected, (film, least), out, ledger);
             }
             match walker.meet(&vertex, ledger) {
                 Meeting::Ended => return,

@@ -17,6 +17,8 @@ use std::collections::HashMap;
 /// proportion, but not less than [`SELDOM`].
 const FULL: f64 = 1e-4;
 const SELDOM: f64 = 1.0 / 32.0;
+/// Of a train with this share light tracing knows where its light comes from, and finds it where connection has no start.
+const BRIGHT: f64 = 1e-2;
 
 /// A train with its starts for one lamp.
 #[derive(Debug)]
@@ -80,9 +82,16 @@ impl Connections {
         entries.iter().filter_map(|index| Some((*index as usize, self.entries.get(*index as usize)?)))
     }
 
-    /// Whether a chain (from the lamp) is a train's.
-    pub fn knows(&self, chain: &Chain) -> bool {
-        self.known.contains_key(chain)
+    /// Whether connection has paths like one over `chain` (from the lamp) from `lamp` to this place in the picture. Where it
+    /// has no start for a faint train it says no: the few that light tracing would find there have great weight.
+    pub fn knows(&self, chain: &Chain, lamp: usize, film: DVec2) -> bool {
+        let Some(train) = self.known.get(chain) else { return false };
+        self.shares[*train] >= BRIGHT || self.entries_of(*train, lamp, film).next().is_some()
+    }
+
+    fn entries_of(&self, train: usize, lamp: usize, film: DVec2) -> impl Iterator<Item = &Entry> {
+        let own = move |entry: &&Entry| entry.train == train && entry.starts.lamp == lamp;
+        self.at(film).map(|(_, entry)| entry).filter(own)
     }
 
     /// The probability with which an entry is tried. Faint trains are left out now and then.
@@ -120,7 +129,7 @@ impl Connections {
         let Some(train) = self.known.get(chain) else { return false };
         let same = SAME * tracing.0.eye.pupil_radius_m();
         let mut roots = Vec::new();
-        for (_, entry) in self.at(film).filter(|(_, entry)| entry.train == *train && entry.starts.lamp == lamp) {
+        for entry in self.entries_of(*train, lamp, film) {
             let solved = self.roots(tracing, entry, film, target, &mut roots);
             *work += cost::SOLVED * solved * self.trains[*train].0.len() as u64;
         }
