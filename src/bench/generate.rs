@@ -129,7 +129,7 @@ pub(super) fn lens(scene: &mut Scene, depth: f64, focal: f64, edge: f64) {
 }
 
 /// A pane about the origin of `place`, 1 mm thick, its front (towards +z) with this finish.
-fn plate(scene: &mut Scene, place: DAffine3, half: f64, front: Finish) {
+pub(super) fn plate(scene: &mut Scene, place: DAffine3, half: f64, front: Finish) {
     let mut faces: Vec<Face> = (0..6).map(|_| kit::face(Finish::Absorber)).collect();
     faces[4] = kit::face(Finish::Polished);
     faces[5] = kit::face(front);

@@ -2,6 +2,8 @@
 //! takes the time that each estimator needs to an error, [`choice`] holds the plan's choice against every choice by hand on
 //! scenes that [`generate`] makes from seeds, and [`stated`] the error that a run states against the one it has.
 
+#[cfg(test)]
+mod branching_tests;
 pub mod choice;
 pub mod clock;
 pub mod closed;

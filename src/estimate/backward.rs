@@ -3,6 +3,7 @@
 mod probe;
 mod sent;
 mod skyward;
+mod trial;
 
 use super::ShouldStop;
 use super::even::Even;
@@ -12,11 +13,13 @@ use super::panes::Scattered;
 use super::pick_up::Shining;
 use super::pixel::Pixel;
 use super::route::{Reach, Route};
+use super::turn::Faint;
 use super::vision::{Hints, Vision};
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::film::accumulate::{Film, Light};
+use crate::film::plan::Branching;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -29,6 +32,7 @@ use sent::Here;
 use skyward::Skyward;
 use std::marker::PhantomData;
 use std::sync::Arc;
+pub use trial::Trial;
 
 /// The backward estimator, ready to run passes.
 pub struct Backward<'w, M: Mode> {
@@ -43,6 +47,7 @@ pub struct Backward<'w, M: Mode> {
     asked: u64,
     /// The scene has faces that transmit.
     panes: bool,
+    branching: Branching,
     /// Per pixel that a pass looks at.
     paths: u32,
     /// Share of the pixels that a pass looks at.
@@ -62,7 +67,21 @@ impl<'w, M: Mode> Backward<'w, M> {
             matches!(face.surface, Surface::Interface(_) | Surface::Slide(_) | Surface::Sheet(_) | Surface::Absent)
         };
         let panes = world.faces.iter().flatten().any(transmits);
-        Backward { world, mode: PhantomData, reach, vision, skyward, route, asked, panes, paths, share, seed }
+        let branching = Branching::default();
+        Backward {
+            world,
+            mode: PhantomData,
+            reach,
+            vision,
+            skyward,
+            route,
+            asked,
+            panes,
+            branching,
+            paths,
+            share,
+            seed,
+        }
     }
 
     /// Looks for what these connections leave to rays from the eye, too, at this share of the pixels in a pass.
@@ -72,6 +91,12 @@ impl<'w, M: Mode> Backward<'w, M> {
         let share = (share / self.share).min(1.0);
         self.vision.iter_mut().for_each(|vision| vision.beside(connections.clone(), share));
         self
+    }
+
+    /// The same with paths that go on so.
+    #[must_use]
+    pub fn branching(self, branching: Branching) -> Self {
+        Backward { branching, ..self }
     }
 
     /// Looks at `count` pixels spread over the picture and tells whether any of them has light of ours. Once `stop` says
@@ -150,6 +175,14 @@ impl<'w, M: Mode> Backward<'w, M> {
 
     /// What is seen in a pixel. Into the second ledger goes what is tried beside the paths; of that only the work counts.
     fn pixel(&self, optics: &Optics<M>, pixel: Pixel, out: &mut [Light], ledgers: &mut [Ledger; 2]) {
+        self.paths_of(optics, pixel, out, ledgers);
+        if let Some(vision) = &self.vision {
+            vision.look(&self.route, optics, pixel, out, &mut ledgers[0]);
+        }
+    }
+
+    /// What is seen in a pixel but for lamps over specular faces alone.
+    fn paths_of(&self, optics: &Optics<M>, pixel: Pixel, out: &mut [Light], ledgers: &mut [Ledger; 2]) {
         let mut rng = pixel.rng(self.seed, Stream::Backward);
         let (paths, first) = (u64::from(self.paths), pixel.pass.wrapping_mul(u64::from(self.paths)));
         for path in 0..paths {
@@ -164,14 +197,11 @@ impl<'w, M: Mode> Backward<'w, M> {
             let even = Even::new(self.seed, Stream::Backward, pixel, index);
             self.path(walker, weight, (points, &even), out, ledgers);
         }
-        if let Some(vision) = &self.vision {
-            vision.look(&self.route, optics, pixel, out, &mut ledgers[0]);
-        }
     }
 
     fn path(
         &self,
-        mut walker: Walker<'_, M>,
+        mut walker: Walker<'w, M>,
         weight: f64,
         even: ([f64; 3], &Even),
         out: &mut [Light],
@@ -189,7 +219,7 @@ impl<'w, M: Mode> Backward<'w, M> {
     /// it is left, and a lamp chosen at the next. `scattered`: how many scatterers the path has met so far.
     fn follow(
         &self,
-        walker: &mut Walker<'_, M>,
+        walker: &mut Walker<'w, M>,
         ((points, even), mut scattered): (([f64; 3], &Even), u32),
         out: &mut [Light],
         (ledger, scratch): (&mut Ledger, &mut Ledger),
@@ -207,15 +237,14 @@ impl<'w, M: Mode> Backward<'w, M> {
                 Met::Face(vertex) => vertex,
             };
             self.see_lamp(walker, &vertex, last.as_ref(), out);
-            if walker.events < SPLIT_FIRST_EVENTS
-                && let Some(mut reflected) = walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
-            {
+            if let Some(mut reflected) = self.branch(walker, &vertex, ledger) {
                 self.follow(&mut reflected, ((points, even), scattered), out, (ledger, scratch));
             }
             walker.last = None;
             match walker.meet(&vertex, ledger) {
                 Meeting::Ended => return,
                 Meeting::Went => last = last.and_then(|last| last.past(walker)),
+                Meeting::Scatter(..) if scattered == 0 && !self.goes_on(walker, ledger) => return,
                 Meeting::Scatter(scatter, frame) => {
                     ledger.work += cost::SHADOW * self.asked;
                     let points = if scattered == 0 { points } else { even.take(scattered, &mut walker.rng) };
@@ -234,6 +263,34 @@ impl<'w, M: Mode> Backward<'w, M> {
                 return;
             }
         }
+    }
+
+    /// A path that goes the other way on from a specular face; none if it is not followed.
+    fn branch(&self, walker: &mut Walker<'w, M>, vertex: &Vertex, ledger: &mut Ledger) -> Option<Walker<'w, M>> {
+        let faintest = self.branching.faintest;
+        if walker.events < SPLIT_FIRST_EVENTS {
+            walker.split(vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
+        } else if faintest < 1.0 && !walker.trail.has_scatter() {
+            walker.spare(vertex, Faint::down_to(faintest, walker), ledger)
+        } else {
+            None
+        }
+    }
+
+    /// Whether a path goes on at its first scatterer.
+    fn goes_on(&self, walker: &mut Walker<'_, M>, ledger: &mut Ledger) -> bool {
+        let share = self.branching.scattered;
+        if share >= 1.0 {
+            return true;
+        }
+        let before = walker.beam.carried();
+        if walker.rng.uniform() >= share {
+            ledger.by_chance(-before);
+            return false;
+        }
+        walker.beam.scale(1.0 / share);
+        ledger.by_chance(walker.beam.carried() - before);
+        true
     }
 
     fn see_lamp(&self, walker: &Walker<'_, M>, vertex: &Vertex, last: Option<&Scattered>, out: &mut [Light]) {

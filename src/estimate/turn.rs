@@ -35,6 +35,12 @@ pub struct Faint {
 impl Faint {
     /// Less of the whole than this is followed as often as its share says: there are ever more of them.
     const LEAST: f64 = 1e-6;
+
+    /// Branches of a path with this share of what it started with and more are followed for certain, fainter ones as much
+    /// less often.
+    pub fn down_to<M: Mode>(share: f64, walker: &Walker<'_, M>) -> Faint {
+        Faint { whole: walker.start_weight(), often: (walker.share() / share).max(1.0) }
+    }
 }
 
 /// What a face makes of the amounts that a path carries.

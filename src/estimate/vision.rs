@@ -48,11 +48,14 @@ pub struct Hints<'p> {
     pub pupil: Option<&'p PupilGuide>,
     /// Through which windows scatterers see the sky.
     pub windows: Option<&'p Windows>,
+    /// Of the pixels that a pass looks at for lamps.
+    pub share: f64,
 }
 
 impl<'p> Hints<'p> {
     pub fn of(plan: &'p Plan) -> Hints<'p> {
-        Hints { glints: &plan.glints, pupil: plan.pupil_guide.as_ref(), windows: plan.sky_guide.as_ref() }
+        let (pupil, windows) = (plan.pupil_guide.as_ref(), plan.sky_guide.as_ref());
+        Hints { glints: &plan.glints, pupil, windows, share: plan.vision_share }
     }
 }
 
@@ -61,6 +64,8 @@ pub struct Vision<'w> {
     world: &'w World,
     /// Some group is ours whose lamps are not connected.
     whole: bool,
+    /// Of the pixels that a pass looks at for those.
+    share: f64,
     unknown: Option<Unknown>,
     /// By pixel: the places in it or near it that show lamps.
     glints: HashMap<u64, Vec<Glint>>,
@@ -110,6 +115,7 @@ impl<'w> Vision<'w> {
         Some(Vision {
             world,
             whole: ours.any(|lamp| !route.is_connected(lamp.group)),
+            share: hints.share,
             unknown: None,
             glints: by_pixel(&world.eye, hints.glints),
             pupil: hints.pupil.cloned(),
@@ -132,7 +138,7 @@ impl<'w> Vision<'w> {
         ledger: &mut Ledger,
     ) {
         let share = match &self.unknown {
-            _ if self.whole => 1.0,
+            _ if self.whole => self.share,
             Some(unknown) => unknown.share,
             None => return,
         };

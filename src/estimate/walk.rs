@@ -193,6 +193,10 @@ impl<'w, M: Mode> Walker<'w, M> {
         }
     }
 
+    pub fn start_weight(&self) -> f64 {
+        self.start_weight
+    }
+
     /// Weight without slides over what the path started with.
     pub fn share(&self) -> f64 {
         self.beam.weight() / self.start_weight

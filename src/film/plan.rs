@@ -115,6 +115,28 @@ impl Radii {
     }
 }
 
+/// How paths from the eye go on where there are several ways.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Branching {
+    /// Branches with this share of a path's light and more are followed for certain on the way to the first scatterer,
+    /// fainter ones as much less often; 1: chance chooses one of two ways on.
+    pub faintest: f64,
+    /// Share of the paths that go on at the first scatterer; they count so much more.
+    pub scattered: f64,
+}
+
+impl Default for Branching {
+    fn default() -> Self {
+        Branching { faintest: 1.0, scattered: 1.0 }
+    }
+}
+
+impl Branching {
+    fn is_default(&self) -> bool {
+        *self == Branching::default()
+    }
+}
+
 fn whole() -> f64 {
     1.0
 }
@@ -154,11 +176,17 @@ pub struct Plan {
     pub sky_guide: Option<Windows>,
     /// Paths per pixel and pass of the backward estimator.
     pub backward_paths: u32,
+    /// How they go on. Plans without it read as they always did.
+    #[serde(default, skip_serializing_if = "Branching::is_default")]
+    pub branching: Branching,
     /// Share of the pixels that a pass of the backward estimator looks at: less than 1 where a pilot found no light of its.
     pub backward_share: f64,
     /// Share of the pixels that such a pass looks at for lamps over trains that connection does not know.
     #[serde(default = "whole", skip_serializing_if = "is_whole")]
     pub unknown_share: f64,
+    /// Share of the pixels that such a pass looks at for lamps over specular faces, where pilots found that no such path can be.
+    #[serde(default = "whole", skip_serializing_if = "is_whole")]
+    pub vision_share: f64,
     /// Trains over which lamps and eye are joined.
     pub connections: Vec<Connection>,
     /// Trains over which lamps and faces that scatter are joined.
@@ -205,7 +233,8 @@ impl Plan {
                 self.backward_paths
             ));
         }
-        let shares = [self.backward_share, self.unknown_share];
+        let Branching { faintest, scattered } = self.branching;
+        let shares = [self.backward_share, self.unknown_share, self.vision_share, faintest, scattered];
         if !(shares.iter().all(|share| *share > 0.0 && *share <= 1.0) && self.photon_radii_m.is_valid()) {
             return Err(format!("has shares of {shares:?} and radii of {:?} m", self.photon_radii_m));
         }
@@ -222,7 +251,9 @@ impl Plan {
             photon_radii_m: Radii::default(),
             backward_share: 1.0,
             unknown_share: 1.0,
+            vision_share: 1.0,
             backward_paths: 1,
+            branching: Branching::default(),
             connections: Vec::new(),
             screens: Vec::new(),
             glints: Vec::new(),

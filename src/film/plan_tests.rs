@@ -19,6 +19,9 @@ fn numbers_that_do_not_fit_are_refused() {
     for share in [0.0, -1.0, 1.5, f64::NAN] {
         assert!(fault(&|plan| plan.backward_share = share).contains("shares"));
         assert!(fault(&|plan| plan.unknown_share = share).contains("shares"));
+        assert!(fault(&|plan| plan.vision_share = share).contains("shares"));
+        assert!(fault(&|plan| plan.branching.faintest = share).contains("shares"));
+        assert!(fault(&|plan| plan.branching.scattered = share).contains("shares"));
     }
     assert!(fault(&|plan| plan.backward_paths = 0).contains("0 backward paths"));
     assert!(fault(&|plan| plan.photon_radii_m.caustic = f64::INFINITY).contains("radii"));

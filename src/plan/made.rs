@@ -1,11 +1,13 @@
 //! What pilots have made for one plan, for the next that differs from it in something else.
 
+use super::Making;
+use super::branching::{self, Branches};
 use super::pilot::{self, ForwardPilot, SEED};
 use crate::estimate::ShouldStop;
 use crate::estimate::manifold::connections::Connections;
 use crate::estimate::manifold::grid::Grid;
 use crate::estimate::manifold::screens::Screens;
-use crate::film::plan::{Estimator, Plan, Verdict};
+use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use crate::film::train::{Connection, Screen};
 use crate::world::World;
 use crate::world::mode::{Mode, Mono};
@@ -23,6 +25,8 @@ pub(crate) struct Made {
     forward: Known<Vec<bool>, Rc<ForwardPilot>>,
     connections: Known<(Vec<Connection>, Grid), Arc<Connections>>,
     screens: Known<Screen, Arc<Screens<Mono>>>,
+    /// By the paths from the eye, as [`Plan::computes`] tells them.
+    branching: Known<Vec<bool>, Branches>,
 }
 
 impl Made {
@@ -34,6 +38,13 @@ impl Made {
         };
         let rows = plan.rows.iter().map(|row| by(&row.verdict)).collect();
         known(&self.forward, rows, |_| Rc::new(pilot::forward(world, plan, groups, stop)))
+    }
+
+    /// [`branching::learn`].
+    pub fn branching(&self, making: &Making<'_>, plan: &Plan) -> Branches {
+        let broad = |row: &Row| [false, true].map(|b| plan.computes(Estimator::Backward, row.group, row.class, b));
+        let key = plan.rows.iter().flat_map(broad).collect();
+        known(&self.branching, key, |_| branching::learn(making, plan))
     }
 
     /// The connections of a plan.

@@ -1,5 +1,6 @@
 //! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is; scans an eyebox.
 
+mod branching;
 pub mod chains;
 pub mod contest;
 pub mod forecast;
@@ -119,7 +120,7 @@ fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row> {
 }
 
 /// What the pilots are run with.
-struct Making<'m> {
+pub(crate) struct Making<'m> {
     checked: &'m Checked<'m>,
     world: &'m World,
     asked: Asked,
@@ -144,7 +145,7 @@ impl Making<'_> {
             Some(known) => {
                 plan.forward_guide.clone_from(&known.forward_guide);
                 plan.connections.clone_from(&known.connections);
-                plan.unknown_share = known.unknown_share;
+                (plan.unknown_share, plan.vision_share) = (known.unknown_share, known.vision_share);
                 plan.forward_paths = known.forward_paths;
                 plan.pupil_guide.clone_from(&known.pupil_guide);
             }
@@ -192,9 +193,7 @@ impl Making<'_> {
     fn light_paths(&self, plan: &mut Plan) {
         while plan.runs(Estimator::Forward) && !self.stopped() {
             let pilot = self.made.forward(self.world, plan, self.groups(), self.stop);
-            if self.asked.choice == Choice::Auto
-                && give_up_forward(plan, &pilot::without_arrivals(&pilot), pilot.traced)
-            {
+            if self.asked.choice == Choice::Auto && self.gives_up(plan, &pilot) {
                 // The guide belongs to the lamps that are left.
                 continue;
             }
@@ -219,6 +218,21 @@ impl Making<'_> {
             plan.forward_guide = Some(if plan.rows.iter().any(leaves) { pilot.guide.clone() } else { pilot.sure() });
             break;
         }
+    }
+
+    /// Whether light tracing leaves groups to rays from the eye. Where there is no hope for those either, they look seldom.
+    fn gives_up(&self, plan: &mut Plan, pilot: &pilot::ForwardPilot) -> bool {
+        let given_up = give_up_forward(plan, &pilot::without_arrivals(pilot), pilot.traced);
+        let has_lamps = |row: &Row| self.world.lamps.all().iter().any(|lamp| lamp.group == row.group);
+        let is_dark = |row: &Row| match row.verdict {
+            Verdict::Skip { .. } => true,
+            Verdict::Own { .. } | Verdict::Connect { .. } => given_up.contains(&row.group) || !has_lamps(row),
+        };
+        let vision = |row: &&Row| row.class == Class::Vision;
+        if !given_up.is_empty() && pilot.is_hopeless() && plan.rows.iter().filter(vision).all(is_dark) {
+            plan.vision_share = SELDOM;
+        }
+        !given_up.is_empty()
     }
 
     /// Photons and the connections of lamps with faces that scatter.
@@ -270,6 +284,12 @@ impl Making<'_> {
                 ));
             }
         }
+        if plan.vision_share < 1.0 {
+            plan.notes.push(format!(
+                "backward looks at 1 pixel in {:.0} a pass for lamps over specular faces: pilots found none that leads to them",
+                1.0 / plan.vision_share
+            ));
+        }
         if plan.pupil_guide.is_some() {
             plan.notes.push("backward looks for lamps through the parts of the pupil that a pilot saw lit".to_owned());
         }
@@ -277,7 +297,7 @@ impl Making<'_> {
             let route = Route::new(plan, self.groups(), Estimator::Backward);
             let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), Hints::of(plan), pilot::SEED);
             if !backward.finds_light(LOOKS, self.stop) {
-                plan.backward_share = SELDOM;
+                (plan.backward_share, plan.vision_share) = (SELDOM, 1.0);
                 plan.notes.push(format!(
                     "backward looks at 1 pixel in {:.0} a pass: {LOOKS} paths of a pilot found no light of its own",
                     1.0 / SELDOM
@@ -285,9 +305,14 @@ impl Making<'_> {
                 return;
             }
         }
+        let found =
+            (guided && plan.owns(Estimator::Backward) && !self.stopped()).then(|| self.made.branching(self, plan));
+        if let Some(found) = &found {
+            plan.branching = found.branching;
+            plan.notes.extend(found.note());
+        }
         if plan.runs(Estimator::Photon) || plan.runs(Estimator::Manifold) {
-            // Connections and photons cost some tens of times as much as a path from the eye, which is all that edges need.
-            plan.backward_paths = AMONG_OTHERS;
+            plan.backward_paths = found.map_or(branching::MOST, |found| found.paths);
         }
     }
 
@@ -330,9 +355,6 @@ const UNKNOWN: f64 = 64.0;
 const SELDOM_UNKNOWN: f64 = 1.0 / 128.0;
 const FEWEST_LOOKS: f64 = 4.0;
 
-/// Backward paths per pixel and pass beside dearer estimators.
-const AMONG_OTHERS: u32 = 4;
-
 /// Leaves the vision paths of groups for which no train was found to the estimator that would have kept the rest.
 fn leave_unconnected(plan: &mut Plan, class: Class) {
     for row in plan.rows.iter_mut().filter(|row| row.class == class) {
@@ -350,9 +372,9 @@ fn leave_unconnected(plan: &mut Plan, class: Class) {
 }
 
 /// Hands the vision paths of groups that no lamp path of the pilot brought over to the rays from the eye: whatever there
-/// is, they find it without bias. Returns whether the plan changed.
-fn give_up_forward(plan: &mut Plan, groups: &[GroupId], traced: u64) -> bool {
-    let mut changed = false;
+/// is, they find it without bias. Returns the groups that were handed over.
+fn give_up_forward(plan: &mut Plan, groups: &[GroupId], traced: u64) -> Vec<GroupId> {
+    let mut given_up = Vec::new();
     for row in &mut plan.rows {
         let forward = matches!(
             row.verdict,
@@ -361,10 +383,10 @@ fn give_up_forward(plan: &mut Plan, groups: &[GroupId], traced: u64) -> bool {
         if forward && groups.contains(&row.group) {
             row.verdict =
                 own(Estimator::Backward, format!("none of {traced} paths of a pilot from the lamps found the pupil"));
-            changed = true;
+            given_up.push(row.group);
         }
     }
-    changed
+    given_up
 }
 
 /// What remains of a verdict for a group of points and parallel light, which no ray meets by chance.

@@ -52,6 +52,11 @@ pub struct ForwardPilot {
 }
 
 impl ForwardPilot {
+    /// No path arrived, and eyes and lamps were not found to share a face: there is hardly a path between them.
+    pub fn is_hopeless(&self) -> bool {
+        self.traced <= WIDE && self.arrived.iter().all(|paths| *paths == 0)
+    }
+
     /// A guide for the very light that the pilot has looked for: few paths are spent on what may be elsewhere.
     pub fn sure(&self) -> Guide {
         Guide::learn(&self.flux, &self.found, Even::FEW)

@@ -1,0 +1,139 @@
+//! Paths from the eye that follow faint branches, or go on seldom at scatterers, bring the same light; and a pilot sees where
+//! that pays.
+
+use super::curve::race::Ready;
+use super::{generate, kit};
+use crate::base::stats::Moments;
+use crate::estimate::run::begin;
+use crate::film::plan::{Branching, Estimator, Plan};
+use crate::plan::{Choice, plan};
+use crate::scene::{Finish, Scene};
+use glam::{DAffine3, DVec3};
+
+const SIZE: [usize; 2] = [16, 12];
+const SIMPLE: Branching = Branching { faintest: 1.0, scattered: 1.0 };
+
+/// Two panes before a dark ground: the bright sky behind the eye is mirrored in both faces of both, in the far one's by the
+/// third and fourth face that a path meets.
+fn panes(behind: f64) -> Scene {
+    let mut scene = kit::scene(20.0, 1);
+    scene.eye.resolution = SIZE;
+    scene.eye.pupil_diameter_m = 4e-3;
+    for depth in [0.1, 0.15] {
+        let place = DAffine3::from_translation(DVec3::Z * -depth) * DAffine3::from_rotation_x(0.2);
+        generate::plate(&mut scene, place, 0.1, Finish::Polished);
+    }
+    let (width, height) = (64, 32);
+    let is_behind = |i: usize| (16..48).contains(&(i % width));
+    let one = |behind_is: bool| {
+        (0..width * height).map(|i| if is_behind(i) == behind_is { behind as f32 } else { 100.0 }).collect::<Vec<_>>()
+    };
+    // Which half lies behind the eye is the convention's; the test finds the darker picture.
+    let mut other = scene.clone();
+    kit::sky(&mut scene, width, height, one(true));
+    kit::sky(&mut other, width, height, one(false));
+    let ahead = |scene: &Scene| {
+        let ready = Ready::new(scene, 0.0).unwrap();
+        ready.world.sky.as_ref().map_or(0.0, |sky| sky.luminance(DVec3::NEG_Z))
+    };
+    if ahead(&scene) < ahead(&other) { scene } else { other }
+}
+
+fn planned(scene: &Scene, choice: Choice) -> Plan {
+    let ready = Ready::new(scene, 0.0).unwrap();
+    plan(&ready.checked, &ready.world, choice)
+}
+
+/// Sum of the picture over seeds, and the mean variance of a pixel, relative to its square.
+fn sums(scene: &Scene, plan: &Plan, passes: u64, seeds: u64) -> (Moments, f64) {
+    let ready = Ready::new(scene, 0.0).unwrap();
+    let [width, height] = scene.eye.resolution;
+    let (mut sum, mut pixels) = (Moments::default(), vec![Moments::default(); width * height]);
+    for seed in 0..seeds {
+        let mut tracing = begin(&ready.world, plan, scene.groups.len(), scene.eye.resolution, 70 + seed);
+        tracing.step(passes);
+        let of_pixel = |pixel: usize| {
+            let films = tracing.films().films.iter();
+            films
+                .map(|(_, film, _)| (0..film.planes.len()).map(|k| film.mean(pixel, k).value).sum::<f64>())
+                .sum::<f64>()
+        };
+        let all: Vec<f64> = (0..width * height).map(of_pixel).collect();
+        sum.add(all.iter().sum());
+        pixels.iter_mut().zip(&all).for_each(|(moments, light)| moments.add(*light));
+    }
+    let relative = |moments: &Moments| moments.variance() / moments.mean.powi(2);
+    (sum, pixels.iter().map(relative).sum::<f64>() / pixels.len() as f64)
+}
+
+fn assert_alike(a: &Moments, b: &Moments, most: f64) {
+    let sigma = a.stderr().hypot(b.stderr());
+    assert!((a.mean - b.mean).abs() < 4.0 * sigma, "{} and {} ± {sigma}", a.mean, b.mean);
+    assert!(sigma < most * a.mean, "{sigma} of {}", a.mean);
+}
+
+/// The bright sky in the far pane is not left to one path in thirty.
+#[test]
+fn faint_reflections_of_a_bright_sky_are_followed() {
+    let scene = panes(10_000.0);
+    let chosen = planned(&scene, Choice::Auto);
+    assert!(chosen.branching.faintest < 1.0 && chosen.branching.scattered == 1.0, "{:?}", chosen.branching);
+    assert!(chosen.notes.iter().any(|note| note.contains("follows branches")), "{:?}", chosen.notes);
+    let (followed, less) = sums(&scene, &chosen, 16, 24);
+    let (left_to_chance, more) = sums(&scene, &Plan { branching: SIMPLE, ..chosen }, 16, 24);
+    assert_alike(&followed, &left_to_chance, 0.01);
+    assert!(30.0 * less < more, "variances {less} and {more}");
+}
+
+/// Where the mirrored sky is no brighter than the ground, nothing is to be gained; nor on the generator's panoramas, whose
+/// error is that of edges.
+#[test]
+fn what_does_not_pay_is_not_followed() {
+    for seed in [2, 5, 9] {
+        let plan = planned(&generate::scene(seed), Choice::Auto);
+        assert_eq!(plan.branching, SIMPLE, "seed {seed}");
+    }
+    let unguided = crate::plan::Asked { guides: crate::plan::Guides::Off, ..Choice::Auto.into() };
+    let scene = panes(10_000.0);
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    assert_eq!(plan(&ready.checked, &ready.world, unguided).branching, SIMPLE);
+}
+
+/// Fewer paths go on at the first scatterer, and count more: in a room, and on a floor that lamps light.
+#[test]
+fn paths_that_go_on_seldom_bring_the_same_light() {
+    for (seed, most) in [(5, 0.01), (6, 0.05)] {
+        let mut scene = generate::scene(seed);
+        scene.eye.resolution = SIZE;
+        let whole = planned(&scene, Choice::Only(Estimator::Backward));
+        let (all, _) = sums(&scene, &whole, 64, 16);
+        for scattered in [0.25, 1.0 / 16.0] {
+            let branching = Branching { faintest: 1.0 / 64.0, scattered };
+            let (few, _) = sums(&scene, &Plan { branching, ..whole.clone() }, 600, 16);
+            assert_alike(&all, &few, most);
+        }
+    }
+}
+
+/// Lamps behind a diffuser are seldom looked for over specular faces; the sky in the same picture is looked for as ever. Where a
+/// lamp may be seen they are.
+#[test]
+fn lamps_behind_a_diffuser_are_seldom_looked_for() {
+    let mut scene = kit::scene(20.0, 1);
+    scene.eye.resolution = SIZE;
+    scene.eye.pupil_diameter_m = 4e-3;
+    kit::sky(&mut scene, 2, 1, vec![100.0; 2]);
+    let led = kit::group(&mut scene, "led");
+    let mut square = |depth: f64, half: f64, face| {
+        let quad = kit::quad(DVec3::Z * -depth, DVec3::X * half, DVec3::Y * half);
+        kit::add(&mut scene, kit::mesh(&[quad]), DAffine3::IDENTITY, None, vec![face]);
+    };
+    square(0.25, 1e-3, kit::shining(led, 1e6));
+    square(0.1, 0.1, kit::face(Finish::Lambert { reflectance: 0.1, transmittance: 0.7 }));
+    generate::lens(&mut scene, 0.2, 0.03, 0.01);
+    let hidden = planned(&scene, Choice::Auto);
+    assert_eq!((hidden.vision_share, hidden.backward_share), (1.0 / 64.0, 1.0), "{:?}", hidden.rows);
+    for seed in [0, 4, 5] {
+        assert_eq!(planned(&generate::scene(seed), Choice::Auto).vision_share, 1.0, "seed {seed}");
+    }
+}
