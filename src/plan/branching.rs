@@ -99,6 +99,8 @@ pub(super) fn learn(making: &Making<'_>, plan: &Plan) -> Branches {
             hold(tried(branching, &trial(branching)));
         }
     }
-    let paths = (best.variance / LITTLE).ceil().clamp(1.0, f64::from(MOST)) as u32;
+    // Where a trial has seen no light nobody knows how it varies.
+    let known = best.variance.is_finite();
+    let paths = if known { (best.variance / LITTLE).ceil().clamp(1.0, f64::from(MOST)) as u32 } else { MOST };
     Branches { branching: best.branching, gain: before.cost() / best.cost(), paths }
 }

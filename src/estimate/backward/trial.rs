@@ -25,10 +25,13 @@ impl Trial {
         self.work as f64 / (2 * self.light.len()).max(1) as f64
     }
 
-    /// Variance of a path relative to the squares of these luminances and 1 % of their mean.
+    /// Variance of a path relative to the squares of these luminances and 1 % of their mean; infinite where all are black.
     pub fn variance(&self, pixels: &[f64]) -> f64 {
         let count = pixels.len().max(1) as f64;
         let floor = (0.01 * pixels.iter().sum::<f64>() / count).powi(2);
+        if floor.is_nan() || floor <= 0.0 {
+            return f64::INFINITY;
+        }
         let of = |([a, b], mean): (&[f64; 2], &f64)| 0.5 * (a - b).powi(2) / (mean * mean + floor);
         self.light.iter().zip(pixels).map(of).sum::<f64>() / count
     }
