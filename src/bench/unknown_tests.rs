@@ -76,6 +76,11 @@ fn what_connection_does_not_know_is_seen_from_the_eye() {
     without_starts.connections[0].seeds.clear();
     let [backward, forward, _] = against_brute_force(&ready, &without_starts, &brute);
     assert!(forward > 0.9 && backward < 0.1, "{forward} and {backward}");
+    let mut few_starts = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
+    few_starts.unknown_share = 1.0;
+    few_starts.connections[0].share = 5e-3;
+    few_starts.connections[0].seeds.truncate(1);
+    against_brute_force(&ready, &few_starts, &brute);
     without_starts.connections[0].share = 5e-3;
     let [backward, forward, _] = against_brute_force(&ready, &without_starts, &brute);
     assert!(forward < 1e-3 && backward > 0.9, "{forward} and {backward}");

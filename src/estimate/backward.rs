@@ -19,7 +19,6 @@ use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::film::accumulate::{Film, Light};
-use crate::film::plan::Branching;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -47,7 +46,8 @@ pub struct Backward<'w, M: Mode> {
     asked: u64,
     /// The scene has faces that transmit.
     panes: bool,
-    branching: Branching,
+    /// Share of its light down to which a path's branches are followed.
+    faintest: f64,
     /// Per pixel that a pass looks at.
     paths: u32,
     /// Share of the pixels that a pass looks at.
@@ -67,7 +67,6 @@ impl<'w, M: Mode> Backward<'w, M> {
             matches!(face.surface, Surface::Interface(_) | Surface::Slide(_) | Surface::Sheet(_) | Surface::Absent)
         };
         let panes = world.faces.iter().flatten().any(transmits);
-        let branching = Branching::default();
         Backward {
             world,
             mode: PhantomData,
@@ -77,7 +76,7 @@ impl<'w, M: Mode> Backward<'w, M> {
             route,
             asked,
             panes,
-            branching,
+            faintest: 1.0,
             paths,
             share,
             seed,
@@ -93,10 +92,10 @@ impl<'w, M: Mode> Backward<'w, M> {
         self
     }
 
-    /// The same with paths that go on so.
+    /// The same with paths whose branches are followed down to this share of their light ([`Plan::faintest_branch`](crate::film::plan::Plan)).
     #[must_use]
-    pub fn branching(self, branching: Branching) -> Self {
-        Backward { branching, ..self }
+    pub fn branching(self, faintest: f64) -> Self {
+        Backward { faintest, ..self }
     }
 
     /// Looks at `count` pixels spread over the picture and tells whether any of them has light of ours. Once `stop` says
@@ -244,7 +243,6 @@ impl<'w, M: Mode> Backward<'w, M> {
             match walker.meet(&vertex, ledger) {
                 Meeting::Ended => return,
                 Meeting::Went => last = last.and_then(|last| last.past(walker)),
-                Meeting::Scatter(..) if scattered == 0 && !self.goes_on(walker, ledger) => return,
                 Meeting::Scatter(scatter, frame) => {
                     ledger.work += cost::SHADOW * self.asked;
                     let points = if scattered == 0 { points } else { even.take(scattered, &mut walker.rng) };
@@ -267,30 +265,13 @@ impl<'w, M: Mode> Backward<'w, M> {
 
     /// A path that goes the other way on from a specular face; none if it is not followed.
     fn branch(&self, walker: &mut Walker<'w, M>, vertex: &Vertex, ledger: &mut Ledger) -> Option<Walker<'w, M>> {
-        let faintest = self.branching.faintest;
         if walker.events < SPLIT_FIRST_EVENTS {
             walker.split(vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
-        } else if faintest < 1.0 && !walker.trail.has_scatter() {
-            walker.spare(vertex, Faint::down_to(faintest, walker), ledger)
+        } else if self.faintest < 1.0 && !walker.trail.has_scatter() {
+            walker.spare(vertex, Faint::down_to(self.faintest, walker), ledger)
         } else {
             None
         }
-    }
-
-    /// Whether a path goes on at its first scatterer.
-    fn goes_on(&self, walker: &mut Walker<'_, M>, ledger: &mut Ledger) -> bool {
-        let share = self.branching.scattered;
-        if share >= 1.0 {
-            return true;
-        }
-        let before = walker.beam.carried();
-        if walker.rng.uniform() >= share {
-            ledger.by_chance(-before);
-            return false;
-        }
-        walker.beam.scale(1.0 / share);
-        ledger.by_chance(walker.beam.carried() - before);
-        true
     }
 
     fn see_lamp(&self, walker: &Walker<'_, M>, vertex: &Vertex, last: Option<&Scattered>, out: &mut [Light]) {

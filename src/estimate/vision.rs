@@ -55,7 +55,9 @@ pub struct Hints<'p> {
 impl<'p> Hints<'p> {
     pub fn of(plan: &'p Plan) -> Hints<'p> {
         let (pupil, windows) = (plan.pupil_guide.as_ref(), plan.sky_guide.as_ref());
-        Hints { glints: &plan.glints, pupil, windows, share: plan.vision_share }
+        // Of the pixels that are looked at anyway.
+        let share = (plan.vision_share / plan.backward_share).min(1.0);
+        Hints { glints: &plan.glints, pupil, windows, share }
     }
 }
 

@@ -90,6 +90,8 @@ pub struct Row {
 
 /// Most paths of a pixel in one pass.
 const MOST_PATHS: u32 = 64;
+/// Branches fainter than this would be too many to follow.
+const LEAST_BRANCH: f64 = 1.0 / 4096.0;
 /// Trains times lamps that tables are made for, towards the pupil and towards scatterers; with more lamps there are fewer
 /// trains, and with more than this none.
 pub const MOST_ENTRIES: usize = 512;
@@ -112,28 +114,6 @@ impl Radii {
     #[must_use]
     pub fn scaled(self, factor: f64) -> Radii {
         Radii { caustic: self.caustic * factor, secondary: self.secondary * factor }
-    }
-}
-
-/// How paths from the eye go on where there are several ways.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Branching {
-    /// Branches with this share of a path's light and more are followed for certain on the way to the first scatterer,
-    /// fainter ones as much less often; 1: chance chooses one of two ways on.
-    pub faintest: f64,
-    /// Share of the paths that go on at the first scatterer; they count so much more.
-    pub scattered: f64,
-}
-
-impl Default for Branching {
-    fn default() -> Self {
-        Branching { faintest: 1.0, scattered: 1.0 }
-    }
-}
-
-impl Branching {
-    fn is_default(&self) -> bool {
-        *self == Branching::default()
     }
 }
 
@@ -176,15 +156,17 @@ pub struct Plan {
     pub sky_guide: Option<Windows>,
     /// Paths per pixel and pass of the backward estimator.
     pub backward_paths: u32,
-    /// How they go on. Plans without it read as they always did.
-    #[serde(default, skip_serializing_if = "Branching::is_default")]
-    pub branching: Branching,
+    /// Branches with this share of a path's light and more are followed for certain on the way to the first scatterer,
+    /// fainter ones as much less often; of faces that reflect more than a tenth both ways, down to a 512th. 1: behind the first
+    /// two faces chance chooses one of two ways on. Plans without it read as they always did.
+    #[serde(default = "whole", skip_serializing_if = "is_whole")]
+    pub faintest_branch: f64,
     /// Share of the pixels that a pass of the backward estimator looks at: less than 1 where a pilot found no light of its.
     pub backward_share: f64,
     /// Share of the pixels that such a pass looks at for lamps over trains that connection does not know.
     #[serde(default = "whole", skip_serializing_if = "is_whole")]
     pub unknown_share: f64,
-    /// Share of the pixels that such a pass looks at for lamps over specular faces, where pilots found that no such path can be.
+    /// Share of the pixels that such a pass looks at for lamps over specular faces: less than 1 where pilots found no such path.
     #[serde(default = "whole", skip_serializing_if = "is_whole")]
     pub vision_share: f64,
     /// Trains over which lamps and eye are joined.
@@ -233,8 +215,10 @@ impl Plan {
                 self.backward_paths
             ));
         }
-        let Branching { faintest, scattered } = self.branching;
-        let shares = [self.backward_share, self.unknown_share, self.vision_share, faintest, scattered];
+        let shares = [self.backward_share, self.unknown_share, self.vision_share, self.faintest_branch];
+        if self.faintest_branch < LEAST_BRANCH {
+            return Err(format!("follows branches down to shares of {}, not {LEAST_BRANCH}", self.faintest_branch));
+        }
         if !(shares.iter().all(|share| *share > 0.0 && *share <= 1.0) && self.photon_radii_m.is_valid()) {
             return Err(format!("has shares of {shares:?} and radii of {:?} m", self.photon_radii_m));
         }
@@ -253,7 +237,7 @@ impl Plan {
             unknown_share: 1.0,
             vision_share: 1.0,
             backward_paths: 1,
-            branching: Branching::default(),
+            faintest_branch: 1.0,
             connections: Vec::new(),
             screens: Vec::new(),
             glints: Vec::new(),

@@ -20,9 +20,9 @@ fn numbers_that_do_not_fit_are_refused() {
         assert!(fault(&|plan| plan.backward_share = share).contains("shares"));
         assert!(fault(&|plan| plan.unknown_share = share).contains("shares"));
         assert!(fault(&|plan| plan.vision_share = share).contains("shares"));
-        assert!(fault(&|plan| plan.branching.faintest = share).contains("shares"));
-        assert!(fault(&|plan| plan.branching.scattered = share).contains("shares"));
+        assert!(fault(&|plan| plan.faintest_branch = share).contains("shares"));
     }
+    assert!(fault(&|plan| plan.faintest_branch = 1e-9).contains("branches down to shares"));
     assert!(fault(&|plan| plan.backward_paths = 0).contains("0 backward paths"));
     assert!(fault(&|plan| plan.photon_radii_m.caustic = f64::INFINITY).contains("radii"));
     let connection = |group| Connection { group, train: Train::default(), seeds: Vec::new(), share: 1.0 };

@@ -1,21 +1,23 @@
-//! How far paths from the eye follow faint branches, how many of them go on at scatterers, and how many there are: a pilot
-//! tries, and what has the least variance times work is done. Through a combiner the eye sees a dark road, and in it the
-//! bright sky as a ghost of a lens: where chance chooses one way on, one path in a hundred brings all of that.
+//! How far paths from the eye follow faint branches, and how many paths there are: a pilot tries, and what has the least
+//! variance times work is done. Through a combiner the eye sees a dark road, and in it the bright sky as a ghost of a lens:
+//! where chance chooses one way on, one path in a hundred brings all of that.
 
 use super::Making;
 use super::pilot::SEED;
 use crate::estimate::backward::{Backward, Trial};
 use crate::estimate::route::Route;
 use crate::estimate::vision::Hints;
-use crate::film::plan::{Branching, Estimator, Plan};
+use crate::film::plan::{Estimator, Plan};
 use crate::world::mode::Mono;
 
 /// Pixels that each trial looks at, by two paths.
 const PLACES: u64 = 256;
+/// Passes of the two paths of a trial, and of those that tell how bright pixels are: points that follow each other on a pixel's
+/// lattice are not alike.
+const PASSES: [u64; 2] = [0, 5];
+const PASSES_OF_SCALE: [u64; 2] = [2, 7];
 /// Shares of a path's light down to which its branches are followed for certain.
 const FAINTEST: [f64; 2] = [1.0 / 1024.0, 1.0 / 64.0];
-/// Shares of the paths that go on at the first scatterer.
-const SCATTERED: [f64; 2] = [1.0 / 4.0, 1.0 / 16.0];
 /// How many times less variance times work has to be to depart from what is simple.
 const WORTH: f64 = 1.25;
 /// Most paths per pixel and pass beside dearer estimators, which cost some tens of times as much as a short path and err more at
@@ -27,7 +29,8 @@ const LITTLE: f64 = 1e-3;
 /// What a pilot found.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Branches {
-    pub branching: Branching,
+    /// [`Plan::faintest_branch`].
+    pub faintest: f64,
     /// How many times less that makes variance times work.
     gain: f64,
     /// Paths of a pixel in a pass beside dearer estimators.
@@ -37,70 +40,37 @@ pub(crate) struct Branches {
 impl Branches {
     /// What a reader of the plan should know.
     pub(super) fn note(&self) -> Option<String> {
-        let Branching { faintest, scattered } = self.branching;
-        let follows =
-            (faintest < 1.0).then(|| format!("follows branches with 1/{:.0} of a path's light", 1.0 / faintest));
-        let goes_on = (scattered < 1.0).then(|| format!("goes on at 1 scatterer in {:.0}", 1.0 / scattered));
-        let says: Vec<String> = follows.into_iter().chain(goes_on).collect();
-        let gain = self.gain;
-        let all = || format!("backward {}: a pilot found variance × work {gain:.3} times less", says.join(" and "));
-        (!says.is_empty()).then(all)
-    }
-}
-
-/// A way to branch, and how it did.
-#[derive(Clone, Copy)]
-struct Tried {
-    branching: Branching,
-    variance: f64,
-    work: f64,
-}
-
-impl Tried {
-    fn cost(&self) -> f64 {
-        self.variance * self.work
+        (self.faintest < 1.0).then(|| {
+            format!(
+                "backward follows branches with 1/{:.0} of a path's light: a pilot found variance × work {:.3} times less",
+                1.0 / self.faintest,
+                self.gain
+            )
+        })
     }
 }
 
 pub(super) fn learn(making: &Making<'_>, plan: &Plan) -> Branches {
-    let trial = |branching: Branching| {
+    let trial = |faintest: f64, passes: [u64; 2]| {
         let route = Route::new(plan, making.groups(), Estimator::Backward);
         let backward = Backward::<Mono>::new(making.world, route, (1, 1.0), Hints::of(plan), SEED);
-        backward.branching(branching).trial(PLACES, making.stop)
+        backward.branching(faintest).trial(PLACES, passes, making.stop)
     };
-    let (facts, simple) = (making.checked.facts(), Branching::default());
-    let first = trial(simple);
-    let finest = facts.specular.then(|| trial(Branching { faintest: FAINTEST[0], ..simple }));
-    // What is least noisy tells best how bright the pixels are.
-    let pixels = finest.as_ref().unwrap_or(&first).means();
-    let tried = |branching: Branching, trial: &Trial| {
-        let (variance, work) = (trial.variance(&pixels), trial.work_of_a_path());
-        Tried { branching, variance, work }
-    };
-    let before = tried(simple, &first);
-    let mut best = before;
-    let mut hold = |next: Tried| {
-        if next.cost() * WORTH < best.cost() {
-            best = next;
-        }
-        best.branching
-    };
-    let mut chosen = simple;
-    if let Some(finest) = finest {
-        chosen = hold(tried(Branching { faintest: FAINTEST[0], ..simple }, &finest));
-        for faintest in FAINTEST.into_iter().skip(1) {
-            let branching = Branching { faintest, ..simple };
-            chosen = hold(tried(branching, &trial(branching)));
-        }
-    }
-    if facts.scatters {
-        for scattered in SCATTERED {
-            let branching = Branching { scattered, ..chosen };
-            hold(tried(branching, &trial(branching)));
+    let ways = if making.checked.facts().specular { &FAINTEST[..] } else { &[] };
+    // What is least noisy tells best how bright the pixels are, by paths that no way is judged by.
+    let pixels = trial(ways.first().copied().unwrap_or(1.0), PASSES_OF_SCALE).means();
+    let cost = |trial: &Trial| trial.variance(&pixels) * trial.work_of_a_path();
+    let simple = trial(1.0, PASSES);
+    let before = cost(&simple);
+    let (mut faintest, mut least, mut variance) = (1.0, before, simple.variance(&pixels));
+    for way in ways {
+        let next = trial(*way, PASSES);
+        if cost(&next) * WORTH < least {
+            (faintest, least, variance) = (*way, cost(&next), next.variance(&pixels));
         }
     }
     // Where a trial has seen no light nobody knows how it varies.
-    let known = best.variance.is_finite();
-    let paths = if known { (best.variance / LITTLE).ceil().clamp(1.0, f64::from(MOST)) as u32 } else { MOST };
-    Branches { branching: best.branching, gain: before.cost() / best.cost(), paths }
+    let known = variance.is_finite();
+    let paths = if known { (variance / LITTLE).ceil().clamp(1.0, f64::from(MOST)) as u32 } else { MOST };
+    Branches { faintest, gain: before / least, paths }
 }

@@ -229,7 +229,8 @@ impl Making<'_> {
             Verdict::Own { .. } | Verdict::Connect { .. } => given_up.contains(&row.group) || !has_lamps(row),
         };
         let vision = |row: &&Row| row.class == Class::Vision;
-        if !given_up.is_empty() && pilot.is_hopeless() && plan.rows.iter().filter(vision).all(is_dark) {
+        let hopeless = !given_up.is_empty() && pilot.is_hopeless() && plan.rows.iter().filter(vision).all(is_dark);
+        if hopeless && !shared_faces::in_plain_sight(self.world) {
             plan.vision_share = SELDOM;
         }
         !given_up.is_empty()
@@ -286,7 +287,7 @@ impl Making<'_> {
         }
         if plan.vision_share < 1.0 {
             plan.notes.push(format!(
-                "backward looks at 1 pixel in {:.0} a pass for lamps over specular faces: pilots found none that leads to them",
+                "backward looks at 1 pixel in {:.0} a pass for lamps over specular faces: pilots found no way to them",
                 1.0 / plan.vision_share
             ));
         }
@@ -297,7 +298,7 @@ impl Making<'_> {
             let route = Route::new(plan, self.groups(), Estimator::Backward);
             let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), Hints::of(plan), pilot::SEED);
             if !backward.finds_light(LOOKS, self.stop) {
-                (plan.backward_share, plan.vision_share) = (SELDOM, 1.0);
+                plan.backward_share = SELDOM;
                 plan.notes.push(format!(
                     "backward looks at 1 pixel in {:.0} a pass: {LOOKS} paths of a pilot found no light of its own",
                     1.0 / SELDOM
@@ -308,7 +309,7 @@ impl Making<'_> {
         let found =
             (guided && plan.owns(Estimator::Backward) && !self.stopped()).then(|| self.made.branching(self, plan));
         if let Some(found) = &found {
-            plan.branching = found.branching;
+            plan.faintest_branch = found.faintest;
             plan.notes.extend(found.note());
         }
         if plan.runs(Estimator::Photon) || plan.runs(Estimator::Manifold) {

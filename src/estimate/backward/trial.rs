@@ -1,15 +1,13 @@
 //! What paths from the eye bring in a pilot, by two of them in each of some pixels, and what they cost.
 
 use super::Backward;
+use crate::base::warp::lattice;
 use crate::estimate::ShouldStop;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::pixel::Pixel;
 use crate::film::accumulate::Light;
 use crate::world::mode::{Mode, Mono};
 use rayon::prelude::*;
-
-/// Passes of the two paths: points that follow each other on a pixel's lattice are not alike.
-const PASSES: [u64; 2] = [0, 5];
 
 /// Light and counted work of paths, two to a pixel.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,10 +23,11 @@ impl Trial {
         self.work as f64 / (2 * self.light.len()).max(1) as f64
     }
 
-    /// Variance of a path relative to the squares of these luminances and 1 % of their mean; infinite where all are black.
+    /// Variance of a path relative to the squares of these luminances and a tenth of their mean, as a pixel that is dark by
+    /// chance would count for too much; infinite where all are black.
     pub fn variance(&self, pixels: &[f64]) -> f64 {
         let count = pixels.len().max(1) as f64;
-        let floor = (0.01 * pixels.iter().sum::<f64>() / count).powi(2);
+        let floor = (0.1 * pixels.iter().sum::<f64>() / count).powi(2);
         if floor.is_nan() || floor <= 0.0 {
             return f64::INFINITY;
         }
@@ -43,24 +42,22 @@ impl Trial {
 }
 
 impl Backward<'_, Mono> {
-    /// Follows two paths in each of `count` pixels spread over the picture, without those to lamps over specular faces alone. Once
-    /// `stop` says true the rest is left out, and the result is worthless.
-    pub fn trial(&self, count: u64, stop: &ShouldStop<'_>) -> Trial {
+    /// Follows a path of each of two passes in each of `count` pixels spread over the picture, without those to lamps over
+    /// specular faces alone. Once `stop` says true the rest is left out, and the result is worthless.
+    pub fn trial(&self, count: u64, passes: [u64; 2], stop: &ShouldStop<'_>) -> Trial {
         let [width, height] = self.world.eye.size();
-        let pixels = (width * height) as u64;
         let optics = Mono::<f64>::optics(self.world, self.seed, 0);
         let one = |k: u64| {
-            // By the golden ratio of the picture, so that no column is met twice in a row.
-            let place = (k as f64 * 0.618_033_988_749_894_9).fract();
-            let index = ((place * pixels as f64) as u64).min(pixels.saturating_sub(1)) as usize;
+            let [x, y]: [f64; 2] = lattice([0; 2], k);
+            let (x, y) = ((x * width as f64) as usize, (y * height as f64) as usize);
             let mut work = 0;
-            let light = PASSES.map(|pass| {
+            let light = passes.map(|pass| {
                 if stop() {
                     return 0.0;
                 }
                 let mut ledgers = [Ledger::new(self.world.solids.len()), Ledger::new(self.world.solids.len())];
                 let mut light = vec![Light::default(); self.route.planes.len()];
-                let pixel = Pixel::new((index % width, index / width), width, pass);
+                let pixel = Pixel::new((x.min(width - 1), y.min(height - 1)), width, pass);
                 self.paths_of(&optics, pixel, &mut light, &mut ledgers);
                 work += ledgers.iter().map(|ledger| ledger.work).sum::<u64>();
                 light.iter().map(|light| light.value).sum()

@@ -82,8 +82,8 @@ impl Connections {
         entries.iter().filter_map(|index| Some((*index as usize, self.entries.get(*index as usize)?)))
     }
 
-    /// Whether connection has paths like one over `chain` (from the lamp) from `lamp` to this place in the picture. Where it
-    /// has no start for a faint train it says no: the few that light tracing would find there have great weight.
+    /// Whether paths like one over `chain` (from the lamp) from `lamp` to this place in the picture are connection's or light
+    /// tracing's. Where a faint train has no start it says no: the few that light tracing would find there have great weight.
     pub fn knows(&self, chain: &Chain, lamp: usize, film: DVec2) -> bool {
         let Some(train) = self.known.get(chain) else { return false };
         self.shares[*train] >= BRIGHT || self.entries_of(*train, lamp, film).next().is_some()

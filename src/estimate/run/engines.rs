@@ -178,7 +178,9 @@ fn begin_with<'w, M: Mode + 'w>(
                 // What connection leaves is lamps over specular faces alone.
                 let paths = if plan.owns(estimator) { plan.backward_paths } else { 0 };
                 let backward = Backward::new(world, route, (paths, plan.backward_share), Hints::of(plan), seed);
-                Engine::Backward(backward.beside(connections.clone(), plan.unknown_share).branching(plan.branching))
+                Engine::Backward(
+                    backward.beside(connections.clone(), plan.unknown_share).branching(plan.faintest_branch),
+                )
             }
             Estimator::Forward => Engine::Forward(Forward::new(
                 world,

@@ -58,7 +58,7 @@ fn dark_groups(scene: &Scene) -> Option<Vec<usize>> {
     let mut plan = plan(&checked, &world, Choice::Auto);
     plan.forward_paths = plan.forward_paths.min(PATHS);
     plan.photons = plan.photons.min(PATHS);
-    plan.backward_share = 1.0;
+    (plan.backward_share, plan.vision_share) = (1.0, 1.0);
     let mut tracing = begin(&world, &plan, small.groups.len(), small.eye.resolution, 0);
     let mut dark: Vec<usize> = (0..small.groups.len()).filter(|group| shines(&world, *group)).collect();
     if tracing.films().films.is_empty() {
