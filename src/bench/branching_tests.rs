@@ -1,11 +1,12 @@
 //! Paths from the eye that follow faint branches bring the same light, and a pilot sees where that pays.
 
+use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::{generate, kit};
 use crate::base::stats::Moments;
 use crate::estimate::run::begin;
 use crate::film::plan::{Estimator, Plan};
-use crate::plan::{Choice, plan};
+use crate::plan::{Asked, Choice, Guides, plan};
 use crate::scene::{Finish, Scene};
 use glam::{DAffine3, DVec3};
 
@@ -21,20 +22,12 @@ fn panes(behind: f64) -> Scene {
         let place = DAffine3::from_translation(DVec3::Z * -depth) * DAffine3::from_rotation_x(0.2);
         generate::plate(&mut scene, place, 0.1, Finish::Polished);
     }
-    let (width, height) = (64, 32);
-    let is_behind = |i: usize| (16..48).contains(&(i % width));
-    let one = |behind_is: bool| {
-        (0..width * height).map(|i| if is_behind(i) == behind_is { behind as f32 } else { 100.0 }).collect::<Vec<_>>()
-    };
-    // Which half lies behind the eye is the convention's; the test finds the darker picture.
-    let mut other = scene.clone();
-    kit::sky(&mut scene, width, height, one(true));
-    kit::sky(&mut other, width, height, one(false));
-    let ahead = |scene: &Scene| {
-        let ready = Ready::new(scene, 0.0).unwrap();
-        ready.world.sky.as_ref().map_or(0.0, |sky| sky.luminance(DVec3::NEG_Z))
-    };
-    if ahead(&scene) < ahead(&other) { scene } else { other }
+    // The middle of a panorama is towards +z.
+    let luminance = |i: usize| if (16..48).contains(&(i % 64)) { behind as f32 } else { 100.0 };
+    kit::sky(&mut scene, 64, 32, (0..64 * 32).map(luminance).collect());
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    assert_eq!(ready.world.sky.as_ref().unwrap().luminance(DVec3::NEG_Z), 100.0);
+    scene
 }
 
 fn planned(scene: &Scene, choice: Choice) -> Plan {
@@ -50,13 +43,7 @@ fn sums(scene: &Scene, plan: &Plan, passes: u64, seeds: u64) -> (Moments, f64) {
     for seed in 0..seeds {
         let mut tracing = begin(&ready.world, plan, scene.groups.len(), scene.eye.resolution, 70 + seed);
         tracing.step(passes);
-        let of_pixel = |pixel: usize| {
-            let films = tracing.films().films.iter();
-            films
-                .map(|(_, film, _)| (0..film.planes.len()).map(|k| film.mean(pixel, k).value).sum::<f64>())
-                .sum::<f64>()
-        };
-        let all: Vec<f64> = (0..width * height).map(of_pixel).collect();
+        let all = Picture::of_films(tracing.films(), scene.eye.resolution).values;
         sum.add(all.iter().sum());
         pixels.iter_mut().zip(&all).for_each(|(moments, light)| moments.add(*light));
     }
@@ -91,7 +78,7 @@ fn what_does_not_pay_is_not_followed() {
         let plan = planned(&generate::scene(seed), Choice::Auto);
         assert_eq!(plan.faintest_branch, 1.0, "seed {seed}");
     }
-    let unguided = crate::plan::Asked { guides: crate::plan::Guides::Off, ..Choice::Auto.into() };
+    let unguided = Asked { guides: Guides::Off, ..Choice::Auto.into() };
     let scene = panes(10_000.0);
     let ready = Ready::new(&scene, 0.0).unwrap();
     assert_eq!(plan(&ready.checked, &ready.world, unguided).faintest_branch, 1.0);

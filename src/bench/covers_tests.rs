@@ -1,5 +1,6 @@
 //! Lamps and paint on polished glass: light goes through the face under them, whichever end it is followed from.
 
+use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::kit;
 use crate::base::stats::Moments;
@@ -45,12 +46,7 @@ fn sum(scene: &Scene, only: Estimator, passes: u64) -> Moments {
     for seed in 0..12 {
         let mut tracing = begin(&ready.world, &plan, scene.groups.len(), SIZE, seed);
         tracing.step(passes);
-        let films = tracing.films();
-        let means = films.films.iter().map(|(_, film, _)| {
-            let planes = |pixel: usize| (0..film.planes.len()).map(move |plane| film.mean(pixel, plane).value);
-            (0..SIZE[0] * SIZE[1]).flat_map(planes).sum::<f64>()
-        });
-        moments.add(means.sum());
+        moments.add(Picture::of_films(tracing.films(), SIZE).values.iter().sum());
     }
     moments
 }

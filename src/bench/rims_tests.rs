@@ -1,5 +1,6 @@
 //! Where little of a lamp is seen through the pupil, connection looks for that little: it brings the same light with less noise.
 
+use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::generate;
 use crate::base::rng::{Rng, Stream};
@@ -197,11 +198,7 @@ fn rims_are_as_bright_as_by_light_tracing() {
         let run = |seed: u64| -> Vec<f64> {
             let mut tracing = begin(world, &plan, scene.groups.len(), scene.eye.resolution, 40 + seed);
             tracing.step(passes);
-            let of_pixel = |pixel: usize| {
-                let films = tracing.films().films.iter();
-                films.map(|(_, film, _)| (0..film.planes.len()).map(|k| film.mean(pixel, k).value).sum::<f64>()).sum()
-            };
-            (0..32 * 24).map(of_pixel).collect()
+            Picture::of_films(tracing.films(), scene.eye.resolution).values
         };
         (plan.connections.clone(), (0..RUNS).map(run).collect::<Vec<_>>())
     };

@@ -1,5 +1,6 @@
 //! Rooms that daylight enters by a window: aimed at or not, it is the same light, and there is less noise.
 
+use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::generate;
 use crate::base::stats::{Moments, sidak_z};
@@ -19,10 +20,8 @@ fn seen(ready: &Ready<'_>, plan: &Plan, (runs, passes): (u64, u64)) -> (Vec<Mome
         let mut tracing = begin(&ready.world, plan, ready.checked.scene().groups.len(), SIZE, seed);
         tracing.step(passes);
         let mut sums = vec![0.0; blocks.len()];
-        for (pixel, moments) in pixels.iter_mut().enumerate() {
-            let films = &tracing.films().films;
-            let planes = films.iter().flat_map(|(_, film, _)| (0..film.planes.len()).map(move |plane| (film, plane)));
-            let value: f64 = planes.map(|(film, plane)| film.mean(pixel, plane).value).sum();
+        let picture = Picture::of_films(tracing.films(), SIZE);
+        for (pixel, (moments, value)) in pixels.iter_mut().zip(picture.values).enumerate() {
             let (x, y) = (pixel % SIZE[0] * BLOCKS[0] / SIZE[0], pixel / SIZE[0] * BLOCKS[1] / SIZE[1]);
             sums[y * BLOCKS[0] + x] += value;
             moments.add(value);

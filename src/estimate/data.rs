@@ -133,7 +133,7 @@ fn look((world, optics): (&World, &Optics<Mono>), (origin, dir): (DVec3, DVec3),
 }
 
 /// How a ray from the eye ends that goes straight on at specular faces.
-pub(super) enum End {
+pub(crate) enum End {
     /// In the world behind all parts, with this share of it.
     Outside(f64),
     /// On the last face that was met, which is not specular.
@@ -143,7 +143,7 @@ pub(super) enum End {
 }
 
 /// Follows one ray and shows every face that it meets.
-pub(super) fn go_straight(
+pub(crate) fn go_straight(
     (world, optics): (&World, &Optics<Mono>),
     (origin, dir): (DVec3, DVec3),
     ledger: &mut Ledger,

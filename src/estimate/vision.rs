@@ -3,7 +3,7 @@
 //! interface. A mirrored lamp smaller than a pixel would otherwise be the noise of the whole picture; where the plan knows
 //! of one in a pinhole's picture, some of the points are chosen about it. Through a pupil that is no point, a lamp is seen
 //! in a small part of it: where the plan knows which, most of the rays go there. Where specular connection has what it can,
-//! some pixels of a pass look for what comes over trains of faces that it does not know.
+//! some pixels of a pass look for what comes over trains of faces that it does not know, or has no start for there.
 
 use super::ledger::Ledger;
 use super::manifold::connections::Connections;
@@ -53,6 +53,11 @@ pub struct Hints<'p> {
 }
 
 impl<'p> Hints<'p> {
+    /// For paths that scatter alone.
+    pub fn of_sky(windows: Option<&'p Windows>) -> Hints<'p> {
+        Hints { glints: &[], pupil: None, windows, share: 1.0 }
+    }
+
     pub fn of(plan: &'p Plan) -> Hints<'p> {
         let (pupil, windows) = (plan.pupil_guide.as_ref(), plan.sky_guide.as_ref());
         // Of the pixels that are looked at anyway.

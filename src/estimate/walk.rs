@@ -193,7 +193,8 @@ impl<'w, M: Mode> Walker<'w, M> {
         }
     }
 
-    pub fn start_weight(&self) -> f64 {
+    /// Weight that the path started with.
+    pub(super) fn start_weight(&self) -> f64 {
         self.start_weight
     }
 

@@ -40,8 +40,9 @@ pub enum Verdict {
     /// `owner` computes these paths. Where `owner` is `Photon`, paths without a broad scatterer are `Backward`'s.
     Own { owner: Estimator, because: String },
     /// Specular connection computes those of these paths that its solver returns for their ends, `rest` all others. Of
-    /// vision, rays from the eye have what comes over trains that connection does not know: no pilot has seen these, so
-    /// paths from the lamps to there may have any weight, but no ray from the eye brings more than a lamp's luminance.
+    /// vision, rays from the eye have what comes over trains that connection does not know, or over faint ones to where it has
+    /// no start: no pilot has seen these, so paths from the lamps to there may have any weight, but no ray from the eye brings
+    /// more than a lamp's luminance.
     Connect { rest: Estimator, because: String },
     /// There are no such paths, or nobody is asked for them.
     Skip { because: String },
@@ -163,7 +164,7 @@ pub struct Plan {
     pub faintest_branch: f64,
     /// Share of the pixels that a pass of the backward estimator looks at: less than 1 where a pilot found no light of its.
     pub backward_share: f64,
-    /// Share of the pixels that such a pass looks at for lamps over trains that connection does not know.
+    /// Share of the pixels that such a pass looks at for lamps over trains that connection does not know there.
     #[serde(default = "whole", skip_serializing_if = "is_whole")]
     pub unknown_share: f64,
     /// Share of the pixels that such a pass looks at for lamps over specular faces: less than 1 where pilots found no such path.
@@ -215,10 +216,10 @@ impl Plan {
                 self.backward_paths
             ));
         }
-        let shares = [self.backward_share, self.unknown_share, self.vision_share, self.faintest_branch];
         if self.faintest_branch < LEAST_BRANCH {
             return Err(format!("follows branches down to shares of {}, not {LEAST_BRANCH}", self.faintest_branch));
         }
+        let shares = [self.backward_share, self.unknown_share, self.vision_share, self.faintest_branch];
         if !(shares.iter().all(|share| *share > 0.0 && *share <= 1.0) && self.photon_radii_m.is_valid()) {
             return Err(format!("has shares of {shares:?} and radii of {:?} m", self.photon_radii_m));
         }

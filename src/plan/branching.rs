@@ -4,7 +4,7 @@
 
 use super::Making;
 use super::pilot::SEED;
-use crate::estimate::backward::{Backward, Trial};
+use crate::estimate::backward::Backward;
 use crate::estimate::route::Route;
 use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, Plan};
@@ -28,7 +28,7 @@ const LITTLE: f64 = 1e-3;
 
 /// What a pilot found.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Branches {
+pub(super) struct Branches {
     /// [`Plan::faintest_branch`].
     pub faintest: f64,
     /// How many times less that makes variance times work.
@@ -50,23 +50,29 @@ impl Branches {
     }
 }
 
+/// Of what plans differ in, only the paths that backward computes matter, and through which windows it sees the sky.
 pub(super) fn learn(making: &Making<'_>, plan: &Plan) -> Branches {
     let trial = |faintest: f64, passes: [u64; 2]| {
         let route = Route::new(plan, making.groups(), Estimator::Backward);
-        let backward = Backward::<Mono>::new(making.world, route, (1, 1.0), Hints::of(plan), SEED);
+        let hints = Hints::of_sky(plan.sky_guide.as_ref());
+        let backward = Backward::<Mono>::new(making.world, route, (1, 1.0), hints, SEED);
         backward.branching(faintest).trial(PLACES, passes, making.stop)
     };
     let ways = if making.checked.facts().specular { &FAINTEST[..] } else { &[] };
     // What is least noisy tells best how bright the pixels are, by paths that no way is judged by.
     let pixels = trial(ways.first().copied().unwrap_or(1.0), PASSES_OF_SCALE).means();
-    let cost = |trial: &Trial| trial.variance(&pixels) * trial.work_of_a_path();
-    let simple = trial(1.0, PASSES);
-    let before = cost(&simple);
-    let (mut faintest, mut least, mut variance) = (1.0, before, simple.variance(&pixels));
+    // Relative variance and its product with the work.
+    let judge = |faintest: f64| {
+        let trial = trial(faintest, PASSES);
+        let variance = trial.variance(&pixels);
+        (variance, variance * trial.work_of_a_path())
+    };
+    let (mut faintest, (mut variance, before)) = (1.0, judge(1.0));
+    let mut least = before;
     for way in ways {
-        let next = trial(*way, PASSES);
-        if cost(&next) * WORTH < least {
-            (faintest, least, variance) = (*way, cost(&next), next.variance(&pixels));
+        let (varies, cost) = judge(*way);
+        if cost * WORTH < least {
+            (faintest, variance, least) = (*way, varies, cost);
         }
     }
     // Where a trial has seen no light nobody knows how it varies.

@@ -41,7 +41,7 @@ impl Made {
     }
 
     /// [`branching::learn`].
-    pub fn branching(&self, making: &Making<'_>, plan: &Plan) -> Branches {
+    pub(super) fn branching(&self, making: &Making<'_>, plan: &Plan) -> Branches {
         let broad = |row: &Row| [false, true].map(|b| plan.computes(Estimator::Backward, row.group, row.class, b));
         let key = plan.rows.iter().flat_map(broad).collect();
         known(&self.branching, key, |_| branching::learn(making, plan))

@@ -120,7 +120,7 @@ fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row> {
 }
 
 /// What the pilots are run with.
-pub(crate) struct Making<'m> {
+struct Making<'m> {
     checked: &'m Checked<'m>,
     world: &'m World,
     asked: Asked,
@@ -230,7 +230,7 @@ impl Making<'_> {
         };
         let vision = |row: &&Row| row.class == Class::Vision;
         let hopeless = !given_up.is_empty() && pilot.is_hopeless() && plan.rows.iter().filter(vision).all(is_dark);
-        if hopeless && !shared_faces::in_plain_sight(self.world) {
+        if hopeless && !shared_faces::in_plain_sight(self.world, self.stop) {
             plan.vision_share = SELDOM;
         }
         !given_up.is_empty()
@@ -285,12 +285,6 @@ impl Making<'_> {
                 ));
             }
         }
-        if plan.vision_share < 1.0 {
-            plan.notes.push(format!(
-                "backward looks at 1 pixel in {:.0} a pass for lamps over specular faces: pilots found no way to them",
-                1.0 / plan.vision_share
-            ));
-        }
         if plan.pupil_guide.is_some() {
             plan.notes.push("backward looks for lamps through the parts of the pupil that a pilot saw lit".to_owned());
         }
@@ -305,6 +299,13 @@ impl Making<'_> {
                 ));
                 return;
             }
+        }
+        // Where backward looks at few pixels for anything, that has been said.
+        if plan.vision_share < 1.0 {
+            plan.notes.push(format!(
+                "backward looks at 1 pixel in {:.0} a pass for lamps over specular faces: pilots found no way to them",
+                1.0 / plan.vision_share
+            ));
         }
         let found =
             (guided && plan.owns(Estimator::Backward) && !self.stopped()).then(|| self.made.branching(self, plan));

@@ -4,19 +4,18 @@
 use super::glimpses::{self, sides_of};
 use super::pilot::SEED;
 use crate::base::path::Class;
-use crate::base::rng::{Rng, Stream};
+use crate::base::rng::Stream;
 use crate::base::warp::lattice;
 use crate::estimate::ShouldStop;
 use crate::estimate::both::Both;
+use crate::estimate::data::{End, go_straight};
 use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::route::Route;
-use crate::estimate::walk::{Met, Travel, Vertex, Walker};
+use crate::estimate::walk::{Vertex, Walker};
 use crate::film::plan::{Estimator, Plan, Verdict};
 use crate::world::World;
 use crate::world::eye::Arrival;
-use crate::world::geometry::Ray;
-use crate::world::interior::Interior;
 use crate::world::mode::{Mode, Mono};
 use crate::world::scatter::Scatter;
 use glam::DVec3;
@@ -26,8 +25,6 @@ use std::collections::BTreeSet;
 const PATHS: u64 = 1 << 9;
 const LEAST: f64 = 1e-3;
 const MOST_SPLITS: u32 = 256;
-/// Faces on the way to a lamp in plain sight.
-const MOST_MET: u32 = 64;
 
 /// Faces that light goes on from unscattered.
 struct Faces {
@@ -55,33 +52,22 @@ impl Visitor<Mono> for Faces {
 const POINTS: u64 = 4;
 
 /// Whether a lamp may be in plain sight, through glass as well: small ones are missed by rays that aim at nothing. No where
-/// an absorber or a scatterer stands on the way from the middle of the pupil.
-pub(super) fn in_plain_sight(world: &World) -> bool {
+/// something that is not specular stands on the way from the middle of the pupil. Yes once `stop` says true.
+pub(super) fn in_plain_sight(world: &World, stop: &ShouldStop<'_>) -> bool {
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let ledger = &mut Ledger::new(world.solids.len());
     let eye = world.eye.position();
     let mut is_open = |point: DVec3| {
         let far = point.distance(eye);
-        let ray = Ray { origin: eye, dir: (point - eye) / far, from: None };
-        let rng = Rng::new(SEED, Stream::Pilot, 5, 0);
-        let mut walker = Walker::new((world, &optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
-        for _ in 0..MOST_MET {
-            match walker.advance(ledger) {
-                Met::Sky => return true,
-                Met::Pupil(_) | Met::Ended => return false,
-                Met::Face(vertex) => {
-                    if walker.lamp_at(&vertex).is_some() || vertex.hit.point.distance(eye) > 0.999 * far {
-                        return true;
-                    }
-                    if !walker.go_straight_on(&vertex, ledger) {
-                        return false;
-                    }
-                }
-            }
-        }
-        true
+        let mut reached = false;
+        let end = go_straight((world, &optics), (eye, (point - eye) / far), ledger, |vertex| {
+            reached |= vertex.hit.point.distance(eye) > 0.999 * far;
+        });
+        reached || !matches!(end, End::Seen)
     };
-    world.lamps.all().iter().any(|lamp| (0..POINTS).any(|k| is_open(lamp.sample_point(lattice([0; 2], k)).position)))
+    let mut points =
+        world.lamps.all().iter().flat_map(|lamp| (0..POINTS).map(|k| lamp.sample_point(lattice([0; 2], k))));
+    points.any(|point| stop() || is_open(point.position))
 }
 
 /// Whether light tracing may find what the plan gives to it: light that scatterers send to the eye, a lamp in plain sight,

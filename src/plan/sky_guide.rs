@@ -87,7 +87,7 @@ impl Looks<'_> {
     fn take(&mut self, windows: Option<Windows>, paths: u64) {
         let Making { world, stop, .. } = self.making;
         let route = Route::new(self.plan, self.making.groups(), Estimator::Backward);
-        let hints = Hints { glints: &[], pupil: None, windows: windows.as_ref(), share: 1.0 };
+        let hints = Hints::of_sky(windows.as_ref());
         let look = self.taken.len();
         let backward = Backward::<Mono>::new(world, route, (1, 1.0), hints, SEED);
         let found = backward.daylight(look as u64, paths, stop);

@@ -10,11 +10,11 @@ use crate::world::mode::{Mode, Mono};
 use rayon::prelude::*;
 
 /// Light and counted work of paths, two to a pixel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub struct Trial {
     /// Luminance by each path, cd/m².
-    pub light: Vec<[f64; 2]>,
-    pub work: u64,
+    light: Vec<[f64; 2]>,
+    work: u64,
 }
 
 impl Trial {
