@@ -9,6 +9,7 @@
 pub mod bend;
 mod bound;
 mod cast;
+mod collapse;
 mod covered;
 pub mod curved;
 pub mod exact;

@@ -2,6 +2,7 @@
 //! fills, are least (surface area heuristic, in bins: I. Wald, "On fast construction of SAH-based bounding volume
 //! hierarchies", 2007).
 
+use arrayvec::ArrayVec;
 use glam::{BVec3A, UVec3, Vec3A};
 
 /// A box in unit coordinates and whose it is.
@@ -20,6 +21,8 @@ pub struct Extent {
 }
 
 const BINS: usize = 16;
+/// Up to so many items are tried one by one, which is faster than bins.
+const FEW: usize = 8;
 
 impl Extent {
     pub const EMPTY: Extent = Extent { lo: Vec3A::INFINITY, hi: Vec3A::NEG_INFINITY };
@@ -43,6 +46,9 @@ impl Extent {
 
 /// Sorts items, of which a leaf holds `most`, and says how many go to the first half: neither none nor all of two or more.
 pub fn split(items: &mut [Item], most: usize) -> usize {
+    if items.len() <= FEW {
+        return sweep(items, most);
+    }
     let middles = items.iter().fold(Extent::EMPTY, |all, item| all.join(item.lo + item.hi, item.lo + item.hi));
     let spread = middles.hi - middles.lo;
     let some: BVec3A = spread.cmpgt(Vec3A::ZERO);
@@ -90,6 +96,40 @@ pub fn split(items: &mut [Item], most: usize) -> usize {
         }
     }
     if first == 0 || first == items.len() { items.len() / 2 } else { first }
+}
+
+/// The same among all places between items, for few of them.
+fn sweep(items: &mut [Item], most: usize) -> usize {
+    let n = items.len();
+    let mut best = (f32::INFINITY, 0, n / 2);
+    for axis in 0..3 {
+        along(items, axis);
+        let mut behind: ArrayVec<f32, FEW> = ArrayVec::new();
+        let mut all = Extent::EMPTY;
+        for (i, item) in items.iter().enumerate().rev() {
+            all = all.join(item.lo, item.hi);
+            behind.push(cost(all, n - i, most));
+        }
+        let mut all = Extent::EMPTY;
+        for at in 1..n {
+            all = all.join(items[at - 1].lo, items[at - 1].hi);
+            let sum = cost(all, at, most) + behind[n - at - 1];
+            if sum < best.0 {
+                best = (sum, axis, at);
+            }
+        }
+    }
+    let (_, axis, at) = best;
+    if axis != 2 {
+        along(items, axis);
+    }
+    at
+}
+
+/// Sorts items by their middles.
+fn along(items: &mut [Item], axis: usize) {
+    let at = |item: &Item| item.lo[axis] + item.hi[axis];
+    items.sort_unstable_by(|a, b| at(a).total_cmp(&at(b)).then(a.index.cmp(&b.index)));
 }
 
 /// Sorts items along their longest side and says how many go to the first half.

@@ -1,9 +1,10 @@
 //! What a walk has put off.
 
+use super::collapse::DEEPEST;
 use std::mem::MaybeUninit;
 
-/// Seven from each level of the deepest tree, and a few (see [`DEEPEST`](super::wide::DEEPEST)).
-const ROOM: usize = 256;
+/// Seven from each level of the deepest tree, and a few.
+const ROOM: usize = (7 * DEEPEST + 1).next_power_of_two();
 
 /// What is left to look at: places below `top` are written, the others are not, so that starting costs nothing.
 pub struct Stack {

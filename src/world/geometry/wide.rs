@@ -3,17 +3,16 @@
 //! What a walk proposes may differ by f32 rounding from processor to processor, but boxes are padded by more than that
 //! (see [`tree`](super::tree)), so what is hit does not.
 
+use super::collapse::Halves;
 use super::huge;
 use super::node::{Beam, CHILDREN, LEAF, Lanes, Node, OTHER, enter};
-use super::split::{Extent, Item, halve, split};
+use super::split::Item;
 use super::stack::Stack;
-use arrayvec::ArrayVec;
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 
 /// Triangles of a leaf.
 pub const LEAF_SIZE: usize = 4;
-/// Levels of a tree: each of them leaves at most seven entries on the stack.
-pub const DEEPEST: usize = 36;
+
 /// The slots of a leaf.
 #[derive(Debug, Clone, Copy)]
 pub struct Leaf {
@@ -44,20 +43,21 @@ impl Wide {
         self.nodes.is_empty()
     }
 
-    /// Builds over boxes in unit coordinates, which it sorts, with leaves of at most so many: the index of the i-th is that of slot i. None if there are
-    /// more than can be told apart.
+    /// Builds over boxes in unit coordinates, which it sorts, with leaves of at most so many: the index of the i-th is
+    /// that of slot i. None if there are more than can be told apart.
     pub fn build(items: &mut [Item], most: usize) -> Option<Wide> {
+        let halves = Halves::new(items, most);
         let mut wide = Wide { nodes: vec![Node::EMPTY], leaves: Vec::new() };
-        // A node, the items below it, its level.
-        let mut open = vec![(0usize, 0..items.len(), 1usize)];
-        while let Some((index, range, level)) = open.pop() {
-            for (lane, child) in part(items, range, (level, most)).into_iter().enumerate() {
-                let extent = Extent::of(&items[child.clone()]);
-                let code = if child.len() <= most {
-                    wide.leaves.push(Leaf { first: u32::try_from(child.start).ok()?, count: child.len() as u32 });
+        // A node and what it stands for.
+        let mut open = vec![(0usize, 0usize)];
+        while let Some((index, set)) = open.pop() {
+            for (lane, child) in halves.children(set).into_iter().enumerate() {
+                let extent = halves.extent(child);
+                let code = if let Some(slots) = halves.leaf(child) {
+                    wide.leaves.push(Leaf { first: u32::try_from(slots.start).ok()?, count: slots.len() as u32 });
                     LEAF | code(wide.leaves.len() - 1)?
                 } else {
-                    open.push((wide.nodes.len(), child, level + 1));
+                    open.push((wide.nodes.len(), child));
                     wide.nodes.push(Node::EMPTY);
                     code(wide.nodes.len() - 1)?
                 };
@@ -195,24 +195,4 @@ impl Wide {
 
 fn code(place: usize) -> Option<u32> {
     u32::try_from(place).ok().filter(|code| *code < LEAF)
-}
-
-/// Parts a node's items among up to eight children: the largest child gives way to two.
-fn part(items: &mut [Item], range: Range<usize>, (level, most): (usize, usize)) -> ArrayVec<Range<usize>, 8> {
-    // Sets that nest at every scale would make chains; the most numerous child, halved, makes at most 16 more levels.
-    let by_area = level < DEEPEST / 2;
-    let size = |items: &[Item]| if by_area { Extent::of(items).area() } else { items.len() as f32 };
-    let mut children: ArrayVec<(f32, Range<usize>), 8> = ArrayVec::new();
-    children.push((size(&items[range.clone()]), range));
-    while !children.is_full() {
-        let wide = children.iter_mut().filter(|(_, child)| child.len() > most);
-        let Some((largest, child)) = wide.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-        let own = &mut items[child.clone()];
-        let middle = child.start + if by_area { split(own, most) } else { halve(own) };
-        let other = middle..child.end;
-        child.end = middle;
-        *largest = size(&items[child.clone()]);
-        children.push((size(&items[other.clone()]), other));
-    }
-    children.into_iter().map(|(_, child)| child).collect()
 }
