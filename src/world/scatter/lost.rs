@@ -21,6 +21,8 @@ pub struct Lost {
     rows: Vec<(f64, [Row; 2])>,
     /// ln(1 + 1/α): cosines are α(exp(x²·scale) − 1), x from 0 to 1, dense where m changes.
     scale: f64,
+    /// μ² at each point.
+    squares: Vec<f64>,
 }
 
 /// One ratio of indices, at evenly spaced x.
@@ -37,7 +39,7 @@ struct Row {
 }
 
 /// What holds at the indices of a ray.
-struct Split {
+pub(super) struct Split {
     /// Place between two rows.
     row: usize,
     part: f64,
@@ -55,9 +57,10 @@ impl Lost {
     pub fn new(alpha: f64, ratios: &[[f64; 2]]) -> Lost {
         let facets = Facets { alpha };
         let scale = f64::ln_1p(1.0 / alpha);
-        let rows = nodes(ratios).into_par_iter();
-        let lost = Lost { facets, rows: Vec::new(), scale };
-        let rows = rows.map(|ln| (ln, [lost.row(ln), lost.row(-ln)])).collect();
+        let mut lost = Lost { facets, rows: Vec::new(), scale, squares: Vec::new() };
+        lost.squares =
+            (0..=Self::STEPS).map(|step| lost.cosine(step as f64 / Self::STEPS as f64).min(1.0).powi(2)).collect();
+        let rows = nodes(ratios).into_par_iter().map(|ln| (ln, [lost.row(ln), lost.row(-ln)])).collect();
         Lost { rows, ..lost }
     }
 
@@ -69,10 +72,9 @@ impl Lost {
         self.facets.alpha * f64::exp_m1(x * x * self.scale)
     }
 
-    /// μ² at a point of the tables.
-    fn square(&self, step: usize) -> f64 {
-        let mu = self.cosine(step as f64 / Self::STEPS as f64).min(1.0);
-        mu * mu
+    /// Between which μ² a step lies.
+    fn within(&self, step: usize) -> [f64; 2] {
+        [step, step + 1].map(|step| self.squares.get(step).copied().unwrap_or(1.0))
     }
 
     fn row(&self, ln_ratio: f64) -> Row {
@@ -85,8 +87,8 @@ impl Lost {
         let shares: Vec<[f64; 2]> = (0..=Self::STEPS).into_par_iter().map(at).collect();
         let lost: Vec<f64> = shares.iter().map(|[r, t]| (1.0 - r - t).max(0.0)).collect();
         let through: Vec<f64> = shares.iter().map(|[r, t]| t / (r + t)).collect();
-        let squares = |k: usize| self.square(k + 1) - self.square(k);
-        let weights = lost.windows(2).enumerate().map(|(k, m)| 0.5 * (m[0] + m[1]) * squares(k));
+        let widths = self.squares.windows(2).map(|ends| ends[1] - ends[0]);
+        let weights = lost.windows(2).zip(widths).map(|(m, width)| 0.5 * (m[0] + m[1]) * width);
         let steps = Cdf::new(weights.collect::<Vec<_>>());
         Row { mean: self.mean(&lost), through: self.mean(&through), steps, lost }
     }
@@ -106,7 +108,7 @@ impl Lost {
         sum / (3 * count) as f64
     }
 
-    fn split(&self, n: Sides) -> Split {
+    pub(super) fn split(&self, n: Sides) -> Split {
         let ln = (n.beyond / n.here).ln();
         let (ln, side) = if ln < 0.0 { (-ln, 1) } else { (ln, 0) };
         let above = self.rows.partition_point(|(x, _)| *x < ln).clamp(1, self.rows.len().max(2) - 1);
@@ -127,8 +129,8 @@ impl Lost {
         Split { row, part, side, means, reflected }
     }
 
-    /// m of one side at a cosine.
-    fn at(&self, split: &Split, behind: bool, cos: f64) -> f64 {
+    /// m of one side at a cosine: the share that one bounce loses.
+    pub(super) fn at(&self, split: &Split, behind: bool, cos: f64) -> f64 {
         let x = (f64::ln_1p(cos.abs() / self.facets.alpha) / self.scale).sqrt().min(1.0);
         let side = if behind { 1 - split.side } else { split.side };
         let of = |row: usize| self.rows.get(row).map_or(0.0, |(_, pair)| interpolate(&pair[side].lost, x));
@@ -136,17 +138,14 @@ impl Lost {
         if split.part == 0.0 { low } else { low + split.part * (of(split.row + 1) - low) }
     }
 
-    /// The value of the lobe, 1/sr: `cos_in` > 0; `cos_out` > 0 reflected, < 0 transmitted.
-    pub(super) fn eval(&self, cos_in: f64, cos_out: f64, n: Sides) -> f64 {
-        let split = self.split(n);
+    /// The value of the lobe, 1/sr, where one bounce loses the share `arriving`; `cos_out` > 0 reflected, < 0 transmitted.
+    pub(super) fn eval(&self, split: &Split, arriving: f64, cos_out: f64) -> f64 {
         let behind = cos_out < 0.0;
-        let (part, mean) =
-            if behind { (1.0 - split.reflected, split.means[1]) } else { (split.reflected, split.means[0]) };
+        let mean = split.means[usize::from(behind)];
         if mean.is_nan() || mean <= 0.0 {
             return 0.0;
         }
-        let arriving = self.at(&split, false, cos_in);
-        part * arriving * self.at(&split, behind, cos_out) / (PI * mean)
+        split.part(behind) * arriving * self.at(split, behind, cos_out) / (PI * mean)
     }
 
     /// What directions are drawn by on a side: the nearer of two rows.
@@ -156,32 +155,34 @@ impl Lost {
         self.rows.get(row).and_then(|(_, pair)| pair[side].steps.as_ref())
     }
 
-    /// Density with which [`Lost::sample`] chooses a direction with this cosine on its side, 1/sr.
-    pub(super) fn pdf(&self, cos_out: f64, n: Sides) -> f64 {
-        let split = self.split(n);
-        let Some(steps) = self.steps(&split, cos_out < 0.0) else { return 0.0 };
+    /// Density with which [`Lost::sample`] chooses a direction with this cosine, 1/sr.
+    pub(super) fn pdf(&self, split: &Split, cos_out: f64) -> f64 {
+        let behind = cos_out < 0.0;
+        let Some(steps) = self.steps(split, behind) else { return 0.0 };
         let mu = cos_out.abs();
         let x = (f64::ln_1p(mu / self.facets.alpha) / self.scale).sqrt().min(1.0);
         let step = ((x * Self::STEPS as f64) as usize).min(Self::STEPS - 1);
-        steps.probability(step) / (self.square(step + 1) - self.square(step)) * mu / PI
+        let [low, high] = self.within(step);
+        split.part(behind) * steps.probability(step) / (high - low) * mu / PI
     }
 
-    /// A direction of the lobe on one side.
-    pub(super) fn sample(&self, through: bool, n: Sides, [a, b]: [f64; 2]) -> Option<DVec3> {
-        let split = self.split(n);
-        let (step, rest) = self.steps(&split, through)?.sample(a);
-        let (low, high) = (self.square(step), self.square(step + 1));
+    /// A direction of the lobe; reflected for `side` below the part that is.
+    pub(super) fn sample(&self, split: &Split, side: f64, [a, b]: [f64; 2]) -> Option<DVec3> {
+        let through = side >= split.reflected;
+        let (step, rest) = self.steps(split, through)?.sample(a);
+        let [low, high] = self.within(step);
         let square = low + rest * (high - low);
         let (sin, cos) = (TAU * b).sin_cos();
         let radius = (1.0 - square).max(0.0).sqrt();
         let up = square.sqrt();
         Some(DVec3::new(radius * cos, radius * sin, if through { -up } else { up }))
     }
+}
 
-    /// The share that one bounce loses, and which part of that is reflected.
-    pub(super) fn choice(&self, cos_in: f64, n: Sides) -> (f64, f64) {
-        let split = self.split(n);
-        (self.at(&split, false, cos_in), split.reflected)
+impl Split {
+    /// What is reflected of the lobe, or goes through.
+    fn part(&self, behind: bool) -> f64 {
+        if behind { 1.0 - self.reflected } else { self.reflected }
     }
 }
 

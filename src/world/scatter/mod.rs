@@ -8,6 +8,7 @@
 //! radiance from side 2 to side 1, reciprocity f(2→1)/n₁² = f(1→2)/n₂² makes (n₂/n₁)² f(2→1) the value here.
 
 mod abg;
+mod albedo;
 mod gauss;
 mod lambert;
 mod lost;

@@ -43,28 +43,35 @@ impl Rough {
     }
 
     pub(super) fn eval(&self, d_in: DVec3, d_out: DVec3, n: Sides) -> f64 {
-        let many = self.lost.eval(-d_in.z, d_out.z, n);
-        let value = self.facets.eval(-d_in, d_out, n) + many;
-        if value.is_finite() { value } else { 0.0 }
+        let split = self.lost.split(n);
+        let share = self.lost.at(&split, false, -d_in.z);
+        finite(self.facets.eval(-d_in, d_out, n) + self.lost.eval(&split, share, d_out.z))
     }
 
     pub(super) fn pdf(&self, d_in: DVec3, d_out: DVec3, n: Sides) -> f64 {
-        let (share, reflected) = self.lost.choice(-d_in.z, n);
-        let side = if d_out.z > 0.0 { reflected } else { 1.0 - reflected };
-        let pdf = (1.0 - share) * self.facets.pdf(-d_in, d_out, n) + share * side * self.lost.pdf(d_out.z, n);
-        if pdf.is_finite() { pdf } else { 0.0 }
+        let split = self.lost.split(n);
+        let share = self.lost.at(&split, false, -d_in.z);
+        finite((1.0 - share) * self.facets.pdf(-d_in, d_out, n) + share * self.lost.pdf(&split, d_out.z))
     }
 
     pub(super) fn sample(&self, d_in: DVec3, n: Sides, u: [f64; 3]) -> Option<Sampled> {
-        let (share, reflected) = self.lost.choice(-d_in.z, n);
+        let split = self.lost.split(n);
+        let share = self.lost.at(&split, false, -d_in.z);
         let dir = if u[0] < share {
-            self.lost.sample(u[0] >= share * reflected, n, [u[1], u[2]])?
+            self.lost.sample(&split, u[0] / share, [u[1], u[2]])?
         } else {
             self.facets.sample(-d_in, n, (u[0] - share) / (1.0 - share), [u[1], u[2]])?
         };
-        let pdf = self.pdf(d_in, dir, n);
-        Some(Sampled { dir, weight: self.eval(d_in, dir, n) * dir.z.abs() / pdf, pdf })
+        let [value, pdf] = self.facets.value_and_pdf(-d_in, dir, n);
+        let pdf = finite((1.0 - share) * pdf + share * self.lost.pdf(&split, dir.z));
+        let value = finite(value + self.lost.eval(&split, share, dir.z));
+        Some(Sampled { dir, weight: value * dir.z.abs() / pdf, pdf })
     }
+}
+
+/// Directions along the face have no value.
+fn finite(value: f64) -> f64 {
+    if value.is_finite() { value } else { 0.0 }
 }
 
 /// Microfacets of a roughness, with one bounce.
@@ -108,29 +115,25 @@ impl Facets {
     }
 
     pub fn eval(self, wi: DVec3, wo: DVec3, n: Sides) -> f64 {
-        let Some((h, length)) = Self::half(wi, wo, n) else { return 0.0 };
-        let (ci, co) = (wi.dot(h), wo.dot(h).abs());
-        let reflects = wo.z > 0.0;
-        let f = Self::fresnel(n, ci);
-        let common = self.distribution(h) * Self::masking(self.lambda(wi), self.lambda(wo)) / (wi.z * wo.z.abs());
-        if reflects {
-            0.25 * f * common
-        } else {
-            (1.0 - f) * common * ci * co * (n.beyond / length) * (n.beyond / length)
-        }
+        self.value_and_pdf(wi, wo, n)[0]
     }
 
     /// Density of [`Facets::sample`].
     pub fn pdf(self, wi: DVec3, wo: DVec3, n: Sides) -> f64 {
-        let Some((h, length)) = Self::half(wi, wo, n) else { return 0.0 };
+        self.value_and_pdf(wi, wo, n)[1]
+    }
+
+    #[inline]
+    fn value_and_pdf(self, wi: DVec3, wo: DVec3, n: Sides) -> [f64; 2] {
+        let Some((h, length)) = Self::half(wi, wo, n) else { return [0.0; 2] };
         let (ci, co) = (wi.dot(h), wo.dot(h).abs());
         let f = Self::fresnel(n, ci);
-        let visible = self.distribution(h) / ((1.0 + self.lambda(wi)) * wi.z);
-        if wo.z > 0.0 {
-            0.25 * f * visible
-        } else {
-            (1.0 - f) * visible * ci * co * (n.beyond / length) * (n.beyond / length)
-        }
+        let lambda_in = self.lambda(wi);
+        // The share of the facets with this normal, seen from `wi`, and what one of them does.
+        let share = self.distribution(h) / wi.z;
+        let turns = if wo.z > 0.0 { 0.25 * f } else { (1.0 - f) * ci * co * (n.beyond / length) * (n.beyond / length) };
+        let value = Self::masking(lambda_in, self.lambda(wo)) / wo.z.abs();
+        [share * turns * value, share * turns / (1.0 + lambda_in)]
     }
 
     /// A normal that is visible from `wi`, by its density.
@@ -157,26 +160,8 @@ impl Facets {
         }
     }
 
-    /// Shares of what arrives under `cos_in` that one bounce sends back and through, by the midpoint rule over the square
-    /// that visible normals are drawn from (half of it: the rest mirrors it), dense where normals are steep: there what a
-    /// facet does changes at once, from refraction to total reflection or to light that leaves on the wrong side.
-    pub fn albedo(self, cos_in: f64, n: Sides) -> [f64; 2] {
-        const RINGS: usize = 256;
-        const SECTORS: usize = 128;
-        let wi = DVec3::new(((1.0 - cos_in) * (1.0 + cos_in)).max(0.0).sqrt(), 0.0, cos_in);
-        let mut sums = [0.0; 2];
-        for ring in 0..RINGS {
-            let steep = (ring as f64 + 0.5) / RINGS as f64;
-            for sector in 0..SECTORS {
-                let at = [0.5 * (sector as f64 + 0.5) / SECTORS as f64, 1.0 - steep * steep];
-                let shares = self.bounce(wi, n, at);
-                sums = [0, 1].map(|side| sums[side] + 2.0 * steep * shares[side]);
-            }
-        }
-        sums.map(|sum| sum / (RINGS * SECTORS) as f64)
-    }
-
     /// Shares of what arrives from `wi` at one visible normal that leave for good, back and through.
+    #[cfg(test)]
     pub fn bounce(self, wi: DVec3, n: Sides, at: [f64; 2]) -> [f64; 2] {
         let lambda_in = self.lambda(wi);
         let seen = |wo: DVec3| (1.0 + lambda_in) * Self::masking(lambda_in, self.lambda(wo));

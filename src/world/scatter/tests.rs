@@ -225,7 +225,8 @@ fn rough_faces_keep_all_light() {
                         let at = STEPS.map(|step| (0.5 + step * f64::from(k)).fract());
                         sum += lost.facets().bounce(wi, n, at).iter().sum::<f64>();
                     }
-                    let error = sum / f64::from(count) + lost.choice(wi.z, n).0 - 1.0;
+                    let handed = lost.at(&lost.split(n), false, wi.z);
+                    let error = sum / f64::from(count) + handed - 1.0;
                     if error.abs() > worst.0 {
                         worst = (error.abs(), format!("α {alpha} n {n:?} θ {theta}: {error:e}"));
                     }
