@@ -31,6 +31,12 @@ impl Run {
     pub fn is_honest(&self) -> bool {
         self.stated.is_some_and(|stated| self.real <= LEEWAY * stated)
     }
+
+    fn line(&self) -> String {
+        let stated = self.stated.unwrap_or(f64::NAN);
+        let (seed, passes, ratio) = (self.seed, self.passes, self.real / stated);
+        format!("{seed:>6} {passes:>8} {stated:>10.5} {:>10.5} {ratio:>6.2}\n", self.real)
+    }
 }
 
 /// Many runs of an asset.
@@ -50,19 +56,20 @@ impl Stated {
         self.runs.iter().filter(|run| run.is_honest()).count()
     }
 
-    /// One line a run, and one of all.
-    pub fn text(&self) -> String {
-        let mut out = format!("{}, {}, --error {}\n", self.asset, self.estimator, self.error);
-        out += &format!("{:>6} {:>8} {:>10} {:>10} {:>6}\n", "seed", "passes", "stated", "true", "ratio");
-        for run in &self.runs {
-            let stated = run.stated.unwrap_or(f64::NAN);
-            let (seed, passes, ratio) = (run.seed, run.passes, run.real / stated);
-            out += &format!("{seed:>6} {passes:>8} {stated:>10.5} {:>10.5} {ratio:>6.2}\n", run.real);
-        }
+    fn head(&self) -> String {
+        let Stated { asset, estimator, error, .. } = self;
+        let head = format!("{:>6} {:>8} {:>10} {:>10} {:>6}", "seed", "passes", "stated", "true", "ratio");
+        format!("{asset}, {estimator}, --error {error}\n{head}\n")
+    }
+
+    fn verdict(&self) -> String {
         let (honest, all) = (self.honest(), self.runs.len());
-        out + &format!("{honest} of {all} runs have a true error of at most {LEEWAY} of the stated one\n")
+        format!("{honest} of {all} runs have a true error of at most {LEEWAY} of the stated one\n")
     }
 }
+
+/// Hears a report as it grows: two lines of head, one of each run as it ends, one of all.
+pub type Tell<'t> = dyn FnMut(String) + Send + 't;
 
 struct Nobody<'s>(&'s ShouldStop<'s>);
 impl Observer for Nobody<'_> {
@@ -75,9 +82,15 @@ impl Observer for Nobody<'_> {
 /// seconds (of the wall) or passes are over.
 ///
 /// Errors: those of import, checking, freezing and of reference files.
-pub fn measure(path: &Path, task: &Task, error: f64, count: u64, stop: &ShouldStop<'_>) -> Result<Stated> {
+pub fn measure(
+    path: &Path,
+    task: &Task,
+    (error, count): (f64, u64),
+    stop: &ShouldStop<'_>,
+    tell: &mut Tell<'_>,
+) -> Result<Stated> {
     let (scene, _) = open(path, task)?;
-    measure_scene(&scene, path.display().to_string(), task, (error, count), stop)
+    measure_scene(&scene, path.display().to_string(), task, (error, count), stop, tell)
 }
 
 /// The same for a scene of this name.
@@ -89,6 +102,7 @@ pub fn measure_scene(
     task: &Task,
     (error, count): (f64, u64),
     stop: &ShouldStop<'_>,
+    tell: &mut Tell<'_>,
 ) -> Result<Stated> {
     let ready = Ready::new(scene, 0.0)?;
     let (references, reference) = references(&ready, &task.source, task.seed, stop)?;
@@ -99,11 +113,17 @@ pub fn measure_scene(
         error: Some(error),
     };
     let plan = plan(&ready.checked, &ready.world, choice);
-    let runs = runs(&ready, &plan, &references, task.seed..task.seed.saturating_add(count), &limits, stop);
-    Ok(Stated { asset, estimator: name(choice), error, reference, runs })
+    let mut stated = Stated { asset, estimator: name(choice), error, reference, runs: Vec::new() };
+    tell(stated.head());
+    for run in runs(&ready, &plan, &references, task.seed..task.seed.saturating_add(count), &limits, stop) {
+        tell(run.line());
+        stated.runs.push(run);
+    }
+    tell(stated.verdict());
+    Ok(stated)
 }
 
-/// Traces with these seeds.
+/// Traces with these seeds, one after the other.
 pub fn runs(
     ready: &Ready<'_>,
     plan: &Plan,
@@ -111,14 +131,14 @@ pub fn runs(
     seeds: std::ops::Range<u64>,
     limits: &Limits,
     stop: &ShouldStop<'_>,
-) -> Vec<Run> {
+) -> impl Iterator<Item = Run> {
     let (size, groups) = (ready.scene().eye.resolution, ready.scene().groups.len());
-    let one = |seed| {
+    let one = move |seed| {
         let films = run(&ready.world, plan, groups, size, seed, limits, &mut Nobody(stop)).films;
         let real = references.relative_error(&Picture::of_films(&films, size));
         Run { seed, passes: films.passes, stated: films.relative_error(), real }
     };
-    seeds.take_while(|_| !stop()).map(one).collect()
+    seeds.take_while(|_| !stop()).map(one)
 }
 
 #[cfg(test)]
@@ -145,7 +165,7 @@ mod tests {
         let (references, _) = references(&ready, &source, 1, &|| false).unwrap();
         let limits = Limits { passes: Some(12), time: None, error: None };
         let plan = plan(&ready.checked, &ready.world, choice);
-        let runs = runs(&ready, &plan, &references, 0..12, &limits, &|| false);
+        let runs: Vec<Run> = runs(&ready, &plan, &references, 0..12, &limits, &|| false).collect();
         assert_eq!(runs.len(), 12);
         let ratios: Vec<f64> = runs.iter().filter_map(|run| Some(run.real / run.stated?)).collect();
         let mean = ratios.iter().sum::<f64>() / 12.0;

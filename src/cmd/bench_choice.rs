@@ -102,19 +102,19 @@ fn stated(error: f64, runs: u64, seeds: Option<Range<u64>>, curve: &CurveArgs, j
         return Err(fault.expected("an asset or --generate SEED..SEED"));
     }
     let mut reports: Vec<Stated> = Vec::new();
-    let mut tell = |report: Stated| {
+    // Line by line: a hundred runs take their time.
+    let mut tell = |text: String| {
         if !json {
-            print_text(report.text());
+            print_text(text)
         }
-        reports.push(report);
     };
     for path in curve.assets().iter().take_while(|_| !stop()) {
-        tell(pool.install(|| measure(path, &task, error, runs, &stop))?);
+        reports.push(pool.install(|| measure(path, &task, (error, runs), &stop, &mut tell))?);
     }
     for seed in seeds.into_iter().flatten().take_while(|_| !stop()) {
         let scene = scene(seed);
-        let of_scene = || measure_scene(&scene, scene.name.clone(), &task, (error, runs), &stop);
-        tell(pool.install(of_scene)?);
+        let mut of_scene = || measure_scene(&scene, scene.name.clone(), &task, (error, runs), &stop, &mut tell);
+        reports.push(pool.install(&mut of_scene)?);
     }
     if json {
         print_text(to_json(&reports));
