@@ -141,3 +141,23 @@ fn lamps_behind_a_diffuser_are_seldom_looked_for() {
         assert_eq!(planned(&generate::scene(seed), Choice::Auto).vision_share, 1.0, "seed {seed}");
     }
 }
+
+/// Looked for at few pixels of a pass, a lamp weighs as much more there: behind two panes it is as bright as if all looked,
+/// and so is the sky beside it.
+#[test]
+fn seldom_looks_bring_the_same_light() {
+    let mut scene = panes(100.0);
+    let led = kit::group(&mut scene, "led");
+    let quad = kit::quad(DVec3::Z * -0.3, DVec3::X * 0.03, DVec3::Y * 0.03);
+    kit::add(&mut scene, kit::mesh(&[quad]), DAffine3::IDENTITY, None, vec![kit::shining(led, 1e4)]);
+    let all = planned(&scene, Choice::Only(Estimator::Backward));
+    assert_eq!((all.vision_share, all.backward_share), (1.0, 1.0));
+    let (light, variance) = sums(&scene, &all, 16, 12);
+    for (vision_share, backward_share) in [(0.125, 1.0), (0.125, 0.5), (1.0, 0.5)] {
+        let plan = Plan { vision_share, backward_share, ..all.clone() };
+        let (seldom, seldom_variance) = sums(&scene, &plan, 64, 12);
+        assert_alike(&seldom, &light, 0.02);
+        // It does look more seldom.
+        assert!(seldom_variance > 1.2 * variance / 4.0, "{seldom_variance} and {variance}");
+    }
+}
