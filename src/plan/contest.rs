@@ -3,7 +3,8 @@
 
 mod trial;
 
-use super::{Making, connect, kind, lamps_over_eye, own, pupil_guide};
+use super::facts::{connect, kind, lamps_over_eye, own};
+use super::{Making, pupil_guide};
 use crate::base::path::Class;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use std::collections::BTreeSet;
@@ -150,7 +151,7 @@ impl Open {
         };
         let all: Vec<[bool; 3]> = (0..scene.groups.len()).map(of).collect();
         // What a pilot has given up is not asked again.
-        let said = super::rows(making.checked, making.world, making.asked.choice);
+        let said = super::facts::rows(making.checked, making.world, making.asked.choice);
         let given_up = |group: usize| {
             let of =
                 |rows: &[Row]| rows.get(group * Class::ALL.len() + Class::Vision as usize).map(|r| kind(&r.verdict));

@@ -1,6 +1,7 @@
 //! A pilot that finds where in the pupil the light of each group arrives: the sharpness that diffraction allows.
 
-use super::{Asked, Choice, auto, pilot, skip};
+use super::facts::{auto, skip};
+use super::{Asked, Choice, pilot};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::rng::Stream;

@@ -2,7 +2,8 @@
 //! there. No ray from the eye tells, but light from the lamps does.
 
 use super::contest::OPEN;
-use super::{Making, connect, kind, lamps_over_eye, pupil, skip};
+use super::facts::{connect, kind, lamps_over_eye, skip};
+use super::{Making, pupil};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::warp::disk_inverse;

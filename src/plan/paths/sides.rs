@@ -14,8 +14,9 @@ use crate::estimate::route::Route;
 use crate::estimate::seen::Seen;
 use crate::film::guide::Guide;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Spectral, Verdict};
+use crate::plan::facts::{auto, skip};
 use crate::plan::made::Made;
-use crate::plan::{auto, pilot, skip};
+use crate::plan::pilot;
 use crate::world::World;
 
 /// From which side the light of each group is found.

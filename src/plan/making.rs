@@ -1,0 +1,290 @@
+//! Fills a plan of verdicts with what pilots find: guides, connections, how many paths a pass has; and hands on what a pilot
+//! gives up.
+
+use super::facts::{is_connected, own};
+use super::made::Made;
+use super::{Asked, Choice, Guides, branching, chains, glints, pilot, pupil_guide, shared_faces, sky_guide};
+use crate::base::ids::GroupId;
+use crate::base::path::Class;
+use crate::check::Checked;
+use crate::estimate::ShouldStop;
+use crate::estimate::backward::Backward;
+use crate::estimate::route::Route;
+use crate::estimate::seen::Seen;
+use crate::estimate::vision::Hints;
+use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
+use crate::world::World;
+use crate::world::mode::Mono;
+use std::collections::BTreeSet;
+
+/// Paths of the pilot that looks whether rays from the eye find anything, and how many pixels are looked at if not.
+const LOOKS: u64 = 2048;
+const SELDOM: f64 = 1.0 / 64.0;
+/// Looks per pixel and pass for lamps over trains that connection does not know, over their share of the light as far as a
+/// pilot has seen it.
+const UNKNOWN: f64 = 64.0;
+/// The least of it, and the fewest pixels of a pass.
+const SELDOM_UNKNOWN: f64 = 1.0 / 128.0;
+const FEWEST_LOOKS: f64 = 4.0;
+
+/// What the pilots are run with.
+pub(super) struct Making<'m> {
+    pub(super) checked: &'m Checked<'m>,
+    pub(super) world: &'m World,
+    pub(super) asked: Asked,
+    pub(super) mode: PathMode,
+    pub(super) stop: &'m ShouldStop<'m>,
+    pub(super) made: Made,
+}
+
+impl Making<'_> {
+    /// A plan of these rows with what pilots say of it; `known`: another whose pilots hold for the classes that it has
+    /// the same verdicts for.
+    pub(super) fn plan_of(&self, rows: Vec<Row>, known: Option<&Plan>) -> Plan {
+        let same = |classes: &[Class]| {
+            known.filter(|known| {
+                let pairs = known.rows.iter().zip(&rows);
+                pairs.filter(|(row, _)| classes.contains(&row.class)).all(|(a, b)| a.verdict == b.verdict)
+            })
+        };
+        let (vision, scattered) = (same(&[Class::Vision]), same(&[Class::Caustic, Class::Secondary]));
+        let mut plan = Plan::of(rows, self.mode.clone());
+        match vision {
+            Some(known) => {
+                plan.forward_guide.clone_from(&known.forward_guide);
+                plan.connections.clone_from(&known.connections);
+                (plan.unknown_share, plan.vision_share) = (known.unknown_share, known.vision_share);
+                plan.forward_paths = known.forward_paths;
+                plan.pupil_guide.clone_from(&known.pupil_guide);
+            }
+            None => {
+                let rows = plan.rows.clone();
+                self.light_paths(&mut plan);
+                // What a pilot has given up, another would not find either.
+                let kept = |row: &Row| rows.iter().any(|asked| asked == row);
+                if self.asked.guides == Guides::On {
+                    plan.pupil_guide = pupil_guide::learn(self, &plan, kept, known);
+                }
+            }
+        }
+        match scattered {
+            Some(known) => {
+                plan.screens.clone_from(&known.screens);
+                plan.photon_guide.clone_from(&known.photon_guide);
+                (plan.photons, plan.photons_part) = (known.photons, known.photons_part);
+                plan.photon_radii_m = known.photon_radii_m;
+            }
+            None => self.photons(&mut plan),
+        }
+        if self.asked.guides == Guides::On {
+            self.windows(&mut plan, known);
+        }
+        self.eye_paths(&mut plan);
+        if self.asked.guides == Guides::Off {
+            (plan.forward_guide, plan.photon_guide) = (None, None);
+        }
+        plan
+    }
+
+    pub(super) fn groups(&self) -> usize {
+        self.checked.scene().groups.len()
+    }
+    fn pixels(&self) -> u64 {
+        let [width, height] = self.checked.scene().eye.resolution;
+        (width * height) as u64
+    }
+    pub(super) fn stopped(&self) -> bool {
+        (self.stop)()
+    }
+
+    /// Light tracing and the connections of lamps with the pupil.
+    fn light_paths(&self, plan: &mut Plan) {
+        while plan.runs(Estimator::Forward) && !self.stopped() {
+            let pilot = self.made.forward(self.world, plan, self.groups(), self.stop);
+            if self.asked.choice == Choice::Auto && self.gives_up(plan, &pilot) {
+                // The guide belongs to the lamps that are left.
+                continue;
+            }
+            if plan.rows.iter().any(|row| row.class == Class::Vision && is_connected(row)) {
+                let found = chains::find(self.world, plan, self.groups(), Some(&pilot.guide), self.stop);
+                plan.connections = found.connections;
+                let least = SELDOM_UNKNOWN.max(FEWEST_LOOKS / self.pixels().max(1) as f64).min(1.0);
+                plan.unknown_share = (UNKNOWN * found.left).clamp(least, 1.0);
+            }
+            leave_unconnected(plan, Class::Vision);
+            // What specular connection leaves is not the light that the pilot has found most of.
+            let leaves = |row: &Row| matches!(row.verdict, Verdict::Connect { rest: Estimator::Forward, .. });
+            let owns = |row: &Row| matches!(row.verdict, Verdict::Own { owner: Estimator::Forward, .. });
+            // Where the rest is nobody knows.
+            let rest = if plan.rows.iter().any(owns) {
+                1.0
+            } else {
+                let connections = self.made.connections(self.world, plan);
+                pilot::left(self.world, plan, self.groups(), &pilot, connections, self.stop)
+            };
+            plan.forward_paths = pilot::forward_paths(rest, self.pixels());
+            plan.forward_guide = Some(if plan.rows.iter().any(leaves) { pilot.guide.clone() } else { pilot.sure() });
+            break;
+        }
+    }
+
+    /// Whether light tracing leaves groups to rays from the eye. Where there is no hope for those either, they look seldom.
+    fn gives_up(&self, plan: &mut Plan, pilot: &pilot::ForwardPilot) -> bool {
+        let given_up = give_up_forward(plan, &pilot::without_arrivals(pilot), pilot.traced);
+        let has_lamps = |row: &Row| self.world.lamps.all().iter().any(|lamp| lamp.group == row.group);
+        let is_dark = |row: &Row| match row.verdict {
+            Verdict::Skip { .. } => true,
+            Verdict::Own { .. } | Verdict::Connect { .. } => given_up.contains(&row.group) || !has_lamps(row),
+        };
+        let vision = |row: &&Row| row.class == Class::Vision;
+        let hopeless = !given_up.is_empty() && pilot.is_hopeless() && plan.rows.iter().filter(vision).all(is_dark);
+        if hopeless && !shared_faces::in_plain_sight(self.world, self.stop) {
+            plan.vision_share = SELDOM;
+        }
+        !given_up.is_empty()
+    }
+
+    /// Photons and the connections of lamps with faces that scatter.
+    fn photons(&self, plan: &mut Plan) {
+        let caustics = plan.rows.iter().any(|row| row.class == Class::Caustic && is_connected(row));
+        if !(caustics || plan.runs(Estimator::Photon)) || self.stopped() {
+            return;
+        }
+        let pixel_m = pilot::pixel_m(self.world, self.checked.scene().eye.resolution);
+        let seen = Seen::look(self.world, pixel_m, self.stop);
+        if caustics {
+            plan.screens = chains::screens(self.world, plan, self.groups(), &seen.faces(), None, self.stop);
+            leave_unconnected(plan, Class::Caustic);
+        }
+        if plan.runs(Estimator::Photon) {
+            let pilot = pilot::photon(self.world, plan, self.groups(), (pixel_m, &seen), &self.made, self.stop);
+            (plan.photons, plan.photons_part) = (pilot.photons, pilot.part);
+            plan.photon_radii_m = pilot.radii_m;
+            if !pilot.part {
+                (plan.screens, _) = pilot::by_light(&plan.screens);
+            }
+            plan.photon_guide = Some(pilot.guide);
+        }
+    }
+
+    /// Windows to the sky, whose light is always for paths from the eye: what one plan has learned of them holds for others.
+    fn windows(&self, plan: &mut Plan, known: Option<&Plan>) {
+        match known {
+            Some(known) => plan.sky_guide.clone_from(&known.sky_guide),
+            None => plan.sky_guide = sky_guide::learn(self, plan),
+        }
+        if plan.sky_guide.is_some() {
+            plan.notes.push(
+                "backward looks for the sky through the windows that a pilot saw its light come in by".to_owned(),
+            );
+        }
+    }
+
+    /// Paths from the eye.
+    fn eye_paths(&self, plan: &mut Plan) {
+        let facts = self.checked.facts();
+        let guided = self.asked.guides == Guides::On;
+        if guided && facts.pinhole && facts.specular && plan.runs(Estimator::Backward) && !self.stopped() {
+            plan.glints = glints::find(self.world, self.stop);
+            if !plan.glints.is_empty() {
+                plan.notes.push(format!(
+                    "backward looks closer at {} places of the picture where lamps may be seen over specular faces",
+                    plan.glints.len()
+                ));
+            }
+        }
+        if plan.pupil_guide.is_some() {
+            plan.notes.push("backward looks for lamps through the parts of the pupil that a pilot saw lit".to_owned());
+        }
+        if self.asked.choice == Choice::Auto && plan.owns(Estimator::Backward) && !self.stopped() {
+            let route = Route::new(plan, self.groups(), Estimator::Backward);
+            let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), Hints::of(plan), pilot::SEED);
+            if !backward.finds_light(LOOKS, self.stop) {
+                plan.backward_share = SELDOM;
+                plan.notes.push(format!(
+                    "backward looks at 1 pixel in {:.0} a pass: {LOOKS} paths of a pilot found no light of its own",
+                    1.0 / SELDOM
+                ));
+                return;
+            }
+        }
+        // Where backward looks at few pixels for anything, that has been said.
+        if plan.vision_share < 1.0 {
+            plan.notes.push(format!(
+                "backward looks at 1 pixel in {:.0} a pass for lamps over specular faces: pilots found no way to them",
+                1.0 / plan.vision_share
+            ));
+        }
+        let found =
+            (guided && plan.owns(Estimator::Backward) && !self.stopped()).then(|| self.made.branching(self, plan));
+        if let Some(found) = &found {
+            plan.faintest_branch = found.faintest;
+            plan.notes.extend(found.note());
+        }
+        if plan.runs(Estimator::Photon) || plan.runs(Estimator::Manifold) {
+            plan.backward_paths = found.map_or(branching::MOST, |found| found.paths);
+        }
+    }
+
+    /// What a reader of the plan should know.
+    pub(super) fn remarks(&self, plan: &mut Plan) {
+        if plan.rows.iter().any(|row| row.class == Class::Vision && is_connected(row)) {
+            plan.notes.push(format!(
+                "backward looks at 1 pixel in {:.0} a pass for lamps over trains that connection does not know",
+                1.0 / plan.unknown_share
+            ));
+        }
+        let sightless = self.world.lights.all().iter().filter(|light| !light.is_visible());
+        let sightless: BTreeSet<GroupId> = sightless.map(|light| light.group()).collect();
+        plan.notes.extend(sightless.into_iter().map(|group| {
+            format!(
+                "group {}: a point and parallel light have no luminance, so no pixel shows them, nor their glints; what they light is there",
+                self.checked.scene().group(group).name
+            )
+        }));
+        if plan.photons_part {
+            plan.notes.push("photons go both ways on from interfaces: connection leaves them little light".to_owned());
+        }
+        let idle: Vec<Estimator> = Estimator::ALL.into_iter().filter(|estimator| !plan.runs(*estimator)).collect();
+        plan.notes.extend(idle.iter().map(|estimator| format!("{} does not run: it owns no paths", estimator.name())));
+        if self.checked.facts().no_light {
+            plan.notes.push("nothing emits: the picture is black".to_owned());
+        } else if idle.len() == Estimator::ALL.len() {
+            plan.notes.push("no estimator can bring this scene's light to the eye: the picture is black".to_owned());
+        }
+    }
+}
+
+/// Leaves the vision paths of groups for which no train was found to the estimator that would have kept the rest.
+fn leave_unconnected(plan: &mut Plan, class: Class) {
+    for row in plan.rows.iter_mut().filter(|row| row.class == class) {
+        let Verdict::Connect { rest, .. } = row.verdict else { continue };
+        let (found, between) = match class {
+            Class::Vision => (plan.connections.iter().any(|c| c.group == row.group), "lamp to eye"),
+            Class::Primary | Class::Caustic | Class::Secondary => {
+                (plan.screens.iter().any(|s| s.group == row.group), "lamp to scatterer")
+            }
+        };
+        if !found {
+            row.verdict = own(rest, format!("a pilot found no train of specular faces from {between}"));
+        }
+    }
+}
+
+/// Hands the vision paths of groups that no lamp path of the pilot brought over to the rays from the eye: whatever there
+/// is, they find it without bias. Returns the groups that were handed over.
+fn give_up_forward(plan: &mut Plan, groups: &[GroupId], traced: u64) -> Vec<GroupId> {
+    let mut given_up = Vec::new();
+    for row in &mut plan.rows {
+        let forward = matches!(
+            row.verdict,
+            Verdict::Own { owner: Estimator::Forward, .. } | Verdict::Connect { rest: Estimator::Forward, .. }
+        );
+        if forward && groups.contains(&row.group) {
+            row.verdict =
+                own(Estimator::Backward, format!("none of {traced} paths of a pilot from the lamps found the pupil"));
+            given_up.push(row.group);
+        }
+    }
+    given_up
+}
