@@ -14,6 +14,7 @@ mod follow;
 pub mod forward;
 #[cfg(test)]
 mod leak_tests;
+mod leave;
 pub mod ledger;
 pub mod manifold;
 pub mod mattes;

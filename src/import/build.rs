@@ -5,21 +5,19 @@ use super::bind::bind;
 use super::explain::Explained;
 use super::files;
 use super::gltf::looks_like_millimetres;
-use super::optics::{self, FinishSpec, ShapeSpec, SpectrumSpec};
+use super::optics::{self};
 use super::place;
 use super::select::{Candidate, candidates, listed};
 use super::set::Set;
 use super::sheet::Sheet;
-use super::slots::{PartBound, Rank, Slot, Slots};
-use super::value::{Data, Value};
+use super::slots::{PartBound, Slot, Slots};
+use super::value::Value;
 use crate::base::fault::Result;
-use crate::base::ids::{CoatingId, MediumId, MeshId, ScatterId};
 use crate::base::{Fault, Where};
 use crate::scene::{
-    Absorption, Coating, Face, Finish, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Severity,
-    Shape, Slide, Spectrum, Wavelengths, glass,
+    Coating, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Severity, Slide, Wavelengths,
 };
-use glam::{DAffine3, DMat3};
+use glam::DMat3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -237,178 +235,5 @@ impl Builder<'_> {
             }
         }
         Ok(())
-    }
-
-    fn part(&mut self, part: &Candidate, bound: &PartBound) -> Result<Part> {
-        let to_world = self.assembly.nodes.get(part.node).map_or(DAffine3::IDENTITY, |node| node.to_world);
-        let priority = bound.part.get(Slot::Priority).map(|won| optics::priority(&won.entry.value)).transpose()?;
-        let mut faces = Vec::with_capacity(bound.faces.len());
-        for (number, slots) in bound.faces.iter().enumerate() {
-            faces.push(self.face(part, number, slots, &to_world)?);
-        }
-        Ok(Part {
-            name: part.name.clone(),
-            path: part.path.clone(),
-            mesh: MeshId::from_index(part.mesh),
-            to_world: place::in_metres(&to_world, self.unit_m, &self.assembly.axes),
-            medium: self.medium(&bound.part)?,
-            priority: priority.unwrap_or(0),
-            faces,
-        })
-    }
-
-    fn medium(&mut self, slots: &Slots) -> Result<Option<MediumId>> {
-        let nm = self.wavelengths.traced_nm();
-        let index = slots.get(Slot::Index).filter(|won| won.entry.key != "medium");
-        let absorption = slots.get(Slot::Absorption).map(|won| optics::absorption(&won.entry.value, nm)).transpose()?;
-        let Some(won) = index else { return Ok(None) };
-        let (own, index) = optics::index(&won.entry.key, &won.entry.value, nm)?;
-        if won.entry.key == "glass" {
-            self.extrapolated(&won.entry.value);
-        }
-        let name = match (won.entry.key.as_str(), &won.entry.label) {
-            ("glass", _) | (_, None) => own,
-            (_, Some(label)) => label.clone(),
-        };
-        let medium = Medium { name, index, absorption: absorption.unwrap_or(Absorption::NONE) };
-        Ok(Some(MediumId::from_index(intern(&mut self.media, medium))))
-    }
-
-    /// Warns of each catalogue name in `value`, a glass or the films of a coating, whose law is used beyond its range. Of
-    /// colour, what is blue, green and red counts: beyond 400 to 700 nm lies less than 0.5 % of daylight's X, Y and Z.
-    fn extrapolated(&mut self, value: &Value) {
-        match &value.data {
-            Data::Text(name) => {
-                let traced = match self.wavelengths {
-                    Wavelengths::Mono { nm } => [nm; 2],
-                    Wavelengths::Visible => [400.0, 700.0],
-                };
-                let Some(text) = glass::find(name).and_then(|glass| glass.beyond(traced)) else { return };
-                let note = Note { severity: Severity::Warning, at: value.at.clone(), text };
-                if !self.notes.contains(&note) {
-                    self.notes.push(note);
-                }
-            }
-            Data::List(items) => items.iter().for_each(|item| self.extrapolated(item)),
-            Data::Table(entries) => {
-                let holders = entries.iter().filter(|(key, _)| matches!(key.as_str(), "stack" | "material"));
-                holders.for_each(|(_, inner)| self.extrapolated(inner));
-            }
-            Data::Bool(_) | Data::Number(_) => {}
-        }
-    }
-
-    fn face(&mut self, part: &Candidate, number: usize, slots: &Slots, to_world: &DAffine3) -> Result<Face> {
-        let finish = match slots.get(Slot::Finish) {
-            Some(won) => match optics::finish(&won.entry.value, &mut self.notes)? {
-                FinishSpec::Given(finish) => finish,
-                FinishSpec::Measured { file, at } => self.measured_finish(&file, &at)?,
-            },
-            // Only a face with a slide gets here without a finish.
-            None => Finish::None,
-        };
-        let shape = match slots.get(Slot::Shape) {
-            Some(won) => self.shape(part, number, &won.entry.value, to_world)?,
-            None => Shape::Mesh,
-        };
-        let emitter = match slots.get(Slot::Emitter) {
-            // `emitter = "none"` darkens what another carrier lights.
-            Some(won) if won.entry.value.text() == Some("none") => None,
-            Some(won) => {
-                let spec = optics::emitter(self.sheet.emitters.follow(&won.entry.value)?, &mut self.notes)?;
-                if spec.spectrum.is_none() && self.coloured() {
-                    let (at, text) = (won.entry.value.at.clone(), "`spectrum` of emitter is not said: D65".to_owned());
-                    self.notes.push(Note { severity: Severity::Info, at, text });
-                }
-                Some(self.emitter(part, number, spec)?)
-            }
-            None => None,
-        };
-        let slide = match slots.get(Slot::Slide) {
-            Some(won) => self.slide(part, number, &won.entry.value)?,
-            None => None,
-        };
-        Ok(Face { finish, coating: self.coating(part, number, slots, finish)?, shape, emitter, slide })
-    }
-
-    /// The finish of a file of measured scattering.
-    fn measured_finish(&mut self, name: &str, at: &Where) -> Result<Finish> {
-        let file = files::resolve(name, at);
-        let known = self.scatters.iter().position(|table| Path::new(&table.file) == file);
-        let index = match known {
-            Some(index) => index,
-            None => {
-                let bytes = files::read(&file, at, "measured scattering")?;
-                self.scatters.push(optics::scatter_table(&bytes, &file, at)?);
-                self.files.push(file);
-                self.scatters.len() - 1
-            }
-        };
-        Ok(Finish::Measured { table: ScatterId::from_index(index) })
-    }
-
-    /// The spectrum that is meant; a file is read.
-    pub(super) fn spectrum(&mut self, spec: SpectrumSpec) -> Result<Spectrum> {
-        match spec {
-            SpectrumSpec::Given(spectrum) => Ok(spectrum),
-            SpectrumSpec::Csv { file, at } => {
-                let file = files::resolve(&file, &at);
-                let bytes = files::read(&file, &at, "spectrum")?;
-                let spectrum = optics::spectrum_table(&bytes, &file, &at)?;
-                if !self.files.contains(&file) {
-                    self.files.push(file);
-                }
-                Ok(spectrum)
-            }
-        }
-    }
-
-    /// The coating of a face, which must be polished if the coating was bound with at least the right of the finish.
-    fn coating(&mut self, part: &Candidate, number: usize, slots: &Slots, finish: Finish) -> Result<Option<CoatingId>> {
-        let Some(won) = slots.get(Slot::Coating) else { return Ok(None) };
-        let value = self.sheet.coatings.follow(&won.entry.value)?;
-        if let (Some(name), Some(asked)) = (value.text(), won.entry.value.text()) {
-            // A name that leads nowhere; `none` is a kind.
-            if name != "none" {
-                return Err(optics::unknown_coating(asked, &won.entry.value, self.sheet.coatings.names()));
-            }
-        }
-        let name = won.entry.value.text().unwrap_or("inline");
-        let Some(coating) = optics::coating(value, name, &mut self.notes)? else { return Ok(None) };
-        if finish != Finish::Polished {
-            // A film that a format's own field means (iridescence) says nothing about the finish.
-            if won.rank > Rank::Mapped && slots.get(Slot::Finish).is_none_or(|finish| won.rank >= finish.rank) {
-                let what = format!("a coating acts on polished faces; part {} face {number} is not", part.path);
-                return Err(
-                    Fault::new(won.entry.at.clone(), what).expected("finish = \"polished\" there, or no coating")
-                );
-            }
-            return Ok(None);
-        }
-        self.extrapolated(value);
-        Ok(Some(CoatingId::from_index(intern(&mut self.coatings, coating))))
-    }
-
-    fn shape(&mut self, part: &Candidate, number: usize, value: &Value, to_world: &DAffine3) -> Result<Shape> {
-        let spec = optics::shape(value, &mut self.notes)?;
-        if spec == ShapeSpec::Exact(Shape::Mesh) {
-            return Ok(Shape::Mesh);
-        }
-        let scale = place::uniform_scale(to_world).ok_or_else(|| {
-            Fault::new(
-                value.at.clone(),
-                format!("part {} face {number} has an exact shape but its node is not scaled uniformly", part.path),
-            )
-            .expected("the same scale along all axes")
-        })?;
-        match spec {
-            ShapeSpec::Exact(shape) => Ok(shape),
-            ShapeSpec::Fit { surface, tolerance_um, radius, conic, tube_radius } => {
-                let Some(source) = self.assembly.meshes.get(part.mesh) else { return Ok(Shape::Mesh) };
-                let place = place::FacePlace { part: &part.path, number, at: &value.at };
-                let order = place::FitOrder { surface, tolerance_um, radius, conic, tube_radius };
-                place::fitted(&source.mesh, place, order, self.unit_m * scale, &mut self.notes)
-            }
-        }
     }
 }

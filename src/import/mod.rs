@@ -7,11 +7,13 @@ pub mod build; // assembly + sidecar + sets → scene
 mod carried; // what the asset says of itself
 pub mod deps; // the files that an asset needs
 pub mod explain; // which line won
+mod faces; // parts and their faces from attributes
 mod files;
 pub mod fit; // exact surfaces from the points of a CAD face
 pub mod gltf; // .gltf and .glb
 pub mod json; // attributes that travel inside JSON
 mod lamps; // emitters of faces, the sun
+mod light_shapes; // their meshes
 mod lights; // lights that are no geometry in the format
 mod mapped; // what a format's own material fields mean
 mod measure; // normals and bounds of CAD faces

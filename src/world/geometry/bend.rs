@@ -5,7 +5,8 @@ use super::curved::Curved;
 use super::instance::Instance;
 use super::line::Touch;
 use super::patch::Projection;
-use super::solid::{Solid, Surface, Triangle};
+use super::solid::Solid;
+use super::surface::{Surface, Triangle};
 use super::{Geometry, Ray, Site};
 use glam::{DMat3, DVec3};
 

@@ -2,7 +2,8 @@
 
 use super::exact::Quadric;
 use super::patch::{Projection, Shear};
-use super::solid::{Solid, Triangle};
+use super::solid::Solid;
+use super::surface::Triangle;
 use glam::DVec3;
 
 /// A ray in a solid's coordinates.

@@ -25,6 +25,7 @@ mod prepare;
 mod solid;
 mod split;
 mod stack;
+mod surface;
 mod top;
 mod touching;
 mod tree;

@@ -3,7 +3,7 @@
 
 use super::node::Lanes;
 use super::patch::Shear;
-use super::solid::Triangle;
+use super::surface::Triangle;
 use super::wide::{LEAF_SIZE, Leaf};
 use glam::DVec3;
 

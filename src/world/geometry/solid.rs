@@ -2,14 +2,14 @@
 
 use super::bound::Bounds;
 use super::curved::Curved;
-use super::exact::Quadric;
 use super::grid::Grid;
 use super::huge;
 use super::hunt::Hunt;
 use super::line::{Line, Probe, Roots, Touch};
 use super::node::Lanes;
 use super::pack::Pack;
-use super::patch::{Projection, Shear, point_on, vertex};
+use super::patch::{Projection, Shear, point_on};
+use super::surface::{Sheet, Surface, Triangle, winding};
 use super::tree::Tree;
 use super::wide::Leaf;
 use glam::DVec3;
@@ -33,61 +33,8 @@ pub struct Solid {
     pub faces: Vec<Sheet>,
 }
 
-#[derive(Debug, Clone, Copy)]
-pub struct Triangle {
-    pub corners: [[f32; 3]; 3],
-    /// Face of the part.
-    pub face: u32,
-    /// Triangle of the mesh.
-    pub index: u32,
-}
-
 /// Whether a grid's triangles contain a point.
 type Covers = fn(&Grid, &Shear, DVec3) -> bool;
-
-/// The surface of a face.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sheet {
-    /// The first face with the same exact surface (a ball may come as two faces), else the face itself.
-    pub identity: u32,
-    pub surface: Surface,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub enum Surface {
-    /// Not traced.
-    Absent,
-    /// Triangles in one plane.
-    Flat,
-    /// Triangles that are not.
-    Faceted,
-    /// `outward` is the sign that turns the quadric's normal out of the solid.
-    Exact { quadric: Quadric, projection: Projection, outward: f64 },
-    /// The same beyond quadrics.
-    Curved { curved: Box<Curved>, outward: f64 },
-}
-
-impl Surface {
-    pub fn is_plane(&self) -> bool {
-        match self {
-            Surface::Absent | Surface::Faceted | Surface::Curved { .. } => false,
-            Surface::Flat => true,
-            Surface::Exact { quadric, .. } => quadric.curvature == 0.0,
-        }
-    }
-
-    /// The direction along which an exact height field is shared out among its triangles.
-    pub fn shear(&self) -> Option<&Shear> {
-        match self {
-            Surface::Exact { projection: Projection::Axial(shear), .. } => Some(shear),
-            Surface::Curved { curved, .. } => curved.shear.as_ref(),
-            Surface::Exact { projection: Projection::Central(_), .. }
-            | Surface::Absent
-            | Surface::Flat
-            | Surface::Faceted => None,
-        }
-    }
-}
 
 impl Solid {
     /// The nearest point of the line on the solid with 0 < t < reach; of equally near ones the first triangle's.
@@ -374,11 +321,4 @@ impl Solid {
             Some(Surface::Absent | Surface::Flat | Surface::Faceted) | None => touch.at,
         }
     }
-}
-
-/// Twice the area times the normal that the winding gives.
-#[inline(always)]
-pub fn winding(corners: &[[f32; 3]; 3]) -> DVec3 {
-    let [a, b, c] = [vertex(corners[0]), vertex(corners[1]), vertex(corners[2])];
-    (b - a).cross(c - a)
 }

@@ -1,0 +1,157 @@
+//! Layers of a frame as they are stored: of light, of a group with its contrast split, of standard errors.
+
+use super::{GroupInfo, Plane, Split};
+use crate::base::ids::GroupId;
+use crate::film::accumulate::{Film, Light, MixError, Together};
+use crate::film::frame::{Channel, Frame};
+use crate::film::layer::Layer;
+
+/// The largest share of a layer's peak by which recombining `open` and `content` may miss the layer.
+const SPLIT_TOLERANCE: f64 = 1e-7;
+
+/// Three channels as they are stored.
+#[derive(Clone)]
+pub(super) struct Channels([Vec<f32>; 3]);
+
+impl Channels {
+    pub(super) fn black(pixels: usize) -> Self {
+        Channels(std::array::from_fn(|_| vec![0f32; pixels]))
+    }
+    pub(super) fn of(plane: &Plane, value: impl Fn(&Light) -> f64) -> Self {
+        if plane.grey {
+            let all: Vec<f32> = plane.light.iter().map(|light| value(light) as f32).collect();
+            return Channels([all.clone(), all.clone(), all]);
+        }
+        let channel = |c: usize| plane.light.iter().skip(c).step_by(3).map(|light| value(light) as f32).collect();
+        Channels(std::array::from_fn(channel))
+    }
+    /// The f32 sum: `hybrid` is the sum of what is stored.
+    pub(super) fn add(&mut self, other: &Channels) {
+        for (own, other) in self.0.iter_mut().zip(&other.0) {
+            own.iter_mut().zip(other).for_each(|(a, b)| *a += b);
+        }
+    }
+}
+
+pub(super) struct Maker {
+    pub(super) frame: Frame,
+    pub(super) splits: Vec<Split>,
+}
+
+impl Maker {
+    /// Adds a layer; the empty name is the default image.
+    pub(super) fn rgb(&mut self, layer: &str, Channels(data): Channels) {
+        for (channel, data) in ["R", "G", "B"].into_iter().zip(data) {
+            let name = if layer.is_empty() { channel.to_owned() } else { format!("{layer}.{channel}") };
+            self.frame.channels.push(Channel { name, data });
+        }
+    }
+
+    /// Adds a layer that is no light, the same in all channels.
+    fn grey(&mut self, layer: &str, data: Vec<f32>) {
+        self.rgb(layer, Channels([data.clone(), data.clone(), data]));
+    }
+
+    /// Adds the layers of one group; returns what was stored for the group itself.
+    pub(super) fn group(&mut self, layer: &str, group: &GroupInfo, plane: &Plane) -> Channels {
+        let name = format!("{layer}_{}", group.name);
+        if let Some(contrast) = group.contrast {
+            self.split(layer, group, &name, contrast, plane);
+        }
+        let stored = Channels::of(plane, |light| light.value);
+        self.rgb(&name, stored.clone());
+        stored
+    }
+
+    fn split(&mut self, layer: &str, group: &GroupInfo, name: &str, contrast: f64, plane: &Plane) {
+        // Light that crossed no slide does not depend on the contrast: there is nothing to split.
+        let all = || plane.light.iter();
+        if all().all(|l| l.powers[1..].iter().all(|p| *p == 0.0)) {
+            return;
+        }
+        let (u, v) = (1.0 - 1.0 / contrast, 1.0 / contrast);
+        // Σ aₖuᵏ = content·u + open·(1 − u) + u(1 − u)·(q₀ + q₁u + q₂u²) with qⱼ = −Σ aₖ over k > j + 1.
+        let cross = |l: &Light, j: usize| -l.powers[j + 2..].iter().sum::<f64>();
+        let orders = Light::DEGREE - 1;
+        let recombined = |l: &Light| {
+            let crossings: f64 = (0..orders).rev().fold(0.0, |sum, j| sum * u + cross(l, j));
+            l.content() * u + l.open() * v + crossings * u * v
+        };
+        let peak = all().fold(0.0f64, |peak, l| peak.max(l.value.abs()));
+        let miss = all().map(|l| (recombined(l) - l.value).abs()).fold(0.0f64, f64::max);
+        let written = miss <= SPLIT_TOLERANCE * peak;
+        let because = if written {
+            format!("recombining misses by {:.1e} of the peak", miss / peak.max(f64::MIN_POSITIVE))
+        } else {
+            let share = miss / peak;
+            let most = Light::DEGREE;
+            format!("light that crosses the slide more than {most} times makes up to {share:.1e} of the peak")
+        };
+        self.splits.push(Split { layer: layer.to_owned(), group: group.name.clone(), written, because });
+        if !written {
+            return;
+        }
+        self.rgb(&format!("{name}_open"), Channels::of(plane, |l| l.open()));
+        self.rgb(&format!("{name}_content"), Channels::of(plane, |l| l.content()));
+        for (order, suffix) in ["_cross", "_cross2", "_cross3"].into_iter().enumerate().take(orders) {
+            if all().any(|l| cross(l, order) != 0.0) {
+                self.rgb(&format!("{name}{suffix}"), Channels::of(plane, |l| cross(l, order)));
+            }
+        }
+    }
+
+    /// `NAME_stderr` of planes together, if it was kept. Films of different estimators are independent, here and below.
+    pub(super) fn errors(&mut self, films: &[&Film], together: Together, name: &str) {
+        if films.iter().any(|film| film.detail().is_none()) {
+            return;
+        }
+        let variance = |pixel: usize| films.iter().filter_map(|film| film.variance_of(pixel, together)).sum::<f64>();
+        self.sigma(&format!("{name}_stderr"), variance);
+    }
+
+    /// `LAYER_GROUP_stderr`, and where the group's light was split `…_open_stderr`, `…_content_stderr` and their
+    /// `…_covariance` in (cd/m²)²: the picture for contrast C has the variance u²·content² + v²·open² +
+    /// 2uv·covariance with u = 1 − 1/C and v = 1/C.
+    pub(super) fn group_errors(&mut self, films: &[&Film], (layer, of): (Layer, GroupId), group: &GroupInfo) {
+        let share = Together::Share(layer, of);
+        let own: Vec<&Film> = films.iter().copied().filter(|film| film.planes_of(share).next().is_some()).collect();
+        if own.iter().any(|film| film.detail().is_none()) {
+            return;
+        }
+        let name = format!("{}_{}", layer.name(), group.name);
+        self.sigma(&format!("{name}_stderr"), |pixel| {
+            own.iter().filter_map(|film| film.variance_of(pixel, share)).sum()
+        });
+        if !self.frame.channels.iter().any(|channel| channel.name == format!("{name}_open.R")) {
+            return;
+        }
+        let mix = |pixel: usize| {
+            own.iter().filter_map(|film| film.mix_error(pixel, (layer, of))).fold(MixError::default(), |sum, one| {
+                let MixError { open, content, covariance } = one;
+                MixError {
+                    open: sum.open + open,
+                    content: sum.content + content,
+                    covariance: sum.covariance + covariance,
+                }
+            })
+        };
+        self.sigma(&format!("{name}_open_stderr"), |pixel| mix(pixel).open);
+        self.sigma(&format!("{name}_content_stderr"), |pixel| mix(pixel).content);
+        let pixels = self.frame.width * self.frame.height;
+        self.grey(&format!("{name}_covariance"), (0..pixels).map(|pixel| mix(pixel).covariance as f32).collect());
+    }
+
+    fn sigma(&mut self, name: &str, variance: impl Fn(usize) -> f64) {
+        let pixels = self.frame.width * self.frame.height;
+        self.grey(name, (0..pixels).map(|pixel| variance(pixel).sqrt() as f32).collect());
+    }
+
+    /// `stderr`: one sigma of `hybrid`. Films of different estimators are independent.
+    pub(super) fn stderr(&mut self, films: &[&Film], pixels: usize) {
+        let mut total = vec![0f64; pixels];
+        for film in films {
+            total.iter_mut().enumerate().for_each(|(pixel, sum)| *sum += film.variance(pixel, film.planes.len()));
+        }
+        self.grey("stderr", total.iter().map(|v| v.sqrt() as f32).collect());
+    }
+}
