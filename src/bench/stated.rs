@@ -47,6 +47,8 @@ pub struct Stated {
     /// What the runs were asked for.
     pub error: f64,
     pub reference: ReferenceFacts,
+    /// The smallest relative error that the references can tell from none.
+    pub least: f64,
     pub runs: Vec<Run>,
 }
 
@@ -56,6 +58,11 @@ impl Stated {
         self.runs.iter().filter(|run| run.is_honest()).count()
     }
 
+    /// Whether the references are good enough to tell a run that states too little.
+    pub fn is_told(&self) -> bool {
+        self.least <= self.error
+    }
+
     fn head(&self) -> String {
         let Stated { asset, estimator, error, .. } = self;
         let head = format!("{:>6} {:>8} {:>10} {:>10} {:>6}", "seed", "passes", "stated", "true", "ratio");
@@ -63,8 +70,15 @@ impl Stated {
     }
 
     fn verdict(&self) -> String {
-        let (honest, all) = (self.honest(), self.runs.len());
-        format!("{honest} of {all} runs have a true error of at most {LEEWAY} of the stated one\n")
+        let (honest, all, least) = (self.honest(), self.runs.len(), self.least);
+        let verdict = format!("{honest} of {all} runs have a true error of at most {LEEWAY} of the stated one\n");
+        if self.is_told() {
+            return verdict;
+        }
+        format!(
+            "{verdict}too rough: the references tell no error below {least:.5} from none; they need more \
+             --reference-seconds or another --reference-estimator\n"
+        )
     }
 }
 
@@ -113,7 +127,8 @@ pub fn measure_scene(
         error: Some(error),
     };
     let plan = plan(&ready.checked, &ready.world, choice);
-    let mut stated = Stated { asset, estimator: name(choice), error, reference, runs: Vec::new() };
+    let least = references.least_relative_error();
+    let mut stated = Stated { asset, estimator: name(choice), error, reference, least, runs: Vec::new() };
     tell(stated.head());
     for run in runs(&ready, &plan, &references, task.seed..task.seed.saturating_add(count), &limits, stop) {
         tell(run.line());
@@ -172,5 +187,34 @@ mod tests {
         assert!((0.8..1.2).contains(&mean), "{ratios:?}");
         assert!(!Run { stated: Some(0.5 * runs[0].real), ..runs[0] }.is_honest());
         assert!(!Run { stated: None, ..runs[0] }.is_honest());
+    }
+
+    /// How small an error two references tell: as large as what they say of a third of their kind that has no error of its
+    /// own to speak of.
+    #[test]
+    fn rough_references_say_so() {
+        let mut scene = kit::scene(60.0, 10);
+        kit::panel(&mut scene, 50.0, kit::quad(DVec3::new(0.0, 3.0, 0.0), DVec3::X * 0.7, DVec3::Z * 0.7));
+        let wall = kit::mesh(&[kit::quad(DVec3::new(0.0, 0.0, -2.0), DVec3::X * 3.0, DVec3::Y * 3.0)]);
+        let matt = kit::face(Finish::Lambert { reflectance: 0.5, transmittance: 0.0 });
+        kit::add(&mut scene, wall, glam::DAffine3::IDENTITY, None, vec![matt]);
+        let ready = Ready::new(&scene, 0.0).unwrap();
+        let choice = Choice::Only(Estimator::Backward);
+        let of = |passes: u64, seed: u64| {
+            let source = Source::Traced { choice, passes: Some(passes), seconds: 1e9 };
+            references(&ready, &source, seed, &|| false).unwrap().0
+        };
+        let plan = plan(&ready.checked, &ready.world, choice);
+        let limits = Limits { passes: Some(4096), time: None, error: None };
+        let films = run(&ready.world, &plan, 1, scene.eye.resolution, 99, &limits, &mut Nobody(&|| false)).films;
+        let picture = Picture::of_films(&films, scene.eye.resolution);
+        let (mut beyond, mut most) = (0, 0.0f64);
+        for seed in 0..40 {
+            let references = of(2, 100 + seed);
+            let share = references.relative_error(&picture) / references.least_relative_error();
+            (beyond, most) = (beyond + u32::from(share > 1.0), most.max(share));
+        }
+        assert!(beyond <= 4 && most > 0.5, "{beyond} of 40 beyond, {most} the largest");
+        assert!(of(200, 7).least_relative_error() < 0.2 * of(2, 7).least_relative_error());
     }
 }

@@ -25,7 +25,8 @@ pub struct ChoiceArgs {
     #[arg(long, value_name = "SEED..SEED", value_parser = parse_range, conflicts_with_all = ["assets", "stress"])]
     generate: Option<Range<u64>>,
     /// Trace the asset, or the scenes of `--generate`, with many seeds until this relative error is stated, and hold the
-    /// true error against it; exit 1 if fewer than nine in ten are true within 1.2 of it.
+    /// true error against it; exit 1 if fewer than nine in ten are true within 1.2 of it, or the references are too rough to
+    /// tell.
     #[arg(long, value_name = "REL", value_parser = parse_error)]
     error: Option<f64>,
     /// How many seeds.
@@ -113,13 +114,14 @@ fn stated(error: f64, runs: u64, seeds: Option<Range<u64>>, curve: &CurveArgs, j
     }
     for seed in seeds.into_iter().flatten().take_while(|_| !stop()) {
         let scene = scene(seed);
-        let mut of_scene = || measure_scene(&scene, scene.name.clone(), &task, (error, runs), &stop, &mut tell);
-        reports.push(pool.install(&mut of_scene)?);
+        let of_scene = || measure_scene(&scene, scene.name.clone(), &task, (error, runs), &stop, &mut tell);
+        reports.push(pool.install(of_scene)?);
     }
     if json {
         print_text(to_json(&reports));
     }
-    let honest = reports.iter().all(|report| report.honest() as f64 >= HONEST * report.runs.len() as f64);
+    let honest = |report: &Stated| report.is_told() && report.honest() as f64 >= HONEST * report.runs.len() as f64;
+    let honest = reports.iter().all(honest);
     Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!honest)) })
 }
 

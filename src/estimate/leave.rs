@@ -107,7 +107,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         // takes some 10⁴ events, and one that comes out of a long light guide after 10⁵ weighs 16.
         let halves = self.events >= TRAPPED_EVENTS && self.events.is_power_of_two();
         let trapped: f64 = if halves && self.events.trailing_zeros().is_multiple_of(2) { 0.5 } else { 1.0 };
-        let survive = (weight / self.start_weight / self.worth).clamp(0.05, 1.0) * trapped;
+        let survive = (weight / self.start_weight() / self.worth).clamp(0.05, 1.0) * trapped;
         if survive >= 1.0 {
             return Meeting::Went;
         }

@@ -45,7 +45,7 @@ pub struct Walker<'w, M: Mode> {
     pub(super) pending: Option<Hit>,
     pub beam: Beam<M>,
     /// Weight at the start: roulette compares with it.
-    pub(super) start_weight: f64,
+    start_weight: f64,
     pub trail: Trail,
     /// What light path expressions know of it, where the world has any.
     pub told: Told,

@@ -5,7 +5,7 @@ use super::bind::bind;
 use super::explain::Explained;
 use super::files;
 use super::gltf::looks_like_millimetres;
-use super::optics::{self};
+use super::optics;
 use super::place;
 use super::select::{Candidate, candidates, listed};
 use super::set::Set;

@@ -13,7 +13,7 @@ pub mod fit; // exact surfaces from the points of a CAD face
 pub mod gltf; // .gltf and .glb
 pub mod json; // attributes that travel inside JSON
 mod lamps; // emitters of faces, the sun
-mod light_shapes; // their meshes
+mod light_shapes; // meshes of the formats' round and flat lights
 mod lights; // lights that are no geometry in the format
 mod mapped; // what a format's own material fields mean
 mod measure; // normals and bounds of CAD faces

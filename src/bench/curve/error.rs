@@ -126,6 +126,15 @@ impl References {
         per(noise, signal).max(0.0).sqrt()
     }
 
+    /// The smallest that [`References::relative_error`] can tell from none: the root of two standard errors of what the
+    /// references' own noise adds to its square, as in [`References::resolution`].
+    pub fn least_relative_error(&self) -> f64 {
+        let pairs = || self.first.values.iter().zip(&self.second.values);
+        let square: f64 = pairs().map(|(a, b)| (a - b).powi(4) / 12.0).sum();
+        let signal: f64 = pairs().map(|(a, b)| a * b).sum();
+        per(2.0 * square.sqrt(), signal).max(0.0).sqrt()
+    }
+
     /// Measures a picture of the same size.
     pub fn measure(&self, picture: &Picture) -> Error {
         let pairs = self.first.values.iter().zip(&self.second.values);

@@ -5,6 +5,7 @@
 
 use super::split::{Extent, Item, halve, split};
 use arrayvec::ArrayVec;
+use glam::Vec3;
 use std::ops::Range;
 
 /// Children of a node.
@@ -19,42 +20,59 @@ const OF_LEAF: f32 = 1.0;
 
 /// A set of items that lie in a row, and its halves.
 struct Half {
-    extent: Extent,
-    items: Range<usize>,
-    /// The first of its two halves, which lie beside each other.
-    halves: Option<usize>,
+    lo: Vec3,
+    hi: Vec3,
+    first: u32,
+    count: u32,
+    /// The first of its two halves, which lie beside each other; 0, which is nobody's half, for a single item.
+    halves: u32,
     /// The least cost of standing as at most 1, 2 … 7 children of a node.
     costs: [f32; WIDTH - 1],
     /// As one child: it is a leaf.
     is_leaf: bool,
 }
 
+impl Half {
+    fn new(items: &[Item], first: usize) -> Half {
+        let Extent { lo, hi } = Extent::of(items);
+        let (first, count) = (first as u32, items.len() as u32);
+        let costs = [f32::INFINITY; WIDTH - 1];
+        Half { lo: lo.into(), hi: hi.into(), first, count, halves: 0, costs, is_leaf: false }
+    }
+
+    fn items(&self) -> Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+
+    fn extent(&self) -> Extent {
+        Extent { lo: self.lo.into(), hi: self.hi.into() }
+    }
+
+    fn halves(&self) -> Option<usize> {
+        (self.halves > 0).then_some(self.halves as usize)
+    }
+}
+
 /// A binary tree down to single items, which knows how it is best stood up in nodes of eight.
 pub struct Halves(Vec<Half>);
 
 impl Halves {
-    /// Sorts items, of which a leaf holds at most so many.
+    /// Sorts items, fewer than 2³¹, of which a leaf holds at most so many.
     pub fn new(items: &mut [Item], most: usize) -> Halves {
-        let whole = |items: &[Item], range: Range<usize>| Half {
-            extent: Extent::of(&items[range.clone()]),
-            items: range,
-            halves: None,
-            costs: [f32::INFINITY; WIDTH - 1],
-            is_leaf: false,
-        };
-        let mut all = vec![whole(items, 0..items.len())];
+        let mut all = Vec::with_capacity(2 * items.len());
+        all.push(Half::new(items, 0));
         let mut open = vec![(0usize, 0usize)];
         while let Some((index, level)) = open.pop() {
-            let range = all[index].items.clone();
+            let range = all[index].items();
             if range.len() < 2 {
                 continue;
             }
             let own = &mut items[range.clone()];
             let middle = range.start + if level < BY_AREA { split(own, most) } else { halve(own) };
             let first = all.len();
-            all[index].halves = Some(first);
+            all[index].halves = first as u32;
             for (child, range) in [range.start..middle, middle..range.end].into_iter().enumerate() {
-                all.push(whole(items, range));
+                all.push(Half::new(&items[range.clone()], range.start));
                 open.push((first + child, level + 1));
             }
         }
@@ -67,16 +85,17 @@ impl Halves {
     fn weigh(&mut self, most: usize) {
         for index in (0..self.0.len()).rev() {
             let half = &self.0[index];
-            let area = half.extent.area();
-            let as_leaf = if half.items.len() <= most { OF_LEAF * area } else { f32::INFINITY };
+            let area = half.extent().area();
+            let fits = half.count as usize <= most;
+            let as_leaf = if fits { OF_LEAF * area } else { f32::INFINITY };
             let mut costs = [as_leaf; WIDTH - 1];
-            let mut is_leaf = true;
-            if let Some(first) = half.halves {
+            let mut is_leaf = fits;
+            if let Some(first) = half.halves() {
                 let [a, b] = [self.0[first].costs, self.0[first + 1].costs];
                 let shared =
                     |among: usize| (1..among).map(|i| a[i - 1] + b[among - i - 1]).fold(f32::INFINITY, f32::min);
                 let as_node = area + shared(WIDTH);
-                is_leaf = as_leaf <= as_node;
+                is_leaf = fits && as_leaf <= as_node;
                 costs[0] = as_leaf.min(as_node);
                 for among in 2..WIDTH {
                     costs[among - 1] = costs[among - 2].min(shared(among));
@@ -98,7 +117,7 @@ impl Halves {
             // As few as do.
             let fewest = || (1..among).find(|fewer| cost(index, *fewer) <= cost(index, among)).unwrap_or(among);
             let among = if among < WIDTH { fewest() } else { among };
-            match half.halves {
+            match half.halves() {
                 Some(first) if among > 1 => {
                     let shared = |i: usize| cost(first, i) + cost(first + 1, among - i);
                     let best = (1..among).fold(1, |best, i| if shared(i) < shared(best) { i } else { best });
@@ -112,12 +131,12 @@ impl Halves {
     }
 
     pub fn extent(&self, index: usize) -> Extent {
-        self.0[index].extent
+        self.0[index].extent()
     }
 
     /// The items of a set that ends as a leaf.
     pub fn leaf(&self, index: usize) -> Option<Range<usize>> {
-        self.0[index].is_leaf.then(|| self.0[index].items.clone())
+        self.0[index].is_leaf.then(|| self.0[index].items())
     }
 }
 
@@ -126,6 +145,7 @@ mod tests {
     use super::*;
     use crate::base::rng::{Rng, Stream};
     use glam::Vec3A;
+    use std::collections::HashMap;
 
     fn boxes(seed: u64, count: u32) -> Vec<Item> {
         let mut rng = Rng::new(seed, Stream::Check, 0, 0);
@@ -137,22 +157,28 @@ mod tests {
         (0..count).map(item).collect()
     }
 
-    /// The least cost of a set as one child, every way to stand it up tried.
-    fn least(halves: &Halves, index: usize, most: usize) -> f64 {
+    /// The least cost of a set as one child, every way to stand it up tried; `known`: of sets that have been.
+    fn least(halves: &Halves, index: usize, most: usize, known: &mut HashMap<usize, f64>) -> f64 {
+        if let Some(cost) = known.get(&index) {
+            return *cost;
+        }
         let half = &halves.0[index];
-        let area = f64::from(half.extent.area());
-        let as_leaf = if half.items.len() <= most { f64::from(OF_LEAF) * area } else { f64::INFINITY };
-        let as_node = ways(halves, index)
-            .into_iter()
+        let area = f64::from(half.extent().area());
+        let as_leaf = if half.items().len() <= most { f64::from(OF_LEAF) * area } else { f64::INFINITY };
+        let ways = ways(halves, index);
+        let as_node = ways
+            .iter()
             .filter(|way| way.len() > 1 && way.len() <= WIDTH)
-            .map(|way| area + way.iter().map(|child| least(halves, *child, most)).sum::<f64>());
-        as_node.fold(as_leaf, f64::min)
+            .map(|way| area + way.iter().map(|child| least(halves, *child, most, known)).sum::<f64>());
+        let cost = as_node.fold(as_leaf, f64::min);
+        known.insert(index, cost);
+        cost
     }
 
     /// All ways to share out a set among subtrees of it.
     fn ways(halves: &Halves, index: usize) -> Vec<Vec<usize>> {
         let mut all = vec![vec![index]];
-        if let Some(first) = halves.0[index].halves {
+        if let Some(first) = halves.0[index].halves() {
             for a in ways(halves, first) {
                 all.extend(ways(halves, first + 1).into_iter().map(|b| [a.clone(), b].concat()));
             }
@@ -161,7 +187,7 @@ mod tests {
     }
 
     /// What a tree costs as it stands.
-    fn stands(halves: &Halves, index: usize, seen: &mut Vec<usize>, most: usize) -> f64 {
+    fn stands(halves: &Halves, (index, level): (usize, usize), seen: &mut Vec<usize>, most: usize) -> f64 {
         let area = f64::from(halves.extent(index).area());
         match halves.leaf(index) {
             Some(items) => {
@@ -170,22 +196,46 @@ mod tests {
                 f64::from(OF_LEAF) * area
             }
             None => {
+                assert!(level < DEEPEST, "{level}");
                 let children = halves.children(index);
                 assert!(children.len() > 1, "{index}: {children:?}");
-                area + children.into_iter().map(|child| stands(halves, child, seen, most)).sum::<f64>()
+                let below = children.into_iter().map(|child| stands(halves, (child, level + 1), seen, most));
+                area + below.sum::<f64>()
             }
         }
     }
 
+    /// Of leaves of two, and of single items in clusters, where nodes below the first are full, too.
     #[test]
     fn no_tree_costs_less() {
         for seed in 0..6 {
-            let mut items = boxes(seed, 11);
-            let halves = Halves::new(&mut items, 2);
-            let (mut seen, least) = (Vec::new(), least(&halves, 0, 2));
-            let cost = stands(&halves, 0, &mut seen, 2);
-            assert!((cost / least - 1.0).abs() < 1e-5, "{cost} for {least}");
+            for (count, most) in [(11, 2), (18, 1)] {
+                let mut items = boxes(seed, count);
+                for item in items.iter_mut().filter(|item| most == 1 && item.index < 12) {
+                    (item.lo, item.hi) = (5.0 + 0.1 * item.lo, 5.0 + 0.1 * item.hi);
+                }
+                let halves = Halves::new(&mut items, most);
+                let least = least(&halves, 0, most, &mut HashMap::new());
+                let cost = stands(&halves, (0, 0), &mut Vec::new(), most);
+                assert!((cost / least - 1.0).abs() < 1e-5, "{cost} for {least}");
+            }
         }
+    }
+
+    /// Boxes that nest at every scale make no chain, and what has no box is in a leaf like all else.
+    #[test]
+    fn no_tree_is_too_deep() {
+        let mut items: Vec<Item> = (0..3000)
+            .map(|index| {
+                let half = Vec3A::splat(1.02f32.powi(-(index as i32)).max(1e-20));
+                Item { lo: -half, hi: half * if index % 2 == 0 { 1.0 } else { 1.5 }, index }
+            })
+            .collect();
+        (items[7].lo, items[7].hi) = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+        let halves = Halves::new(&mut items, 4);
+        let mut seen = Vec::new();
+        stands(&halves, (0, 0), &mut seen, 4);
+        assert_eq!(seen.len(), items.len());
     }
 
     #[test]
@@ -197,7 +247,7 @@ mod tests {
             items.iter_mut().step_by(3).for_each(|item| *item = Item { index: item.index, ..alike });
             let halves = Halves::new(&mut items, most);
             let mut seen = Vec::new();
-            stands(&halves, 0, &mut seen, most);
+            stands(&halves, (0, 0), &mut seen, most);
             seen.sort_unstable();
             assert_eq!(seen, (0..count as usize).collect::<Vec<_>>());
             let mut whose: Vec<u32> = items.iter().map(|item| item.index).collect();

@@ -145,7 +145,7 @@ impl Lost {
         if mean.is_nan() || mean <= 0.0 {
             return 0.0;
         }
-        split.part(behind) * arriving * self.at(split, behind, cos_out) / (PI * mean)
+        split.share(behind) * arriving * self.at(split, behind, cos_out) / (PI * mean)
     }
 
     /// What directions are drawn by on a side: the nearer of two rows.
@@ -163,7 +163,7 @@ impl Lost {
         let x = (f64::ln_1p(mu / self.facets.alpha) / self.scale).sqrt().min(1.0);
         let step = ((x * Self::STEPS as f64) as usize).min(Self::STEPS - 1);
         let [low, high] = self.within(step);
-        split.part(behind) * steps.probability(step) / (high - low) * mu / PI
+        split.share(behind) * steps.probability(step) / (high - low) * mu / PI
     }
 
     /// A direction of the lobe; reflected for `side` below the part that is.
@@ -181,7 +181,7 @@ impl Lost {
 
 impl Split {
     /// What is reflected of the lobe, or goes through.
-    fn part(&self, behind: bool) -> f64 {
+    fn share(&self, behind: bool) -> f64 {
         if behind { 1.0 - self.reflected } else { self.reflected }
     }
 }

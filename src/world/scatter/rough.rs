@@ -123,6 +123,7 @@ impl Facets {
         self.value_and_pdf(wi, wo, n)[1]
     }
 
+    /// Value without the cosine and density of [`Facets::sample`], 1/sr.
     #[inline]
     fn value_and_pdf(self, wi: DVec3, wo: DVec3, n: Sides) -> [f64; 2] {
         let Some((h, length)) = Self::half(wi, wo, n) else { return [0.0; 2] };
