@@ -3,6 +3,8 @@
 //! scenes that [`generate`] makes from seeds, and [`stated`] the error that a run states against the one it has.
 
 #[cfg(test)]
+mod blur_tests;
+#[cfg(test)]
 mod branching_tests;
 pub mod choice;
 pub mod clock;

@@ -97,9 +97,9 @@ impl<M: Mode> PhotonMap<M> {
         self.photons.is_empty()
     }
 
-    /// Calls `visit` with each photon on the face of `site` within the radius of `point`, and the kernel's density there
-    /// (1/m², Epanechnikov: 2/(πr²)·(1 − d²/r²)).
-    pub fn gather(&self, point: DVec3, site: Site, mut visit: impl FnMut(&Photon<M>, f64)) {
+    /// Calls `visit` with each photon on the face of `site` within the radius of `point`, and the density there of the kernel
+    /// and of the one of half its area (1/m², Epanechnikov: 2/(πr²)·(1 − d²/r²)).
+    pub fn gather(&self, point: DVec3, site: Site, mut visit: impl FnMut(&Photon<M>, [f64; 2])) {
         let buckets = self.starts.len() - 1;
         let r2 = self.radius * self.radius;
         let peak = 2.0 / (std::f64::consts::PI * r2);
@@ -116,7 +116,8 @@ impl<M: Mode> PhotonMap<M> {
             for photon in &self.photons[self.starts[b] as usize..self.starts[b + 1] as usize] {
                 let d2 = photon.position.distance_squared(point);
                 if d2 < r2 && photon.site.part == site.part && photon.site.face == site.face {
-                    visit(photon, peak * (1.0 - d2 / r2));
+                    let near = 1.0 - d2 / r2;
+                    visit(photon, [peak * near, 2.0 * peak * (2.0 * near - 1.0).max(0.0)]);
                 }
             }
         }
@@ -167,8 +168,8 @@ mod tests {
             let at = point();
             let site = Site { part: 0, face: 1, triangle: 9 };
             let mut found = 0;
-            map.gather(at, site, |_, density| {
-                assert!(density >= 0.0);
+            map.gather(at, site, |_, densities| {
+                assert!(densities.iter().all(|density| *density >= 0.0));
                 found += 1;
             });
             let want = photons.iter().filter(|p| p.site.face == 1 && p.position.distance(at) < 0.1).count();
@@ -184,10 +185,10 @@ mod tests {
             .map(|i| photon(DVec3::new((i % n) as f64 / n as f64, (i / n) as f64 / n as f64, 0.0), 0))
             .collect();
         let map = PhotonMap::new(photons, 0.1);
-        let mut sum = 0.0;
+        let mut sums = [0.0; 2];
         map.gather(DVec3::new(0.5, 0.5, 0.0), Site { part: 0, face: 0, triangle: 0 }, |p, k| {
-            sum += p.flux[0].value * k
+            sums = [0, 1].map(|i| sums[i] + p.flux[0].value * k[i]);
         });
-        assert!((sum / (n * n) as f64 - 1.0).abs() < 1e-3, "{sum}");
+        assert!(sums.iter().all(|sum| (sum / (n * n) as f64 - 1.0).abs() < 1e-3), "{sums:?}");
     }
 }

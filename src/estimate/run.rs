@@ -83,12 +83,19 @@ impl Films {
     /// The relative error that a run states: [`Films::relative_noise`], and where few pixels have most of the variance, the
     /// squared error of a run is often larger than its mean. Then this is as much larger as it takes for [`LEEWAY`] times it to
     /// cover 19 in 20 of them. The pixels' sum counts as χ² of (Σv)²/Σv² degrees of freedom (F. E. Satterthwaite, Biometrics
-    /// Bulletin 2, 1946). None before the second pass or for a black picture.
+    /// Bulletin 2, 1946). What gathering photons within a radius blurs is no noise: it is told apart (`film::blur`) and
+    /// added. None before the second pass or for a black picture.
     pub fn relative_error(&self) -> Option<f64> {
         let [noise, squares, signal] = self.noise()?;
         let freedom = if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
         let most = (chi2_over_mean(freedom, Z_OF_95) / (LEEWAY * LEEWAY)).max(1.0);
-        Some((noise * most / signal).sqrt())
+        Some(((noise * most + self.blur2()) / signal).sqrt())
+    }
+
+    /// Sum over the pixels of the squared error that gathering within a radius makes, (cd/m²)²; 0 where noise hides it.
+    fn blur2(&self) -> f64 {
+        let of_film = |film: &Film| (0..film.width * film.height).map(|pixel| film.blur2(pixel)).sum::<f64>();
+        self.films.iter().map(|(_, film, _)| of_film(film)).sum::<f64>().max(0.0)
     }
 
     /// Root of (sum of the variances of all pixels' luminance) over (sum of their squares): the noise's share of the

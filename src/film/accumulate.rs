@@ -3,6 +3,7 @@
 mod light;
 mod plane;
 
+use super::blur::{self, Blur};
 use super::detail::{Detail, DetailRow};
 use super::layer::Layer;
 use super::scrambles::Scrambles;
@@ -43,6 +44,8 @@ pub struct Film {
     pub(super) turns: Option<Turns>,
     /// Kept on request.
     pub(super) detail: Option<Detail>,
+    /// Of films whose light is gathered within a radius.
+    pub(super) blur: Option<Blur>,
 }
 
 /// One row of a film, for the thread that owns it.
@@ -53,6 +56,7 @@ pub struct Row<'f> {
     squares: &'f mut [Sum],
     turns: Option<TurnsRow<'f>>,
     detail: Option<DetailRow<'f>>,
+    blur: Option<&'f mut [[Sum; blur::PER_PIXEL]]>,
 }
 
 /// Variances and covariance of the mean `open` and `content` of a pixel's light.
@@ -82,7 +86,25 @@ impl Film {
             scrambles,
             turns,
             detail: None,
+            blur: None,
         }
+    }
+
+    /// Keeps what tells how far gathering within a radius errs.
+    #[must_use]
+    pub fn with_blur(mut self) -> Self {
+        self.blur = Some(Blur::new(self.width * self.height));
+        self
+    }
+
+    /// Whether that is kept.
+    pub fn has_blur(&self) -> bool {
+        self.blur.is_some()
+    }
+
+    /// The square of what gathering within a radius makes the mean of a pixel err by, (cd/m²)²: see [`Blur::square`].
+    pub fn blur2(&self, pixel: usize) -> f64 {
+        self.blur.as_ref().map_or(0.0, |blur| blur.square(pixel, self.passes))
     }
 
     /// Keeps what standard errors per layer, and of mixtures of `open` and `content`, need.
@@ -114,6 +136,7 @@ impl Film {
         let width = self.width;
         let mut details = self.detail.as_mut().map(|detail| detail.rows(width));
         let mut turns = self.turns.as_mut().map(|turns| turns.rows(width));
+        let mut blur = self.blur.as_mut().map(|blur| blur.rows(width));
         self.sums
             .chunks_mut((width * planes * components.count()).max(1))
             .zip(self.squares.chunks_mut(width * (planes + 1)))
@@ -124,6 +147,7 @@ impl Film {
                 squares,
                 turns: turns.as_mut().and_then(Iterator::next),
                 detail: details.as_mut().and_then(Iterator::next),
+                blur: blur.as_mut().and_then(Iterator::next),
             })
             .enumerate()
     }
@@ -264,6 +288,13 @@ impl Film {
 }
 
 impl Row<'_> {
+    /// Adds what pixel `x` has in a pass beyond what half the kernel's area brings, cd/m².
+    pub fn add_blur(&mut self, x: usize, beyond: f64) {
+        if let Some(blur) = &mut self.blur {
+            blur::add(&mut blur[x], beyond);
+        }
+    }
+
     /// Adds the light of pixel `x` in the pass of this number: the entries of each plane in turn.
     pub fn add_pass(&mut self, x: usize, number: u64, pass: &[Light]) {
         let count = self.components.count();

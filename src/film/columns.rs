@@ -12,7 +12,7 @@ pub struct Table<S> {
     pub sums: S,
 }
 
-const NAMES: [&str; 9] = [
+const NAMES: [&str; COUNT] = [
     "light",
     "squares",
     "scrambles",
@@ -22,14 +22,16 @@ const NAMES: [&str; 9] = [
     "mixed_squares",
     "layer_squares",
     "turns",
+    "blur",
 ];
+const COUNT: usize = 10;
 
 impl Film {
     /// All sums of the film, those of kinds that it does not keep left out.
     pub fn tables(&self) -> Vec<Table<&[Sum]>> {
         let scrambles = self.scrambles.as_ref();
         let detail = self.detail.as_ref();
-        let all: [&[Sum]; 9] = [
+        let all: [&[Sum]; COUNT] = [
             self.sums.as_flattened(),
             &self.squares,
             scrambles.map_or(&[], |s| s.value.as_flattened()),
@@ -39,6 +41,7 @@ impl Film {
             detail.map_or(&[], |d| d.mixed.as_flattened()),
             detail.map_or(&[], |d| &d.squares),
             self.turns.as_ref().map_or(&[], |t| t.sums.as_flattened()),
+            self.blur.as_ref().map_or(&[], |b| b.sums.as_flattened()),
         ];
         self.named(all, |sums| sums.len())
     }
@@ -59,8 +62,9 @@ impl Film {
             None => (&mut [], &mut []),
         };
         let turns: &mut [Sum] = self.turns.as_mut().map_or(&mut [], |t| t.sums.as_flattened_mut());
-        let all =
-            [self.sums.as_flattened_mut(), &mut self.squares, value, squares, open, content, mixed, layers, turns];
+        let blur: &mut [Sum] = self.blur.as_mut().map_or(&mut [], |b| b.sums.as_flattened_mut());
+        let light = self.sums.as_flattened_mut();
+        let all = [light, &mut self.squares, value, squares, open, content, mixed, layers, turns, blur];
         named(pixels, all, |sums| sums.len())
     }
 
@@ -68,7 +72,7 @@ impl Film {
         self.width * self.height
     }
 
-    fn named<S>(&self, all: [S; 9], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
+    fn named<S>(&self, all: [S; COUNT], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
         named(self.pixels(), all, length)
     }
 
@@ -112,7 +116,7 @@ impl Film {
     }
 }
 
-fn named<S>(pixels: usize, all: [S; 9], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
+fn named<S>(pixels: usize, all: [S; COUNT], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
     let strides = |sums: &S| length(sums).checked_div(pixels).unwrap_or(0);
     let tables = NAMES.into_iter().zip(all).map(|(name, sums)| Table { name, stride: strides(&sums), sums });
     tables.filter(|table| table.stride > 0).collect()

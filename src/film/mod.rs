@@ -2,6 +2,7 @@
 
 pub mod accumulate;
 pub mod aov; // layers that a user defines
+pub mod blur;
 pub mod columns;
 pub mod detail;
 pub mod diffraction;

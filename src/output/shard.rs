@@ -10,7 +10,7 @@ use crate::base::twofold::Sum;
 use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
 use crate::film::columns::Table;
 use crate::film::frame::{Channel, Frame, Meta};
-use crate::film::turns;
+use crate::film::{blur, turns};
 use crate::output::exr::{read_exr, write_exr};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -50,6 +50,7 @@ struct Kind {
     /// Passes for, less passes against, see [`crate::film::turns`].
     surplus: [i64; turns::PER_PIXEL],
     detail: bool,
+    blur: bool,
 }
 
 impl Kind {
@@ -57,7 +58,7 @@ impl Kind {
     fn bytes(&self, pixels: u64) -> Option<u64> {
         let light = 6 * self.components.count() as u64;
         let further = match self.sampling {
-            Sampling::PerPass => 8 + turns::PER_PIXEL as u64,
+            Sampling::PerPass => 8 + turns::PER_PIXEL as u64 + if self.blur { blur::PER_PIXEL as u64 } else { 0 },
             Sampling::PerScramble { .. } => 9 + if self.detail { 16 } else { 0 },
         };
         let sums = (light + further).checked_mul(self.planes.len() as u64 + 1)?;
@@ -81,6 +82,7 @@ pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture
         passes: film.passes,
         surplus: film.surplus(),
         detail: film.detail().is_some(),
+        blur: film.has_blur(),
     };
     let stored = Stored { films: films.iter().map(kind).collect(), head };
     let text = serde_json::to_string(&stored)
@@ -147,7 +149,8 @@ fn channel(film: usize, table: &str, column: usize, part: char) -> String {
 
 fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, Vec<f32>>) -> Result<Film, String> {
     let film = Film::new(frame.width, frame.height, kind.planes, kind.components, kind.sampling);
-    let mut film = if kind.detail { film.with_detail() } else { film };
+    let film = if kind.detail { film.with_detail() } else { film };
+    let mut film = if kind.blur { film.with_blur() } else { film };
     film.passes = kind.passes;
     if kind.surplus.iter().any(|surplus| surplus.unsigned_abs() > kind.passes) {
         return Err(format!("film {number} has a surplus of {:?} of its {} passes", kind.surplus, kind.passes));

@@ -13,7 +13,7 @@ use crate::estimate::photon_map::{Photon, PhotonMap};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::turn::Faint;
 use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
-use crate::film::accumulate::{Film, Light, Row};
+use crate::film::accumulate::{Components, Film, Light, Row};
 use crate::film::plan::Radii;
 use crate::world::World;
 use crate::world::geometry::{Hit, Ray};
@@ -42,9 +42,9 @@ impl<M: Mode> Maps<M> {
         Maps { caustic, secondary, second }
     }
 
-    /// Calls `visit` with each photon near a vertex that a path from the eye came to by `eye`, and the kernel's density
-    /// there, 1/m².
-    fn each(&self, world: &World, eye: Trail, vertex: &Vertex, mut visit: impl FnMut(&Photon<M>, f64)) {
+    /// Calls `visit` with each photon near a vertex that a path from the eye came to by `eye`, and the density there of the
+    /// kernel and of the one of half its area, 1/m².
+    fn each(&self, world: &World, eye: Trail, vertex: &Vertex, mut visit: impl FnMut(&Photon<M>, [f64; 2])) {
         let Hit { point, site, normal, .. } = vertex.hit;
         let maps = match &self.second {
             Some(second) if eye.has_broad() => [Some(second), None],
@@ -53,12 +53,31 @@ impl<M: Mode> Maps<M> {
         for map in maps.into_iter().flatten() {
             // What of the kernel lies beside the face, or behind what stands on it, is made up for by the rest.
             let around = world.rims.around(site, point, normal, map.radius());
-            map.gather(point, site, |photon, density| {
+            let within =
+                || world.rims.around(site, point, normal, map.radius() * std::f64::consts::FRAC_1_SQRT_2).share;
+            let shares = [around.share, if around.share < 1.0 { within() } else { 1.0 }];
+            map.gather(point, site, |photon, [whole, half]| {
                 if around.counts(photon.position) {
-                    visit(photon, density / around.share);
+                    visit(photon, [whole / shares[0], half / shares[1]]);
                 }
             });
         }
+    }
+}
+
+/// What a pixel gathers in a pass.
+struct Gathered {
+    /// The entries of each plane in turn.
+    light: Vec<Light>,
+    components: Components,
+    /// Luminance beyond what kernels of half the area bring.
+    beyond: f64,
+}
+
+impl Gathered {
+    fn clear(&mut self) {
+        self.light.fill(Light::default());
+        self.beyond = 0.0;
     }
 }
 
@@ -72,17 +91,19 @@ pub fn on_side(dir: DVec3, through: bool) -> DVec3 {
 impl<M: Mode> PhotonMapper<'_, M> {
     /// Returns the counted work.
     pub(super) fn gather(&self, film: &mut Film, (pass, optics): (u64, &Optics<M>), maps: &Maps<M>) -> u64 {
-        let width = film.width;
+        let (width, film_components) = (film.width, film.components);
         let mut rows: Vec<_> = film.rows().collect();
         let of_row = |(y, row): &mut (usize, Row<'_>)| {
-            let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
+            let light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
+            let mut gathered = Gathered { light, beyond: 0.0, components: film_components };
             let mut ledger = Ledger::new(self.world.solids.len());
             for x in 0..width {
-                light.fill(Light::default());
+                gathered.clear();
                 let pixel = Pixel::new((x, *y), width, pass);
-                self.pixel((pixel, optics), maps, &mut light, &mut ledger);
+                self.pixel((pixel, optics), maps, &mut gathered, &mut ledger);
                 ledger.work += cost::KEPT;
-                row.add_pass(x, pass, &light);
+                row.add_pass(x, pass, &gathered.light);
+                row.add_blur(x, gathered.beyond);
             }
             ledger.work
         };
@@ -91,7 +112,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
 
     /// Gathers what is seen in a pixel. What tables know of where its ray lands is read there, as specular connection does,
     /// and now and then the ray itself makes good what they have wrong.
-    fn pixel(&self, (pixel, optics): (Pixel, &Optics<M>), maps: &Maps<M>, out: &mut [Light], ledger: &mut Ledger) {
+    fn pixel(&self, (pixel, optics): (Pixel, &Optics<M>), maps: &Maps<M>, out: &mut Gathered, ledger: &mut Ledger) {
         let world = self.world;
         let mut rng = pixel.rng(self.seed, Stream::PhotonGather);
         let [x, y, u, v] = pixel.start(self.seed, Stream::PhotonGather, pixel.pass);
@@ -122,7 +143,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
         (mut walker, even, mut scattered): (Walker<'_, M>, (Pixel, &Even), u32),
         rest: Rest,
         maps: &Maps<M>,
-        out: &mut [Light],
+        out: &mut Gathered,
         ledger: &mut Ledger,
     ) {
         let faint = Faint { whole: 1.0 / rest.share, often: 1.0 / rest.share };
@@ -170,7 +191,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
         (vertex, scatter, frame): (&Vertex, &Scatter, &Frame),
         rest: Rest,
         maps: &Maps<M>,
-        out: &mut [Light],
+        out: &mut Gathered,
         ledger: &mut Ledger,
     ) {
         let copies = final_gather::copies(walker.share());
@@ -194,7 +215,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
         walker: &Walker<'_, M>,
         (vertex, scatter, frame): (&Vertex, &Scatter, &Frame),
         maps: &Maps<M>,
-        out: &mut [Light],
+        out: &mut Gathered,
         ledger: &mut Ledger,
     ) {
         let d_in = frame.to_local(walker.ray.dir);
@@ -202,7 +223,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
         let goes_on = final_gather::goes_on(walker.trail, scatter.asks_for_final_gather());
         // Of what lies here, and behind the face.
         let mut indices: [Option<M::Lanes<f64>>; 2] = [None; 2];
-        let visit = |photon: &Photon<M>, density: f64| {
+        let visit = |photon: &Photon<M>, [density, half]: [f64; 2]| {
             ledger.work += cost::GATHERED;
             // Of what connection has, the path over one scatterer is not ours.
             let connected = photon.connected && !walker.trail.has_scatter();
@@ -222,8 +243,13 @@ impl<M: Mode> PhotonMapper<'_, M> {
                 sieve.takes(sieve.after(walker.told, Letter::of(Event::Diffuse, through)), photon.told)
             });
             let factors = lanes::<M, _>(|lane| values[lane] * density / (index[lane] * index[lane]));
-            let out = plane_of::<M>(out, plane);
-            walker.beam.join(walker.optics, out, (&photon.flux, photon.alone || alone), &factors);
+            let light = plane_of::<M>(&mut out.light, plane);
+            let before = out.components.luminance_value(light);
+            walker.beam.join(walker.optics, light, (&photon.flux, photon.alone || alone), &factors);
+            let own = out.components.luminance_value(light) - before;
+            if density > 0.0 {
+                out.beyond += own * (1.0 - half / density);
+            }
         };
         maps.each(self.world, walker.trail, vertex, visit);
     }

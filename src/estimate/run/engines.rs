@@ -173,6 +173,7 @@ fn begin_with<'w, M: Mode + 'w>(
             ErrorDetail::Picture => film,
             ErrorDetail::Layers => film.with_detail(),
         };
+        let film = if estimator == Estimator::Photon { film.with_blur() } else { film };
         engines.push(match estimator {
             Estimator::Backward => {
                 // What connection leaves is lamps over specular faces alone.

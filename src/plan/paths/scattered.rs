@@ -104,7 +104,7 @@ impl<M: Mode> Deposits<M> {
         let d_in = frame.to_local(walker.ray.dir);
         let sides = walker.sides(vertex, scatter);
         let mut sums: BTreeMap<u32, [Light; 3]> = BTreeMap::new();
-        self.map.gather(vertex.hit.point, vertex.hit.site, |photon, density| {
+        self.map.gather(vertex.hit.point, vertex.hit.site, |photon, [density, _]| {
             let through = photon.outside != vertex.outside;
             let d_out = on_side(frame.to_local(-photon.dir), through);
             let (index, _) = walker.beyond(vertex, through, 0.0);

@@ -20,7 +20,7 @@ pub struct Extent {
     pub hi: Vec3A,
 }
 
-const BINS: usize = 16;
+const BINS: usize = 32;
 /// Up to so many items are tried one by one, which is faster than bins.
 const FEW: usize = 8;
 

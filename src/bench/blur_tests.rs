@@ -1,0 +1,63 @@
+//! Photons gathered within a radius blur what is sharp, and the error that a run states knows of it.
+
+use super::curve::picture::Picture;
+use super::curve::race::Ready;
+use super::curve::reference::{Source, references};
+use super::{generate, kit};
+use crate::estimate::run::{LEEWAY, begin};
+use crate::film::plan::Estimator;
+use crate::plan::{Choice, plan};
+use crate::scene::{Finish, Scene};
+use glam::{DAffine3, DVec3};
+
+const SIZE: [usize; 2] = [24, 18];
+
+/// A lens throws the light of a small lamp on a sheet before the eye: a disc with a sharp rim, some five pixels wide.
+fn disc() -> Scene {
+    let mut scene = kit::scene(20.0, 1);
+    scene.eye.resolution = SIZE;
+    let led = kit::group(&mut scene, "led");
+    let mut square = |depth: f64, half: f64, face| {
+        let quad = kit::quad(DVec3::Z * -depth, DVec3::X * half, DVec3::Y * half);
+        kit::add(&mut scene, kit::mesh(&[quad]), DAffine3::IDENTITY, None, vec![face]);
+    };
+    square(0.25, 1e-3, kit::shining(led, 1e6));
+    square(0.1, 0.1, kit::face(Finish::Lambert { reflectance: 0.0, transmittance: 0.7 }));
+    generate::lens(&mut scene, 0.2, 0.03, 0.01);
+    scene
+}
+
+/// With radii of a few pixels the noise alone says a fraction of the error. What is connected blurs nothing, and tells.
+#[test]
+fn blur_is_in_the_stated_error() {
+    let scene = disc();
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    let source =
+        Source::Traced { choice: Choice::Only(Estimator::Manifold), passes: Some(300), seconds: f64::INFINITY };
+    let references = references(&ready, &source, 1, &|| false).unwrap().0;
+    let mut blurred = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Photon));
+    blurred.photon_radii_m = blurred.photon_radii_m.scaled(3.0);
+    let (mut honest, mut by_noise) = (0, 0);
+    for seed in 0..20 {
+        let mut tracing = begin(&ready.world, &blurred, scene.groups.len(), SIZE, seed);
+        tracing.step(32);
+        let films = tracing.films();
+        let real = references.relative_error(&Picture::of_films(films, SIZE));
+        honest += u32::from(real <= LEEWAY * films.relative_error().unwrap());
+        by_noise += u32::from(real <= LEEWAY * films.relative_noise().unwrap());
+    }
+    assert!(honest >= 18 && by_noise <= 2, "{honest} of 20, {by_noise} by noise alone");
+}
+
+/// Where radii are small beside what they gather, no more than noise is stated.
+#[test]
+fn without_blur_the_noise_is_stated() {
+    let scene = disc();
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    let mut sharp = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Photon));
+    sharp.photon_radii_m = sharp.photon_radii_m.scaled(0.2);
+    let mut tracing = begin(&ready.world, &sharp, scene.groups.len(), SIZE, 3);
+    tracing.step(64);
+    let (stated, noise) = (tracing.films().relative_error().unwrap(), tracing.films().relative_noise().unwrap());
+    assert!(stated < 1.15 * noise, "{stated} and {noise}");
+}
