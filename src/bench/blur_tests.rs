@@ -4,6 +4,7 @@ use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::curve::reference::{Source, references};
 use super::{generate, kit};
+use crate::base::stats::Moments;
 use crate::estimate::run::{LEEWAY, begin};
 use crate::film::plan::Estimator;
 use crate::plan::{Choice, plan};
@@ -37,16 +38,19 @@ fn blur_is_in_the_stated_error() {
     let references = references(&ready, &source, 1, &|| false).unwrap().0;
     let mut blurred = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Photon));
     blurred.photon_radii_m = blurred.photon_radii_m.scaled(3.0);
-    let (mut honest, mut by_noise) = (0, 0);
+    let (mut honest, mut by_noise, mut far_off) = (0, 0, 0);
     for seed in 0..20 {
         let mut tracing = begin(&ready.world, &blurred, scene.groups.len(), SIZE, seed);
         tracing.step(32);
         let films = tracing.films();
         let real = references.relative_error(&Picture::of_films(films, SIZE));
-        honest += u32::from(real <= LEEWAY * films.relative_error().unwrap());
+        let stated = films.relative_error().unwrap();
+        honest += u32::from(real <= LEEWAY * stated);
+        far_off += u32::from(stated > 1.5 * real);
         by_noise += u32::from(real <= LEEWAY * films.relative_noise().unwrap());
     }
-    assert!(honest >= 18 && by_noise <= 2, "{honest} of 20, {by_noise} by noise alone");
+    let told = format!("{honest} of 20 honest, {by_noise} by noise alone, {far_off} stated far too much");
+    assert!(honest >= 18 && by_noise <= 2 && far_off <= 2, "{told}");
 }
 
 /// Where radii are small beside what they gather, no more than noise is stated.
@@ -56,8 +60,13 @@ fn without_blur_the_noise_is_stated() {
     let ready = Ready::new(&scene, 0.0).unwrap();
     let mut sharp = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Photon));
     sharp.photon_radii_m = sharp.photon_radii_m.scaled(0.2);
-    let mut tracing = begin(&ready.world, &sharp, scene.groups.len(), SIZE, 3);
-    tracing.step(64);
-    let (stated, noise) = (tracing.films().relative_error().unwrap(), tracing.films().relative_noise().unwrap());
-    assert!(stated < 1.15 * noise, "{stated} and {noise}");
+    let mut more = Moments::default();
+    for seed in 3..13 {
+        let mut tracing = begin(&ready.world, &sharp, scene.groups.len(), SIZE, seed);
+        tracing.step(64);
+        let films = tracing.films();
+        let (stated, noise) = (films.relative_error().unwrap(), films.relative_error_of_noise().unwrap());
+        more.add(stated / noise);
+    }
+    assert!(more.mean < 1.1, "{} times the noise", more.mean);
 }

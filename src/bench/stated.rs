@@ -60,7 +60,8 @@ impl Stated {
 
     /// Whether the references are good enough to tell a run that states too little.
     pub fn is_told(&self) -> bool {
-        self.least <= self.error
+        // With two of their standard errors more an honest run would be none.
+        self.least.powi(2) <= (LEEWAY * LEEWAY - 1.0) * self.error.powi(2)
     }
 
     fn head(&self) -> String {

@@ -103,7 +103,7 @@ impl Progress {
     fn share(&self, status: &Status) -> f64 {
         let passes = self.limits.passes.map(|limit| status.passes as f64 / limit.max(1) as f64);
         let time = self.limits.time.map(|limit| status.elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9));
-        // Noise falls as one over the root of the work.
+        // Noise falls as one over the root of the work; what photons blur falls more slowly.
         let error = match (self.limits.error, status.error) {
             (Some(limit), Some(error)) if error > 0.0 => Some((limit / error).powi(2)),
             _ => None,

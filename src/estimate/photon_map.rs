@@ -98,7 +98,7 @@ impl<M: Mode> PhotonMap<M> {
     }
 
     /// Calls `visit` with each photon on the face of `site` within the radius of `point`, and the density there of the kernel
-    /// and of the one of half its area (1/m², Epanechnikov: 2/(πr²)·(1 − d²/r²)).
+    /// and of the one of a quarter of its area (1/m², Epanechnikov: 2/(πr²)·(1 − d²/r²)).
     pub fn gather(&self, point: DVec3, site: Site, mut visit: impl FnMut(&Photon<M>, [f64; 2])) {
         let buckets = self.starts.len() - 1;
         let r2 = self.radius * self.radius;
@@ -117,7 +117,7 @@ impl<M: Mode> PhotonMap<M> {
                 let d2 = photon.position.distance_squared(point);
                 if d2 < r2 && photon.site.part == site.part && photon.site.face == site.face {
                     let near = 1.0 - d2 / r2;
-                    visit(photon, [peak * near, 2.0 * peak * (2.0 * near - 1.0).max(0.0)]);
+                    visit(photon, [peak * near, 4.0 * peak * (4.0 * near - 3.0).max(0.0)]);
                 }
             }
         }

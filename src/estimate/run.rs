@@ -86,16 +86,28 @@ impl Films {
     /// Bulletin 2, 1946). What gathering photons within a radius blurs is no noise: it is told apart (`film::blur`) and
     /// added. None before the second pass or for a black picture.
     pub fn relative_error(&self) -> Option<f64> {
+        let (noise, signal) = self.likely_noise()?;
+        Some(((noise + self.blur2()) / signal).sqrt())
+    }
+
+    /// The part of [`Films::relative_error`] that falls as the root of the passes.
+    pub fn relative_error_of_noise(&self) -> Option<f64> {
+        self.likely_noise().map(|(noise, signal)| (noise / signal).sqrt())
+    }
+
+    /// Sums over the pixels: squared error as large as it is likely to be by chance, and luminance squared.
+    fn likely_noise(&self) -> Option<(f64, f64)> {
         let [noise, squares, signal] = self.noise()?;
         let freedom = if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
         let most = (chi2_over_mean(freedom, Z_OF_95) / (LEEWAY * LEEWAY)).max(1.0);
-        Some(((noise * most + self.blur2()) / signal).sqrt())
+        Some((noise * most, signal))
     }
 
     /// Sum over the pixels of the squared error that gathering within a radius makes, (cd/m²)²; 0 where noise hides it.
     fn blur2(&self) -> f64 {
+        let blurred = self.films.iter().map(|(_, film, _)| film).filter(|film| film.has_blur());
         let of_film = |film: &Film| (0..film.width * film.height).map(|pixel| film.blur2(pixel)).sum::<f64>();
-        self.films.iter().map(|(_, film, _)| of_film(film)).sum::<f64>().max(0.0)
+        blurred.map(of_film).sum::<f64>().max(0.0)
     }
 
     /// Root of (sum of the variances of all pixels' luminance) over (sum of their squares): the noise's share of the

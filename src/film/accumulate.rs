@@ -288,7 +288,7 @@ impl Film {
 }
 
 impl Row<'_> {
-    /// Adds what pixel `x` has in a pass beyond what half the kernel's area brings, cd/m².
+    /// Adds what pixel `x` has in a pass beyond what a quarter of the kernel's area brings, cd/m².
     pub fn add_blur(&mut self, x: usize, beyond: f64) {
         if let Some(blur) = &mut self.blur {
             blur::add(&mut blur[x], beyond);

@@ -134,7 +134,8 @@ mod tests {
     ];
 
     fn film(sampling: Sampling) -> Film {
-        Film::new(3, 2, PLANES.to_vec(), Components::Rec709, sampling).with_detail()
+        let film = Film::new(3, 2, PLANES.to_vec(), Components::Rec709, sampling).with_detail();
+        if sampling == Sampling::PerPass { film.with_blur() } else { film }
     }
 
     /// Light of pass `pass` in every entry of a pixel: thirds, so that every sum is rounded.
@@ -151,7 +152,11 @@ mod tests {
         for pass in passes {
             match film.sampling {
                 Sampling::PerPass => film.rows().for_each(|(y, mut row)| {
-                    (0..3).for_each(|x| row.add_pass(x, pass, &light(3 * y + x, pass)));
+                    for x in 0..3 {
+                        let light = light(3 * y + x, pass);
+                        row.add_pass(x, pass, &light);
+                        row.add_blur(x, light[0].value - 0.3);
+                    }
                 }),
                 Sampling::PerScramble { .. } => (0..6).for_each(|pixel| {
                     let all = light(pixel, pass);
@@ -186,6 +191,8 @@ mod tests {
                 }
                 assert_eq!(sum.variance(pixel, 2), whole.variance(pixel, 2));
                 assert!(whole.variance(pixel, 2) > 0.0);
+                assert_eq!(sum.blur2(pixel), whole.blur2(pixel));
+                assert_eq!(whole.blur2(pixel) != 0.0, sampling == Sampling::PerPass);
             }
             assert_eq!(sum.saved_by_evenness(), whole.saved_by_evenness());
             assert_eq!(sum.turns, whole.turns);
@@ -200,6 +207,8 @@ mod tests {
         assert!(!own.merge(&film(Sampling::PerScramble { paths: 64 })));
         assert!(!own.merge(&Film::new(3, 2, PLANES.to_vec(), Components::Rec709, Sampling::PerPass)));
         assert!(!own.merge(&Film::new(2, 3, PLANES.to_vec(), Components::Rec709, Sampling::PerPass).with_detail()));
+        let without_blur = Film::new(3, 2, PLANES.to_vec(), Components::Rec709, Sampling::PerPass).with_detail();
+        assert!(!own.merge(&without_blur));
         assert_eq!(own, before);
         assert_eq!(own.first_invalid(), None);
         own.rows()

@@ -204,13 +204,17 @@ mod tests {
 
     fn film(sampling: Sampling) -> Film {
         let planes = [0, 1].map(|group| PlaneKey { layer: Layer::Forward, group: GroupId(group), takes: 0 });
-        let mut film = Film::new(3, 2, planes.to_vec(), Components::Luminance, sampling).with_detail();
+        let film = Film::new(3, 2, planes.to_vec(), Components::Luminance, sampling).with_detail();
+        let mut film = if sampling == Sampling::PerPass { film.with_blur() } else { film };
         for pass in 0..5u64 {
             let light =
                 |pixel: usize| Light::ONE.scaled((1.0 + pixel as f64) / (3.0 + pass as f64) * 1e9f64.powf(pass as f64));
             match sampling {
                 Sampling::PerPass => film.rows().for_each(|(y, mut row)| {
-                    (0..3).for_each(|x| row.add_pass(x, pass, &[light(3 * y + x), Light::default()]));
+                    for x in 0..3 {
+                        row.add_pass(x, pass, &[light(3 * y + x), Light::default()]);
+                        row.add_blur(x, -light(3 * y + x).value);
+                    }
                 }),
                 Sampling::PerScramble { .. } => {
                     (0..6).for_each(|pixel| film.splat(pixel, pixel % 2, pass as usize, &[light(pixel)]));

@@ -50,7 +50,7 @@ pub fn forecast(scene: &Scene, world: &World, plan: &Plan) -> Result<Forecast> {
         Some(_) | None => 1.0,
     };
     let work = |films: &Films| films.films.iter().map(|(_, _, ledger)| ledger.work).sum::<u64>();
-    let far = |films: &Films| films.relative_error().is_some_and(|error| error * larger > AIM);
+    let far = |films: &Films| films.relative_error_of_noise().is_some_and(|error| error * larger > AIM);
     // Twice as many passes take twice the work.
     while far(tracing.films()) && 2 * work(tracing.films()) <= WORK {
         tracing.step(tracing.films().passes);
@@ -80,9 +80,10 @@ fn of_the_whole([small, fine]: [f64; 2], ratio: f64, share: f64) -> f64 {
     if exponent.is_nan() { 1.0 } else { (ratio / share).powf(exponent) }
 }
 
-/// The relative error of one pass that these would state if passes were independent.
+/// The relative error by noise of one pass that these would state if passes were independent: what gathering blurs falls
+/// more slowly, and in a small picture it is larger.
 fn of_a_pass(films: &Films) -> Option<f64> {
-    films.relative_error().map(|error| error * (films.passes as f64).sqrt())
+    films.relative_error_of_noise().map(|error| error * (films.passes as f64).sqrt())
 }
 
 impl Forecast {

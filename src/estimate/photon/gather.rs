@@ -43,7 +43,7 @@ impl<M: Mode> Maps<M> {
     }
 
     /// Calls `visit` with each photon near a vertex that a path from the eye came to by `eye`, and the density there of the
-    /// kernel and of the one of half its area, 1/m².
+    /// kernel and of the one of a quarter of its area, 1/m².
     fn each(&self, world: &World, eye: Trail, vertex: &Vertex, mut visit: impl FnMut(&Photon<M>, [f64; 2])) {
         let Hit { point, site, normal, .. } = vertex.hit;
         let maps = match &self.second {
@@ -53,12 +53,13 @@ impl<M: Mode> Maps<M> {
         for map in maps.into_iter().flatten() {
             // What of the kernel lies beside the face, or behind what stands on it, is made up for by the rest.
             let around = world.rims.around(site, point, normal, map.radius());
-            let within =
-                || world.rims.around(site, point, normal, map.radius() * std::f64::consts::FRAC_1_SQRT_2).share;
-            let shares = [around.share, if around.share < 1.0 { within() } else { 1.0 }];
-            map.gather(point, site, |photon, [whole, half]| {
+            // Of the smaller kernel: where the larger is whole it is, too.
+            let mut within = (around.share >= 1.0).then_some(1.0);
+            map.gather(point, site, |photon, [whole, part]| {
                 if around.counts(photon.position) {
-                    visit(photon, [whole / shares[0], half / shares[1]]);
+                    let share = || world.rims.around(site, point, normal, 0.5 * map.radius()).share;
+                    let part = if part > 0.0 { part / *within.get_or_insert_with(share) } else { 0.0 };
+                    visit(photon, [whole / around.share, part]);
                 }
             });
         }
@@ -70,7 +71,7 @@ struct Gathered {
     /// The entries of each plane in turn.
     light: Vec<Light>,
     components: Components,
-    /// Luminance beyond what kernels of half the area bring.
+    /// Luminance beyond what kernels of a quarter of the area bring.
     beyond: f64,
 }
 
@@ -223,7 +224,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
         let goes_on = final_gather::goes_on(walker.trail, scatter.asks_for_final_gather());
         // Of what lies here, and behind the face.
         let mut indices: [Option<M::Lanes<f64>>; 2] = [None; 2];
-        let visit = |photon: &Photon<M>, [density, half]: [f64; 2]| {
+        let visit = |photon: &Photon<M>, [density, part]: [f64; 2]| {
             ledger.work += cost::GATHERED;
             // Of what connection has, the path over one scatterer is not ours.
             let connected = photon.connected && !walker.trail.has_scatter();
@@ -248,7 +249,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
             walker.beam.join(walker.optics, light, (&photon.flux, photon.alone || alone), &factors);
             let own = out.components.luminance_value(light) - before;
             if density > 0.0 {
-                out.beyond += own * (1.0 - half / density);
+                out.beyond += own * (1.0 - part / density);
             }
         };
         maps.each(self.world, walker.trail, vertex, visit);

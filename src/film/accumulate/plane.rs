@@ -58,17 +58,6 @@ impl Components {
         }
     }
 
-    /// The same of what light there is alone, cd/m².
-    pub fn luminance_value(self, entries: &[Light]) -> f64 {
-        match (self, entries) {
-            (Components::Rec709, [r, g, b]) => {
-                let [wr, wg, wb] = ColourSpace::Rec709.luminance_weights();
-                wr * r.value + wg * g.value + wb * b.value
-            }
-            (Components::Luminance | Components::Rec709, entries) => entries.first().map_or(0.0, |light| light.value),
-        }
-    }
-
     /// The luminance of one plane's entries.
     pub fn luminance(self, entries: &[Light]) -> Light {
         match (self, entries) {
@@ -80,6 +69,17 @@ impl Components {
                 sum
             }
             (Components::Luminance | Components::Rec709, entries) => entries.first().copied().unwrap_or_default(),
+        }
+    }
+
+    /// The value alone of [`Components::luminance`], cd/m².
+    pub fn luminance_value(self, entries: &[Light]) -> f64 {
+        match (self, entries) {
+            (Components::Rec709, [r, g, b]) => {
+                let [wr, wg, wb] = ColourSpace::Rec709.luminance_weights();
+                wr * r.value + wg * g.value + wb * b.value
+            }
+            (Components::Luminance | Components::Rec709, entries) => entries.first().map_or(0.0, |light| light.value),
         }
     }
 }

@@ -15,9 +15,10 @@ pub fn points(frames: &[(String, &Frame)]) -> Vec<Value> {
         let listed = listed.unwrap_or_default();
         points.extend(listed.into_iter().map(|[passes, error]| (passes, error, format!("header of {name}"))));
         if let (Some(passes), Some(error)) = (frame.integer("passes"), relative_error(frame)) {
-            // The header's last entry may say the same.
-            points.retain(|(of, _, from)| *of != passes as f64 || !from.ends_with(name));
-            points.push((passes as f64, error, name.clone()));
+            // What the header says holds what photons blur, too.
+            if !points.iter().any(|(of, _, from)| *of == passes as f64 && from.ends_with(name)) {
+                points.push((passes as f64, error, name.clone()));
+            }
         }
     }
     points.retain(|(passes, error, _)| *passes >= 1.0 && passes.is_finite() && *error > 0.0 && error.is_finite());
@@ -25,7 +26,8 @@ pub fn points(frames: &[(String, &Frame)]) -> Vec<Value> {
     points.into_iter().map(|(passes, error, from)| json!({ "passes": passes, "error": error, "from": from })).collect()
 }
 
-/// Root of the sum of the squared errors over the sum of the squared luminances: as `render` states it.
+/// Root of the sum of the squared standard errors over the sum of the squared luminances: the error that `render` states
+/// without what photons blur.
 pub fn relative_error(frame: &Frame) -> Option<f64> {
     let (light, error) = (layer_luminance(frame, "")?, layer_luminance(frame, "stderr")?);
     let squares = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
