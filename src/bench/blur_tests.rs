@@ -1,30 +1,23 @@
 //! Photons gathered within a radius blur what is sharp, and the error that a run states knows of it.
 
+use super::branching_tests::lamp_on_a_sheet;
 use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::curve::reference::{Source, references};
-use super::{generate, kit};
+use super::kit;
 use crate::base::stats::Moments;
 use crate::estimate::run::{LEEWAY, begin};
 use crate::film::plan::Estimator;
 use crate::plan::{Choice, plan};
-use crate::scene::{Finish, Scene};
-use glam::{DAffine3, DVec3};
+use crate::scene::Scene;
 
 const SIZE: [usize; 2] = [24, 18];
 
-/// A lens throws the light of a small lamp on a sheet before the eye: a disc with a sharp rim, some five pixels wide.
+/// The disc is some five pixels wide.
 fn disc() -> Scene {
     let mut scene = kit::scene(20.0, 1);
     scene.eye.resolution = SIZE;
-    let led = kit::group(&mut scene, "led");
-    let mut square = |depth: f64, half: f64, face| {
-        let quad = kit::quad(DVec3::Z * -depth, DVec3::X * half, DVec3::Y * half);
-        kit::add(&mut scene, kit::mesh(&[quad]), DAffine3::IDENTITY, None, vec![face]);
-    };
-    square(0.25, 1e-3, kit::shining(led, 1e6));
-    square(0.1, 0.1, kit::face(Finish::Lambert { reflectance: 0.0, transmittance: 0.7 }));
-    generate::lens(&mut scene, 0.2, 0.03, 0.01);
+    lamp_on_a_sheet(&mut scene, 0.0);
     scene
 }
 

@@ -30,6 +30,18 @@ fn panes(behind: f64) -> Scene {
     scene
 }
 
+/// A lens throws the light of a small lamp on a sheet before the eye: a disc with a sharp rim.
+pub(super) fn lamp_on_a_sheet(scene: &mut Scene, reflectance: f64) {
+    let led = kit::group(scene, "led");
+    let mut square = |depth: f64, half: f64, face| {
+        let quad = kit::quad(DVec3::Z * -depth, DVec3::X * half, DVec3::Y * half);
+        kit::add(scene, kit::mesh(&[quad]), DAffine3::IDENTITY, None, vec![face]);
+    };
+    square(0.25, 1e-3, kit::shining(led, 1e6));
+    square(0.1, 0.1, kit::face(Finish::Lambert { reflectance, transmittance: 0.7 }));
+    generate::lens(scene, 0.2, 0.03, 0.01);
+}
+
 fn planned(scene: &Scene, choice: Choice) -> Plan {
     let ready = Ready::new(scene, 0.0).unwrap();
     plan(&ready.checked, &ready.world, choice)
@@ -119,14 +131,7 @@ fn lamps_behind_a_diffuser_are_seldom_looked_for() {
     scene.eye.resolution = SIZE;
     scene.eye.pupil_diameter_m = 4e-3;
     kit::sky(&mut scene, 2, 1, vec![100.0; 2]);
-    let led = kit::group(&mut scene, "led");
-    let mut square = |depth: f64, half: f64, face| {
-        let quad = kit::quad(DVec3::Z * -depth, DVec3::X * half, DVec3::Y * half);
-        kit::add(&mut scene, kit::mesh(&[quad]), DAffine3::IDENTITY, None, vec![face]);
-    };
-    square(0.25, 1e-3, kit::shining(led, 1e6));
-    square(0.1, 0.1, kit::face(Finish::Lambert { reflectance: 0.1, transmittance: 0.7 }));
-    generate::lens(&mut scene, 0.2, 0.03, 0.01);
+    lamp_on_a_sheet(&mut scene, 0.1);
     let hidden = planned(&scene, Choice::Auto);
     assert_eq!((hidden.vision_share, hidden.backward_share), (1.0 / 64.0, 1.0), "{:?}", hidden.rows);
     // A hundredth of a pixel in plain sight is missed by all rays that aim at nothing.

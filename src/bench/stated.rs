@@ -167,14 +167,20 @@ mod tests {
     use crate::scene::Finish;
     use glam::DVec3;
 
-    /// A matt wall under a large lamp, from the eye: no path is rare, so the stated error is the true one.
-    #[test]
-    fn a_wall_states_its_error() {
+    /// A matt wall under a large lamp.
+    fn wall() -> Scene {
         let mut scene = kit::scene(60.0, 10);
         kit::panel(&mut scene, 50.0, kit::quad(DVec3::new(0.0, 3.0, 0.0), DVec3::X * 0.7, DVec3::Z * 0.7));
         let wall = kit::mesh(&[kit::quad(DVec3::new(0.0, 0.0, -2.0), DVec3::X * 3.0, DVec3::Y * 3.0)]);
         let matt = kit::face(Finish::Lambert { reflectance: 0.5, transmittance: 0.0 });
         kit::add(&mut scene, wall, glam::DAffine3::IDENTITY, None, vec![matt]);
+        scene
+    }
+
+    /// From the eye no path to it is rare, so the stated error is the true one.
+    #[test]
+    fn a_wall_states_its_error() {
+        let scene = wall();
         let ready = Ready::new(&scene, 0.0).unwrap();
         let choice = Choice::Only(Estimator::Backward);
         let source = Source::Traced { choice, passes: Some(600), seconds: 1e9 };
@@ -194,11 +200,7 @@ mod tests {
     /// own to speak of.
     #[test]
     fn rough_references_say_so() {
-        let mut scene = kit::scene(60.0, 10);
-        kit::panel(&mut scene, 50.0, kit::quad(DVec3::new(0.0, 3.0, 0.0), DVec3::X * 0.7, DVec3::Z * 0.7));
-        let wall = kit::mesh(&[kit::quad(DVec3::new(0.0, 0.0, -2.0), DVec3::X * 3.0, DVec3::Y * 3.0)]);
-        let matt = kit::face(Finish::Lambert { reflectance: 0.5, transmittance: 0.0 });
-        kit::add(&mut scene, wall, glam::DAffine3::IDENTITY, None, vec![matt]);
+        let scene = wall();
         let ready = Ready::new(&scene, 0.0).unwrap();
         let choice = Choice::Only(Estimator::Backward);
         let of = |passes: u64, seed: u64| {

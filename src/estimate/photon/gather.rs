@@ -92,11 +92,11 @@ pub fn on_side(dir: DVec3, through: bool) -> DVec3 {
 impl<M: Mode> PhotonMapper<'_, M> {
     /// Returns the counted work.
     pub(super) fn gather(&self, film: &mut Film, (pass, optics): (u64, &Optics<M>), maps: &Maps<M>) -> u64 {
-        let (width, film_components) = (film.width, film.components);
+        let (width, components) = (film.width, film.components);
         let mut rows: Vec<_> = film.rows().collect();
         let of_row = |(y, row): &mut (usize, Row<'_>)| {
             let light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
-            let mut gathered = Gathered { light, beyond: 0.0, components: film_components };
+            let mut gathered = Gathered { light, beyond: 0.0, components };
             let mut ledger = Ledger::new(self.world.solids.len());
             for x in 0..width {
                 gathered.clear();

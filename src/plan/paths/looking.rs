@@ -180,7 +180,7 @@ impl<'w, M: Mode> Looking<'_, 'w, M> {
 fn seen_light<M: Mode>(walker: &Walker<'_, M>, seen: &Shining<'_>) -> f64 {
     let mut out = [Light::default(); 3];
     walker.see(&mut out[..M::COMPONENTS], seen, 1.0);
-    components::<M>().luminance(&out[..M::COMPONENTS]).value
+    components::<M>().luminance_value(&out[..M::COMPONENTS])
 }
 
 /// Group, source and luminance of what a path from the eye sees beyond the scene.
@@ -188,7 +188,7 @@ fn beyond<M: Mode>(walker: &Walker<'_, M>, each: &mut dyn FnMut(GroupId, Source,
     let luminance = |amounts: &M::Lanes<f64>| {
         let mut out = [Light::default(); 3];
         walker.pick_up(&mut out[..M::COMPONENTS], amounts);
-        components::<M>().luminance(&out[..M::COMPONENTS]).value
+        components::<M>().luminance_value(&out[..M::COMPONENTS])
     };
     let world = walker.world;
     if let Some(sky) = &world.sky {

@@ -118,7 +118,7 @@ impl<M: Mode> Deposits<M> {
             let Some(from) = self.origins.get(index as usize) else { continue };
             let at = vertex.hit.site.part;
             let way = Way::Scattered { again: from.again, before: from.before.clone(), at, after: chain.clone() };
-            each(from.group, from.source, way, components::<M>().luminance(&out[..M::COMPONENTS]).value);
+            each(from.group, from.source, way, components::<M>().luminance_value(&out[..M::COMPONENTS]));
         }
     }
 }

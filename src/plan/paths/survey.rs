@@ -115,7 +115,7 @@ impl Split {
 pub fn light<M: Mode>(walker: &Walker<'_, M>, each: f64) -> f64 {
     let mut out = [Light::default(); 3];
     walker.beam.deposit(walker.optics, &mut out[..M::COMPONENTS], &lanes::<M, _>(|_| each));
-    components::<M>().luminance(&out[..M::COMPONENTS]).value
+    components::<M>().luminance_value(&out[..M::COMPONENTS])
 }
 
 /// What arrived in the picture by one branch of a path from a lamp.

@@ -4,6 +4,7 @@
 
 use arrayvec::ArrayVec;
 use glam::{BVec3A, UVec3, Vec3A};
+use std::cmp::Ordering;
 
 /// A box in unit coordinates and whose it is.
 #[derive(Debug, Clone, Copy)]
@@ -103,7 +104,7 @@ fn sweep(items: &mut [Item], most: usize) -> usize {
     let n = items.len();
     let mut best = (f32::INFINITY, 0, n / 2);
     for axis in 0..3 {
-        along(items, axis);
+        items.sort_unstable_by(along(axis));
         let mut behind: ArrayVec<f32, FEW> = ArrayVec::new();
         let mut all = Extent::EMPTY;
         for (i, item) in items.iter().enumerate().rev() {
@@ -121,15 +122,15 @@ fn sweep(items: &mut [Item], most: usize) -> usize {
     }
     let (_, axis, at) = best;
     if axis != 2 {
-        along(items, axis);
+        items.sort_unstable_by(along(axis));
     }
     at
 }
 
-/// Sorts items by their middles.
-fn along(items: &mut [Item], axis: usize) {
-    let at = |item: &Item| item.lo[axis] + item.hi[axis];
-    items.sort_unstable_by(|a, b| at(a).total_cmp(&at(b)).then(a.index.cmp(&b.index)));
+/// The order of items' middles along an axis.
+fn along(axis: usize) -> impl Fn(&Item, &Item) -> Ordering {
+    let at = move |item: &Item| item.lo[axis] + item.hi[axis];
+    move |a, b| at(a).total_cmp(&at(b)).then(a.index.cmp(&b.index))
 }
 
 /// Sorts items along their longest side and says how many go to the first half.
@@ -138,8 +139,7 @@ pub fn halve(items: &mut [Item]) -> usize {
     let side = (extent.hi - extent.lo).to_array();
     let axis = (0..3).fold(0, |longest, axis| if side[axis] > side[longest] { axis } else { longest });
     let middle = items.len() / 2;
-    let at = |item: &Item| item.lo[axis] + item.hi[axis];
-    items.select_nth_unstable_by(middle, |a, b| at(a).total_cmp(&at(b)).then(a.index.cmp(&b.index)));
+    items.select_nth_unstable_by(middle, along(axis));
     middle
 }
 
