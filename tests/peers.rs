@@ -6,6 +6,7 @@ mod common;
 use common::render;
 use eyebox::base::stats::Moments;
 use eyebox::estimate::run::Films;
+use eyebox::film::accumulate::Film;
 use eyebox::film::layer::Layer;
 use eyebox::import::{ImportOptions, import};
 use eyebox::plan::{Asked, Choice, Guides, Polarisation};
@@ -22,19 +23,19 @@ fn peer(name: &str, side: usize) -> Scene {
     scene
 }
 
+/// One layer of a pixel, or all.
+fn layer_value(films: &Films, layer: Option<Layer>, pixel: usize) -> f64 {
+    let of_film = |film: &Film| -> f64 {
+        let planes = film.planes.iter().enumerate().filter(|(_, key)| layer.is_none_or(|layer| key.layer == layer));
+        planes.map(|(plane, _)| film.mean(pixel, plane).value).sum()
+    };
+    films.films.iter().map(|(_, film, _)| of_film(film)).sum()
+}
+
 /// Mean over pixels of one layer, or of all.
 fn layer_mean(films: &Films, layer: Option<Layer>) -> f64 {
-    let mut sum = 0.0;
-    let mut pixels = 0;
-    for (_, film, _) in &films.films {
-        pixels = film.width * film.height;
-        for (plane, key) in film.planes.iter().enumerate() {
-            if layer.is_none_or(|layer| key.layer == layer) {
-                sum += (0..pixels).map(|pixel| film.mean(pixel, plane).value).sum::<f64>();
-            }
-        }
-    }
-    sum / pixels as f64
+    let pixels = films.films.first().map_or(0, |(_, film, _)| film.width * film.height);
+    (0..pixels).map(|pixel| layer_value(films, layer, pixel)).sum::<f64>() / pixels as f64
 }
 
 /// Means of direct, caustic, secondary, forward and of everything over independent seeds. Photons are shared by the
@@ -70,6 +71,33 @@ fn a1_led_ball_screen() {
     // line elsewhere.
     agrees("A1 caustic", &caustic, 11.053, 0.005, 5e-3);
     agrees("A1 secondary", &secondary, 2.861, 0.003, 5e-3);
+}
+
+/// Rows and columns of 128 × 128 pixels about the focus of A1.
+const FOCUS: [std::ops::Range<usize>; 2] = [48..64, 56..72];
+
+/// The focus is some two pixels wide. Photons gathered over two pixels made a picture of 40 passes a quarter off.
+#[test]
+fn the_focus_of_a1_is_sharp() {
+    let table = include_str!("data/a1_focus.csv").lines().filter(|line| !line.starts_with('#'));
+    let want: Vec<f64> = table.flat_map(|line| line.split(',')).map(|value| value.parse().expect("a number")).collect();
+    let scene = peer("a1", 128);
+    let caustic = |seed: u64| -> Vec<f64> {
+        let (films, _) = render(&scene, UNPOLARISED, 40, seed);
+        let [rows, columns] = FOCUS;
+        let pixels = rows.flat_map(|row| columns.clone().map(move |column| 128 * row + column));
+        pixels.map(|pixel| layer_value(&films, Some(Layer::Caustic), pixel)).collect()
+    };
+    let [one, other] = [1, 2].map(caustic);
+    let light: f64 = want.iter().map(|want| want * want).sum();
+    // The product of two independent differences has the mean of the squared blur, without noise.
+    let blur: f64 = (0..want.len()).map(|at| (one[at] - want[at]) * (other[at] - want[at])).sum();
+    let noise: f64 = (0..want.len()).map(|at| (one[at] - other[at]).powi(2) / 2.0).sum();
+    let [blur, noise] = [blur / light, noise / light];
+    println!("squares of blur {blur:.2e} and noise {noise:.2e}");
+    assert!(blur < 0.05f64.powi(2) && noise < 0.1f64.powi(2), "squares of blur {blur} and noise {noise}");
+    let [brought, there] = [one.iter().chain(&other).sum::<f64>() / 2.0, want.iter().sum()];
+    assert!((brought / there - 1.0).abs() < 0.03, "{brought} of {there}: sharp, and no light more or less");
 }
 
 #[test]

@@ -21,7 +21,7 @@ fn disc() -> Scene {
     scene
 }
 
-/// With radii of a few pixels the noise alone says a fraction of the error. What is connected blurs nothing, and tells.
+/// With radii of a few pixels, as photons that part keep wherever they are crowded, the noise alone says a fraction of the error. What is connected blurs nothing, and tells.
 #[test]
 fn blur_is_in_the_stated_error() {
     let scene = disc();
@@ -31,6 +31,7 @@ fn blur_is_in_the_stated_error() {
     let references = references(&ready, &source, 1, &|| false).unwrap().0;
     let mut blurred = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Photon));
     blurred.photon_radii_m = blurred.photon_radii_m.scaled(3.0);
+    blurred.photons_part = true;
     let (mut honest, mut by_noise, mut far_off) = (0, 0, 0);
     for seed in 0..20 {
         let mut tracing = begin(&ready.world, &blurred, scene.groups.len(), SIZE, seed);
@@ -53,6 +54,7 @@ fn without_blur_the_noise_is_stated() {
     let ready = Ready::new(&scene, 0.0).unwrap();
     let mut sharp = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Photon));
     sharp.photon_radii_m = sharp.photon_radii_m.scaled(0.2);
+    sharp.photons_part = true;
     let mut more = Moments::default();
     for seed in 3..13 {
         let mut tracing = begin(&ready.world, &sharp, scene.groups.len(), SIZE, seed);

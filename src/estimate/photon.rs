@@ -2,6 +2,7 @@
 //! scatterer that the eye sees through specular faces, or at the next one by final gathering. The radius shrinks with the
 //! pass number so that the mean over passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
 
+pub mod crowd;
 pub mod final_gather;
 mod gather;
 mod stored;
@@ -36,10 +37,19 @@ use stored::Stored;
 /// The squared radius falls as (pass + 1)^(α − 1): bias and variance of the mean both vanish for 0 < α < 1.
 const ALPHA: f64 = 2.0 / 3.0;
 
-/// Radii of pass `pass` (from 0) when pass 0 has `first`.
-pub fn radii_of_pass(first: Radii, pass: u64) -> Radii {
-    first.scaled(((pass + 1) as f64).powf((ALPHA - 1.0) / 2.0))
+/// What kernels have in pass `pass` (from 0) of the area that they have in pass 0.
+fn area_of_pass(pass: u64) -> f64 {
+    ((pass + 1) as f64).powf(ALPHA - 1.0)
 }
+
+/// Radii of pass `pass` when pass 0 has `first`.
+pub fn radii_of_pass(first: Radii, pass: u64) -> Radii {
+    first.scaled(area_of_pass(pass).sqrt())
+}
+
+/// So many photons straight from specular faces in a box of twice the radius need no smaller kernels in pass 0. With them
+/// the squared noise of scene A2 is 1.4 times what it is without, and of its squared blur, 3 times as much, nothing is left.
+const ENOUGH: f64 = 64.0;
 
 fn asks_for_final_gather(surface: &Surface) -> bool {
     matches!(surface, Surface::Scatter(scatter) if scatter.asks_for_final_gather())
@@ -168,7 +178,9 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             let screens = self.screens.of_pass(pass, self.world, &optics);
             let (photons, ledger) = self.emit(self.shots(Stream::PhotonEmission, pass), &optics, &screens);
             total.merge(&ledger);
-            let maps = Maps::new(photons, radii_of_pass(self.first_radii_m, pass), self.final_gather);
+            // Light of which connection leaves little may be soft.
+            let enough = if self.part { f64::INFINITY } else { ENOUGH * area_of_pass(pass) };
+            let maps = Maps::new(photons, radii_of_pass(self.first_radii_m, pass), enough, self.final_gather);
             total.work += self.gather(film, (pass, &optics), &maps);
             film.close(pass, 1);
         }

@@ -1,6 +1,7 @@
 //! Photons in a hash grid: cells of twice the gathering radius, photons sorted by cell, so that a gathering looks at
 //! eight cells and always adds in the same order.
 
+use super::photon::crowd;
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::lpe::Told;
@@ -61,11 +62,14 @@ pub struct PhotonMap<M: Mode> {
     starts: Vec<u32>,
     cell: f64,
     radius: f64,
+    /// How often the radius of each photon's kernel is halved.
+    halvings: Vec<u8>,
 }
 
 impl<M: Mode> PhotonMap<M> {
-    /// Sorts photons into cells for gathering within `radius` metres.
-    pub fn new(photons: Vec<Photon<M>>, radius: f64) -> Self {
+    /// Sorts photons into cells for gathering within `radius` metres. `enough`: so many in a cell are gathered within all of
+    /// it, more within less, see [`crowd`]. What is connected does not count.
+    pub fn new(photons: Vec<Photon<M>>, radius: f64, enough: f64) -> Self {
         let buckets = (photons.len() * 2).next_power_of_two().max(1);
         let cell = 2.0 * radius;
         let bucket_of: Vec<u32> =
@@ -82,8 +86,20 @@ impl<M: Mode> PhotonMap<M> {
             order[next[b as usize] as usize] = index as u32;
             next[b as usize] += 1;
         }
-        let photons = order.par_iter().map(|&index| photons[index as usize].clone()).collect();
-        PhotonMap { photons, starts, cell, radius }
+        let photons: Vec<Photon<M>> = order.par_iter().map(|&index| photons[index as usize].clone()).collect();
+        let crowd = |ends: &[u32]| {
+            let free = |&at: &usize| !photons[at].connected;
+            let free: Vec<usize> = (ends[0] as usize..ends[1] as usize).filter(free).collect();
+            let positions: Vec<DVec3> = free.iter().map(|&at| photons[at].position).collect();
+            let halvings = crowd::halvings(&positions, cell, enough);
+            free.into_iter().zip(halvings).collect::<Vec<(usize, u8)>>()
+        };
+        let crowded = starts.par_windows(2).filter(|ends| f64::from(ends[1] - ends[0]) > enough);
+        let mut halvings = vec![0; photons.len()];
+        for (at, halved) in crowded.map(crowd).collect::<Vec<_>>().into_iter().flatten() {
+            halvings[at] = halved;
+        }
+        PhotonMap { photons, starts, cell, radius, halvings }
     }
 
     /// m
@@ -97,12 +113,15 @@ impl<M: Mode> PhotonMap<M> {
         self.photons.is_empty()
     }
 
-    /// Calls `visit` with each photon on the face of `site` within the radius of `point`, and the density there of the kernel
-    /// and of the one of a quarter of its area (1/m², Epanechnikov: 2/(πr²)·(1 − d²/r²)).
-    pub fn gather(&self, point: DVec3, site: Site, mut visit: impl FnMut(&Photon<M>, [f64; 2])) {
+    /// Calls `visit` with each photon on the face of `site` whose kernel reaches `point`, how often the radius of that is
+    /// halved, and the density there of the kernel and of the one of a quarter of its area (1/m², Epanechnikov:
+    /// 2/(πr²)·(1 − d²/r²)).
+    pub fn gather(&self, point: DVec3, site: Site, mut visit: impl FnMut(&Photon<M>, usize, [f64; 2])) {
         let buckets = self.starts.len() - 1;
-        let r2 = self.radius * self.radius;
-        let peak = 2.0 / (std::f64::consts::PI * r2);
+        let squares: [f64; crowd::MOST + 1] = std::array::from_fn(|halved| {
+            let radius = halve(self.radius, halved);
+            radius * radius
+        });
         // The cells that the sphere touches: two per axis, since a cell is as wide as the sphere.
         let low = cell_of(point - DVec3::splat(self.radius), self.cell);
         let mut seen = [usize::MAX; 8];
@@ -113,15 +132,22 @@ impl<M: Mode> PhotonMap<M> {
                 continue;
             }
             seen[corner] = b;
-            for photon in &self.photons[self.starts[b] as usize..self.starts[b + 1] as usize] {
-                let d2 = photon.position.distance_squared(point);
+            let range = self.starts[b] as usize..self.starts[b + 1] as usize;
+            for (photon, halved) in self.photons[range.clone()].iter().zip(&self.halvings[range]) {
+                let halved = usize::from(*halved);
+                let (d2, r2) = (photon.position.distance_squared(point), squares[halved]);
                 if d2 < r2 && photon.site.part == site.part && photon.site.face == site.face {
-                    let near = 1.0 - d2 / r2;
-                    visit(photon, [peak * near, 4.0 * peak * (4.0 * near - 3.0).max(0.0)]);
+                    let (peak, near) = (2.0 / (std::f64::consts::PI * r2), 1.0 - d2 / r2);
+                    visit(photon, halved, [peak * near, 4.0 * peak * (4.0 * near - 3.0).max(0.0)]);
                 }
             }
         }
     }
+}
+
+/// A radius halved so many times.
+pub fn halve(radius: f64, times: usize) -> f64 {
+    radius * 0.5f64.powi(times as i32)
 }
 
 /// The cell of a grid with this spacing.
@@ -141,6 +167,7 @@ fn bucket(cell: [i64; 3], buckets: usize) -> usize {
 mod tests {
     use super::*;
     use crate::base::rng::{Rng, Stream};
+    use crate::base::stats::Moments;
     use crate::world::mode::Mono;
 
     fn photon(position: DVec3, face: u32) -> Photon<Mono> {
@@ -163,12 +190,12 @@ mod tests {
         let mut rng = Rng::new(1, Stream::Check, 0, 0);
         let mut point = || DVec3::new(rng.uniform() - 0.5, rng.uniform() - 0.5, rng.uniform() - 0.5);
         let photons: Vec<Photon<Mono>> = (0..5000).map(|i| photon(point(), i % 2)).collect();
-        let map = PhotonMap::new(photons.clone(), 0.1);
+        let map = PhotonMap::new(photons.clone(), 0.1, f64::INFINITY);
         for _ in 0..200 {
             let at = point();
             let site = Site { part: 0, face: 1, triangle: 9 };
             let mut found = 0;
-            map.gather(at, site, |_, densities| {
+            map.gather(at, site, |_, _, densities| {
                 assert!(densities.iter().all(|density| *density >= 0.0));
                 found += 1;
             });
@@ -177,18 +204,46 @@ mod tests {
         }
     }
 
-    /// On a plane with a photons per area, the kernel estimate has that mean.
+    const AT: (DVec3, Site) = (DVec3::new(0.5, 0.5, 0.0), Site { part: 0, face: 0, triangle: 0 });
+
+    /// The two densities that a map has of photons on a plane.
+    fn densities(photons: Vec<Photon<Mono>>, enough: f64) -> [f64; 2] {
+        let map = PhotonMap::new(photons, 0.1, enough);
+        let mut sums = [0.0; 2];
+        map.gather(AT.0, AT.1, |photon, _, densities| {
+            sums = [0, 1].map(|i| sums[i] + photon.flux[0].value * densities[i]);
+        });
+        sums
+    }
+
+    /// On a plane with a photons per area, the kernel estimate has that mean, halved or not.
     #[test]
     fn kernel_integrates_to_one() {
         let n = 400;
-        let photons = (0..n * n)
+        let photons: Vec<Photon<Mono>> = (0..n * n)
             .map(|i| photon(DVec3::new((i % n) as f64 / n as f64, (i / n) as f64 / n as f64, 0.0), 0))
             .collect();
-        let map = PhotonMap::new(photons, 0.1);
-        let mut sums = [0.0; 2];
-        map.gather(DVec3::new(0.5, 0.5, 0.0), Site { part: 0, face: 0, triangle: 0 }, |p, k| {
-            sums = [0, 1].map(|i| sums[i] + p.flux[0].value * k[i]);
-        });
-        assert!(sums.iter().all(|sum| (sum / (n * n) as f64 - 1.0).abs() < 1e-3), "{sums:?}");
+        for (enough, near) in [(f64::INFINITY, 1e-3), (4000.0, 4e-3)] {
+            let sums = densities(photons.clone(), enough);
+            assert!(sums.iter().all(|sum| (sum / (n * n) as f64 - 1.0).abs() < near), "{sums:?}");
+        }
+    }
+
+    /// Whatever number of photons makes a kernel small, chance does not make the mean larger or smaller.
+    #[test]
+    fn crowded_photons_bring_no_more_in_the_mean() {
+        const NUMBER: u64 = 100;
+        let (mut found, mut whole) = ([Moments::default(); 2], 0);
+        for map in 0..20_000 {
+            let mut rng = Rng::new(5, Stream::Check, map, 0);
+            let photons = (0..NUMBER).map(|_| photon(DVec3::new(rng.uniform(), rng.uniform(), 0.0), 0)).collect();
+            let densities = densities(photons, 4.0);
+            found.iter_mut().zip(densities).for_each(|(found, density)| found.add(density / NUMBER as f64));
+            whole += u32::from(densities[0] > 0.0);
+        }
+        assert!(whole < 19_800, "kernels of whole radius reach here but once in 40 maps: {whole}");
+        for found in found {
+            assert!((found.mean - 1.0).abs() < 4.0 * found.stderr() && found.stderr() < 0.02, "{found:?}");
+        }
     }
 }

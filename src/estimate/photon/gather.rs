@@ -1,7 +1,7 @@
 //! Gathering: at the first broad scatterer that the eye sees through specular faces, what photons bring to it; and at the
 //! second, where the first asks for [final gathering](super::final_gather).
 
-use super::{PhotonMapper, final_gather};
+use super::{PhotonMapper, crowd, final_gather};
 use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
@@ -9,7 +9,7 @@ use crate::base::warp::{Frame, disk};
 use crate::estimate::even::Even;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::manifold::glances::{Glanced, Rest};
-use crate::estimate::photon_map::{Photon, PhotonMap};
+use crate::estimate::photon_map::{Photon, PhotonMap, halve};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::turn::Faint;
 use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
@@ -34,12 +34,12 @@ pub(super) struct Maps<M: Mode> {
 }
 
 impl<M: Mode> Maps<M> {
-    pub(super) fn new(photons: Vec<Photon<M>>, radii: Radii, final_gather: bool) -> Self {
-        let second = final_gather.then(|| PhotonMap::new(photons.clone(), radii.secondary));
+    /// `enough`: of photons straight from specular faces, for the whole radius.
+    pub(super) fn new(photons: Vec<Photon<M>>, radii: Radii, enough: f64, final_gather: bool) -> Self {
+        let soft = |photons| PhotonMap::new(photons, radii.secondary, f64::INFINITY);
+        let second = final_gather.then(|| soft(photons.clone()));
         let (secondary, caustic) = photons.into_iter().partition(|photon| photon.trail.has_scatter());
-        let [caustic, secondary] = [(caustic, radii.caustic), (secondary, radii.secondary)]
-            .map(|(photons, radius)| PhotonMap::new(photons, radius));
-        Maps { caustic, secondary, second }
+        Maps { caustic: PhotonMap::new(caustic, radii.caustic, enough), secondary: soft(secondary), second }
     }
 
     /// Calls `visit` with each photon near a vertex that a path from the eye came to by `eye`, and the density there of the
@@ -53,13 +53,17 @@ impl<M: Mode> Maps<M> {
         for map in maps.into_iter().flatten() {
             // What of the kernel lies beside the face, or behind what stands on it, is made up for by the rest.
             let around = world.rims.around(site, point, normal, map.radius());
-            // Of the smaller kernel: where the larger is whole it is, too.
-            let mut within = (around.share >= 1.0).then_some(1.0);
-            map.gather(point, site, |photon, [whole, part]| {
+            // Of smaller kernels: where the largest is whole they are, too.
+            let mut shares = [(around.share >= 1.0).then_some(1.0); crowd::MOST + 2];
+            shares[0] = Some(around.share);
+            let mut share = |halved: usize| {
+                let of = || world.rims.around(site, point, normal, halve(map.radius(), halved)).share;
+                *shares[halved].get_or_insert_with(of)
+            };
+            map.gather(point, site, |photon, halved, [whole, part]| {
                 if around.counts(photon.position) {
-                    let share = || world.rims.around(site, point, normal, 0.5 * map.radius()).share;
-                    let part = if part > 0.0 { part / *within.get_or_insert_with(share) } else { 0.0 };
-                    visit(photon, [whole / around.share, part]);
+                    let part = if part > 0.0 { part / share(halved + 1) } else { 0.0 };
+                    visit(photon, [whole / share(halved), part]);
                 }
             });
         }

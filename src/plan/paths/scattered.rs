@@ -95,7 +95,7 @@ impl<M: Mode> Deposits<M> {
             photons.push(photon);
         }
         let radius = radius_m(&photons, eyes).unwrap_or(f64::MIN_POSITIVE);
-        Deposits { map: PhotonMap::new(photons, radius), origins }
+        Deposits { map: PhotonMap::new(photons, radius, f64::INFINITY), origins }
     }
 
     /// Luminance that a scatterer sends along a path to the eye, by origin.
@@ -104,7 +104,7 @@ impl<M: Mode> Deposits<M> {
         let d_in = frame.to_local(walker.ray.dir);
         let sides = walker.sides(vertex, scatter);
         let mut sums: BTreeMap<u32, [Light; 3]> = BTreeMap::new();
-        self.map.gather(vertex.hit.point, vertex.hit.site, |photon, [density, _]| {
+        self.map.gather(vertex.hit.point, vertex.hit.site, |photon, _, [density, _]| {
             let through = photon.outside != vertex.outside;
             let d_out = on_side(frame.to_local(-photon.dir), through);
             let (index, _) = walker.beyond(vertex, through, 0.0);
