@@ -29,6 +29,8 @@ pub enum Stream {
     FinalGather,
     /// Of a pilot that looks where light of the sky gets in.
     Daylight,
+    /// Where photons are crowded and a pixel takes more rays than one.
+    PhotonCrowd,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

@@ -11,6 +11,7 @@ use crate::world::geometry::Site;
 use crate::world::mode::Mode;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Flux that arrived at a scatterer.
 #[derive(Debug, Clone)]
@@ -62,8 +63,9 @@ pub struct PhotonMap<M: Mode> {
     starts: Vec<u32>,
     cell: f64,
     radius: f64,
-    /// How often the radius of each photon's kernel is halved.
+    /// How often the radius of each photon's kernel is halved; whether any is.
     halvings: Vec<u8>,
+    crowded: bool,
 }
 
 impl<M: Mode> PhotonMap<M> {
@@ -99,7 +101,8 @@ impl<M: Mode> PhotonMap<M> {
         for (at, halved) in crowded.map(crowd).collect::<Vec<_>>().into_iter().flatten() {
             halvings[at] = halved;
         }
-        PhotonMap { photons, starts, cell, radius, halvings }
+        let crowded = halvings.iter().any(|halved| *halved > 0);
+        PhotonMap { photons, starts, cell, radius, halvings, crowded }
     }
 
     /// m
@@ -117,31 +120,56 @@ impl<M: Mode> PhotonMap<M> {
     /// halved, and the density there of the kernel and of the one of a quarter of its area (1/m², Epanechnikov:
     /// 2/(πr²)·(1 − d²/r²)).
     pub fn gather(&self, point: DVec3, site: Site, mut visit: impl FnMut(&Photon<M>, usize, [f64; 2])) {
-        let buckets = self.starts.len() - 1;
         let squares: [f64; crowd::MOST + 1] = std::array::from_fn(|halved| {
             let radius = halve(self.radius, halved);
             radius * radius
         });
-        // The cells that the sphere touches: two per axis, since a cell is as wide as the sphere.
-        let low = cell_of(point - DVec3::splat(self.radius), self.cell);
-        let mut seen = [usize::MAX; 8];
-        for corner in 0..8usize {
-            let cell = [low[0] + (corner & 1) as i64, low[1] + (corner >> 1 & 1) as i64, low[2] + (corner >> 2) as i64];
-            let b = bucket(cell, buckets);
-            if seen[..corner].contains(&b) {
-                continue;
-            }
-            seen[corner] = b;
-            let range = self.starts[b] as usize..self.starts[b + 1] as usize;
+        for range in self.about(point) {
             for (photon, halved) in self.photons[range.clone()].iter().zip(&self.halvings[range]) {
                 let halved = usize::from(*halved);
                 let (d2, r2) = (photon.position.distance_squared(point), squares[halved]);
-                if d2 < r2 && photon.site.part == site.part && photon.site.face == site.face {
+                if d2 < r2 && photon.site.is_on_face_of(site) {
                     let (peak, near) = (2.0 / (std::f64::consts::PI * r2), 1.0 - d2 / r2);
                     visit(photon, halved, [peak * near, 4.0 * peak * (4.0 * near - 3.0).max(0.0)]);
                 }
             }
         }
+    }
+
+    /// Some photons' kernels are smaller.
+    pub fn is_crowded(&self) -> bool {
+        self.crowded
+    }
+
+    /// How often the smallest kernel is halved of the photons within `reach` of a point, and within the map's radius.
+    pub fn most_halved(&self, (point, site): (DVec3, Site), reach: f64) -> usize {
+        let r2 = reach.min(self.radius).powi(2);
+        let mut most = 0;
+        for range in self.about(point) {
+            for (photon, halved) in self.photons[range.clone()].iter().zip(&self.halvings[range]) {
+                if *halved > most && photon.site.is_on_face_of(site) && photon.position.distance_squared(point) < r2 {
+                    most = *halved;
+                }
+            }
+        }
+        usize::from(most)
+    }
+
+    /// The photons of the cells that a sphere of the radius about a point touches: two per axis, since a cell is as wide as
+    /// the sphere.
+    fn about(&self, point: DVec3) -> impl Iterator<Item = Range<usize>> {
+        let buckets = self.starts.len() - 1;
+        let low = cell_of(point - DVec3::splat(self.radius), self.cell);
+        let mut seen = [usize::MAX; 8];
+        (0..8usize).filter_map(move |corner| {
+            let cell = [low[0] + (corner & 1) as i64, low[1] + (corner >> 1 & 1) as i64, low[2] + (corner >> 2) as i64];
+            let b = bucket(cell, buckets);
+            if seen[..corner].contains(&b) {
+                return None;
+            }
+            seen[corner] = b;
+            Some(self.starts[b] as usize..self.starts[b + 1] as usize)
+        })
     }
 }
 
@@ -245,5 +273,20 @@ mod tests {
         for found in found {
             assert!((found.mean - 1.0).abs() < 4.0 * found.stderr() && found.stderr() < 0.02, "{found:?}");
         }
+    }
+
+    #[test]
+    fn tells_where_photons_are_crowded() {
+        let mut rng = Rng::new(7, Stream::Check, 0, 0);
+        let mut about = |x: f64, face: u32, number: usize| -> Vec<Photon<Mono>> {
+            (0..number).map(|_| photon(DVec3::new(x + 0.01 * rng.uniform(), 0.01 * rng.uniform(), 0.0), face)).collect()
+        };
+        let photons: Vec<Photon<Mono>> = [about(0.0, 0, 500), about(0.5, 0, 10), about(1.0, 1, 500)].concat();
+        let most = |map: &PhotonMap<Mono>, x: f64, reach: f64| map.most_halved((DVec3::X * x, AT.1), reach);
+        let map = PhotonMap::new(photons.clone(), 0.1, 20.0);
+        assert!(map.is_crowded());
+        assert_eq!([0.005, 0.505, 1.005].map(|x| most(&map, x, 0.02)), [crowd::MOST, 0, 0], "thin, and another face");
+        assert_eq!([0.02, 0.05].map(|reach| most(&map, -0.03, reach)), [0, crowd::MOST], "within reach");
+        assert!(!PhotonMap::new(photons, 0.1, f64::INFINITY).is_crowded());
     }
 }

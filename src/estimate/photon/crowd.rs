@@ -8,8 +8,8 @@
 
 use glam::DVec3;
 
-/// How often a radius is halved at most: two pixels to half of one, and a picture hardly shows less.
-pub const MOST: usize = 2;
+/// How often a radius is halved at most: two pixels to a quarter of one, and no picture shows less.
+pub const MOST: usize = 3;
 
 /// How often the radius of each photon's kernel is halved. `positions`: in boxes of `side` about a lattice at the origin;
 /// those in different boxes are taken as if they were in one. `enough`: photons in a box that is not halved.

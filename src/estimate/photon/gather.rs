@@ -1,6 +1,7 @@
 //! Gathering: at the first broad scatterer that the eye sees through specular faces, what photons bring to it; and at the
 //! second, where the first asks for [final gathering](super::final_gather).
 
+use super::middles::Middles;
 use super::{PhotonMapper, crowd, final_gather};
 use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
@@ -84,6 +85,11 @@ impl Gathered {
         self.light.fill(Light::default());
         self.beyond = 0.0;
     }
+
+    fn scale(&mut self, factor: f64) {
+        self.light.iter_mut().for_each(|light| *light = light.scaled(factor));
+        self.beyond *= factor;
+    }
 }
 
 /// Where a photon came from, local to the point that gathers it, on the side of the face at which it arrived. On a
@@ -97,6 +103,8 @@ impl<M: Mode> PhotonMapper<'_, M> {
     /// Returns the counted work.
     pub(super) fn gather(&self, film: &mut Film, (pass, optics): (u64, &Optics<M>), maps: &Maps<M>) -> u64 {
         let (width, components) = (film.width, film.components);
+        let size = [width, film.height];
+        let middles = maps.caustic.is_crowded().then(|| self.middles.get_or_init(|| Middles::new(self.world, size)));
         let mut rows: Vec<_> = film.rows().collect();
         let of_row = |(y, row): &mut (usize, Row<'_>)| {
             let light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
@@ -104,8 +112,17 @@ impl<M: Mode> PhotonMapper<'_, M> {
             let mut ledger = Ledger::new(self.world.solids.len());
             for x in 0..width {
                 gathered.clear();
-                let pixel = Pixel::new((x, *y), width, pass);
-                self.pixel((pixel, optics), maps, &mut gathered, &mut ledger);
+                let mut shoot = |stream: Stream, number: u64| {
+                    let pixel = Pixel::new((x, *y), width, number);
+                    self.pixel((pixel, stream), optics, maps, &mut gathered, &mut ledger);
+                };
+                match middles.map_or(1, |middles| middles.rays(*y * width + x, &maps.caustic)) {
+                    1 => shoot(Stream::PhotonGather, pass),
+                    rays => {
+                        (0..rays).for_each(|k| shoot(Stream::PhotonCrowd, pass.wrapping_mul(rays).wrapping_add(k)));
+                        gathered.scale(1.0 / rays as f64);
+                    }
+                }
                 ledger.work += cost::KEPT;
                 row.add_pass(x, pass, &gathered.light);
                 row.add_blur(x, gathered.beyond);
@@ -115,12 +132,19 @@ impl<M: Mode> PhotonMapper<'_, M> {
         rows.par_iter_mut().map(of_row).sum()
     }
 
-    /// Gathers what is seen in a pixel. What tables know of where its ray lands is read there, as specular connection does,
+    /// Gathers what a ray through a pixel sees; its number in the pixel's lattice is its `pass`. What tables know of where its ray lands is read there, as specular connection does,
     /// and now and then the ray itself makes good what they have wrong.
-    fn pixel(&self, (pixel, optics): (Pixel, &Optics<M>), maps: &Maps<M>, out: &mut Gathered, ledger: &mut Ledger) {
+    fn pixel(
+        &self,
+        (pixel, stream): (Pixel, Stream),
+        optics: &Optics<M>,
+        maps: &Maps<M>,
+        out: &mut Gathered,
+        ledger: &mut Ledger,
+    ) {
         let world = self.world;
-        let mut rng = pixel.rng(self.seed, Stream::PhotonGather);
-        let [x, y, u, v] = pixel.start(self.seed, Stream::PhotonGather, pixel.pass);
+        let mut rng = pixel.rng(self.seed, stream);
+        let [x, y, u, v] = pixel.start(self.seed, stream, pixel.pass);
         let film = world.eye.film_of(pixel.x, pixel.y, [x, y]);
         let pupil = disk([u, v]) * world.eye.pupil_radius_m();
         let read = |walker: &mut Walker<'_, M>, vertex: &Vertex, _: f64| {
@@ -137,7 +161,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
         let ray = Ray { origin, dir, from: None };
         let walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0 / rest.share, Interior::default(), rng);
         let walker = if rest.leaves_out() { walker.recording() } else { walker };
-        let even = (pixel, &Even::new(self.seed, Stream::PhotonGather, pixel, pixel.pass));
+        let even = (pixel, &Even::new(self.seed, stream, pixel, pixel.pass));
         self.eye_path((walker, even, 0), rest, maps, out, ledger);
     }
 

@@ -129,7 +129,7 @@ fn radius_m<M: Mode>(photons: &[Photon<M>], eyes: &[(DVec3, Site)]) -> Option<f6
     let mut distances: Vec<f64> = eyes
         .iter()
         .filter_map(|(point, site)| {
-            let same = |photon: &&Photon<M>| (photon.site.part, photon.site.face) == (site.part, site.face);
+            let same = |photon: &&Photon<M>| photon.site.is_on_face_of(*site);
             let mut squares: Vec<f64> =
                 photons.iter().filter(same).map(|photon| photon.position.distance_squared(*point)).collect();
             let k = NEIGHBOUR.min(squares.len()).checked_sub(1)?;

@@ -75,6 +75,13 @@ pub struct Site {
     pub triangle: u32,
 }
 
+impl Site {
+    /// Both lie on one face.
+    pub fn is_on_face_of(self, other: Site) -> bool {
+        (self.part, self.face) == (other.part, other.face)
+    }
+}
+
 /// Where a ray meets a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {

@@ -1,0 +1,98 @@
+//! How many rays a pixel takes in a pass. Where photons are crowded light changes within a pixel, and one ray shows one place
+//! of many: the more crowded they are about what the middle of a pixel sees, the more rays it takes. Middles do not depend
+//! on where rays start, so that is no bias.
+
+use super::crowd;
+use crate::base::rng::{Rng, Stream};
+use crate::estimate::ledger::Ledger;
+use crate::estimate::photon_map::PhotonMap;
+use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Walker};
+use crate::world::World;
+use crate::world::geometry::{Ray, Site};
+use crate::world::interior::Interior;
+use crate::world::mode::{Mode, Mono};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// By how often the radius of photons about a middle is halved.
+const RAYS: [u64; crowd::MOST + 1] = [1, 2, 8, 16];
+/// Specular faces that the ray through a middle is followed over.
+const MOST_EVENTS: u32 = 64;
+
+/// Where the ray through the middle of a pixel, or a branch of it, meets its first scatterer, if that is a broad one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Middle {
+    site: Site,
+    /// Recentred world, m.
+    point: DVec3,
+    /// How far around it the pixel sees, m.
+    reach: f64,
+}
+
+/// Those of a picture.
+#[derive(Debug)]
+pub(super) struct Middles {
+    of_pixel: Vec<Vec<Middle>>,
+}
+
+impl Middles {
+    pub(super) fn new(world: &World, [width, height]: [usize; 2]) -> Middles {
+        let optics = Mono::<f64>::optics(world, 0, 0);
+        let look = |pixel: usize| {
+            let (origin, dir) = world.eye.ray(pixel % width, pixel / width, [0.5; 2], [0.5; 2]);
+            let rng = Rng::new(0, Stream::PhotonCrowd, 0, pixel as u64);
+            let ray = Ray { origin, dir, from: None };
+            let mut found = Vec::new();
+            follow(Walker::new((world, &optics), Travel::FromEye, ray, 1.0, Interior::default(), rng), &mut found);
+            found
+        };
+        let mut of_pixel: Vec<Vec<Middle>> = (0..width * height).into_par_iter().map(look).collect();
+        // A pixel sees as far as its corners lie: 1/√2 of the way to its neighbours.
+        let to = |middle: &Middle, neighbour: usize| {
+            let there = of_pixel[neighbour].iter().filter(|other| other.site.is_on_face_of(middle.site));
+            there.map(|other| other.point.distance(middle.point)).min_by(f64::total_cmp)
+        };
+        let reach = |pixel: usize, middle: &Middle| {
+            let (x, y) = (pixel % width, pixel / width);
+            let beside = [(x > 0).then(|| pixel - 1), (x + 1 < width).then(|| pixel + 1)];
+            let above = [(y > 0).then(|| pixel - width), (y + 1 < height).then(|| pixel + width)];
+            let neighbours = beside.into_iter().chain(above).flatten();
+            neighbours.filter_map(|other| to(middle, other)).fold(0.0, f64::max) * std::f64::consts::FRAC_1_SQRT_2
+        };
+        let of = |pixel: usize| of_pixel[pixel].iter().map(|middle| reach(pixel, middle)).collect();
+        let reaches: Vec<Vec<f64>> = (0..of_pixel.len()).into_par_iter().map(of).collect();
+        for (middle, reach) in of_pixel.iter_mut().flatten().zip(reaches.into_iter().flatten()) {
+            middle.reach = reach;
+        }
+        Middles { of_pixel }
+    }
+
+    /// How many rays a pixel takes where these photons lie.
+    pub(super) fn rays<M: Mode>(&self, pixel: usize, map: &PhotonMap<M>) -> u64 {
+        let halved = |middle: &Middle| map.most_halved((middle.point, middle.site), middle.reach);
+        RAYS[self.of_pixel[pixel].iter().map(halved).max().unwrap_or(0)]
+    }
+}
+
+/// The first scatterers on a ray's way and its branches.
+fn follow(mut walker: Walker<'_, Mono>, found: &mut Vec<Middle>) {
+    let mut ledger = Ledger::new(walker.world.solids.len());
+    while walker.events < MOST_EVENTS {
+        let Met::Face(vertex) = walker.advance(&mut ledger) else { return };
+        if walker.events < SPLIT_FIRST_EVENTS
+            && let Some(reflected) = walker.split(&vertex, 0.0, Walker::<Mono>::MOST_SPLITS, &mut ledger)
+        {
+            follow(reflected, found);
+        }
+        match walker.meet(&vertex, &mut ledger) {
+            Meeting::Went => {}
+            Meeting::Ended => return,
+            Meeting::Scatter(scatter, _) => {
+                if !scatter.is_narrow() {
+                    found.push(Middle { site: vertex.hit.site, point: vertex.hit.point, reach: 0.0 });
+                }
+                return;
+            }
+        }
+    }
+}
