@@ -201,7 +201,7 @@ fn exposure(frame: &Frame) -> f64 {
 fn subtitle(file: &str, frame: &Frame) -> String {
     let mut parts = vec![file.to_owned(), format!("{} × {} pixels", frame.width, frame.height)];
     parts.extend(frame.integer("passes").map(|passes| format!("{passes} passes")));
-    parts.extend(convergence::relative_error(frame).map(|error| format!("relative error {:.2} %", 100.0 * error)));
+    parts.extend(convergence::relative_noise(frame).map(|noise| format!("relative noise {:.2} %", 100.0 * noise)));
     parts.join(" · ")
 }
 

@@ -19,6 +19,8 @@ use std::path::Path;
 
 /// The attribute that makes an EXR a shard.
 const KEY: &str = "shard";
+/// What the sums mean; another number when they come to mean something else. Programs before there was one wrote none.
+const FORMAT: u32 = 1;
 /// The layer of the sums.
 const SUMS: &str = "sums";
 const BITS: u32 = 24;
@@ -69,8 +71,16 @@ impl Kind {
 
 #[derive(serde::Serialize, serde::Deserialize)]
 struct Stored<H> {
+    format: u32,
     films: Vec<Kind>,
     head: H,
+}
+
+/// All of it that every program can read.
+#[derive(serde::Deserialize)]
+struct Format {
+    #[serde(default)]
+    format: u32,
 }
 
 /// Writes a shard. `picture`: of the films' size; `films` may be none. Errors: those of [`write_exr`].
@@ -84,7 +94,7 @@ pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture
         detail: film.detail().is_some(),
         blur: film.has_blur(),
     };
-    let stored = Stored { films: films.iter().map(kind).collect(), head };
+    let stored = Stored { format: FORMAT, films: films.iter().map(kind).collect(), head };
     let text = serde_json::to_string(&stored)
         .map_err(|error| Fault::new(Where::file(path), format!("cannot be described: {error}")))?;
     let mut frame = picture.clone();
@@ -115,8 +125,12 @@ pub fn read_shard<H: DeserializeOwned>(path: &Path) -> Result<Shard<H>> {
     let fault =
         |what: String| Fault::new(Where::file(path), what).expected("what `render --shard` or `--checkpoint` writes");
     let text = frame.text(KEY).ok_or_else(|| fault("is no shard".to_owned()))?;
-    let Stored { films: kinds, head } =
-        serde_json::from_str::<Stored<H>>(text).map_err(|error| fault(format!("is no shard: {error}")))?;
+    let no_shard = |error: serde_json::Error| fault(format!("is no shard: {error}"));
+    let Format { format } = serde_json::from_str(text).map_err(no_shard)?;
+    if format != FORMAT {
+        return Err(fault(format!("is of another version of the program (format {format}, this one has {FORMAT})")));
+    }
+    let Stored { films: kinds, head, .. } = serde_json::from_str::<Stored<H>>(text).map_err(no_shard)?;
     frame.meta.remove(KEY);
     let (sums, picture) = std::mem::take(&mut frame.channels).into_iter().partition(|c: &Channel| c.layer() == SUMS);
     frame.channels = picture;
@@ -267,5 +281,11 @@ mod tests {
         good.channels[at].data[4] = before;
         good.push("sums.f1_light_0_a", vec![1.0; 6]);
         assert!(said(&good).contains("belongs to no film"));
+        for (text, why) in [("{}", "another version of the program (format 0,"), (r#"{"format":9}"#, "(format 9,")] {
+            good.meta.insert(KEY.to_owned(), Meta::Text(text.to_owned()));
+            assert!(said(&good).contains(why));
+        }
+        good.meta.insert(KEY.to_owned(), Meta::Text(r#"{"format":1,"head":1}"#.to_owned()));
+        assert!(said(&good).contains("is no shard: missing field `films`"));
     }
 }

@@ -14,7 +14,7 @@ pub fn points(frames: &[(String, &Frame)]) -> Vec<Value> {
         let listed = frame.text(KEY).and_then(|json| serde_json::from_str::<Vec<[f64; 2]>>(json).ok());
         let listed = listed.unwrap_or_default();
         points.extend(listed.into_iter().map(|[passes, error]| (passes, error, format!("header of {name}"))));
-        if let (Some(passes), Some(error)) = (frame.integer("passes"), relative_error(frame)) {
+        if let (Some(passes), Some(error)) = (frame.integer("passes"), relative_noise(frame)) {
             // What the header says holds what photons blur, too.
             if !points.iter().any(|(of, _, from)| *of == passes as f64 && from.ends_with(name)) {
                 points.push((passes as f64, error, name.clone()));
@@ -28,7 +28,7 @@ pub fn points(frames: &[(String, &Frame)]) -> Vec<Value> {
 
 /// Root of the sum of the squared standard errors over the sum of the squared luminances: the error that `render` states
 /// without what photons blur.
-pub fn relative_error(frame: &Frame) -> Option<f64> {
+pub fn relative_noise(frame: &Frame) -> Option<f64> {
     let (light, error) = (layer_luminance(frame, "")?, layer_luminance(frame, "stderr")?);
     let squares = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
     let of = squares(&light);
