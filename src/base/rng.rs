@@ -31,6 +31,8 @@ pub enum Stream {
     Daylight,
     /// Where photons are crowded and a pixel takes more rays than one.
     PhotonCrowd,
+    /// Where the boxes lie in which photons are counted.
+    PhotonBoxes,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

@@ -18,7 +18,7 @@ use super::route::{Reach, Route};
 use super::seen::Seen;
 use crate::base::ids::GroupId;
 use crate::base::path::Trail;
-use crate::base::rng::Stream;
+use crate::base::rng::{Rng, Stream};
 use crate::film::accumulate::Film;
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::Radii;
@@ -49,9 +49,8 @@ pub fn radii_of_pass(first: Radii, pass: u64) -> Radii {
     first.scaled(area_of_pass(pass).sqrt())
 }
 
-/// So many photons straight from specular faces in a box of twice the radius need no smaller kernels in pass 0. With them
-/// the squared noise of scene A2 is 1.3 times what it is without, and of its squared blur, 3 times as much, nothing is left.
-const ENOUGH: f64 = 64.0;
+/// So many photons straight from specular faces in a box of twice the radius need no smaller kernels in pass 0.
+const ENOUGH: f64 = 32.0;
 
 fn asks_for_final_gather(surface: &Surface) -> bool {
     matches!(surface, Surface::Scatter(scatter) if scatter.asks_for_final_gather())
@@ -185,7 +184,10 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             total.merge(&ledger);
             // Light of which connection leaves little may be soft.
             let enough = if self.part { f64::INFINITY } else { ENOUGH * area_of_pass(pass) };
-            let maps = Maps::new(photons, radii_of_pass(self.first_radii_m, pass), enough, self.final_gather);
+            let mut rng = Rng::new(self.seed, Stream::PhotonBoxes, pass, 0);
+            let shift = DVec3::new(rng.uniform(), rng.uniform(), rng.uniform());
+            let radii = radii_of_pass(self.first_radii_m, pass);
+            let maps = Maps::new(photons, radii, (enough, shift), self.final_gather);
             total.work += self.gather(film, (pass, &optics), &maps);
             film.close(pass, 1);
         }

@@ -63,19 +63,29 @@ pub struct PhotonMap<M: Mode> {
     starts: Vec<u32>,
     cell: f64,
     radius: f64,
-    /// How often the radius of each photon's kernel is halved; whether any is.
-    halvings: Vec<u8>,
+    /// Where the lattice of cells starts.
+    origin: DVec3,
+    /// By how many steps the radius of each photon's kernel is smaller; whether any is.
+    steps: Vec<u8>,
     crowded: bool,
+    /// Squares of the radii after so many steps, m².
+    squares: [f64; crowd::MOST + 1],
 }
 
 impl<M: Mode> PhotonMap<M> {
-    /// Sorts photons into cells for gathering within `radius` metres. `enough`: so many in a cell are gathered within all of
-    /// it, more within less, see [`crowd`]. What is connected does not count.
-    pub fn new(photons: Vec<Photon<M>>, radius: f64, enough: f64) -> Self {
+    /// Sorts photons into cells for gathering within `radius` metres.
+    pub fn new(photons: Vec<Photon<M>>, radius: f64) -> Self {
+        Self::crowded(photons, radius, f64::INFINITY, DVec3::ZERO)
+    }
+
+    /// The same with smaller kernels where more than `enough` photons lie in a cell, see [`crowd`]; what is connected does
+    /// not count. `shift`: of the cells, in their sides.
+    pub fn crowded(photons: Vec<Photon<M>>, radius: f64, enough: f64, shift: DVec3) -> Self {
         let buckets = (photons.len() * 2).next_power_of_two().max(1);
         let cell = 2.0 * radius;
+        let origin = shift * cell;
         let bucket_of: Vec<u32> =
-            photons.par_iter().map(|p| bucket(cell_of(p.position, cell), buckets) as u32).collect();
+            photons.par_iter().map(|p| bucket(cell_of(p.position - origin, cell), buckets) as u32).collect();
         let mut starts = vec![0u32; buckets + 1];
         bucket_of.iter().for_each(|&b| starts[b as usize + 1] += 1);
         for b in 0..buckets {
@@ -92,17 +102,18 @@ impl<M: Mode> PhotonMap<M> {
         let crowd = |ends: &[u32]| {
             let free = |&at: &usize| !photons[at].connected;
             let free: Vec<usize> = (ends[0] as usize..ends[1] as usize).filter(free).collect();
-            let positions: Vec<DVec3> = free.iter().map(|&at| photons[at].position).collect();
-            let halvings = crowd::halvings(&positions, cell, enough);
-            free.into_iter().zip(halvings).collect::<Vec<(usize, u8)>>()
+            let positions: Vec<DVec3> = free.iter().map(|&at| photons[at].position - origin).collect();
+            let steps = crowd::steps(&positions, cell, enough);
+            free.into_iter().zip(steps).collect::<Vec<(usize, u8)>>()
         };
         let crowded = starts.par_windows(2).filter(|ends| f64::from(ends[1] - ends[0]) > enough);
-        let mut halvings = vec![0; photons.len()];
-        for (at, halved) in crowded.map(crowd).collect::<Vec<_>>().into_iter().flatten() {
-            halvings[at] = halved;
+        let mut steps = vec![0; photons.len()];
+        for (at, own) in crowded.map(crowd).collect::<Vec<_>>().into_iter().flatten() {
+            steps[at] = own;
         }
-        let crowded = halvings.iter().any(|halved| *halved > 0);
-        PhotonMap { photons, starts, cell, radius, halvings, crowded }
+        let crowded = steps.iter().any(|steps| *steps > 0);
+        let squares = std::array::from_fn(|steps| crowd::radius(radius, steps).powi(2));
+        PhotonMap { photons, starts, cell, radius, origin, steps, crowded, squares }
     }
 
     /// m
@@ -116,21 +127,17 @@ impl<M: Mode> PhotonMap<M> {
         self.photons.is_empty()
     }
 
-    /// Calls `visit` with each photon on the face of `site` whose kernel reaches `point`, how often the radius of that is
-    /// halved, and the density there of the kernel and of the one of a quarter of its area (1/m², Epanechnikov:
+    /// Calls `visit` with each photon on the face of `site` whose kernel reaches `point`, by how many steps the radius of that
+    /// is smaller, and the density there of the kernel and of the one of a quarter of its area (1/m², Epanechnikov:
     /// 2/(πr²)·(1 − d²/r²)).
     pub fn gather(&self, point: DVec3, site: Site, mut visit: impl FnMut(&Photon<M>, usize, [f64; 2])) {
-        let squares: [f64; crowd::MOST + 1] = std::array::from_fn(|halved| {
-            let radius = halve(self.radius, halved);
-            radius * radius
-        });
         for range in self.about(point) {
-            for (photon, halved) in self.photons[range.clone()].iter().zip(&self.halvings[range]) {
-                let halved = usize::from(*halved);
-                let (d2, r2) = (photon.position.distance_squared(point), squares[halved]);
+            for (photon, steps) in self.photons[range.clone()].iter().zip(&self.steps[range]) {
+                let steps = usize::from(*steps);
+                let (d2, r2) = (photon.position.distance_squared(point), self.squares[steps]);
                 if d2 < r2 && photon.site.is_on_face_of(site) {
                     let (peak, near) = (2.0 / (std::f64::consts::PI * r2), 1.0 - d2 / r2);
-                    visit(photon, halved, [peak * near, 4.0 * peak * (4.0 * near - 3.0).max(0.0)]);
+                    visit(photon, steps, [peak * near, 4.0 * peak * (4.0 * near - 3.0).max(0.0)]);
                 }
             }
         }
@@ -141,25 +148,26 @@ impl<M: Mode> PhotonMap<M> {
         self.crowded
     }
 
-    /// How often the smallest kernel is halved of the photons within `reach` of a point, and within the map's radius.
+    /// How often the smallest kernel is halved, begun ones counted, of the photons within `reach` of a point and within the
+    /// map's radius.
     pub fn most_halved(&self, (point, site): (DVec3, Site), reach: f64) -> usize {
         let r2 = reach.min(self.radius).powi(2);
         let mut most = 0;
         for range in self.about(point) {
-            for (photon, halved) in self.photons[range.clone()].iter().zip(&self.halvings[range]) {
-                if *halved > most && photon.site.is_on_face_of(site) && photon.position.distance_squared(point) < r2 {
-                    most = *halved;
+            for (photon, steps) in self.photons[range.clone()].iter().zip(&self.steps[range]) {
+                if *steps > most && photon.site.is_on_face_of(site) && photon.position.distance_squared(point) < r2 {
+                    most = *steps;
                 }
             }
         }
-        usize::from(most)
+        usize::from(most).div_ceil(crowd::STEPS)
     }
 
     /// The photons of the cells that a sphere of the radius about a point touches: two per axis, since a cell is as wide as
     /// the sphere.
     fn about(&self, point: DVec3) -> impl Iterator<Item = Range<usize>> {
         let buckets = self.starts.len() - 1;
-        let low = cell_of(point - DVec3::splat(self.radius), self.cell);
+        let low = cell_of(point - self.origin - DVec3::splat(self.radius), self.cell);
         let mut seen = [usize::MAX; 8];
         (0..8usize).filter_map(move |corner| {
             let cell = [low[0] + (corner & 1) as i64, low[1] + (corner >> 1 & 1) as i64, low[2] + (corner >> 2) as i64];
@@ -171,11 +179,6 @@ impl<M: Mode> PhotonMap<M> {
             Some(self.starts[b] as usize..self.starts[b + 1] as usize)
         })
     }
-}
-
-/// A radius halved so many times.
-pub fn halve(radius: f64, times: usize) -> f64 {
-    radius * 0.5f64.powi(times as i32)
 }
 
 /// The cell of a grid with this spacing.
@@ -218,7 +221,7 @@ mod tests {
         let mut rng = Rng::new(1, Stream::Check, 0, 0);
         let mut point = || DVec3::new(rng.uniform() - 0.5, rng.uniform() - 0.5, rng.uniform() - 0.5);
         let photons: Vec<Photon<Mono>> = (0..5000).map(|i| photon(point(), i % 2)).collect();
-        let map = PhotonMap::new(photons.clone(), 0.1, f64::INFINITY);
+        let map = PhotonMap::new(photons.clone(), 0.1);
         for _ in 0..200 {
             let at = point();
             let site = Site { part: 0, face: 1, triangle: 9 };
@@ -235,8 +238,8 @@ mod tests {
     const AT: (DVec3, Site) = (DVec3::new(0.5, 0.5, 0.0), Site { part: 0, face: 0, triangle: 0 });
 
     /// The two densities that a map has of photons on a plane.
-    fn densities(photons: Vec<Photon<Mono>>, enough: f64) -> [f64; 2] {
-        let map = PhotonMap::new(photons, 0.1, enough);
+    fn densities(photons: Vec<Photon<Mono>>, enough: f64, shift: DVec3) -> [f64; 2] {
+        let map = PhotonMap::crowded(photons, 0.1, enough, shift);
         let mut sums = [0.0; 2];
         map.gather(AT.0, AT.1, |photon, _, densities| {
             sums = [0, 1].map(|i| sums[i] + photon.flux[0].value * densities[i]);
@@ -252,7 +255,7 @@ mod tests {
             .map(|i| photon(DVec3::new((i % n) as f64 / n as f64, (i / n) as f64 / n as f64, 0.0), 0))
             .collect();
         for (enough, near) in [(f64::INFINITY, 1e-3), (4000.0, 4e-3)] {
-            let sums = densities(photons.clone(), enough);
+            let sums = densities(photons.clone(), enough, DVec3::splat(0.3));
             assert!(sums.iter().all(|sum| (sum / (n * n) as f64 - 1.0).abs() < near), "{sums:?}");
         }
     }
@@ -265,7 +268,8 @@ mod tests {
         for map in 0..20_000 {
             let mut rng = Rng::new(5, Stream::Check, map, 0);
             let photons = (0..NUMBER).map(|_| photon(DVec3::new(rng.uniform(), rng.uniform(), 0.0), 0)).collect();
-            let densities = densities(photons, 4.0);
+            let shift = DVec3::new(rng.uniform(), rng.uniform(), rng.uniform());
+            let densities = densities(photons, 4.0, shift);
             found.iter_mut().zip(densities).for_each(|(found, density)| found.add(density / NUMBER as f64));
             whole += u32::from(densities[0] > 0.0);
         }
@@ -281,12 +285,16 @@ mod tests {
         let mut about = |x: f64, face: u32, number: usize| -> Vec<Photon<Mono>> {
             (0..number).map(|_| photon(DVec3::new(x + 0.01 * rng.uniform(), 0.01 * rng.uniform(), 0.0), face)).collect()
         };
-        let photons: Vec<Photon<Mono>> = [about(0.0, 0, 500), about(0.5, 0, 10), about(1.0, 1, 500)].concat();
+        let photons: Vec<Photon<Mono>> = [about(0.0, 0, 500), about(0.5, 0, 4), about(1.0, 1, 500)].concat();
         let most = |map: &PhotonMap<Mono>, x: f64, reach: f64| map.most_halved((DVec3::X * x, AT.1), reach);
-        let map = PhotonMap::new(photons.clone(), 0.1, 20.0);
+        let map = PhotonMap::crowded(photons.clone(), 0.1, 4.0, DVec3::splat(0.3));
         assert!(map.is_crowded());
-        assert_eq!([0.005, 0.505, 1.005].map(|x| most(&map, x, 0.02)), [crowd::MOST, 0, 0], "thin, and another face");
-        assert_eq!([0.02, 0.05].map(|reach| most(&map, -0.03, reach)), [0, crowd::MOST], "within reach");
-        assert!(!PhotonMap::new(photons, 0.1, f64::INFINITY).is_crowded());
+        assert_eq!(
+            [0.005, 0.505, 1.005].map(|x| most(&map, x, 0.02)),
+            [crowd::HALVINGS, 0, 0],
+            "thin, and another face"
+        );
+        assert_eq!([0.02, 0.05].map(|reach| most(&map, -0.03, reach)), [0, crowd::HALVINGS], "within reach");
+        assert!(!PhotonMap::new(photons, 0.1).is_crowded());
     }
 }

@@ -6,7 +6,7 @@
 mod engines;
 
 use super::ledger::Ledger;
-use crate::base::stats::chi2_over_mean;
+use crate::base::stats::variance_ratio;
 use crate::film::accumulate::{Components, Film};
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
@@ -83,7 +83,7 @@ impl Films {
     /// The relative error that a run states: [`Films::relative_noise`], and where few pixels have most of the variance, the
     /// squared error of a run is often larger than its mean. Then this is as much larger as it takes for [`LEEWAY`] times it to
     /// cover 19 in 20 of them. The pixels' sum counts as χ² of (Σv)²/Σv² degrees of freedom (F. E. Satterthwaite, Biometrics
-    /// Bulletin 2, 1946). What gathering photons within a radius blurs is no noise: it is told apart (`film::blur`) and
+    /// Bulletin 2, 1946), and what is known of it by n passes as one of n − 1 times as many. What gathering photons within a radius blurs is no noise: it is told apart (`film::blur`) and
     /// added. None before the second pass or for a black picture.
     pub fn relative_error(&self) -> Option<f64> {
         let (noise, signal) = self.likely_noise()?;
@@ -97,9 +97,9 @@ impl Films {
 
     /// Sums over the pixels: squared error as large as it is likely to be by chance, and luminance squared.
     fn likely_noise(&self) -> Option<(f64, f64)> {
-        let [noise, squares, signal] = self.noise()?;
-        let freedom = if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
-        let most = (chi2_over_mean(freedom, Z_OF_95) / (LEEWAY * LEEWAY)).max(1.0);
+        let [noise, squares, unknown, signal] = self.noise()?;
+        let freedom = |squares: f64| if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
+        let most = (variance_ratio(freedom(squares), freedom(unknown), Z_OF_95) / (LEEWAY * LEEWAY)).max(1.0);
         Some((noise * most, signal))
     }
 
@@ -113,34 +113,36 @@ impl Films {
     /// Root of (sum of the variances of all pixels' luminance) over (sum of their squares): the noise's share of the
     /// picture. None before the second pass or for a black picture.
     pub fn relative_noise(&self) -> Option<f64> {
-        self.noise().map(|[noise, _, signal]| (noise / signal).sqrt())
+        self.noise().map(|[noise, .., signal]| (noise / signal).sqrt())
     }
 
-    /// Sums over the pixels: variance, its square, and luminance squared.
+    /// Sums over the pixels: variance, its square, that over one less than the samples that tell it, and luminance squared.
     ///
     /// Where each pixel goes through points that are even over the passes, what that saves is found in the whole picture.
-    fn noise(&self) -> Option<[f64; 3]> {
+    fn noise(&self) -> Option<[f64; 4]> {
         let (_, first, _) = self.films.first()?;
         let saved: Vec<f64> = self.films.iter().map(|(estimator, film, _)| saved(*estimator, film)).collect();
         // Rows side by side, summed in their order whatever thread made them.
         let of_row = |row: usize| {
-            let (mut noise, mut squares, mut signal) = (0.0, 0.0, 0.0);
+            let (mut noise, mut squares, mut unknown, mut signal) = (0.0, 0.0, 0.0, 0.0);
             for pixel in row * first.width..(row + 1) * first.width {
                 let (mut value, mut variance) = (0.0, 0.0);
                 for ((_, film, _), saved) in self.films.iter().zip(&saved) {
                     value += (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum::<f64>();
-                    variance += saved * film.variance(pixel, film.planes.len());
+                    let of_film = saved * film.variance(pixel, film.planes.len());
+                    variance += of_film;
+                    unknown += of_film * of_film / film.samples().saturating_sub(1).max(1) as f64;
                 }
                 noise += variance;
                 squares += variance * variance;
                 signal += value * value;
             }
-            [noise, squares, signal]
+            [noise, squares, unknown, signal]
         };
-        let rows: Vec<[f64; 3]> = (0..first.height).into_par_iter().map(of_row).collect();
-        let add = |sum: [f64; 3], row: &[f64; 3]| std::array::from_fn(|k| sum[k] + row[k]);
-        let sums = rows.iter().fold([0.0; 3], add);
-        (self.passes >= 2 && sums[2] > 0.0).then_some(sums)
+        let rows: Vec<[f64; 4]> = (0..first.height).into_par_iter().map(of_row).collect();
+        let add = |sum: [f64; 4], row: &[f64; 4]| std::array::from_fn(|k| sum[k] + row[k]);
+        let sums = rows.iter().fold([0.0; 4], add);
+        (self.passes >= 2 && sums[3] > 0.0).then_some(sums)
     }
 
     /// The ledger of one estimator, if it ran.

@@ -6,7 +6,7 @@ mod plane;
 use super::blur::{self, Blur};
 use super::detail::{Detail, DetailRow};
 use super::layer::Layer;
-use super::scrambles::Scrambles;
+use super::scrambles::{SCRAMBLES, Scrambles};
 use super::turns::{Turns, TurnsRow};
 use crate::base::ids::GroupId;
 use crate::base::twofold::Sum;
@@ -203,6 +203,14 @@ impl Film {
         let sums = &self.sums[self.entries_at(pixel, plane)];
         entries.iter_mut().zip(sums).for_each(|(entry, sum)| *entry = value_of(sum));
         self.components.luminance(&entries[..sums.len().min(3)])
+    }
+
+    /// Independent values of a pixel that tell its variance.
+    pub fn samples(&self) -> u64 {
+        match self.sampling {
+            Sampling::PerPass => self.passes,
+            Sampling::PerScramble { .. } => SCRAMBLES as u64,
+        }
     }
 
     /// Mean luminance of a pixel in a plane.

@@ -1,28 +1,42 @@
 //! Where photons are crowded their kernels are smaller, so that a focus is as sharp as its photons can draw it and does not
-//! light what lies beside it. A box with too many photons is halved along each axis, and the radius of their kernels with it:
-//! their areas fall about as the density of photons rises, and by that law what kernels blur goes as r⁴, not as r²
+//! light what lies beside it. Boxes with too many photons are halved along each axis until few are left, and the more of them
+//! there are per area the smaller is the area of their kernels. By that law what kernels blur goes as r⁴, not as r²
 //! (I. Abramson, "On bandwidth variation in kernel estimates", Ann. Stat. 10, 1982).
 //!
 //! A photon's kernel depends on how many others lie about it, and none of them on the photon. So the mean of the picture is
-//! the light blurred by such kernels, each of which brings all that its photon has.
+//! the light blurred by such kernels, each of which brings all that its photon has. Where kernels change from box to box
+//! light is missing on one side and too much on the other: they change little, and in each pass boxes lie elsewhere.
 
 use glam::DVec3;
 
-/// How often a radius is halved at most: two pixels to a quarter of one, and no picture shows less.
-pub const MOST: usize = 3;
+/// Steps in which a radius is halved.
+pub const STEPS: usize = 8;
+/// How often it is halved at most: two pixels to a quarter of one, and no picture shows less.
+pub const HALVINGS: usize = 3;
+/// Steps at most.
+pub const MOST: usize = HALVINGS * STEPS;
 
-/// How often the radius of each photon's kernel is halved. `positions`: in boxes of `side` about a lattice at the origin;
-/// those in different boxes are taken as if they were in one. `enough`: photons in a box that is not halved.
-pub fn halvings(positions: &[DVec3], side: f64, enough: f64) -> Vec<u8> {
+/// A radius after so many steps.
+pub fn radius(whole: f64, steps: usize) -> f64 {
+    whole * 0.5f64.powf(steps as f64 / STEPS as f64)
+}
+
+/// By how many steps the radius of each photon's kernel is smaller. `positions`: in boxes of `side` about a lattice at the
+/// origin; those in different boxes are taken as if they were in one. `enough`: photons in a box for the whole radius.
+pub fn steps(positions: &[DVec3], side: f64, enough: f64) -> Vec<u8> {
     let mut found = vec![0; positions.len()];
     let mut order: Vec<usize> = (0..positions.len()).collect();
     part((positions, side, enough), &mut order, 0, &mut found);
     found
 }
 
-fn part((positions, side, enough): (&[DVec3], f64, f64), order: &mut [usize], halved: u8, found: &mut [u8]) {
-    if order.len() as f64 <= enough || usize::from(halved) == MOST {
-        order.iter().for_each(|&photon| found[photon] = halved);
+fn part((positions, side, enough): (&[DVec3], f64, f64), order: &mut [usize], halved: usize, found: &mut [u8]) {
+    let number = order.len() as f64;
+    if number <= enough || halved == HALVINGS {
+        // Of a box that is not halved, as if it were one of a whole one full of such boxes.
+        let of_whole = number * 4.0f64.powi(halved as i32);
+        let steps = (0.5 * STEPS as f64 * (of_whole / enough).log2()).round().clamp(0.0, MOST as f64) as u8;
+        order.iter().for_each(|&photon| found[photon] = steps);
         return;
     }
     let side = 0.5 * side;
@@ -39,23 +53,25 @@ mod tests {
     use super::*;
     use crate::base::rng::{Rng, Stream};
 
-    /// A square of density 1, which is not too much for boxes of side 8, with a corner of density 13, not too much for those of side 4.
+    /// A square of density 1 with a corner of density 17; 16 are enough in a box of side 4.
     #[test]
-    fn halves_where_photons_are_crowded() {
+    fn radii_are_smaller_where_photons_are_crowded() {
         let mut rng = Rng::new(1, Stream::Check, 0, 0);
         let mut square = |number: usize, side: f64| -> Vec<DVec3> {
             (0..number).map(|_| DVec3::new(side * rng.uniform() - 8.0, side * rng.uniform() - 8.0, -0.3)).collect()
         };
         let thin = square(256, 16.0);
-        assert_eq!(halvings(&thin, 16.0, 256.0), vec![0; 256]);
-        let all: Vec<DVec3> = thin.iter().copied().chain(square(768, 8.0)).collect();
-        let found = halvings(&all, 16.0, 256.0);
-        for (position, halved) in all.iter().zip(found) {
+        assert_eq!(steps(&thin, 16.0, 256.0), vec![0; 256]);
+        let all: Vec<DVec3> = thin.iter().copied().chain(square(1024, 8.0)).collect();
+        for (position, steps) in all.iter().zip(steps(&all, 16.0, 256.0)) {
+            let steps = i32::from(steps);
             let dense = position.x < 0.0 && position.y < 0.0;
-            assert_eq!(halved, if dense { 2 } else { 1 }, "{position}");
+            // The root of 17 is 16.3 steps; of the 68 photons in a box of side 2 a quarter more are 1.3.
+            assert!(if dense { (steps - 16).abs() <= 3 } else { steps <= 3 }, "{position}: {steps}");
         }
-        let point = vec![DVec3::splat(0.3); 1000];
-        assert_eq!(halvings(&point, 1.0, 16.0), vec![MOST as u8; 1000], "no end");
-        assert!(halvings(&[], 1.0, 16.0).is_empty());
+        let point = vec![DVec3::splat(0.3); 10_000];
+        assert_eq!(steps(&point, 1.0, 16.0), vec![MOST as u8; 10_000], "no end");
+        assert!(steps(&[], 1.0, 16.0).is_empty());
+        assert_eq!(radius(4.0, MOST), 0.5);
     }
 }

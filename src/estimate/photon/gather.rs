@@ -10,7 +10,7 @@ use crate::base::warp::{Frame, disk};
 use crate::estimate::even::Even;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::manifold::glances::{Glanced, Rest};
-use crate::estimate::photon_map::{Photon, PhotonMap, halve};
+use crate::estimate::photon_map::{Photon, PhotonMap};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::turn::Faint;
 use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
@@ -35,12 +35,17 @@ pub(super) struct Maps<M: Mode> {
 }
 
 impl<M: Mode> Maps<M> {
-    /// `enough`: of photons straight from specular faces, for the whole radius.
-    pub(super) fn new(photons: Vec<Photon<M>>, radii: Radii, enough: f64, final_gather: bool) -> Self {
-        let soft = |photons| PhotonMap::new(photons, radii.secondary, f64::INFINITY);
+    /// `enough`, `shift`: of photons straight from specular faces, see [`PhotonMap::crowded`].
+    pub(super) fn new(
+        photons: Vec<Photon<M>>,
+        radii: Radii,
+        (enough, shift): (f64, DVec3),
+        final_gather: bool,
+    ) -> Self {
+        let soft = |photons| PhotonMap::new(photons, radii.secondary);
         let second = final_gather.then(|| soft(photons.clone()));
         let (secondary, caustic) = photons.into_iter().partition(|photon| photon.trail.has_scatter());
-        Maps { caustic: PhotonMap::new(caustic, radii.caustic, enough), secondary: soft(secondary), second }
+        Maps { caustic: PhotonMap::crowded(caustic, radii.caustic, enough, shift), secondary: soft(secondary), second }
     }
 
     /// Calls `visit` with each photon near a vertex that a path from the eye came to by `eye`, and the density there of the
@@ -55,16 +60,17 @@ impl<M: Mode> Maps<M> {
             // What of the kernel lies beside the face, or behind what stands on it, is made up for by the rest.
             let around = world.rims.around(site, point, normal, map.radius());
             // Of smaller kernels: where the largest is whole they are, too.
-            let mut shares = [(around.share >= 1.0).then_some(1.0); crowd::MOST + 2];
+            let whole = around.share >= 1.0;
+            let mut shares = [None; crowd::MOST + crowd::STEPS + 1];
             shares[0] = Some(around.share);
-            let mut share = |halved: usize| {
-                let of = || world.rims.around(site, point, normal, halve(map.radius(), halved)).share;
-                *shares[halved].get_or_insert_with(of)
+            let mut share = |steps: usize| {
+                let of = || world.rims.around(site, point, normal, crowd::radius(map.radius(), steps)).share;
+                if whole { 1.0 } else { *shares[steps].get_or_insert_with(of) }
             };
-            map.gather(point, site, |photon, halved, [whole, part]| {
+            map.gather(point, site, |photon, steps, [density, part]| {
                 if around.counts(photon.position) {
-                    let part = if part > 0.0 { part / share(halved + 1) } else { 0.0 };
-                    visit(photon, [whole / share(halved), part]);
+                    let part = if part > 0.0 { part / share(steps + crowd::STEPS) } else { 0.0 };
+                    visit(photon, [density / share(steps), part]);
                 }
             });
         }

@@ -14,8 +14,8 @@ use crate::world::mode::{Mode, Mono};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// By how often the radius of photons about a middle is halved.
-const RAYS: [u64; crowd::MOST + 1] = [1, 2, 8, 16];
+/// By how often the radius of photons about a middle is halved, begun ones counted.
+const RAYS: [u64; crowd::HALVINGS + 1] = [1, 2, 8, 16];
 /// Specular faces that the ray through a middle is followed over.
 const MOST_EVENTS: u32 = 64;
 

@@ -95,7 +95,7 @@ impl<M: Mode> Deposits<M> {
             photons.push(photon);
         }
         let radius = radius_m(&photons, eyes).unwrap_or(f64::MIN_POSITIVE);
-        Deposits { map: PhotonMap::new(photons, radius, f64::INFINITY), origins }
+        Deposits { map: PhotonMap::new(photons, radius), origins }
     }
 
     /// Luminance that a scatterer sends along a path to the eye, by origin.
