@@ -95,7 +95,7 @@ fn the_focus_of_a1_is_sharp() {
     let noise: f64 = (0..want.len()).map(|at| (one[at] - other[at]).powi(2) / 2.0).sum();
     let [blur, noise] = [blur / light, noise / light];
     println!("squares of blur {blur:.2e} and noise {noise:.2e}");
-    assert!(blur < 0.05f64.powi(2) && noise < 0.1f64.powi(2), "squares of blur {blur} and noise {noise}");
+    assert!(blur < 0.02f64.powi(2) && noise < 0.02f64.powi(2), "squares of blur {blur} and noise {noise}");
     let [brought, there] = [one.iter().chain(&other).sum::<f64>() / 2.0, want.iter().sum()];
     assert!((brought / there - 1.0).abs() < 0.03, "{brought} of {there}: sharp, and no light more or less");
 }

@@ -31,6 +31,8 @@ pub enum Stream {
     Daylight,
     /// Where photons are crowded and a pixel takes more rays than one.
     PhotonCrowd,
+    /// Of the rays that tell where they are.
+    PhotonMiddle,
     /// Where the boxes lie in which photons are counted.
     PhotonBoxes,
 }

@@ -2,8 +2,8 @@
 
 /// The value that the quotient of two estimates of one variance stays below as often as a normal deviate below `z`; of `above`
 /// degrees of freedom the one and of `below` the other (E. Paulson, Ann. Math. Stat. 13, 1942, from cube roots that are
-/// nearly normal: E. B. Wilson and M. M. Hilferty, PNAS 17, 1931). Within 4 % at the usual levels from 4 degrees below on, with 3 some
-/// 7 % too much; fewer are taken for 3, for cube roots are far from normal there.
+/// nearly normal: E. B. Wilson and M. M. Hilferty, PNAS 17, 1931). At 95 % within 4 % from 4 degrees below on, with 3 some 7 % too
+/// much; fewer are taken for 3, which is too little for them. `z`: at most 3, beyond which cube roots are far from normal.
 pub fn variance_ratio(above: f64, below: f64, z: f64) -> f64 {
     let [above, below] = [above, below.max(3.0)].map(|freedom| 2.0 / (9.0 * freedom));
     // ((1 − below)·x − (1 − above))² = z²·(below·x² + above), x the root of the ratio.

@@ -51,6 +51,8 @@ pub fn radii_of_pass(first: Radii, pass: u64) -> Radii {
 
 /// So many photons straight from specular faces in a box of twice the radius need no smaller kernels in pass 0.
 const ENOUGH: f64 = 32.0;
+/// In late passes, when radii have shrunk: fewer would make a crowd by chance.
+const ENOUGH_AT_LEAST: f64 = 8.0;
 
 fn asks_for_final_gather(surface: &Surface) -> bool {
     matches!(surface, Surface::Scatter(scatter) if scatter.asks_for_final_gather())
@@ -183,7 +185,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             let (photons, ledger) = self.emit(self.shots(Stream::PhotonEmission, pass), &optics, &screens);
             total.merge(&ledger);
             // Light of which connection leaves little may be soft.
-            let enough = if self.part { f64::INFINITY } else { ENOUGH * area_of_pass(pass) };
+            let enough = if self.part { f64::INFINITY } else { (ENOUGH * area_of_pass(pass)).max(ENOUGH_AT_LEAST) };
             let mut rng = Rng::new(self.seed, Stream::PhotonBoxes, pass, 0);
             let shift = DVec3::new(rng.uniform(), rng.uniform(), rng.uniform());
             let radii = radii_of_pass(self.first_radii_m, pass);

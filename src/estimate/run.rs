@@ -90,7 +90,7 @@ impl Films {
         Some(((noise + self.blur2()) / signal).sqrt())
     }
 
-    /// The part of [`Films::relative_error`] that falls as the root of the passes.
+    /// The part of [`Films::relative_error`] that falls as the root of the passes, but for what few passes do not know of it.
     pub fn relative_error_of_noise(&self) -> Option<f64> {
         self.likely_noise().map(|(noise, signal)| (noise / signal).sqrt())
     }

@@ -41,9 +41,9 @@ fn part((positions, side, enough): (&[DVec3], f64, f64), order: &mut [usize], ha
     }
     let side = 0.5 * side;
     let octant = |photon: &usize| (positions[*photon] / side).floor().rem_euclid(DVec3::splat(2.0)).to_array();
-    let number = |photon: &usize| octant(photon).iter().fold(0.0, |number, half| 2.0 * number + half) as u8;
-    order.sort_by_cached_key(number);
-    for each in order.chunk_by_mut(|a, b| number(a) == number(b)) {
+    let corner = |photon: &usize| octant(photon).iter().fold(0.0, |bits, half| 2.0 * bits + half) as u8;
+    order.sort_by_cached_key(corner);
+    for each in order.chunk_by_mut(|a, b| corner(a) == corner(b)) {
         part((positions, side, enough), each, halved + 1, found);
     }
 }

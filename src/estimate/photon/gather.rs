@@ -1,7 +1,7 @@
 //! Gathering: at the first broad scatterer that the eye sees through specular faces, what photons bring to it; and at the
 //! second, where the first asks for [final gathering](super::final_gather).
 
-use super::middles::Middles;
+use super::middles::{MOST_RAYS, Middles};
 use super::{PhotonMapper, crowd, final_gather};
 use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
@@ -125,7 +125,8 @@ impl<M: Mode> PhotonMapper<'_, M> {
                 match middles.map_or(1, |middles| middles.rays(*y * width + x, &maps.caustic)) {
                     1 => shoot(Stream::PhotonGather, pass),
                     rays => {
-                        (0..rays).for_each(|k| shoot(Stream::PhotonCrowd, pass.wrapping_mul(rays).wrapping_add(k)));
+                        (0..rays)
+                            .for_each(|k| shoot(Stream::PhotonCrowd, pass.wrapping_mul(MOST_RAYS).wrapping_add(k)));
                         gathered.scale(1.0 / rays as f64);
                     }
                 }
@@ -138,8 +139,8 @@ impl<M: Mode> PhotonMapper<'_, M> {
         rows.par_iter_mut().map(of_row).sum()
     }
 
-    /// Gathers what a ray through a pixel sees; its number in the pixel's lattice is its `pass`. What tables know of where its ray lands is read there, as specular connection does,
-    /// and now and then the ray itself makes good what they have wrong.
+    /// Gathers what a ray through a pixel sees; its number in the pixel's lattice is the `pass`. What tables know of where it
+    /// lands is read there, as specular connection does, and now and then the ray itself makes good what they have wrong.
     fn pixel(
         &self,
         (pixel, stream): (Pixel, Stream),

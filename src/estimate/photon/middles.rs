@@ -15,7 +15,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// By how often the radius of photons about a middle is halved, begun ones counted.
-const RAYS: [u64; crowd::HALVINGS + 1] = [1, 2, 8, 16];
+const RAYS: [u64; crowd::HALVINGS + 1] = [1, 2, 8, MOST_RAYS];
+pub(super) const MOST_RAYS: u64 = 16;
 /// Specular faces that the ray through a middle is followed over.
 const MOST_EVENTS: u32 = 64;
 
@@ -32,7 +33,7 @@ struct Middle {
 /// Those of a picture.
 #[derive(Debug)]
 pub(super) struct Middles {
-    of_pixel: Vec<Vec<Middle>>,
+    of_pixel: Vec<Box<[Middle]>>,
 }
 
 impl Middles {
@@ -40,13 +41,13 @@ impl Middles {
         let optics = Mono::<f64>::optics(world, 0, 0);
         let look = |pixel: usize| {
             let (origin, dir) = world.eye.ray(pixel % width, pixel / width, [0.5; 2], [0.5; 2]);
-            let rng = Rng::new(0, Stream::PhotonCrowd, 0, pixel as u64);
+            let rng = Rng::new(0, Stream::PhotonMiddle, 0, pixel as u64);
             let ray = Ray { origin, dir, from: None };
             let mut found = Vec::new();
             follow(Walker::new((world, &optics), Travel::FromEye, ray, 1.0, Interior::default(), rng), &mut found);
-            found
+            found.into_boxed_slice()
         };
-        let mut of_pixel: Vec<Vec<Middle>> = (0..width * height).into_par_iter().map(look).collect();
+        let mut of_pixel: Vec<Box<[Middle]>> = (0..width * height).into_par_iter().map(look).collect();
         // A pixel sees as far as its corners lie: 1/√2 of the way to its neighbours.
         let to = |middle: &Middle, neighbour: usize| {
             let there = of_pixel[neighbour].iter().filter(|other| other.site.is_on_face_of(middle.site));
@@ -57,10 +58,11 @@ impl Middles {
             let beside = [(x > 0).then(|| pixel - 1), (x + 1 < width).then(|| pixel + 1)];
             let above = [(y > 0).then(|| pixel - width), (y + 1 < height).then(|| pixel + width)];
             let neighbours = beside.into_iter().chain(above).flatten();
-            neighbours.filter_map(|other| to(middle, other)).fold(0.0, f64::max) * std::f64::consts::FRAC_1_SQRT_2
+            let farthest = neighbours.filter_map(|other| to(middle, other)).max_by(f64::total_cmp);
+            farthest.map_or(f64::INFINITY, |farthest| farthest * std::f64::consts::FRAC_1_SQRT_2)
         };
         let of = |pixel: usize| of_pixel[pixel].iter().map(|middle| reach(pixel, middle)).collect();
-        let reaches: Vec<Vec<f64>> = (0..of_pixel.len()).into_par_iter().map(of).collect();
+        let reaches: Vec<Box<[f64]>> = (0..of_pixel.len()).into_par_iter().map(of).collect();
         for (middle, reach) in of_pixel.iter_mut().flatten().zip(reaches.into_iter().flatten()) {
             middle.reach = reach;
         }
@@ -94,5 +96,56 @@ fn follow(mut walker: Walker<'_, Mono>, found: &mut Vec<Middle>) {
                 return;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::kit;
+    use crate::estimate::photon_map::tests::photon;
+    use crate::scene::Finish;
+    use glam::DAffine3;
+
+    const SIZE: [usize; 2] = [8, 6];
+
+    /// Of a wall a metre away that fills the picture.
+    fn middles(size: [usize; 2]) -> Middles {
+        let mut scene = kit::scene(20.0, 1);
+        scene.eye.resolution = size;
+        let wall = kit::mesh(&[kit::quad(DVec3::NEG_Z, DVec3::X, DVec3::Y)]);
+        let face = kit::face(Finish::Lambert { reflectance: 0.5, transmittance: 0.0 });
+        kit::add(&mut scene, wall, DAffine3::IDENTITY, None, vec![face]);
+        Middles::new(&World::freeze(&scene).unwrap(), size)
+    }
+
+    /// 500 photons in one place.
+    fn map(at: DVec3, face: u32, enough: f64) -> PhotonMap<Mono> {
+        PhotonMap::crowded(vec![photon(at, face); 500], 0.2, enough, DVec3::splat(0.3))
+    }
+
+    #[test]
+    fn a_pixel_takes_more_rays_where_photons_are_crowded() {
+        let middles = middles(SIZE);
+        let Middle { point, reach, .. } = middles.of_pixel[0][0];
+        assert!(point.x < 0.0 && point.y > 0.0, "{point}");
+        let pixel = point.distance(middles.of_pixel[1][0].point);
+        assert!((reach / pixel - 0.5f64.sqrt()).abs() < 0.1, "{reach} of {pixel}");
+        let aside = point + DVec3::X * 0.6 * pixel;
+        for (photons, rays) in [
+            (map(point, 0, 4.0), [MOST_RAYS, 1]),
+            (map(aside, 0, 4.0), [MOST_RAYS, MOST_RAYS]),
+            (map(point, 0, 500.0), [1, 1]),
+            (map(point, 1, 4.0), [1, 1]),
+        ] {
+            assert_eq!([0, 1].map(|pixel| middles.rays(pixel, &photons)), rays);
+        }
+    }
+
+    #[test]
+    fn a_picture_of_one_pixel_sees_all_about_it() {
+        let middles = middles([1, 1]);
+        let at = middles.of_pixel[0][0].point + DVec3::X * 0.15;
+        assert_eq!(middles.rays(0, &map(at, 0, 4.0)), MOST_RAYS);
     }
 }

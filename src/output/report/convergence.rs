@@ -27,7 +27,7 @@ pub fn points(frames: &[(String, &Frame)]) -> Vec<Value> {
 }
 
 /// Root of the sum of the squared standard errors over the sum of the squared luminances: the error that `render` states
-/// without what photons blur.
+/// without what photons blur and without what few pixels or few passes hide.
 pub fn relative_noise(frame: &Frame) -> Option<f64> {
     let (light, error) = (layer_luminance(frame, "")?, layer_luminance(frame, "stderr")?);
     let squares = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
