@@ -21,7 +21,8 @@ fn disc() -> Scene {
     scene
 }
 
-/// With radii of a few pixels, as photons that part keep wherever they are crowded, the noise alone says a fraction of the error. What is connected blurs nothing, and tells.
+/// With radii of a few pixels, as photons that part keep wherever they are crowded, the noise alone says a fraction of the
+/// error. What is connected blurs nothing, and tells.
 #[test]
 fn blur_is_in_the_stated_error() {
     let scene = disc();

@@ -2,7 +2,6 @@
 //! scatterer that the eye sees through specular faces, or at the next one by final gathering. The radius shrinks with the
 //! pass number so that the mean over passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
 
-pub mod crowd;
 pub mod final_gather;
 mod gather;
 mod middles;

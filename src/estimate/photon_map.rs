@@ -1,7 +1,8 @@
 //! Photons in a hash grid: cells of twice the gathering radius, photons sorted by cell, so that a gathering looks at
 //! eight cells and always adds in the same order.
 
-use super::photon::crowd;
+pub mod crowd;
+
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::lpe::Told;
@@ -272,9 +273,9 @@ pub(super) mod tests {
         let (mut found, mut reached) = ([Moments::default(); 2], [0; 2]);
         for map in 0..20_000 {
             let mut rng = Rng::new(5, Stream::Check, map, 0);
-            let photons = (0..NUMBER).map(|_| photon(DVec3::new(rng.uniform(), rng.uniform(), 0.0), 0)).collect();
+            let mut place = || DVec3::new(rng.uniform(), rng.uniform(), 0.0);
+            let photons: Vec<Photon<Mono>> = (0..NUMBER).map(|_| photon(place(), 0)).collect();
             let shift = DVec3::new(rng.uniform(), rng.uniform(), rng.uniform());
-            let photons: Vec<Photon<Mono>> = photons;
             reached[0] += u32::from(densities(photons.clone(), f64::INFINITY, shift)[0] > 0.0);
             let densities = densities(photons, 4.0, shift);
             found.iter_mut().zip(densities).for_each(|(found, density)| found.add(density / NUMBER as f64));

@@ -83,8 +83,8 @@ impl Films {
     /// The relative error that a run states: [`Films::relative_noise`], and where few pixels have most of the variance, the
     /// squared error of a run is often larger than its mean. Then this is as much larger as it takes for [`LEEWAY`] times it to
     /// cover 19 in 20 of them. The pixels' sum counts as χ² of (Σv)²/Σv² degrees of freedom (F. E. Satterthwaite, Biometrics
-    /// Bulletin 2, 1946), and what is known of it by n passes as one of n − 1 times as many. What gathering photons within a radius blurs is no noise: it is told apart (`film::blur`) and
-    /// added. None before the second pass or for a black picture.
+    /// Bulletin 2, 1946), and what is known of it by n passes as one of n − 1 times as many. What gathering
+    /// photons within a radius blurs is no noise: it is told apart (`film::blur`) and added. None before the second pass or for a black picture.
     pub fn relative_error(&self) -> Option<f64> {
         let (noise, signal) = self.likely_noise()?;
         Some(((noise + self.blur2()) / signal).sqrt())

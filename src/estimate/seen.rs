@@ -21,7 +21,7 @@ use std::collections::{BTreeSet, HashMap};
 
 /// Rays from the eye.
 const RAYS: u64 = 1 << 11;
-/// Bounces off narrow lobes that a ray is followed for.
+/// Faces that a ray is followed for.
 const MOST_EVENTS: u32 = 64;
 
 /// By part, face and cell.
@@ -60,7 +60,7 @@ pub struct Sighting {
 }
 
 impl Sighting {
-    fn new(walker: &Walker<'_, Mono>, vertex: &Vertex, scatter: &Scatter, frame: Frame, share: f64) -> Sighting {
+    fn new(&Place { walker, vertex, scatter, frame }: &Place<'_, '_>, share: f64) -> Sighting {
         Sighting {
             site: vertex.hit.site,
             point: vertex.hit.point,
@@ -124,7 +124,17 @@ impl Seen {
             let rng = Rng::new(0, Stream::Pilot, 2, ray);
             let ray = Ray { origin, dir, from: None };
             let walker = Walker::new((world, &optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
-            follow(walker, None, &mut found);
+            // What the ray brought to the first broad scatterer, if it has met it.
+            follow(walker, None, &mut |place, first: &mut Option<f64>| {
+                if place.scatter.is_narrow() {
+                    return true;
+                }
+                let weight = place.walker.beam.weight();
+                let sight = Sighting::new(&place, first.map_or(1.0, |first| weight / first));
+                found.push(sight);
+                *first = Some(weight);
+                sight.goes_on
+            });
             found
         };
         let points: Vec<Sighting> = (0..RAYS).into_par_iter().flat_map_iter(one).collect();
@@ -188,31 +198,35 @@ impl Seen {
     }
 }
 
-/// The broad scatterers on a ray's way and on its branches at which photons are gathered. `first`: what the ray brought to
-/// the first, if it has met it.
-fn follow(mut walker: Walker<'_, Mono>, mut first: Option<f64>, found: &mut Vec<Sighting>) {
+/// Where a path from the eye has met a scatterer.
+pub(super) struct Place<'p, 'w> {
+    pub walker: &'p Walker<'w, Mono>,
+    pub vertex: &'p Vertex,
+    pub scatter: &'w Scatter,
+    frame: Frame,
+}
+
+/// Follows a ray over specular faces, and over the first ones its branches, too. At each scatterer `visit` says whether a
+/// branch scatters there and goes on; `carried` is a branch's own.
+pub(super) fn follow<'w, S: Copy>(
+    mut walker: Walker<'w, Mono>,
+    mut carried: S,
+    visit: &mut impl FnMut(Place<'_, 'w>, &mut S) -> bool,
+) {
     let mut ledger = Ledger::new(walker.world.solids.len());
     while walker.events < MOST_EVENTS {
         let Met::Face(vertex) = walker.advance(&mut ledger) else { return };
         if walker.events < SPLIT_FIRST_EVENTS
             && let Some(reflected) = walker.split(&vertex, 0.0, Walker::<Mono>::MOST_SPLITS, &mut ledger)
         {
-            follow(reflected, first, found);
+            follow(reflected, carried, visit);
         }
         match walker.meet(&vertex, &mut ledger) {
             Meeting::Ended => return,
             Meeting::Went => {}
-            Meeting::Scatter(scatter, frame) if scatter.is_narrow() => {
-                if walker.scatter(&vertex, scatter, &frame, &mut ledger).is_none() {
-                    return;
-                }
-            }
             Meeting::Scatter(scatter, frame) => {
-                let share = first.map_or(1.0, |first| walker.beam.weight() / first);
-                let sight = Sighting::new(&walker, &vertex, scatter, frame, share);
-                found.push(sight);
-                first = Some(walker.beam.weight());
-                if !sight.goes_on || walker.scatter(&vertex, scatter, &frame, &mut ledger).is_none() {
+                let goes_on = visit(Place { walker: &walker, vertex: &vertex, scatter, frame }, &mut carried);
+                if !goes_on || walker.scatter(&vertex, scatter, &frame, &mut ledger).is_none() {
                     return;
                 }
             }

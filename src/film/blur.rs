@@ -1,8 +1,8 @@
 //! How far gathering within a radius blurs a picture. A kernel that reaches as far as the radius r errs by some c·r²; one
 //! of a quarter of its area, with the same photons, by a quarter of that. So 4/3 of what the whole brings beyond the quarter
-//! is what it errs by, as long as light changes little within the radius. Where crowded photons' kernels follow their density the error goes as r⁴ at best, and
-//! this is up to 5/4 of it. At a sharp edge that is too little: 0.82 to 0.9 of
-//! the root of the squared blur in pixels of half the radius and more, 0.73 in those of a quarter.
+//! is what it errs by, as long as light changes little within the radius. Where crowded photons' kernels follow their density
+//! the error goes as r⁴ at best, and this is up to 5/4 of it. At a sharp edge it is too little: 0.82 to 0.9 of the root of
+//! the squared blur in pixels of half the radius and more, 0.73 in those of a quarter.
 //!
 //! Each pass shows that difference d with noise, N passes their sum D and the sum Q of squares. As far as passes are
 //! independent (photons are; what is even over the passes makes it less by some 1/N), (D² − Q)/(N(N − 1)) has the mean of the

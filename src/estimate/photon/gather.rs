@@ -2,7 +2,7 @@
 //! second, where the first asks for [final gathering](super::final_gather).
 
 use super::middles::{MOST_RAYS, Middles};
-use super::{PhotonMapper, crowd, final_gather};
+use super::{PhotonMapper, final_gather};
 use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
@@ -10,7 +10,7 @@ use crate::base::warp::{Frame, disk};
 use crate::estimate::even::Even;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::manifold::glances::{Glanced, Rest};
-use crate::estimate::photon_map::{Photon, PhotonMap};
+use crate::estimate::photon_map::{Photon, PhotonMap, crowd};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::turn::Faint;
 use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
@@ -59,13 +59,15 @@ impl<M: Mode> Maps<M> {
         for map in maps.into_iter().flatten() {
             // What of the kernel lies beside the face, or behind what stands on it, is made up for by the rest.
             let around = world.rims.around(site, point, normal, map.radius());
-            // Of smaller kernels: where the largest is whole they are, too.
-            let whole = around.share >= 1.0;
-            let mut shares = [None; crowd::MOST + crowd::STEPS + 1];
-            shares[0] = Some(around.share);
+            // By steps of the radius. Where the largest kernel is whole smaller ones are, too.
+            let mut shares = (around.share < 1.0).then(|| {
+                let mut shares = [None; crowd::MOST + crowd::STEPS + 1];
+                shares[0] = Some(around.share);
+                shares
+            });
             let mut share = |steps: usize| {
                 let of = || world.rims.around(site, point, normal, crowd::radius(map.radius(), steps)).share;
-                if whole { 1.0 } else { *shares[steps].get_or_insert_with(of) }
+                shares.as_mut().map_or(1.0, |shares| *shares[steps].get_or_insert_with(of))
             };
             map.gather(point, site, |photon, steps, [density, part]| {
                 if around.counts(photon.position) {

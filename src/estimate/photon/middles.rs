@@ -2,11 +2,10 @@
 //! of many: the more crowded they are about what the middle of a pixel sees, the more rays it takes. Middles do not depend
 //! on where rays start, so that is no bias.
 
-use super::crowd;
 use crate::base::rng::{Rng, Stream};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::photon_map::PhotonMap;
-use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Walker};
+use crate::estimate::photon_map::{PhotonMap, crowd};
+use crate::estimate::seen::{Place, follow};
+use crate::estimate::walk::{Travel, Walker};
 use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use crate::world::interior::Interior;
@@ -17,8 +16,6 @@ use rayon::prelude::*;
 /// By how often the radius of photons about a middle is halved, begun ones counted.
 const RAYS: [u64; crowd::HALVINGS + 1] = [1, 2, 8, MOST_RAYS];
 pub(super) const MOST_RAYS: u64 = 16;
-/// Specular faces that the ray through a middle is followed over.
-const MOST_EVENTS: u32 = 64;
 
 /// Where the ray through the middle of a pixel, or a branch of it, meets its first scatterer, if that is a broad one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,8 +40,14 @@ impl Middles {
             let (origin, dir) = world.eye.ray(pixel % width, pixel / width, [0.5; 2], [0.5; 2]);
             let rng = Rng::new(0, Stream::PhotonMiddle, 0, pixel as u64);
             let ray = Ray { origin, dir, from: None };
+            let walker = Walker::new((world, &optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
             let mut found = Vec::new();
-            follow(Walker::new((world, &optics), Travel::FromEye, ray, 1.0, Interior::default(), rng), &mut found);
+            follow(walker, (), &mut |Place { vertex, scatter, .. }, ()| {
+                if !scatter.is_narrow() {
+                    found.push(Middle { site: vertex.hit.site, point: vertex.hit.point, reach: 0.0 });
+                }
+                false
+            });
             found.into_boxed_slice()
         };
         let mut of_pixel: Vec<Box<[Middle]>> = (0..width * height).into_par_iter().map(look).collect();
@@ -73,29 +76,6 @@ impl Middles {
     pub(super) fn rays<M: Mode>(&self, pixel: usize, map: &PhotonMap<M>) -> u64 {
         let halved = |middle: &Middle| map.most_halved((middle.point, middle.site), middle.reach);
         RAYS[self.of_pixel[pixel].iter().map(halved).max().unwrap_or(0)]
-    }
-}
-
-/// The first scatterers on a ray's way and its branches.
-fn follow(mut walker: Walker<'_, Mono>, found: &mut Vec<Middle>) {
-    let mut ledger = Ledger::new(walker.world.solids.len());
-    while walker.events < MOST_EVENTS {
-        let Met::Face(vertex) = walker.advance(&mut ledger) else { return };
-        if walker.events < SPLIT_FIRST_EVENTS
-            && let Some(reflected) = walker.split(&vertex, 0.0, Walker::<Mono>::MOST_SPLITS, &mut ledger)
-        {
-            follow(reflected, found);
-        }
-        match walker.meet(&vertex, &mut ledger) {
-            Meeting::Went => {}
-            Meeting::Ended => return,
-            Meeting::Scatter(scatter, _) => {
-                if !scatter.is_narrow() {
-                    found.push(Middle { site: vertex.hit.site, point: vertex.hit.point, reach: 0.0 });
-                }
-                return;
-            }
-        }
     }
 }
 

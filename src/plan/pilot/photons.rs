@@ -187,9 +187,8 @@ fn spacing(landings: &[Landing], seen: &Seen, at: &dyn Fn(&&Sighting) -> bool, c
         .iter()
         .step_by(step)
         .map(|sight| {
-            let of_face = (sight.site.part, sight.site.face);
             let here = landings.iter().filter(|landing| {
-                (landing.site.part, landing.site.face) == of_face && sight.takes(landing) && counts(sight, landing)
+                landing.site.is_on_face_of(sight.site) && sight.takes(landing) && counts(sight, landing)
             });
             let mut distances: Vec<f64> = here.map(|landing| landing.position.distance(sight.point)).collect();
             if distances.len() < NEIGHBOURS {

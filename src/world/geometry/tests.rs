@@ -137,7 +137,7 @@ fn place_and_scale_do_not_matter() {
             let moved = |p: DVec3| place.transform_point3(p + here.origin()) - there.origin();
             let other = Ray { origin: moved(ray.origin), ..ray };
             match (here.intersect(&ray, f64::INFINITY), there.intersect(&other, f64::INFINITY)) {
-                (Some(a), Some(b)) if a.site.part == b.site.part && a.site.face == b.site.face => {
+                (Some(a), Some(b)) if a.site.is_on_face_of(b.site) => {
                     let cos = a.normal.dot(ray.dir).abs();
                     // A point that moves by a rounding moves its hit by that over the cosine, near tangents by its root.
                     let near = (tolerance * (1.0 + a.t)) / cos.max(1e-6);
