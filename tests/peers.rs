@@ -8,6 +8,7 @@ use eyebox::base::stats::Moments;
 use eyebox::estimate::run::Films;
 use eyebox::film::accumulate::Film;
 use eyebox::film::layer::Layer;
+use eyebox::film::plan::Estimator;
 use eyebox::import::{ImportOptions, import};
 use eyebox::plan::{Asked, Choice, Guides, Polarisation};
 use eyebox::scene::Scene;
@@ -109,6 +110,36 @@ fn a2_through_a_second_ball() {
     agrees("A2 direct", &direct, 17.006, 0.005, 2e-2);
     agrees("A2 caustic", &caustic, 33.284, 0.006, 5e-3);
     agrees("A2 secondary", &secondary, 2.6325, 0.003, 1e-2);
+}
+
+/// Rows and columns of 128 × 128 pixels about the focus of A2: there light is smooth, some cells of the wall are connected,
+/// others left to photons.
+const WALL: [std::ops::Range<usize>; 2] = [60..100, 45..90];
+
+/// Photons that belonged to where they landed drew the borders of cells that are connected: they brought too little on the one
+/// side (up to a half), and too much on the other.
+#[test]
+fn borders_of_cells_are_not_seen_in_a2() {
+    let scene = peer("a2", 128);
+    let picture = |choice: Choice, passes: u64, seed: u64| -> Vec<f64> {
+        let (films, _) = render(&scene, Asked { choice, ..UNPOLARISED }, passes, seed);
+        let [rows, columns] = WALL;
+        let pixels = rows.flat_map(|row| columns.clone().map(move |column| 128 * row + column));
+        pixels.map(|pixel| layer_value(&films, None, pixel)).collect()
+    };
+    let [one, other] = [1, 2].map(|seed| picture(Choice::Auto, 8, seed));
+    let [photons, more] = [3, 4].map(|seed| picture(Choice::Only(Estimator::Photon), 16, seed));
+    // The product of two independent differences has the mean of the squared one, without noise.
+    let mean = |of: &dyn Fn(usize, f64) -> f64| {
+        let of = |at: usize| of(at, (0.5 * (photons[at] + more[at])).powi(2));
+        (0..one.len()).map(of).sum::<f64>() / one.len() as f64
+    };
+    let differ = mean(&|at, light| (one[at] - photons[at]) * (other[at] - more[at]) / light);
+    let noise = mean(&|at, light| 0.5 * ((one[at] - other[at]).powi(2) + (photons[at] - more[at]).powi(2)) / light);
+    println!("squares of difference {differ:.2e} and noise {noise:.2e}");
+    // Of so many pixels the product of noise has this standard deviation.
+    let sigma = noise / (one.len() as f64).sqrt();
+    assert!(sigma < 1.5e-4 && differ < 6e-4, "squares of difference {differ} ± {sigma}");
 }
 
 #[test]

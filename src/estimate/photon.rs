@@ -2,6 +2,8 @@
 //! scatterer that the eye sees through specular faces, or at the next one by final gathering. The radius shrinks with the
 //! pass number so that the mean over passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
 
+#[cfg(test)]
+mod border_tests;
 pub mod final_gather;
 mod gather;
 mod middles;
@@ -114,7 +116,7 @@ impl Landing {
             dir: photon.dir,
             outside: photon.outside,
             lumens: photon.flux.as_slice().iter().map(|light| light.open()).sum(),
-            connected: photon.connected,
+            connected: photon.claim.here(),
             trail: photon.trail,
         }
     }
@@ -181,25 +183,32 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         for pass in first..first + count {
             let optics = M::optics(self.world, self.seed, pass);
             let screens = self.screens.of_pass(pass, self.world, &optics);
-            let (photons, ledger) = self.emit(self.shots(Stream::PhotonEmission, pass), &optics, &screens);
+            let radii = radii_of_pass(self.first_radii_m, pass);
+            let shots = self.shots(Stream::PhotonEmission, pass);
+            let (photons, ledger) = self.emit(shots, &optics, (&screens, radii.caustic));
             total.merge(&ledger);
             // Light of which connection leaves little may be soft.
             let enough = if self.part { f64::INFINITY } else { (ENOUGH * area_of_pass(pass)).max(ENOUGH_AT_LEAST) };
             let mut rng = Rng::new(self.seed, Stream::PhotonBoxes, pass, 0);
             let shift = DVec3::new(rng.uniform(), rng.uniform(), rng.uniform());
-            let radii = radii_of_pass(self.first_radii_m, pass);
-            let maps = Maps::new(photons, radii, (enough, shift), self.final_gather);
+            let maps = Maps::new((photons, screens), radii, (enough, shift), self.final_gather);
             total.work += self.gather(film, (pass, &optics), &maps);
             film.close(pass, 1);
         }
         total
     }
 
-    fn emit(&self, shots: Shots, optics: &Optics<M>, screens: &Screens<M>) -> (Vec<Photon<M>>, Ledger) {
+    /// `reach_m`: how far from where they land photons straight from specular faces are gathered.
+    fn emit(
+        &self,
+        shots: Shots,
+        optics: &Optics<M>,
+        (screens, reach_m): (&Screens<M>, f64),
+    ) -> (Vec<Photon<M>>, Ledger) {
         let done: Vec<(Vec<Photon<M>>, Ledger)> = (0..Shots::chunks(self.photons))
             .into_par_iter()
             .map(|chunk| {
-                let mut stored = Stored::new(screens, self.part);
+                let mut stored = Stored::new(screens, reach_m, self.part);
                 let mut ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut stored);
                 ledger.work += stored.work + cost::STORED * stored.photons.len() as u64;
                 (stored.photons, ledger)
@@ -223,7 +232,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             landings.map(|landing| landing.lumens).sum()
         };
         let shots = self.shots(Stream::Pilot, pass);
-        let new = || Stored::new(&self.screens, self.part);
+        let new = || Stored::new(&self.screens, 0.0, self.part);
         self.emission.probe((self.world, &optics), shots, stop, new, useful)
     }
 
@@ -231,7 +240,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
     /// out, and the result is worthless.
     pub fn landings(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Landed> {
         let optics = M::optics(self.world, self.seed, pass);
-        let new = || Stored::new(&self.screens, self.part);
+        let new = || Stored::new(&self.screens, 0.0, self.part);
         self.emission.survey((self.world, &optics), self.shots(Stream::Pilot, pass), stop, new, |lamp, x, _, stored| {
             let landings: Vec<Landing> = stored.photons.iter().map(Landing::of).collect();
             (!landings.is_empty()).then_some(Landed { lamp, x, landings })

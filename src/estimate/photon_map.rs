@@ -3,6 +3,7 @@
 
 pub mod crowd;
 
+use super::manifold::screens::Claim;
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::lpe::Told;
@@ -30,16 +31,16 @@ pub struct Photon<M: Mode> {
     pub trail: Trail,
     /// What light path expressions know of that.
     pub told: Told,
-    /// Specular connection has the path from the lamp to here.
-    pub connected: bool,
+    /// Whether specular connection has the path from the lamp to here, or to where it is gathered.
+    pub claim: Claim,
     pub site: Site,
     /// It arrived at the outside of the face.
     pub outside: bool,
 }
 
 impl<M: Mode> Photon<M> {
-    /// What a path from a lamp of `group` leaves at a scatterer that it has met; `connected`: as the field.
-    pub fn new(walker: &Walker<'_, M>, vertex: &Vertex, group: GroupId, connected: bool) -> Self {
+    /// What a path from a lamp of `group` leaves at a scatterer that it has met; `claim`: as the field.
+    pub fn new(walker: &Walker<'_, M>, vertex: &Vertex, group: GroupId, claim: Claim) -> Self {
         let (flux, alone) = walker.beam.stored();
         Photon {
             position: vertex.hit.point,
@@ -49,7 +50,7 @@ impl<M: Mode> Photon<M> {
             group,
             trail: walker.trail,
             told: walker.told,
-            connected,
+            claim,
             site: vertex.hit.site,
             outside: vertex.outside,
         }
@@ -79,7 +80,7 @@ impl<M: Mode> PhotonMap<M> {
         Self::crowded(photons, radius, f64::INFINITY, DVec3::ZERO)
     }
 
-    /// The same with smaller kernels where more than `enough` photons lie in a cell, see [`crowd`]; what is connected or
+    /// The same with smaller kernels where more than `enough` photons lie in a cell, see [`crowd`]; what is connected all about or
     /// comes straight from a lamp does not count. `shift`: of the cells, in their sides.
     pub fn crowded(photons: Vec<Photon<M>>, radius: f64, enough: f64, shift: DVec3) -> Self {
         let buckets = (photons.len() * 2).next_power_of_two().max(1);
@@ -101,7 +102,7 @@ impl<M: Mode> PhotonMap<M> {
         }
         let photons: Vec<Photon<M>> = order.par_iter().map(|&index| photons[index as usize].clone()).collect();
         let crowd = |ends: &[u32]| {
-            let free = |&at: &usize| !photons[at].connected && !photons[at].trail.is_empty();
+            let free = |&at: &usize| photons[at].claim != Claim::Connected && !photons[at].trail.is_empty();
             let free: Vec<usize> = (ends[0] as usize..ends[1] as usize).filter(free).collect();
             let positions: Vec<DVec3> = free.iter().map(|&at| photons[at].position - origin).collect();
             let steps = crowd::steps(&positions, cell, enough);
@@ -216,7 +217,7 @@ pub(super) mod tests {
             group: GroupId(0),
             trail: Trail::START.then(Event::Specular),
             told: Told::default(),
-            connected: false,
+            claim: Claim::Free,
             site: Site { part: 0, face, triangle: 0 },
             outside: true,
         }

@@ -112,6 +112,15 @@ impl FaceMap {
         self.nodes.spot(at)
     }
 
+    /// The cells that a square about a spot touches; `reach`: half of its side, m.
+    pub fn cells_within(&self, spot: &Spot, reach: f64) -> impl Iterator<Item = usize> + use<> {
+        let [columns, rows] = self.nodes.count;
+        let (low, high) = (spot.at - reach / self.cell, spot.at + reach / self.cell);
+        let along = |low: f64, high: f64, count: usize| low.max(0.0) as usize..=(high as usize).min(count - 2);
+        let across = along(low.x, high.x, columns);
+        along(low.y, high.y, rows).flat_map(move |y| across.clone().map(move |x| y * columns + x))
+    }
+
     /// Of a cell of the ring the one beside it that a pilot found light in; none of others.
     pub fn inner_of(&self, cell: usize) -> Option<usize> {
         let [columns, rows] = self.nodes.count;

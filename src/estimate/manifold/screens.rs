@@ -6,13 +6,13 @@
 //! (or, where that is dark, eight about it) says that this errs by no more than `TOLERANCE`. In other cells every connection is solved for. Cells without a
 //! solution are left to whoever computes the rest.
 
+mod claim;
 mod grow;
 mod level;
 mod lit;
 mod sheet;
 
 use super::solve::Target;
-use crate::base::chain::Chain;
 use crate::base::lpe::Letter;
 use crate::base::rng::Rng;
 use crate::estimate::ledger::{Ledger, cost};
@@ -24,6 +24,7 @@ use crate::world::interior::Interior;
 use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
+pub use claim::{Asked, Claim};
 use glam::DVec3;
 use level::{COARSE, Level, RUN};
 use lit::{Lit, Solution};
@@ -206,39 +207,5 @@ impl<M: Mode> Screens<M> {
                 }
             }
         }
-    }
-
-    /// Whether the path from a point of `lamp` over `chain` (from the lamp) that arrives at a point of a face along `dir` is
-    /// one that [`Screens::gather`] finds for these ends. Adds to the counted work.
-    pub fn owns(
-        &self,
-        (world, optics): (&World, &Optics<M>),
-        chain: &Chain,
-        (lamp, target): (usize, &Target),
-        (point, site, dir): (DVec3, Site, DVec3),
-        work: &mut u64,
-    ) -> bool {
-        let face = |lit: &&Lit<M>| (lit.map.part, lit.map.face) == (site.part, site.face) && lit.chain == *chain;
-        self.lit().filter(face).any(|lit| {
-            let Some(spot) = lit.map.spot(point) else { return false };
-            let rows = spot.rows();
-            lit.entries.iter().filter(|entry| entry.lamp == lamp).any(|entry| {
-                let off = entry.middle.local(target.point - entry.middle.point);
-                entry.sheets.iter().any(|sheet| match sheet.cell(&lit.map, &spot) {
-                    Cell::Nothing | Cell::Rim => false,
-                    Cell::Interpolated => {
-                        *work += cost::READ;
-                        sheet
-                            .interpolate((world, optics), (spot.cell, &rows), lamp, off)
-                            .is_some_and(|incoming| incoming.dir.distance(-dir) <= ABOUT_SAME)
-                    }
-                    Cell::Solved => {
-                        *work += cost::SOLVED * chain.0.len() as u64;
-                        lit.solve((world, optics), entry, sheet, &spot, (point, site), target)
-                            .is_some_and(|found| found.dir.distance(-dir) <= SAME)
-                    }
-                })
-            })
-        })
     }
 }

@@ -10,6 +10,7 @@ use crate::base::warp::{Frame, disk};
 use crate::estimate::even::Even;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::manifold::glances::{Glanced, Rest};
+use crate::estimate::manifold::screens::Screens;
 use crate::estimate::photon_map::{Photon, PhotonMap, crowd};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::turn::Faint;
@@ -25,9 +26,11 @@ use crate::world::scatter::Scatter;
 use crate::world::surface::Surface;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
-/// The photons of a pass.
+/// The photons of a pass, and what of them is connected.
 pub(super) struct Maps<M: Mode> {
+    screens: Arc<Screens<M>>,
     caustic: PhotonMap<M>,
     secondary: PhotonMap<M>,
     /// All of them, for what the eye sees by another scatterer, which is soft; none where nothing asks for it.
@@ -37,7 +40,7 @@ pub(super) struct Maps<M: Mode> {
 impl<M: Mode> Maps<M> {
     /// `enough`, `shift`: of photons straight from specular faces, see [`PhotonMap::crowded`].
     pub(super) fn new(
-        photons: Vec<Photon<M>>,
+        (photons, screens): (Vec<Photon<M>>, Arc<Screens<M>>),
         radii: Radii,
         (enough, shift): (f64, DVec3),
         final_gather: bool,
@@ -45,7 +48,8 @@ impl<M: Mode> Maps<M> {
         let soft = |photons| PhotonMap::new(photons, radii.secondary);
         let second = final_gather.then(|| soft(photons.clone()));
         let (secondary, caustic) = photons.into_iter().partition(|photon| photon.trail.has_scatter());
-        Maps { caustic: PhotonMap::crowded(caustic, radii.caustic, enough, shift), secondary: soft(secondary), second }
+        let caustic = PhotonMap::crowded(caustic, radii.caustic, enough, shift);
+        Maps { screens, caustic, secondary: soft(secondary), second }
     }
 
     /// Calls `visit` with each photon near a vertex that a path from the eye came to by `eye`, and the density there of the
@@ -261,10 +265,11 @@ impl<M: Mode> PhotonMapper<'_, M> {
         let goes_on = final_gather::goes_on(walker.trail, scatter.asks_for_final_gather());
         // Of what lies here, and behind the face.
         let mut indices: [Option<M::Lanes<f64>>; 2] = [None; 2];
+        let mut asked = maps.screens.asked_at((self.world, walker.optics), (vertex.hit.point, vertex.hit.site));
         let visit = |photon: &Photon<M>, [density, part]: [f64; 2]| {
             ledger.work += cost::GATHERED;
             // Of what connection has, the path over one scatterer is not ours.
-            let connected = photon.connected && !walker.trail.has_scatter();
+            let connected = !walker.trail.has_scatter() && asked.has(photon.claim);
             if connected || !final_gather::gathers(goes_on, photon.trail) {
                 return;
             }
@@ -290,5 +295,6 @@ impl<M: Mode> PhotonMapper<'_, M> {
             }
         };
         maps.each(self.world, walker.trail, vertex, visit);
+        ledger.work += asked.work;
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::estimate::both::Both;
 use crate::estimate::emission::{Origin, Visitor};
-use crate::estimate::manifold::screens::Screens;
+use crate::estimate::manifold::screens::{Claim, Screens};
 use crate::estimate::manifold::solve::Target;
 use crate::estimate::photon_map::Photon;
 use crate::estimate::walk::{Vertex, Walker};
@@ -27,6 +27,8 @@ mod parting {
 pub(super) struct Stored<'s, M: Mode> {
     pub(super) photons: Vec<Photon<M>>,
     screens: &'s Screens<M>,
+    /// How far from where they land photons may be gathered whose path may be connected.
+    reach_m: f64,
     /// Where photons part, if they do.
     parts: Option<Both>,
     /// Counted work of asking what is connected.
@@ -34,19 +36,20 @@ pub(super) struct Stored<'s, M: Mode> {
 }
 
 impl<'s, M: Mode> Stored<'s, M> {
-    pub(super) fn new(screens: &'s Screens<M>, part: bool) -> Self {
+    pub(super) fn new(screens: &'s Screens<M>, reach_m: f64, part: bool) -> Self {
         let parts = part.then(|| Both::new(parting::LEAST, parting::MOST));
-        Stored { photons: Vec::new(), screens, parts, work: 0 }
+        Stored { photons: Vec::new(), screens, reach_m, parts, work: 0 }
     }
 
-    /// Whether the path up to here is one that specular connection returns for its ends.
-    fn is_connected(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex) -> bool {
-        let (Some(chain), Some((lamp, point, normal))) = (walker.chain(), from.face) else { return false };
-        !walker.trail.has_scatter() && !walker.trail.is_empty() && {
-            let target = Target::new(point, normal);
-            let arrives = (vertex.hit.point, vertex.hit.site, walker.ray.dir);
-            self.screens.owns((walker.world, walker.optics), chain, (lamp, &target), arrives, &mut self.work)
+    /// Whose the path up to here is.
+    fn claim(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex) -> Claim {
+        let (Some(chain), Some((lamp, point, normal))) = (walker.chain(), from.face) else { return Claim::Free };
+        if walker.trail.has_scatter() || walker.trail.is_empty() {
+            return Claim::Free;
         }
+        let target = Target::new(point, normal);
+        let arrives = (vertex.hit.point, vertex.hit.site, walker.ray.dir);
+        self.screens.claim((walker.world, walker.optics), chain, (lamp, &target), arrives, self.reach_m, &mut self.work)
     }
 }
 
@@ -88,8 +91,8 @@ impl<M: Mode> Visitor<M> for Stored<'_, M> {
 
     fn scatterer(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex, scatter: &Scatter) {
         if !scatter.is_narrow() {
-            let connected = self.is_connected(walker, from, vertex);
-            self.photons.push(Photon::new(walker, vertex, from.group, connected));
+            let claim = self.claim(walker, from, vertex);
+            self.photons.push(Photon::new(walker, vertex, from.group, claim));
         }
     }
 }

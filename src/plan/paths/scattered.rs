@@ -8,6 +8,7 @@ use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::{Emission, Origin, Shots, Visitor};
+use crate::estimate::manifold::screens::Claim;
 use crate::estimate::photon::on_side;
 use crate::estimate::photon_map::{Photon, PhotonMap};
 use crate::estimate::walk::{Vertex, Walker};
@@ -42,7 +43,7 @@ impl<M: Mode> Visitor<M> for Stored<M> {
         if self.found.len() >= MOST {
             return;
         }
-        let photon = Photon::new(walker, vertex, from.group, false);
+        let photon = Photon::new(walker, vertex, from.group, Claim::Free);
         self.found.push((photon, walker.chain().cloned().unwrap_or_default()));
     }
 }
