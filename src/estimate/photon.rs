@@ -2,8 +2,6 @@
 //! scatterer that the eye sees through specular faces, or at the next one by final gathering. The radius shrinks with the
 //! pass number so that the mean over passes converges (Knaus and Zwicker, "Progressive photon mapping: a probabilistic approach", 2011).
 
-#[cfg(test)]
-mod border_tests;
 pub mod final_gather;
 mod gather;
 mod middles;
@@ -184,8 +182,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             let optics = M::optics(self.world, self.seed, pass);
             let screens = self.screens.of_pass(pass, self.world, &optics);
             let radii = radii_of_pass(self.first_radii_m, pass);
-            let shots = self.shots(Stream::PhotonEmission, pass);
-            let (photons, ledger) = self.emit(shots, &optics, (&screens, radii.caustic));
+            let (photons, ledger) = self.emit((pass, &optics), (&screens, radii.caustic));
             total.merge(&ledger);
             // Light of which connection leaves little may be soft.
             let enough = if self.part { f64::INFINITY } else { (ENOUGH * area_of_pass(pass)).max(ENOUGH_AT_LEAST) };
@@ -198,13 +195,13 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         total
     }
 
-    /// `reach_m`: how far from where they land photons straight from specular faces are gathered.
-    fn emit(
+    /// The photons of a pass. `reach_m`: how far from where they land those straight from specular faces are gathered.
+    pub fn emit(
         &self,
-        shots: Shots,
-        optics: &Optics<M>,
+        (pass, optics): (u64, &Optics<M>),
         (screens, reach_m): (&Screens<M>, f64),
     ) -> (Vec<Photon<M>>, Ledger) {
+        let shots = self.shots(Stream::PhotonEmission, pass);
         let done: Vec<(Vec<Photon<M>>, Ledger)> = (0..Shots::chunks(self.photons))
             .into_par_iter()
             .map(|chunk| {

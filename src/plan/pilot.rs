@@ -1,5 +1,7 @@
 //! Pilots: small deterministic runs that measure what facts do not tell.
 
+#[cfg(test)]
+mod border_tests;
 mod photons;
 #[cfg(test)]
 mod tests;

@@ -103,20 +103,44 @@ impl FaceMap {
 
     /// Where a point of the face lies; none beyond the outer nodes.
     pub fn spot(&self, point: DVec3) -> Option<Spot> {
+        self.spot_at(self.at(point))
+    }
+
+    fn at(&self, point: DVec3) -> DVec2 {
         let off = point - self.corner;
-        let at = DVec2::new(off.dot(self.across[0]), off.dot(self.across[1])) / self.cell;
-        self.spot_at(at)
+        DVec2::new(off.dot(self.across[0]), off.dot(self.across[1])) / self.cell
     }
 
     pub fn spot_at(&self, at: DVec2) -> Option<Spot> {
         self.nodes.spot(at)
     }
 
-    /// The cells that a square about a spot touches; `reach`: half of its side, m.
+    /// Of a point beside the map the nearest place in it; none if that is not within `reach`, m.
+    pub fn spot_beside(&self, point: DVec3, reach: f64) -> Option<Spot> {
+        let at = self.at(point);
+        let nearest = at.clamp(DVec2::ZERO, self.last());
+        if ((nearest - at) * self.cell).length() <= reach { self.spot_at(nearest) } else { None }
+    }
+
+    /// Whether a square about a spot lies within the outer nodes; `reach`: half of its side, m.
+    pub fn is_inside(&self, spot: &Spot, reach: f64) -> bool {
+        let reach = reach / self.cell;
+        (spot.at - reach).cmpge(DVec2::ZERO).all() && (spot.at + reach).cmple(self.last()).all()
+    }
+
+    /// The last node.
+    fn last(&self) -> DVec2 {
+        DVec2::from_array(self.nodes.count.map(|count| (count - 1) as f64))
+    }
+
+    /// The cells that such a square touches.
     pub fn cells_within(&self, spot: &Spot, reach: f64) -> impl Iterator<Item = usize> + use<> {
         let [columns, rows] = self.nodes.count;
         let (low, high) = (spot.at - reach / self.cell, spot.at + reach / self.cell);
-        let along = |low: f64, high: f64, count: usize| low.max(0.0) as usize..=(high as usize).min(count - 2);
+        let along = |low: f64, high: f64, count: usize| {
+            let cell = |at: f64| (at.max(0.0) as usize).min(count - 2);
+            cell(low)..=cell(high)
+        };
         let across = along(low.x, high.x, columns);
         along(low.y, high.y, rows).flat_map(move |y| across.clone().map(move |x| y * columns + x))
     }

@@ -10,7 +10,7 @@ use crate::base::warp::{Frame, disk};
 use crate::estimate::even::Even;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::manifold::glances::{Glanced, Rest};
-use crate::estimate::manifold::screens::Screens;
+use crate::estimate::manifold::screens::{Claim, Screens};
 use crate::estimate::photon_map::{Photon, PhotonMap, crowd};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::turn::Faint;
@@ -265,12 +265,16 @@ impl<M: Mode> PhotonMapper<'_, M> {
         let goes_on = final_gather::goes_on(walker.trail, scatter.asks_for_final_gather());
         // Of what lies here, and behind the face.
         let mut indices: [Option<M::Lanes<f64>>; 2] = [None; 2];
-        let mut asked = maps.screens.asked_at((self.world, walker.optics), (vertex.hit.point, vertex.hit.site));
+        let mut asked = maps.screens.asked_at(
+            (self.world, walker.optics),
+            (vertex.hit.point, vertex.hit.site),
+            maps.caustic.radius(),
+        );
         let visit = |photon: &Photon<M>, [density, part]: [f64; 2]| {
             ledger.work += cost::GATHERED;
-            // Of what connection has, the path over one scatterer is not ours.
-            let connected = !walker.trail.has_scatter() && asked.has(photon.claim);
-            if connected || !final_gather::gathers(goes_on, photon.trail) {
+            // Of what connection has, the path over one scatterer is not ours; over more it is.
+            let over_more = walker.trail.has_scatter();
+            if !over_more && photon.claim == Claim::Connected || !final_gather::gathers(goes_on, photon.trail) {
                 return;
             }
             let trail = Trail::join(walker.trail, Event::Diffuse, photon.trail);
@@ -279,7 +283,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
             let d_out = on_side(frame.to_local(-photon.dir), through);
             let index = indices[usize::from(through)].get_or_insert_with(|| walker.beyond(vertex, through, 0.0).0);
             let (values, alone) = sides.eval(scatter, d_in, d_out);
-            if values.as_slice().iter().all(|value| *value == 0.0) {
+            if values.as_slice().iter().all(|value| *value == 0.0) || !over_more && asked.leaves_out(photon.claim) {
                 return;
             }
             let plane = self.route.plane(share, |sieve| {

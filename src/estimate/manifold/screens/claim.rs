@@ -3,9 +3,9 @@
 //! asked, not the place where a photon landed. In cells that connection leaves to photons all photons are gathered, those
 //! from beyond the border, too, if the light that they stand for comes here; in cells that are connected none of them is.
 
-use super::lit::{Entry, Lit};
+use super::lit::{Entry, Lit, Solution};
 use super::sheet::{Cell, Sheet};
-use super::{ABOUT_SAME, SAME, Screens};
+use super::{ABOUT_SAME, MOST_SHEETS, SAME, Screens};
 use crate::base::chain::Chain;
 use crate::estimate::ledger::cost;
 use crate::estimate::manifold::nodes::Spot;
@@ -18,7 +18,10 @@ use arrayvec::ArrayVec;
 use glam::DVec3;
 
 /// Branches whose light about a point is known at once.
-const KNOWN: usize = 8;
+const KNOWN: usize = 64;
+/// How far a solution may lie from where the solver starts, in what the direction changes by over a cell: farther off it is
+/// another branch's.
+const FORETOLD: f64 = 0.5;
 
 /// Branches of a train for one lamp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,12 +32,12 @@ pub struct Branches {
     sheets: u8,
 }
 
-/// Whether connection has the path of a photon.
+/// Whether connection has the path of a photon, where it may be gathered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Claim {
     /// Nowhere.
     Free,
-    /// Wherever it is gathered.
+    /// Everywhere.
     Connected,
     /// Near a border: where cells say so. `here`: where it landed.
     Bordering { branches: Branches, here: bool },
@@ -51,12 +54,31 @@ impl Claim {
     }
 }
 
-/// What a branch's cells are within reach of a place.
+/// How many of a sheet's cells within reach of a place are connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Reach {
+enum Within {
     All,
     Some,
     None,
+}
+
+/// Where something lies in a face's map, or beside it.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    point: DVec3,
+    site: Site,
+    /// The nearest that there is in the map.
+    spot: Spot,
+    inside: bool,
+}
+
+impl Place {
+    /// None where the map is not within `reach`, m.
+    fn new<M: Mode>(lit: &Lit<M>, (point, site): (DVec3, Site), reach: f64) -> Option<Place> {
+        let spot = lit.map.spot(point);
+        let inside = spot.is_some();
+        Some(Place { point, site, spot: spot.or_else(|| lit.map.spot_beside(point, reach))?, inside })
+    }
 }
 
 impl<M: Mode> Screens<M> {
@@ -72,21 +94,23 @@ impl<M: Mode> Screens<M> {
         reach: f64,
         work: &mut u64,
     ) -> Claim {
+        const { assert!(MOST_SHEETS <= u8::BITS as usize) };
         let face = |lit: &Lit<M>| (lit.map.part, lit.map.face) == (site.part, site.face) && lit.chain == *chain;
+        // There is one for each group of lamps at most.
         for (number, lit) in self.lit().enumerate().filter(|(_, lit)| face(lit)) {
-            let Some(spot) = lit.map.spot(point) else { continue };
+            let Some(place) = Place::new(lit, (point, site), reach) else { continue };
             for (index, entry) in lit.entries.iter().enumerate().filter(|(_, entry)| entry.lamp == lamp) {
                 let (mut sheets, mut here, mut whole) = (0, false, false);
                 for (bit, sheet) in entry.sheets.iter().enumerate() {
-                    let about = lit.within(sheet, &spot, reach);
-                    if about == Reach::None
-                        || !lit.is_of(tracing, (entry, sheet), (&spot, point, site), (target, dir), work)
+                    let within = lit.within(sheet, &place, reach);
+                    if within == Within::None
+                        || !lit.is_of(tracing, (entry, sheet), (&place, reach), (target, dir), work)
                     {
                         continue;
                     }
                     sheets |= 1 << bit;
-                    here |= is_connected(sheet.cell(&lit.map, &spot));
-                    whole |= about == Reach::All;
+                    here |= lit.is_connected(sheet, &place);
+                    whole |= within == Within::All;
                 }
                 match (sheets, whole, u16::try_from(number), u16::try_from(index)) {
                     (0, ..) => {}
@@ -100,24 +124,24 @@ impl<M: Mode> Screens<M> {
         Claim::Free
     }
 
-    /// To be asked for photons that a point of a face gathers.
-    pub fn asked_at<'s>(&'s self, tracing: (&'s World, &'s Optics<M>), at: (DVec3, Site)) -> Asked<'s, M> {
-        Asked { screens: self, tracing, at, spot: None, light: ArrayVec::new(), work: 0 }
-    }
-}
-
-fn is_connected(cell: Cell) -> bool {
-    match cell {
-        Cell::Nothing | Cell::Rim => false,
-        Cell::Interpolated | Cell::Solved => true,
+    /// To be asked for the photons that a point of a face gathers within `reach`, m.
+    pub fn asked_at<'s>(&'s self, tracing: (&'s World, &'s Optics<M>), at: (DVec3, Site), reach: f64) -> Asked<'s, M> {
+        Asked { screens: self, tracing, at, reach, place: None, light: ArrayVec::new(), work: 0 }
     }
 }
 
 impl<M: Mode> Lit<M> {
-    /// How a sheet's cells within `reach` of a spot are connected.
-    fn within(&self, sheet: &Sheet<M>, spot: &Spot, reach: f64) -> Reach {
-        let (mut some, mut all) = (false, true);
-        for cell in self.map.cells_within(spot, reach) {
+    fn is_connected(&self, sheet: &Sheet<M>, place: &Place) -> bool {
+        match sheet.cell(&self.map, &place.spot) {
+            Cell::Nothing | Cell::Rim => false,
+            Cell::Interpolated | Cell::Solved => place.inside,
+        }
+    }
+
+    /// How many of a sheet's cells within `reach` of a place are connected; beyond the map none is.
+    fn within(&self, sheet: &Sheet<M>, place: &Place, reach: f64) -> Within {
+        let (mut some, mut all) = (false, place.inside && self.map.is_inside(&place.spot, reach));
+        for cell in self.map.cells_within(&place.spot, reach) {
             match sheet.cells[cell] {
                 Cell::Interpolated | Cell::Solved => some = true,
                 Cell::Nothing => all = false,
@@ -126,9 +150,9 @@ impl<M: Mode> Lit<M> {
             }
         }
         match (some, all) {
-            (false, _) => Reach::None,
-            (true, false) => Reach::Some,
-            (true, true) => Reach::All,
+            (false, _) => Within::None,
+            (true, false) => Within::Some,
+            (true, true) => Within::All,
         }
     }
 
@@ -137,19 +161,42 @@ impl<M: Mode> Lit<M> {
         &self,
         tracing: (&World, &Optics<M>),
         (entry, sheet): (&Entry<M>, &Sheet<M>),
-        (spot, point, site): (&Spot, DVec3, Site),
+        (place, reach): (&Place, f64),
         (target, dir): (&Target, DVec3),
         work: &mut u64,
     ) -> bool {
-        if sheet.cell(&self.map, spot) == Cell::Interpolated {
+        if place.inside && sheet.cell(&self.map, &place.spot) == Cell::Interpolated {
             *work += cost::READ;
             let off = entry.middle.local(target.point - entry.middle.point);
-            let incoming = sheet.interpolate(tracing, (spot.cell, &spot.rows()), entry.lamp, off);
+            let incoming = sheet.interpolate(tracing, (place.spot.cell, &place.spot.rows()), entry.lamp, off);
             return incoming.is_some_and(|incoming| incoming.dir.distance(-dir) <= ABOUT_SAME);
         }
-        *work += cost::SOLVED * self.chain.0.len() as u64;
-        let found = self.solve(tracing, entry, sheet, spot, (point, site), target);
+        let found = self.solve_about(tracing, (entry, sheet), (place, reach), target, work);
         found.is_some_and(|found| found.dir.distance(-dir) <= SAME)
+    }
+
+    /// Solves where a sheet may have no cell, from the nearest node within `reach`.
+    fn solve_about(
+        &self,
+        tracing: (&World, &Optics<M>),
+        (entry, sheet): (&Entry<M>, &Sheet<M>),
+        (place, reach): (&Place, f64),
+        target: &Target,
+        work: &mut u64,
+    ) -> Option<Solution> {
+        *work += cost::SOLVED * self.chain.0.len() as u64;
+        let Place { point, site, spot, .. } = place;
+        if self.is_connected(sheet, place) {
+            return self.solve(tracing, entry, sheet, spot, (*point, *site), target);
+        }
+        let far = |node: usize| self.map.from_node(node, spot).length();
+        let about = self.map.cells_within(spot, reach).flat_map(|cell| self.map.nodes.corners(cell));
+        let known = spot.nodes().map(|(node, _)| node).chain(about).filter(|node| sheet.nodes[*node].is_some());
+        let nearest = known.min_by(|a, b| far(*a).total_cmp(&far(*b)))?;
+        let (start, change) = self.foretell_from(entry, sheet, nearest, spot, target)?;
+        let found = self.newton(tracing, entry, (*point, *site), start, target)?;
+        let cells = (far(nearest) / self.map.cell_size()).max(1.0);
+        (found.dir.distance(start) <= FORETOLD * change * cells).then_some(found)
     }
 }
 
@@ -158,8 +205,9 @@ pub struct Asked<'s, M: Mode> {
     screens: &'s Screens<M>,
     tracing: (&'s World, &'s Optics<M>),
     at: (DVec3, Site),
+    reach: f64,
     /// Of the face and train last asked for, where the point lies in its map.
-    spot: Option<(u16, Option<Spot>)>,
+    place: Option<(u16, Option<Place>)>,
     /// Whether branches' light comes here.
     light: ArrayVec<(Branches, bool), KNOWN>,
     /// Counted.
@@ -168,7 +216,7 @@ pub struct Asked<'s, M: Mode> {
 
 impl<M: Mode> Asked<'_, M> {
     /// Whether a photon is not gathered here: connection has what it stands for, or its light ends on the way here.
-    pub fn has(&mut self, claim: Claim) -> bool {
+    pub fn leaves_out(&mut self, claim: Claim) -> bool {
         let (branches, here) = match claim {
             Claim::Free => return false,
             Claim::Connected => return true,
@@ -177,15 +225,15 @@ impl<M: Mode> Asked<'_, M> {
         let Some(lit) = self.screens.levels.get(usize::from(branches.lit)).map(|level| &*level.lit) else {
             return here;
         };
-        if self.spot.is_none_or(|(of, _)| of != branches.lit) {
-            self.spot = Some((branches.lit, lit.map.spot(self.at.0)));
+        if self.place.is_none_or(|(of, _)| of != branches.lit) {
+            self.place = Some((branches.lit, Place::new(lit, self.at, self.reach)));
         }
-        let (Some((_, Some(spot))), Some(entry)) = (self.spot, lit.entries.get(usize::from(branches.entry))) else {
+        let (Some((_, Some(place))), Some(entry)) = (self.place, lit.entries.get(usize::from(branches.entry))) else {
             return here;
         };
         let of = |(bit, _): &(usize, &Sheet<M>)| branches.sheets >> bit & 1 == 1;
         let sheets = || entry.sheets.iter().enumerate().filter(of).map(|(_, sheet)| sheet);
-        if sheets().any(|sheet| is_connected(sheet.cell(&lit.map, &spot))) {
+        if sheets().any(|sheet| lit.is_connected(sheet, &place)) {
             return true;
         }
         if !here {
@@ -196,8 +244,9 @@ impl<M: Mode> Asked<'_, M> {
         }
         // The middle of the lamp stands for all of it.
         let comes = sheets().any(|sheet| {
-            self.work += cost::SOLVED * lit.chain.0.len() as u64;
-            let found = lit.solve(self.tracing, entry, sheet, &spot, self.at, &entry.middle);
+            let from = (&place, self.reach);
+            let found = lit.solve_about(self.tracing, (entry, sheet), from, &entry.middle, &mut self.work);
+            self.work += cost::STEP * lit.chain.0.len() as u64;
             found.is_some_and(|found| lit.probe(self.tracing, entry.lamp, self.at, found.dir).is_some())
         });
         if self.light.is_full() {

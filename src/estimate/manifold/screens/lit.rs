@@ -147,6 +147,18 @@ impl<M: Mode> Lit<M> {
     ) -> Option<(DVec3, f64)> {
         let known = spot.nodes().filter(|(node, _)| sheet.nodes[*node].is_some());
         let (first, _) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        self.foretell_from(entry, sheet, first, spot, target)
+    }
+
+    /// The same of any node.
+    pub(super) fn foretell_from(
+        &self,
+        entry: &Entry<M>,
+        sheet: &Sheet<M>,
+        first: usize,
+        spot: &Spot,
+        target: &Target,
+    ) -> Option<(DVec3, f64)> {
         let node = sheet.nodes[first].as_ref()?;
         let off = entry.middle.local(target.point - entry.middle.point);
         let at = self.map.from_node(first, spot);
