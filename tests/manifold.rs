@@ -243,7 +243,7 @@ fn tables_hide_nothing() {
 /// the hair to stay clear of nodes.
 #[test]
 fn glances_hide_nothing() {
-    a_hair_is_seen("hud-diffuse/hud.optics.toml", Some(3e-4), [6, 6]);
+    a_hair_is_seen("hud-diffuse/hud.optics.toml", Some(3e-4), [12, 6]);
 }
 
 /// What photons bring counts as the eye sees it: a matt face shows what arrives on its own side, ρ/π of it wherever it

@@ -185,12 +185,18 @@ impl<M: Mode> Screens<M> {
                 for sheet in of(Cell::Interpolated) {
                     ledger.work += cost::READ;
                     let incoming = sheet.interpolate((world, optics), (spot.cell, &rows), entry.lamp, off);
-                    if let Some(incoming) =
-                        incoming.filter(|incoming| known.add(incoming.dir, NEARLY_SAME * lit.tolerance))
-                    {
-                        let light = lanes::<M, _>(|lane| incoming.light[lane].scaled(1.0 / chance));
-                        visit(Incoming { letters: &lit.letters, light, ..incoming });
+                    let Some(mut incoming) = incoming else { continue };
+                    // One sheet has no solution twice.
+                    if entry.sheets.len() > 1 && !known.add(incoming.dir, NEARLY_SAME * lit.tolerance) {
+                        continue;
                     }
+                    if chance < 1.0 {
+                        incoming.light = lanes::<M, _>(|lane| incoming.light[lane].scaled(1.0 / chance));
+                    }
+                    visit(Incoming { letters: &lit.letters, ..incoming });
+                }
+                if of(Cell::Solved).next().is_none() {
+                    continue;
                 }
                 let target = Target::new(x.position, x.normal);
                 for sheet in of(Cell::Solved) {

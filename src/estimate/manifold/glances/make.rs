@@ -30,7 +30,7 @@ const WORTH: f64 = 1e-6;
 const LITTLE: f64 = 0.02;
 /// The ray itself is followed with this probability where the tables did well on trial, and always where they were off by
 /// this share. A place that is off by a pixel counts as this much.
-const LEAST: f64 = 1.0 / 16.0;
+const LEAST: f64 = 1.0 / 32.0;
 const POOR: f64 = 0.02;
 const SHARP: f64 = 0.2;
 /// Where a cell is tried, in radii of the pupil.

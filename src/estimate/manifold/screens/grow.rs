@@ -285,7 +285,7 @@ impl<M: Mode> Lit<M> {
         let Some((light, alone, slides)) = self.probe(tracing, entry.lamp, from, middle.dir) else {
             return if has_ended(tracing, sheet, spot) { None } else { always };
         };
-        if blend.slides.len() != slides.len() || blend.alone != alone {
+        if blend.slides().len() != slides.len() || blend.alone() != alone {
             return always;
         }
         // The middle of the lamp has to stand for all of it.
@@ -297,14 +297,14 @@ impl<M: Mode> Lit<M> {
         let errs = |lane: usize| {
             let found = light[lane] * middle.factor;
             // Nothing is interpolated exactly where there is nothing.
-            if blend.strength[lane] == found { 0.0 } else { (blend.strength[lane] - found).abs() / found.abs() }
+            if blend.strength(lane) == found { 0.0 } else { (blend.strength(lane) - found).abs() / found.abs() }
         };
-        let moved = |((_, at), (slide, local)): (&(usize, DVec3), &(usize, DVec3))| {
+        let moved = |((_, at), (slide, local)): ((usize, DVec3), &(usize, DVec3))| {
             at.distance(*local) / world.slides[*slide].size()
         };
-        let all = std::iter::once(blend.dir.distance(middle.dir))
+        let all = std::iter::once(blend.dir().distance(middle.dir))
             .chain((0..M::LANES).map(errs))
-            .chain(blend.slides.iter().zip(&slides).map(moved));
+            .chain(blend.slides().zip(&slides).map(moved));
         // What is no number is no small error.
         let most = all.map(|err| if err.is_nan() { f64::INFINITY } else { err }).fold(0.0, f64::max);
         Some(Some(Errs::By(most / self.tolerance)))
@@ -313,6 +313,6 @@ impl<M: Mode> Lit<M> {
 
 /// Whether the nodes about a spot, which are whole, say that it lies beside a slide's picture.
 fn has_ended<M: Mode>((world, optics): (&World, &Optics<M>), sheet: &Sheet<M>, spot: &Spot) -> bool {
-    let ended = |(slide, at): &(usize, DVec3)| optics.slide(&world.slides[*slide], *at).is_none();
-    sheet.blend((spot.cell, &spot.rows()), DVec2::ZERO).is_some_and(|blend| blend.slides.iter().any(ended))
+    let ended = |(slide, at): (usize, DVec3)| optics.slide(&world.slides[slide], at).is_none();
+    sheet.blend((spot.cell, &spot.rows()), DVec2::ZERO).is_some_and(|blend| blend.slides().any(ended))
 }

@@ -67,12 +67,42 @@ pub(super) struct Sheet<M: Mode> {
 }
 
 /// What the nodes say of a place between them.
-pub(super) struct Blend<M: Mode> {
-    pub(super) dir: DVec3,
-    pub(super) strength: M::Lanes<f64>,
-    /// Which, and where on it, mesh units.
-    pub(super) slides: ArrayVec<(usize, DVec3), SLIDES>,
-    pub(super) alone: bool,
+pub(super) struct Blend<'s, M: Mode> {
+    near: &'s Node<M>,
+    /// Of the middle of the lamp.
+    sums: [Quad; QUADS],
+    /// The place on the lamp, from its middle, m.
+    off: DVec2,
+}
+
+impl<M: Mode> Blend<'_, M> {
+    fn three(&self, at: usize) -> DVec3 {
+        DVec3::from_slice(&self.sums.as_flattened()[at..at + 3])
+    }
+
+    fn moved(&self, by_lamp: &[DVec3; 2]) -> DVec3 {
+        by_lamp[0] * self.off.x + by_lamp[1] * self.off.y
+    }
+
+    pub(super) fn dir(&self) -> DVec3 {
+        self.three(0) + self.moved(&self.near.by_lamp)
+    }
+
+    pub(super) fn strength(&self, lane: usize) -> f64 {
+        self.sums.as_flattened()[3 + lane]
+    }
+
+    /// Slides that are crossed, and where, mesh units.
+    pub(super) fn slides(&self) -> impl ExactSizeIterator<Item = (usize, DVec3)> {
+        let place = |(k, crossing): (usize, &Crossing)| {
+            (crossing.slide, self.three(3 + M::LANES + 3 * k) + self.moved(&crossing.by_lamp))
+        };
+        self.near.slides.iter().enumerate().map(place)
+    }
+
+    pub(super) fn alone(&self) -> bool {
+        self.near.alone
+    }
 }
 
 impl<M: Mode> Sheet<M> {
@@ -127,21 +157,9 @@ impl<M: Mode> Sheet<M> {
     }
 
     /// The nodes' solutions in between, in a cell by rows of nodes about it; only where they are whole.
-    pub(super) fn blend(&self, (cell, rows): (usize, &Rows), off: DVec2) -> Option<Blend<M>> {
-        let near = self.nodes[cell].as_ref()?;
-        let sums = self.blended(rows)?;
-        let sums = sums.as_flattened();
-        let place = |at: usize| DVec3::from_slice(&sums[at..at + 3]);
-        let mut dir = place(0);
-        let strength = lanes::<M, _>(|lane| sums[3 + lane]);
-        let places = (0..).map(|k| place(3 + M::LANES + 3 * k));
-        let mut slides: ArrayVec<(usize, DVec3), SLIDES> =
-            near.slides.iter().zip(places).map(|(crossing, at)| (crossing.slide, at)).collect();
-        dir += near.by_lamp[0] * off.x + near.by_lamp[1] * off.y;
-        for ((_, at), crossing) in slides.iter_mut().zip(&near.slides) {
-            *at += crossing.by_lamp[0] * off.x + crossing.by_lamp[1] * off.y;
-        }
-        Some(Blend { dir, strength, slides, alone: near.alone })
+    #[inline]
+    pub(super) fn blend(&self, (cell, rows): (usize, &Rows), off: DVec2) -> Option<Blend<'_, M>> {
+        Some(Blend { near: self.nodes[cell].as_ref()?, sums: self.blended(rows)?, off })
     }
 
     /// The direction alone; none before the nodes are all there.
@@ -153,6 +171,7 @@ impl<M: Mode> Sheet<M> {
         Some(dir + near.by_lamp[0] * off.x + near.by_lamp[1] * off.y)
     }
 
+    #[inline]
     pub(super) fn interpolate(
         &self,
         (world, optics): (&World, &Optics<M>),
@@ -161,15 +180,15 @@ impl<M: Mode> Sheet<M> {
         off: DVec2,
     ) -> Option<Incoming<'static, M>> {
         let blend = self.blend(near, off)?;
-        let mut light = lanes::<M, _>(|lane| Light::ONE.scaled(blend.strength[lane]));
-        for (slide, at) in &blend.slides {
-            let map = &world.slides[*slide];
-            let s = optics.slide(map, *at)?;
+        let mut light = lanes::<M, _>(|lane| Light::ONE.scaled(blend.strength(lane)));
+        for (slide, at) in blend.slides() {
+            let map = &world.slides[slide];
+            let s = optics.slide(map, at)?;
             for lane in 0..M::LANES {
                 light[lane].cross(map.t_white(), map.transmittance(s[lane]), s[lane]);
             }
         }
-        Some(Incoming { lamp, letters: &[], dir: blend.dir.normalize(), light, alone: blend.alone })
+        Some(Incoming { lamp, letters: &[], dir: blend.dir().normalize(), light, alone: blend.alone() })
     }
 }
 
