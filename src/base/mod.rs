@@ -8,6 +8,7 @@ pub mod complex;
 pub mod fault;
 pub mod glb;
 pub mod ids;
+pub mod lattice; // points that are even however many there are
 pub mod lpe; // light path expressions
 pub mod murmur; // the hash of names in Cryptomatte
 pub mod package;

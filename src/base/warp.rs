@@ -89,44 +89,6 @@ impl Frame {
 /// The largest number below 1.
 pub const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// Point `index` of a lattice of `D` dimensions, moved by `shift` (fractions of 2⁶⁴): each point alone is uniform where the
-/// shift is, and all points so far are spread evenly.
-pub fn lattice<const D: usize>(shift: [u64; D], index: u64) -> [f64; D] {
-    let steps = const { steps::<D>() };
-    std::array::from_fn(|axis| {
-        let fraction = shift[axis].wrapping_add(index.wrapping_mul(steps[axis]));
-        (fraction >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
-    })
-}
-
-/// g⁻ᵏ with gᴰ⁺¹ = g + 1, k = 1 … D (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018), as
-/// fractions of 2⁶⁴.
-const fn steps<const D: usize>() -> [u64; D] {
-    // Newton's iteration for h = 1/g, where the equation reads hᴰ + hᴰ⁺¹ = 1.
-    let mut h = 0.8f64;
-    let mut round = 0;
-    while round < 32 {
-        let mut power = 1.0;
-        let mut k = 0;
-        while k + 1 < D {
-            power *= h;
-            k += 1;
-        }
-        let (value, slope) = (power * h * (1.0 + h) - 1.0, power * (D as f64 + (D as f64 + 1.0) * h));
-        h -= value / slope;
-        round += 1;
-    }
-    let mut steps = [0u64; D];
-    let mut power = 1.0;
-    let mut axis = 0;
-    while axis < D {
-        power *= h;
-        steps[axis] = (power * 18_446_744_073_709_551_616.0) as u64;
-        axis += 1;
-    }
-    steps
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,39 +122,6 @@ mod tests {
             let back = disk_inverse(disk(p));
             assert!((0..2).all(|k| (back[k] - p[k]).abs() < 1e-12), "{p:?} {back:?}");
         }
-    }
-
-    /// Over 64 shifts the area of a small disc has no bias and less than a third of the error of independent points.
-    #[test]
-    fn a_lattice_finds_a_small_image_evenly() {
-        const POINTS: u64 = 4096;
-        let area = PI * 0.01;
-        let mut rng = Rng::new(5, Stream::Check, 0, 0);
-        let errors: Vec<f64> = (0..64)
-            .map(|_| {
-                let shift = [rng.next_u64(), rng.next_u64()];
-                let inside = (0..POINTS).filter(|&index| {
-                    let [x, y] = lattice(shift, index);
-                    (x - 0.4).powi(2) + (y - 0.6).powi(2) < 0.01
-                });
-                inside.count() as f64 / POINTS as f64 - area
-            })
-            .collect();
-        let independent = (area * (1.0 - area) / POINTS as f64).sqrt();
-        let rms = (errors.iter().map(|e| e * e).sum::<f64>() / 64.0).sqrt();
-        let mean = errors.iter().sum::<f64>() / 64.0;
-        assert!(rms < independent / 3.0, "rms {rms}, independent points {independent}");
-        assert!(mean.abs() < 4.0 * rms / 8.0, "mean {mean}, rms {rms}");
-    }
-
-    /// The golden ratio, the plastic number, and the roots of the equation in four dimensions.
-    #[test]
-    fn steps_solve_their_equation() {
-        let is = |steps: &[u64], k: usize| steps[k] as f64 / 2f64.powi(64);
-        assert!((is(&steps::<1>(), 0) - (5f64.sqrt() - 1.0) / 2.0).abs() < 1e-15);
-        assert!((is(&steps::<2>(), 0) - 1.0 / 1.324_717_957_244_746).abs() < 1e-15);
-        let h = is(&steps::<4>(), 0);
-        assert!((h.powi(4) * (1.0 + h) - 1.0).abs() < 1e-14 && (is(&steps::<4>(), 3) - h.powi(4)).abs() < 1e-15);
     }
 
     #[test]

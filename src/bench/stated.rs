@@ -177,7 +177,8 @@ mod tests {
         scene
     }
 
-    /// From the eye no path to it is rare, so the stated error is the true one.
+    /// From the eye no path to it is rare, so the true error is the stated one but for what evenness saves: half the variance,
+    /// which twelve passes of so few pixels do not tell.
     #[test]
     fn a_wall_states_its_error() {
         let scene = wall();
@@ -191,7 +192,7 @@ mod tests {
         assert_eq!(runs.len(), 12);
         let ratios: Vec<f64> = runs.iter().filter_map(|run| Some(run.real / run.stated?)).collect();
         let mean = ratios.iter().sum::<f64>() / 12.0;
-        assert!((0.8..1.2).contains(&mean), "{ratios:?}");
+        assert!((0.55..1.0).contains(&mean), "{ratios:?}");
         assert!(!Run { stated: Some(0.5 * runs[0].real), ..runs[0] }.is_honest());
         assert!(!Run { stated: None, ..runs[0] }.is_honest());
     }

@@ -192,7 +192,9 @@ impl<'w, M: Mode> Backward<'w, M> {
             let walker =
                 Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
             let index = first.wrapping_add(path);
-            let points = pixel.start(self.seed, Stream::LampPoint, index);
+            // What is most even together is for the place on the lamp.
+            let [s, t, which] = pixel.start(self.seed, Stream::LampPoint, index);
+            let points = [which, s, t];
             let even = Even::new(self.seed, Stream::Backward, pixel, index);
             self.path(walker, weight, (points, &even), out, ledgers);
         }

@@ -2,8 +2,8 @@
 //! from point to point. Edges then converge faster than with independent points, and passes differ by less than their
 //! variance says.
 
+use crate::base::lattice::lattice;
 use crate::base::rng::{Rng, Stream};
-use crate::base::warp::lattice;
 use crate::world::eye::EyeLens;
 use crate::world::geometry::Ray;
 

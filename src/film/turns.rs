@@ -111,8 +111,8 @@ impl TurnsRow<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::lattice::lattice;
     use crate::base::rng::{Rng, Stream};
-    use crate::base::warp::lattice;
 
     #[test]
     fn the_surplus_is_counted() {

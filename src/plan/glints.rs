@@ -3,8 +3,8 @@
 
 use super::chains::{SEED, train};
 use crate::base::chain::Chain;
+use crate::base::lattice::lattice;
 use crate::base::rng::{Rng, Stream};
-use crate::base::warp::lattice;
 use crate::estimate::ShouldStop;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::solve::{Family, Target, newton};

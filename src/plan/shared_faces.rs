@@ -3,9 +3,9 @@
 
 use super::glimpses::{self, sides_of};
 use super::pilot::SEED;
+use crate::base::lattice::lattice;
 use crate::base::path::Class;
 use crate::base::rng::Stream;
-use crate::base::warp::lattice;
 use crate::estimate::ShouldStop;
 use crate::estimate::both::Both;
 use crate::estimate::data::{End, go_straight};

@@ -1,8 +1,9 @@
 //! What a pilot sees of the sky: where its light gets in to the scatterers on some paths from the eye.
 
 use super::Backward;
+use crate::base::lattice::lattice;
 use crate::base::rng::{Rng, Stream};
-use crate::base::warp::{Frame, lattice};
+use crate::base::warp::Frame;
 use crate::estimate::ShouldStop;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::walk::{Meeting, Met, Travel, Vertex, Walker};

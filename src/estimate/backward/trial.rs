@@ -1,7 +1,7 @@
 //! What paths from the eye bring in a pilot, by two of them in each of some pixels, and what they cost.
 
 use super::Backward;
-use crate::base::warp::lattice;
+use crate::base::lattice::lattice;
 use crate::estimate::ShouldStop;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::pixel::Pixel;
