@@ -161,7 +161,7 @@ pub fn runs(
 mod tests {
     use super::*;
     use crate::bench::curve::reference::Source;
-    use crate::bench::kit;
+    use crate::bench::{generate, kit};
     use crate::film::plan::Estimator;
     use crate::plan::Choice;
     use crate::scene::Finish;
@@ -195,6 +195,23 @@ mod tests {
         assert!((0.55..1.0).contains(&mean), "{ratios:?}");
         assert!(!Run { stated: Some(0.5 * runs[0].real), ..runs[0] }.is_honest());
         assert!(!Run { stated: None, ..runs[0] }.is_honest());
+    }
+
+    /// Four passes of a room that they hardly find: what stands in the picture is noise for the most part, and an error that takes it
+    /// for light would be two thirds of the true one.
+    #[test]
+    fn noise_is_no_light() {
+        let scene = generate::scene(6);
+        let ready = Ready::new(&scene, 0.0).unwrap();
+        let choice = Choice::Only(Estimator::Backward);
+        let source = Source::Traced { choice, passes: Some(800), seconds: 1e9 };
+        let (references, _) = references(&ready, &source, 1, &|| false).unwrap();
+        let limits = Limits { passes: Some(4), time: None, error: None };
+        let plan = plan(&ready.checked, &ready.world, choice);
+        let runs: Vec<Run> = runs(&ready, &plan, &references, 0..20, &limits, &|| false).collect();
+        let ratios: Vec<f64> = runs.iter().filter_map(|run| Some(run.real / run.stated?)).collect();
+        assert!(runs.iter().all(|run| run.real > 0.8), "not noisy enough: {runs:?}");
+        assert!(ratios.iter().filter(|ratio| **ratio <= LEEWAY).count() >= 18, "{ratios:?}");
     }
 
     /// How small an error two references tell: as large as what they say of a third of their kind that has no error of its

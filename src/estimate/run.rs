@@ -84,7 +84,8 @@ impl Films {
     /// squared error of a run is often larger than its mean. Then this is as much larger as it takes for [`LEEWAY`] times it to
     /// cover 19 in 20 of them. The pixels' sum counts as χ² of (Σv)²/Σv² degrees of freedom (F. E. Satterthwaite, Biometrics
     /// Bulletin 2, 1946), and what is known of it by n passes as one of n − 1 times as many. What gathering
-    /// photons within a radius blurs is no noise: it is told apart (`film::blur`) and added. None before the second pass or for a black picture.
+    /// photons within a radius blurs is no noise: it is told apart (`film::blur`) and added. None before the second pass, for a
+    /// black picture, or for one that is nothing but noise.
     pub fn relative_error(&self) -> Option<f64> {
         let (noise, signal) = self.likely_noise()?;
         Some(((noise + self.blur2()) / signal).sqrt())
@@ -97,10 +98,10 @@ impl Films {
 
     /// Sums over the pixels: squared error as large as it is likely to be by chance, and luminance squared.
     fn likely_noise(&self) -> Option<(f64, f64)> {
-        let [noise, squares, unknown, signal] = self.noise()?;
+        let [noise, squares, unknown, seen] = self.noise()?;
         let freedom = |squares: f64| if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
         let most = (variance_ratio(freedom(squares), freedom(unknown), Z_OF_95) / (LEEWAY * LEEWAY)).max(1.0);
-        Some((noise * most, signal))
+        Some((noise * most, signal(noise, seen)?))
     }
 
     /// Sum over the pixels of the squared error that gathering within a radius makes, (cd/m²)²; 0 where noise hides it.
@@ -110,13 +111,20 @@ impl Films {
         blurred.map(of_film).sum::<f64>().max(0.0)
     }
 
-    /// Root of (sum of the variances of all pixels' luminance) over (sum of their squares): the noise's share of the
-    /// picture. None before the second pass or for a black picture.
+    /// Root of (sum of the variances of all pixels' luminance) over (sum of their squares without noise): the noise's share
+    /// of the picture. None where [`Films::relative_error`] is none.
     pub fn relative_noise(&self) -> Option<f64> {
-        self.noise().map(|[noise, .., signal]| (noise / signal).sqrt())
+        let [noise, .., seen] = self.noise()?;
+        Some((noise / signal(noise, seen)?).sqrt())
+    }
+
+    /// Whether there is light to state an error of, be it all noise: [`Films::relative_error`] then comes with more passes.
+    pub fn has_light(&self) -> bool {
+        self.noise().is_some()
     }
 
     /// Sums over the pixels: variance, its square, that over one less than the samples that tell it, and luminance squared.
+    /// None before the second pass or for a black picture.
     ///
     /// Where each pixel goes through points that are even over the passes, what that saves is found in the whole picture.
     fn noise(&self) -> Option<[f64; 4]> {
@@ -124,7 +132,7 @@ impl Films {
         let saved: Vec<f64> = self.films.iter().map(|(estimator, film, _)| saved(*estimator, film)).collect();
         // Rows side by side, summed in their order whatever thread made them.
         let of_row = |row: usize| {
-            let (mut noise, mut squares, mut unknown, mut signal) = (0.0, 0.0, 0.0, 0.0);
+            let (mut noise, mut squares, mut unknown, mut seen) = (0.0, 0.0, 0.0, 0.0);
             for pixel in row * first.width..(row + 1) * first.width {
                 let (mut value, mut variance) = (0.0, 0.0);
                 for ((_, film, _), saved) in self.films.iter().zip(&saved) {
@@ -135,9 +143,9 @@ impl Films {
                 }
                 noise += variance;
                 squares += variance * variance;
-                signal += value * value;
+                seen += value * value;
             }
-            [noise, squares, unknown, signal]
+            [noise, squares, unknown, seen]
         };
         let rows: Vec<[f64; 4]> = (0..first.height).into_par_iter().map(of_row).collect();
         let add = |sum: [f64; 4], row: &[f64; 4]| std::array::from_fn(|k| sum[k] + row[k]);
@@ -149,6 +157,11 @@ impl Films {
     pub fn ledger(&self, estimator: Estimator) -> Option<&Ledger> {
         self.films.iter().find(|(e, _, _)| *e == estimator).map(|(_, _, ledger)| ledger)
     }
+}
+
+/// What there is of luminance squared, summed over the pixels, beyond noise: each pixel's square has its variance in it.
+fn signal(noise: f64, seen: f64) -> Option<f64> {
+    (seen > noise).then_some(seen - noise)
 }
 
 /// What evenness over the passes leaves of a film's variance.

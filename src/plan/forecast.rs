@@ -44,13 +44,13 @@ pub fn forecast(scene: &Scene, world: &World, plan: &Plan) -> Result<Forecast> {
         Some(noise) if small.share < 1.0 => {
             let finer = shrunk(LARGER_SIDE)?;
             let tracing = first_passes(&finer, plan, scene);
-            let fine = tracing.films().relative_noise().unwrap_or(0.0);
-            of_the_whole([noise, fine], finer.share / small.share, finer.share)
+            let fine = tracing.films().relative_noise();
+            fine.map_or(1.0, |fine| of_the_whole([noise, fine], finer.share / small.share, finer.share))
         }
         Some(_) | None => 1.0,
     };
     let work = |films: &Films| films.films.iter().map(|(_, _, ledger)| ledger.work).sum::<u64>();
-    let far = |films: &Films| films.relative_error_of_noise().is_some_and(|error| error * larger > AIM);
+    let far = |films: &Films| films.relative_error_of_noise().map_or(films.has_light(), |error| error * larger > AIM);
     // Twice as many passes take twice the work.
     while far(tracing.films()) && 2 * work(tracing.films()) <= WORK {
         tracing.step(tracing.films().passes);
@@ -58,7 +58,7 @@ pub fn forecast(scene: &Scene, world: &World, plan: &Plan) -> Result<Forecast> {
     let films = tracing.films();
     let paths: u64 = films.films.iter().map(|(_, _, ledger)| ledger.paths).sum();
     Ok(Forecast {
-        error_of_a_pass: first.map(|error| error * larger),
+        error_of_a_pass: first.or_else(|| of_a_pass(films)).map(|error| error * larger),
         paths_of_a_pass: paths as f64 / films.passes as f64 / small.share,
         passes: of_a_pass(films).map(|error| (error * larger / AIM).powi(2).ceil().max(1.0)),
         pilot_passes: films.passes,
@@ -95,7 +95,7 @@ impl Forecast {
                 passes * self.paths_of_a_pass,
                 self.pilot_passes
             ),
-            None => "to 1 % error: nothing was seen in a pilot, so nothing is foretold".to_owned(),
+            None => "to 1 % error: a pilot saw nothing that stands out of noise, so nothing is foretold".to_owned(),
         }
     }
 }
