@@ -5,8 +5,8 @@ use super::run::{Films, Limits, run};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::film::plan::{Estimator, PathMode, Plan, Radii, Row, Verdict};
-use crate::scene::{Absorption, Dispersion, Face, Finish, Group, Medium, Scene, Shape, Sky};
-use crate::world::geometry::scenes::{self, Builder};
+use crate::scene::{Absorption, Dispersion, Finish, Group, Medium, Scene, Sky};
+use crate::world::geometry::scenes;
 use crate::world::{Planted, World};
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
@@ -32,19 +32,10 @@ fn lit() -> Scene {
     let mut scene = ball();
     scene.media[0] =
         Medium { name: "tint".to_owned(), index: Dispersion::Constant(1.5), absorption: Absorption::Constant(5.0) };
-    let mut square = |half: f64, z: f64, finish: Finish| {
-        let corner = |x: f64, y: f64| (DVec3::new(x * half, y * half, z), DVec3::NEG_Z);
-        let mut builder = Builder::default();
-        let corners = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
-        builder.face(&corners, &[[0, 1, 2], [0, 2, 3]]);
-        scene.meshes.push(builder.mesh);
-        let mut part = scenes::part(scene.meshes.len() as u32 - 1, &[Shape::Mesh], scene.parts[0].to_world);
-        part.medium = None;
-        part.faces = vec![Face { finish, coating: None, shape: Shape::Mesh, emitter: None, slide: None }];
-        scene.parts.push(part);
-    };
-    square(15.0, 115.0, Finish::Lambert { reflectance: 0.5, transmittance: 0.4 });
-    square(8.0, 140.0, Finish::Absorber);
+    let place = scene.parts[0].to_world;
+    let half_matt = Finish::Lambert { reflectance: 0.5, transmittance: 0.4 };
+    scenes::add_square(&mut scene, (15.0, 115.0, DVec3::NEG_Z), half_matt, place);
+    scenes::add_square(&mut scene, (8.0, 140.0, DVec3::NEG_Z), Finish::Absorber, place);
     scene.parts[2].faces[0].emitter = Some(scenes::emitter());
     scene
 }

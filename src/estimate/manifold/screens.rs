@@ -41,6 +41,9 @@ const SAME: f64 = 1e-6;
 /// The same where one is interpolated for the same point of the lamp, in tolerances, and for another point.
 const NEARLY_SAME: f64 = 3.0;
 const ABOUT_SAME: f64 = 1e-2;
+/// How far a solution may lie from where it is foretold, in what the direction changes by over a cell: farther off it is another
+/// branch's.
+const FORETOLD: f64 = 0.5;
 /// What a train brings of a face's light, times what the eye sees of that, from which on every lamp is asked. Of less it
 /// is some of them, one at least, and what they bring stands for all.
 const WORTH_EVERY_LAMP: f64 = 2e-2;
@@ -195,11 +198,8 @@ impl<M: Mode> Screens<M> {
                     }
                     visit(Incoming { letters: &lit.letters, ..incoming });
                 }
-                if of(Cell::Solved).next().is_none() {
-                    continue;
-                }
-                let target = Target::new(x.position, x.normal);
                 for sheet in of(Cell::Solved) {
+                    let target = Target::new(x.position, x.normal);
                     ledger.work += cost::SOLVED * lit.chain.0.len() as u64;
                     let root = lit.solve((world, optics), entry, sheet, &spot, (point, site), &target);
                     let Some(Solution { dir, factor }) = root.filter(|root| known.add(root.dir, SAME)) else {

@@ -83,23 +83,17 @@ impl Middles {
 mod tests {
     use super::*;
     use crate::estimate::photon_map::tests::photon;
-    use crate::scene::{Eye, Face, Finish, Shape};
-    use crate::world::geometry::scenes::{self, Builder};
+    use crate::scene::{Eye, Finish};
+    use crate::world::geometry::scenes;
     use glam::DAffine3;
 
     const SIZE: [usize; 2] = [8, 6];
 
     /// Of a wall a metre away that fills the picture.
     fn middles(size: [usize; 2]) -> Middles {
-        let corner = |x: f64, y: f64| (DVec3::new(x, y, 1.0), DVec3::NEG_Z);
-        let mut wall = Builder::default();
-        let corners = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
-        wall.face(&corners, &[[0, 1, 2], [0, 2, 3]]);
-        let mut part = scenes::part(0, &[Shape::Mesh], DAffine3::IDENTITY);
-        part.medium = None;
+        let mut scene = scenes::scene(Vec::new(), Vec::new());
         let finish = Finish::Lambert { reflectance: 0.5, transmittance: 0.0 };
-        part.faces = vec![Face { finish, coating: None, shape: Shape::Mesh, emitter: None, slide: None }];
-        let mut scene = scenes::scene(vec![wall.mesh], vec![part]);
+        scenes::add_square(&mut scene, (1.0, 1.0, DVec3::NEG_Z), finish, DAffine3::IDENTITY);
         scene.eye = Eye {
             position: DVec3::ZERO,
             look: DVec3::Z,

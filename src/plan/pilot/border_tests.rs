@@ -8,10 +8,10 @@ use crate::estimate::route::Route;
 use crate::film::plan::Estimator;
 use crate::import::{ImportOptions, import};
 use crate::plan::{Choice, plan};
-use crate::scene::{Eye, Face, Finish, Group, Scene, Shape};
+use crate::scene::{Eye, Finish, Group, Scene, Shape};
 use crate::world::World;
 use crate::world::geometry::Site;
-use crate::world::geometry::scenes::{self, Builder};
+use crate::world::geometry::scenes;
 use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
 use glam::{DAffine3, DVec3};
@@ -90,21 +90,9 @@ fn half_a_pane() -> Scene {
     let pane = scenes::cuboid(DVec3::new(0.0, -100.0, 50.0), DVec3::new(100.0, 100.0, 52.0));
     let turn = DAffine3::from_rotation_z(f64::atan2(ACROSS[1], ACROSS[0]));
     let mut scene = scenes::scene(vec![pane], vec![scenes::part(0, &vec![Shape::Mesh; 6], turn * mm)]);
-    let mut square = |half: f64, z: f64, to_lamp: bool, finish: Finish| {
-        let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
-        let normal = if to_lamp { DVec3::NEG_Z } else { DVec3::Z };
-        let corner = |[x, y]: [f64; 2]| (DVec3::new(x, y, z), normal);
-        let mut builder = Builder::default();
-        let triangles = if to_lamp { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] };
-        builder.face(&corners.map(corner), &triangles);
-        scene.meshes.push(builder.mesh);
-        let mut part = scenes::part(scene.meshes.len() as u32 - 1, &[Shape::Mesh], mm);
-        part.medium = None;
-        part.faces = vec![Face { finish, coating: None, shape: Shape::Mesh, emitter: None, slide: None }];
-        scene.parts.push(part);
-    };
-    square(0.2, 0.0, false, Finish::Absorber);
-    square(1e3 * HALF_WALL, 100.0, true, Finish::Lambert { reflectance: 0.8, transmittance: 0.0 });
+    scenes::add_square(&mut scene, (0.2, 0.0, DVec3::Z), Finish::Absorber, mm);
+    let matt = Finish::Lambert { reflectance: 0.8, transmittance: 0.0 };
+    scenes::add_square(&mut scene, (1e3 * HALF_WALL, 100.0, DVec3::NEG_Z), matt, mm);
     scene.parts[1].faces[0].emitter = Some(scenes::emitter());
     scene.groups = vec![Group { name: "light".to_owned() }];
     scene.eye = Eye {

@@ -185,6 +185,21 @@ pub fn part(mesh: u32, shapes: &[Shape], to_world: DAffine3) -> Part {
     }
 }
 
+/// Adds a square about the z axis of `to_world`, `half` its side, in the plane `z`, whose face has its normal along `towards` (±z)
+/// and this finish.
+pub fn add_square(scene: &mut Scene, (half, z, towards): (f64, f64, DVec3), finish: Finish, to_world: DAffine3) {
+    let up = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let corner = |[x, y]: [f64; 2]| (DVec3::new(half * x, half * y, z), towards);
+    let triangles = if towards.z < 0.0 { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] };
+    let mut builder = Builder::default();
+    builder.face(&up.map(corner), &triangles);
+    scene.meshes.push(builder.mesh);
+    let mut part = part(scene.meshes.len() as u32 - 1, &[Shape::Mesh], to_world);
+    part.medium = None;
+    part.faces = vec![Face { finish, coating: None, shape: Shape::Mesh, emitter: None, slide: None }];
+    scene.parts.push(part);
+}
+
 pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
     Scene {
         name: "TEST".into(),

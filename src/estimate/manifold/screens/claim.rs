@@ -5,7 +5,7 @@
 
 use super::lit::{Entry, Lit, Solution};
 use super::sheet::{Cell, Sheet};
-use super::{ABOUT_SAME, MOST_SHEETS, SAME, Screens};
+use super::{ABOUT_SAME, FORETOLD, MOST_SHEETS, SAME, Screens};
 use crate::base::chain::Chain;
 use crate::estimate::ledger::cost;
 use crate::estimate::manifold::nodes::Spot;
@@ -19,9 +19,6 @@ use glam::DVec3;
 
 /// Branches whose light about a point is known at once.
 const KNOWN: usize = 64;
-/// How far a solution may lie from where the solver starts, in what the direction changes by over a cell: farther off it is
-/// another branch's.
-const FORETOLD: f64 = 0.5;
 
 /// Branches of a train for one lamp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use super::level::{Errs, slack};
 use super::lit::{Entry, Lit, Solution, letter};
 use super::sheet::{Cell, Crossing, Node, Sheet, beyond};
-use super::{MOST_SHEETS, SAME, TOLERANCE};
+use super::{FORETOLD, MOST_SHEETS, SAME, TOLERANCE};
 use crate::estimate::manifold::face_map::FaceMap;
 use crate::estimate::manifold::nodes::Spot;
 use crate::estimate::manifold::solve::Target;
@@ -26,8 +26,6 @@ const UNEVEN: f64 = 0.25;
 const ASIDE: f64 = 0.7;
 /// How far from there a ray may meet the lamp instead, of that.
 const BESIDE: f64 = 0.1;
-/// Of the change of direction over a cell, how much a neighbour's solution may differ from the foretold one.
-const FORETOLD: f64 = 0.5;
 
 impl<M: Mode> Lit<M> {
     pub(super) fn with_cells(world: &World, optics: &Optics<M>, screen: &Screen, cells: usize) -> Option<Lit<M>> {
