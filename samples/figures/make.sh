@@ -190,8 +190,6 @@ check "the formula says how much rarer the eye's paths find a lamp, within 3 sig
 aimed=$(sed -n 's/.*measured by \([0-9]*\) of \([0-9]*\) paths from the lamps.*/\1 \/ \2/p' "$out/fig11.json" | head -n 1)
 awk "BEGIN {
     b = $(number fig10 relative_error) ^ 2; f = $(number fig11 relative_error) ^ 2
-    # Of the squares that the error is a share of, the noise itself is a part.
-    b /= 1 - b; f /= 1 - f
     nb = $(paths fig10 backward); nf = $(paths fig11 forward); tb = $(cat "$out/fig10.cpu"); tf = $(cat "$out/fig11.cpu")
     printf \"10  rays from the eye: noise %.3g of the light after %.0f s of CPU, %.3g paths\n\", sqrt(b), tb, nb
     printf \"11  light from the lamps: noise %.3g after %.0f s of CPU, %.3g paths, %.2f of those that are aimed arrive\n\", \

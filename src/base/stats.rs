@@ -13,6 +13,15 @@ pub fn variance_ratio(above: f64, below: f64, z: f64) -> f64 {
     ((a * b + root) / square).powi(3)
 }
 
+/// What there is beyond noise of the squares of a picture's pixels: their sum `seen` has that of the variances, `noise`, in it. None
+/// where no more than rounding is left, as where no pixel was hit twice.
+pub fn beyond_noise(noise: f64, seen: f64) -> Option<f64> {
+    // Of frames, which have 24 bits.
+    const ROUNDING: f64 = 1e-6;
+    let signal = seen - noise;
+    (signal > ROUNDING * seen).then_some(signal)
+}
+
 /// Upper tail probability of the standard normal distribution, P(Z > z).
 ///
 /// Complementary error function by the continued fraction / series split of Abramowitz & Stegun 7.1.5 and 7.1.14;
@@ -133,6 +142,23 @@ mod tests {
         }
         assert_eq!(variance_ratio(f64::INFINITY, f64::INFINITY, 1.6), 1.0);
         assert!(variance_ratio(1.0, 0.0, 1.6).is_finite());
+    }
+
+    /// Means of pixels that one of a few passes hit have the variance of their own squares, but for rounding.
+    #[test]
+    fn single_hits_are_nothing_but_noise() {
+        for passes in 2..9 {
+            let n = f64::from(passes);
+            let (mut noise, mut seen) = (0.0, 0.0);
+            for pixel in 1..300 {
+                let (hit, mean) = (0.1 * f64::from(pixel), 0.1 * f64::from(pixel) / n);
+                noise += (hit * hit - hit * hit / n) / (n - 1.0) / n;
+                seen += mean * mean;
+            }
+            assert_eq!(beyond_noise(noise, seen), None, "{passes}: {noise} {seen}");
+            assert!(beyond_noise(0.5 * noise, seen).is_some_and(|signal| (signal / seen - 0.5).abs() < 1e-9));
+        }
+        assert_eq!(beyond_noise(0.0, 0.0), None);
     }
 
     #[test]

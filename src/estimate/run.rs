@@ -6,7 +6,7 @@
 mod engines;
 
 use super::ledger::Ledger;
-use crate::base::stats::variance_ratio;
+use crate::base::stats::{beyond_noise, variance_ratio};
 use crate::film::accumulate::{Components, Film};
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
@@ -101,7 +101,7 @@ impl Films {
         let [noise, squares, unknown, seen] = self.noise()?;
         let freedom = |squares: f64| if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
         let most = (variance_ratio(freedom(squares), freedom(unknown), Z_OF_95) / (LEEWAY * LEEWAY)).max(1.0);
-        Some((noise * most, signal(noise, seen)?))
+        Some((noise * most, beyond_noise(noise, seen)?))
     }
 
     /// Sum over the pixels of the squared error that gathering within a radius makes, (cd/m²)²; 0 where noise hides it.
@@ -115,10 +115,10 @@ impl Films {
     /// of the picture. None where [`Films::relative_error`] is none.
     pub fn relative_noise(&self) -> Option<f64> {
         let [noise, .., seen] = self.noise()?;
-        Some((noise / signal(noise, seen)?).sqrt())
+        Some((noise / beyond_noise(noise, seen)?).sqrt())
     }
 
-    /// Whether there is light to state an error of, be it all noise: [`Films::relative_error`] then comes with more passes.
+    /// From the second pass on: whether there is any light, be it all noise of which no error is stated yet.
     pub fn has_light(&self) -> bool {
         self.noise().is_some()
     }
@@ -157,11 +157,6 @@ impl Films {
     pub fn ledger(&self, estimator: Estimator) -> Option<&Ledger> {
         self.films.iter().find(|(e, _, _)| *e == estimator).map(|(_, _, ledger)| ledger)
     }
-}
-
-/// What there is of luminance squared, summed over the pixels, beyond noise: each pixel's square has its variance in it.
-fn signal(noise: f64, seen: f64) -> Option<f64> {
-    (seen > noise).then_some(seen - noise)
 }
 
 /// What evenness over the passes leaves of a film's variance.

@@ -12,7 +12,8 @@ use crate::world::World;
 /// Passes and paths to a relative error of 1 %.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Forecast {
-    /// Relative error of one pass of the whole picture, by the pilot's first six; none for a black picture.
+    /// Relative error of one pass of the whole picture, by the pilot's first six, or by all where six were nothing but noise; none
+    /// where all were, and for a black picture.
     pub error_of_a_pass: Option<f64>,
     /// Paths of one pass of the whole picture.
     pub paths_of_a_pass: f64,

@@ -28,6 +28,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
+/// By how much the first ray of a pass lies farther on in a pixel's lattice than that of the last. With 21, passes of 2, 8 and 16
+/// rays are even among each other: from 2 to 16 of them err by 0.35 to 0.67 of the variance that independent ones would have at
+/// edges in any direction. With 16, which is as many rays as there may be, a pass moves on by a tenth of a pixel, and it is up to 1.9.
+const STRIDE: u64 = 21;
+const _: () = assert!(STRIDE >= MOST_RAYS);
+
 /// The photons of a pass, and what of them is connected.
 pub(super) struct Maps<M: Mode> {
     screens: Arc<Screens<M>>,
@@ -131,8 +137,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
                 match middles.map_or(1, |middles| middles.rays(*y * width + x, &maps.caustic)) {
                     1 => shoot(Stream::PhotonGather, pass),
                     rays => {
-                        (0..rays)
-                            .for_each(|k| shoot(Stream::PhotonCrowd, pass.wrapping_mul(MOST_RAYS).wrapping_add(k)));
+                        (0..rays).for_each(|k| shoot(Stream::PhotonCrowd, pass.wrapping_mul(STRIDE).wrapping_add(k)));
                         gathered.scale(1.0 / rays as f64);
                     }
                 }

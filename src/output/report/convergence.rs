@@ -1,5 +1,6 @@
 //! How the relative error fell with passes.
 
+use crate::base::stats::beyond_noise;
 use crate::film::frame::Frame;
 use crate::output::luminance::layer_luminance;
 use serde_json::{Value, json};
@@ -26,11 +27,11 @@ pub fn points(frames: &[(String, &Frame)]) -> Vec<Value> {
     points.into_iter().map(|(passes, error, from)| json!({ "passes": passes, "error": error, "from": from })).collect()
 }
 
-/// Root of the sum of the squared standard errors over the sum of the squared luminances: the error that `render` states
-/// without what photons blur and without what few pixels or few passes hide.
+/// Root of the sum of the squared standard errors over that of the squared luminances, less what of these is noise: the error
+/// that `render` states without what photons blur and without what few pixels or few passes hide.
 pub fn relative_noise(frame: &Frame) -> Option<f64> {
     let (light, error) = (layer_luminance(frame, "")?, layer_luminance(frame, "stderr")?);
     let squares = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
-    let of = squares(&light);
-    (of > 0.0).then(|| (squares(&error) / of).sqrt())
+    let noise = squares(&error);
+    beyond_noise(noise, squares(&light)).map(|signal| (noise / signal).sqrt())
 }

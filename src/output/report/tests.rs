@@ -118,6 +118,17 @@ fn convergence_and_other_frames() {
     // The header says more than the noise, which is 0.01.
     assert!((points[3]["error"].as_f64().unwrap() - 0.012).abs() < 1e-6 && points[3]["from"] == "header of a.exr");
     assert!((points[4]["error"].as_f64().unwrap() - 0.005).abs() < 1e-6);
+    // 0.8 of the light is noise, 0.64 of its squares: 4/3 of what is left of them. More, and nothing is.
+    for (scale, want) in [(160.0, Some(4.0 / 3.0)), (201.0, None)] {
+        let mut noisy = second.clone();
+        let stderr = noisy.channels.iter_mut().filter(|c| c.layer() == "stderr");
+        stderr.for_each(|c| c.data.iter_mut().for_each(|v| *v *= scale));
+        let noise = convergence::relative_noise(&noisy);
+        assert!(
+            noise.is_some() == want.is_some() && noise.zip(want).is_none_or(|(a, b)| (a / b - 1.0).abs() < 1e-4),
+            "{noise:?}"
+        );
+    }
     second.meta.insert("sceneHash".into(), Meta::Text("other".into()));
     let fault = page(&[("a.exr".to_owned(), &first), ("b.exr".to_owned(), &second)]).unwrap_err().to_string();
     assert!(fault.contains("b.exr is of another scene (other)"), "{fault}");
