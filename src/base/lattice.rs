@@ -27,6 +27,8 @@ const fn steps<const D: usize>() -> [u64; D] {
     let (n, powers): (usize, &[usize]) = match D {
         // The golden ratio.
         1 => (1, &[1]),
+        // As he has it, which finds the smallest images best.
+        2 => (2, &[1, 2]),
         3 => (10, &[4, 7, 5]),
         _ => (9, &[5, 8, 6, 9, 3, 4]),
     };
@@ -100,13 +102,11 @@ mod tests {
         // Of ten powers the fifth over the fourth, of nine the ninth over the eighth.
         let [ten, nine] = [is(&steps::<3>(), 2) / is(&steps::<3>(), 0), is(&steps::<4>(), 3) / is(&steps::<4>(), 1)];
         assert!((ten.powi(10) * (1.0 + ten) - 1.0).abs() < 1e-13 && (nine.powi(9) * (1.0 + nine) - 1.0).abs() < 1e-13);
-        assert!(
-            (is(&steps::<3>(), 1) - ten.powi(7)).abs() < 1e-14 && (is(&steps::<2>(), 0) - nine.powi(5)).abs() < 1e-14
-        );
+        assert!((is(&steps::<3>(), 1) - ten.powi(7)).abs() < 1e-14);
         for (axis, k) in [5, 8, 6, 9, 3, 4].into_iter().enumerate() {
             assert!((is(&steps::<6>(), axis) - nine.powi(k)).abs() < 1e-14);
         }
-        assert_eq!(steps::<2>()[..], steps::<6>()[..2]);
+        assert!((is(&steps::<2>(), 0) - 1.0 / 1.324_717_957_244_746).abs() < 1e-15);
         assert_eq!(steps::<4>()[..], steps::<6>()[..4]);
     }
 
