@@ -26,7 +26,8 @@ fn a_lossless_ball_in_a_uniform_sky_is_invisible() {
             ball.shape = ball_shape(0.01);
         }
         add_part(&mut s, "ball", sphere_mesh(0.01, 48, 96), DVec3::new(0.0, 0.0, -0.05), Some(1.5), vec![ball]);
-        let (films, _) = render(&s, BACKWARD, 64, 1);
+        // One that wins the roulette weighs several times its light: after 64 passes σ would hang on whether there is one.
+        let (films, _) = render(&s, BACKWARD, 1024, 1);
         let image = image(&films);
         let (mean, sigma) = mean(&image);
         // All but the few paths that play roulette after many reflections bring exactly the sky's luminance; on the
