@@ -26,13 +26,13 @@ fn a_lossless_ball_in_a_uniform_sky_is_invisible() {
             ball.shape = ball_shape(0.01);
         }
         add_part(&mut s, "ball", sphere_mesh(0.01, 48, 96), DVec3::new(0.0, 0.0, -0.05), Some(1.5), vec![ball]);
-        // One that wins the roulette weighs several times its light: after 64 passes σ would hang on whether there is one.
         let (films, _) = render(&s, BACKWARD, 1024, 1);
         let image = image(&films);
         let (mean, sigma) = mean(&image);
-        // All but the few paths that play roulette after many reflections bring exactly the sky's luminance; on the
-        // mesh, interpolated normals lose a little at grazing incidence.
-        assert!(sigma < 0.05, "{sigma}");
+        // All but the few paths that play roulette after many reflections bring exactly the sky's luminance. On the mesh
+        // interpolated normals lose whole paths at grazing incidence, one or two in 64 passes of the picture: so many passes
+        // that σ does not hang on whether one is lost.
+        assert!(sigma < if exact { 0.0125 } else { 0.05 }, "exact {exact}: {sigma}");
         let allowed = 4.0 * sigma + if exact { 1e-9 } else { 1.0 };
         assert!((mean - 500.0).abs() < allowed, "exact {exact}: {mean} ± {sigma}");
     }
