@@ -27,7 +27,7 @@ const fn steps<const D: usize>() -> [u64; D] {
     let (n, powers): (usize, &[usize]) = match D {
         // The golden ratio.
         1 => (1, &[1]),
-        // As he has it, which finds the smallest images best.
+        // As he has it: nothing measured that goes by two axes alone gained by others.
         2 => (2, &[1, 2]),
         3 => (10, &[4, 7, 5]),
         _ => (9, &[5, 8, 6, 9, 3, 4]),
