@@ -16,6 +16,10 @@ const USUAL: f64 = 0.1;
 /// that.
 const DARK: f64 = 0.01;
 
+/// Where lamps are seen is foretold roughly: as if a pixel were so many times as wide and high, too. One that is foretold to be
+/// dark may show a sliver of a lamp, a hundred times brighter than its mean.
+const UNSURE: f64 = 2.0;
+
 /// How often each pixel is joined.
 #[derive(Debug)]
 pub struct Rims {
@@ -27,16 +31,20 @@ impl Rims {
     pub fn new(world: &World, connections: &Connections) -> Rims {
         let Some(grid) = connections.grid() else { return Rims { times: Vec::new() } };
         let eye = &world.eye;
-        let of_cell = |cell: usize| Sums::new(connections, eye, grid.middle(cell), grid.half_cell()).variance > 0.0;
+        let half = 0.5 * DVec2::from_array(eye.pixel());
+        // All pixels whose middle is there, and about them.
+        let beside = UNSURE * half;
+        let of_cell =
+            |cell: usize| Sums::new(connections, eye, grid.middle(cell), grid.half_cell() + beside).variance > 0.0;
         let at_rim: Vec<bool> = (0..grid.cells()).map(of_cell).collect();
         if !at_rim.contains(&true) {
             return Rims { times: Vec::new() };
         }
         let [width, height] = eye.size();
-        let half = 0.5 * DVec2::from_array(eye.pixel());
         let of_pixel = |index: usize| {
             let film = eye.film_of(index % width, index / width, [0.5; 2]);
-            if at_rim[grid.cell(film)] { Sums::new(connections, eye, film, half).times().round() as u8 } else { 1 }
+            let times = |half: DVec2| Sums::new(connections, eye, film, half).times();
+            if at_rim[grid.cell(film)] { times(half).max(times(beside)).round() as u8 } else { 1 }
         };
         Rims { times: (0..width * height).into_par_iter().map(of_pixel).collect() }
     }
