@@ -49,8 +49,8 @@ fn blur_is_in_the_stated_error() {
     assert!(honest >= 18 && by_noise <= 2 && far_off <= 2, "{told}");
 }
 
-/// Where radii are small beside what they gather, little more than noise is stated. What is found of blur is as often less
-/// than none as more, and none in the mean; a run states it where it is more, so a tenth more than noise in the mean.
+/// Where radii are small beside what they gather, little more than noise is stated. What is found of blur is none in the mean,
+/// now more and now less; a run states it where it is more, so up to a tenth more than noise in the mean.
 #[test]
 fn without_blur_the_noise_is_stated() {
     let scene = disc();
@@ -75,5 +75,5 @@ fn without_blur_the_noise_is_stated() {
         found.add(blur2 / variance);
     }
     let told = format!("{} ± {} of the variance, {} times the noise", found.mean, found.stderr(), more.mean);
-    assert!(found.stderr() < 0.15 && found.mean.abs() < 3.0 * found.stderr() && more.mean < 1.2, "{told}");
+    assert!(found.mean.abs() < 0.25 && found.mean.abs() < 3.0 * found.stderr() && more.mean < 1.2, "{told}");
 }

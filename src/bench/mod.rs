@@ -17,6 +17,8 @@ mod forecast_tests;
 pub mod generate;
 #[cfg(test)]
 mod glances_tests;
+#[cfg(test)]
+mod glints_tests;
 pub mod kit;
 #[cfg(test)]
 mod lamps_tests;

@@ -186,8 +186,8 @@ fn rims_are_joined_more_often() {
     assert!((800..2000).contains(&all), "{all} times for 768 pixels");
 }
 
-/// No pixel has an error of its own: those that show a sliver of the LED, a hundredth of what others have, had up to six tenths
-/// of the picture's when joined as seldom as they were foretold to be dark.
+/// No pixel has an error of its own, a twentieth of the picture's at most: one of those that show a sliver of the LED, a hundredth
+/// of what others have, had six tenths of it when joined as seldom as it was foretold to be dark.
 #[test]
 fn slivers_are_looked_for() {
     const RUNS: u64 = 16;

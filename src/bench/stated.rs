@@ -190,7 +190,7 @@ mod tests {
         let limits = |passes: u64| Limits { passes: Some(passes), time: None, error: None };
         let all: Vec<Run> = runs(&ready, &plan, &references, 0..12, &limits(12), &|| false).collect();
         assert_eq!(all.len(), 12);
-        let ratios: Vec<f64> = all.iter().filter_map(|run| Some(run.real / run.stated?)).collect();
+        let ratios: Vec<f64> = all.iter().map(|run| run.real / run.stated.unwrap()).collect();
         let mean = ratios.iter().sum::<f64>() / 12.0;
         assert!((0.55..1.0).contains(&mean), "{ratios:?}");
         assert!(!Run { stated: Some(0.5 * all[0].real), ..all[0] }.is_honest());

@@ -26,6 +26,7 @@ use crate::world::mode::{Mode, plane_of};
 use crate::world::optics::Optics;
 use glam::DVec2;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Paths per pixel and pass, and those about each image of a lamp in the pixel.
@@ -36,6 +37,8 @@ const PATHS_OF_A_GLINT: u64 = 64;
 const LARGE: f64 = 4.0;
 /// And those that reach over more pixels than this.
 const MOST_PIXELS: usize = 64;
+/// Of more in a pixel the others are left to these points: work goes with their square.
+const MOST_GLINTS: usize = 32;
 /// A path is split where both ways on carry at least this share of what it started with; else chance decides.
 const SPLIT_FROM: f64 = 1.0 / 256.0;
 
@@ -88,25 +91,37 @@ struct Unknown {
     share: f64,
 }
 
-/// The glints that reach into each pixel.
+/// Columns and rows of the pixels that a glint reaches into; none if it is left to the paths of each.
+fn reach(eye: &EyeLens, glint: &Glint) -> Option<[Range<usize>; 2]> {
+    let (half, [w, h], [width, height]) = (eye.half(), eye.pixel(), eye.size());
+    if glint.area() > LARGE * w * h {
+        return None;
+    }
+    let range = |lo: f64, hi: f64, count: usize| {
+        let clamped = |x: f64| x.floor().clamp(0.0, count as f64) as usize;
+        clamped(lo)..clamped(hi + 1.0)
+    };
+    let ([x, y], [wide, high]) = (glint.middle, glint.half());
+    let columns = range((half.x + x - wide) / w, (half.x + x + wide) / w, width);
+    let rows = range((half.y - y - high) / h, (half.y - y + high) / h, height);
+    (columns.len() * rows.len() <= MOST_PIXELS).then_some([columns, rows])
+}
+
+/// Whether pixels have points of their own for a glint.
+pub fn is_looked_about(eye: &EyeLens, glint: &Glint) -> bool {
+    reach(eye, glint).is_some()
+}
+
+/// The glints that reach into each pixel: of many the first.
 fn by_pixel(eye: &EyeLens, glints: &[Glint]) -> HashMap<u64, Vec<Glint>> {
-    let [width, height] = eye.size();
+    let [width, _] = eye.size();
     let mut all: HashMap<u64, Vec<Glint>> = HashMap::new();
-    let cell = eye.pixel().iter().product::<f64>();
-    for glint in glints.iter().filter(|glint| glint.area() <= LARGE * cell) {
-        let range = |lo: f64, hi: f64, count: usize| {
-            let clamped = |x: f64| x.floor().clamp(0.0, count as f64) as usize;
-            clamped(lo)..clamped(hi + 1.0)
-        };
-        let (half, [w, h]) = (eye.half(), eye.pixel());
-        let ([x, y], [wide, high]) = (glint.middle, glint.half());
-        let columns = range((half.x + x - wide) / w, (half.x + x + wide) / w, width);
-        let rows = range((half.y - y - high) / h, (half.y - y + high) / h, height);
-        if columns.len() * rows.len() > MOST_PIXELS {
-            continue;
-        }
+    for (glint, [columns, rows]) in glints.iter().filter_map(|glint| Some((glint, reach(eye, glint)?))) {
         for (px, py) in rows.flat_map(|py| columns.clone().map(move |px| (px, py))) {
-            all.entry((py * width + px) as u64).or_default().push(*glint);
+            let here = all.entry((py * width + px) as u64).or_default();
+            if here.len() < MOST_GLINTS {
+                here.push(*glint);
+            }
         }
     }
     all

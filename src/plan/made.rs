@@ -2,16 +2,17 @@
 
 use super::Making;
 use super::branching::{self, Branches};
+use super::glints;
 use super::pilot::{self, ForwardPilot, SEED};
 use crate::estimate::ShouldStop;
 use crate::estimate::manifold::connections::Connections;
 use crate::estimate::manifold::grid::Grid;
 use crate::estimate::manifold::screens::Screens;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
-use crate::film::train::{Connection, Screen};
+use crate::film::train::{Connection, Glint, Screen};
 use crate::world::World;
 use crate::world::mode::{Mode, Mono};
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -27,6 +28,7 @@ pub(crate) struct Made {
     screens: Known<Screen, Arc<Screens<Mono>>>,
     /// By the paths from the eye, as [`Plan::computes`] tells them.
     branching: Known<Vec<bool>, Branches>,
+    glints: OnceCell<Vec<Glint>>,
 }
 
 impl Made {
@@ -45,6 +47,11 @@ impl Made {
         let broad = |row: &Row| [false, true].map(|b| plan.computes(Estimator::Backward, row.group, row.class, b));
         let key = plan.rows.iter().flat_map(broad).collect();
         known(&self.branching, key, |_| branching::learn(making, plan))
+    }
+
+    /// [`glints::find`]: they hang on the scene alone.
+    pub(super) fn glints(&self, world: &World, stop: &ShouldStop<'_>) -> Vec<Glint> {
+        self.glints.get_or_init(|| glints::find(world, stop)).clone()
     }
 
     /// The connections of a plan.

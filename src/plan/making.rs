@@ -3,7 +3,7 @@
 
 use super::facts::{is_connected, own};
 use super::made::Made;
-use super::{Asked, Choice, Guides, branching, chains, glints, pilot, pupil_guide, shared_faces, sky_guide};
+use super::{Asked, Choice, Guides, branching, chains, pilot, pupil_guide, shared_faces, sky_guide};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::check::Checked;
@@ -185,7 +185,7 @@ impl Making<'_> {
         let facts = self.checked.facts();
         let guided = self.asked.guides == Guides::On;
         if guided && facts.pinhole && facts.specular && plan.runs(Estimator::Backward) && !self.stopped() {
-            plan.glints = glints::find(self.world, self.stop);
+            plan.glints = self.made.glints(self.world, self.stop);
             if !plan.glints.is_empty() {
                 plan.notes.push(format!(
                     "backward looks closer at {} places of the picture where lamps may be seen over specular faces",

@@ -7,7 +7,7 @@ mod facts;
 pub mod forecast;
 pub mod frozen;
 mod glimpses;
-mod glints;
+pub(crate) mod glints;
 mod made;
 mod making;
 mod mode;

@@ -32,7 +32,7 @@ impl Rims {
         let Some(grid) = connections.grid() else { return Rims { times: Vec::new() } };
         let eye = &world.eye;
         let half = 0.5 * DVec2::from_array(eye.pixel());
-        // All pixels whose middle is there, and about them.
+        // Pixels whose middle is there, and about them.
         let beside = UNSURE * half;
         let of_cell =
             |cell: usize| Sums::new(connections, eye, grid.middle(cell), grid.half_cell() + beside).variance > 0.0;
