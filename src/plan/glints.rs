@@ -127,9 +127,9 @@ fn look((world, optics): (&World, &Optics<Mono>), (shift, apart): ([u64; 2], f64
                         }
                     }
                 }
-            }
-            if ways.len() > 8 * MOST_WAYS {
-                nearest_ways(&mut ways, 4 * MOST_WAYS);
+                if ways.len() > 8 * MOST_WAYS {
+                    nearest_ways(&mut ways, 4 * MOST_WAYS);
+                }
             }
         }
     };
