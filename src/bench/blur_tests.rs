@@ -7,7 +7,6 @@ use super::curve::reference::{Source, references};
 use super::kit;
 use crate::base::stats::Moments;
 use crate::estimate::run::{LEEWAY, begin};
-use crate::film::accumulate::Film;
 use crate::film::plan::Estimator;
 use crate::plan::{Choice, plan};
 use crate::scene::Scene;
@@ -65,11 +64,11 @@ fn without_blur_the_noise_is_stated() {
         let films = tracing.films();
         let (stated, noise) = (films.relative_error().unwrap(), films.relative_error_of_noise().unwrap());
         more.add(stated / noise);
-        let of = |film: &Film, pixel: usize| [film.blur2(pixel), film.variance(pixel, film.planes.len())];
         let (mut blur2, mut variance) = (0.0, 0.0);
         for (_, film, _) in films.films.iter().filter(|(_, film, _)| film.has_blur()) {
-            for [blur, noise] in (0..SIZE[0] * SIZE[1]).map(|pixel| of(film, pixel)) {
-                (blur2, variance) = (blur2 + blur, variance + noise);
+            for pixel in 0..SIZE[0] * SIZE[1] {
+                blur2 += film.blur2(pixel);
+                variance += film.variance(pixel, film.planes.len());
             }
         }
         found.add(blur2 / variance);

@@ -105,17 +105,17 @@ fn look((world, optics): (&World, &Optics<Mono>), (shift, apart): ([u64; 2], f64
     };
     let cell_of = |k: u64| lattice(shift, k).map(|x| (x * CELLS as f64) as usize);
     let mut ways = Ways::new();
-    let mut beside = vec![false; CELLS * CELLS];
-    let all: Vec<u64> = (0..RAYS).collect();
-    let mut add = |rays: &[u64], met: &mut dyn FnMut(u64)| {
+    // Those of the rays that met a specular face.
+    let mut add = |rays: &[u64]| {
+        let mut met = Vec::new();
         for rays in rays.chunks(AT_A_TIME) {
             if stop() {
-                return;
+                break;
             }
             let looked: Vec<Looked> = rays.par_iter().map(|k| trace(*k)).collect();
             for (k, looked) in rays.iter().zip(looked) {
                 if looked.met_specular {
-                    met(*k);
+                    met.push(*k);
                 }
                 let film = film_of(lattice(shift, *k));
                 for (chain, lamps) in looked.ahead {
@@ -132,19 +132,19 @@ fn look((world, optics): (&World, &Optics<Mono>), (shift, apart): ([u64; 2], f64
                 }
             }
         }
+        met
     };
-    add(&all, &mut |k| {
-        let [x, y] = cell_of(k);
+    let mut beside = vec![false; CELLS * CELLS];
+    for [x, y] in add(&(0..RAYS).collect::<Vec<_>>()).into_iter().map(cell_of) {
         for row in y.saturating_sub(1)..(y + 2).min(CELLS) {
             beside[row * CELLS..][x.saturating_sub(1)..(x + 2).min(CELLS)].fill(true);
         }
-    });
+    }
     let is_beside = |k: &u64| {
         let [x, y] = cell_of(*k);
         beside[y * CELLS + x]
     };
-    let others: Vec<u64> = (RAYS..RAYS * CLOSER).filter(is_beside).collect();
-    add(&others, &mut |_| {});
+    add(&(RAYS..RAYS * CLOSER).filter(is_beside).collect::<Vec<_>>());
     ways
 }
 
@@ -190,7 +190,7 @@ fn follow(mut walker: Walker<'_, Mono>, looked: &mut Looked, ledger: &mut Ledger
 
 /// The nearest misses that are some rays apart, the nearest one first.
 fn nearest(misses: &[Miss], apart: f64) -> Vec<Miss> {
-    let mut sorted: Vec<&Miss> = misses.iter().collect();
+    let mut sorted = misses.to_vec();
     sorted.sort_by(|a, b| a.by.total_cmp(&b.by));
     let mut kept: Vec<Miss> = Vec::new();
     for miss in sorted {
@@ -198,7 +198,7 @@ fn nearest(misses: &[Miss], apart: f64) -> Vec<Miss> {
             break;
         }
         if kept.iter().all(|other| other.film.distance(miss.film) > 3.0 * apart) {
-            kept.push(*miss);
+            kept.push(miss);
         }
     }
     kept
@@ -225,9 +225,8 @@ fn images(
     stop: &ShouldStop<'_>,
 ) -> Vec<Glint> {
     let (mut found, mut in_vain): (Vec<Glint>, Vec<DVec2>) = (Vec::new(), Vec::new());
-    let mut tried = 0;
     for Miss { film, .. } in starts {
-        if tried == STARTS || stop() {
+        if found.len() + in_vain.len() == STARTS || stop() {
             break;
         }
         let is_known = |known: &Glint| known.holds(film.to_array()) && is_looked_about(&world.eye, known);
@@ -235,7 +234,6 @@ fn images(
         if is_left_out || found.iter().any(is_known) {
             continue;
         }
-        tried += 1;
         match solve((world, optics), way, *film) {
             Some(glint) if !found.iter().any(|known| known.holds(glint.middle)) => found.push(glint),
             Some(_) | None => in_vain.push(*film),
