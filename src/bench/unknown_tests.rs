@@ -81,6 +81,14 @@ fn what_connection_does_not_know_is_seen_from_the_eye() {
     let [backward, forward, _] = with(whole.connections[0].share, 0);
     assert!(forward > 0.9 && backward < 0.1, "{forward} and {backward}");
     with(5e-3, 1);
+    // Of a train by which no path of the pilot arrived the eye has what the solver does not return, starts or none.
+    for (starts, least) in [(usize::MAX, 0.0), (1, 0.0), (0, 0.9)] {
+        let mut plan = Plan { unknown_share: 1.0, ..whole.clone() };
+        plan.connections.iter_mut().for_each(|connection| connection.reached = false);
+        plan.connections[0].seeds.truncate(starts);
+        let [backward, forward, _] = against_brute_force(&ready, &plan, &brute);
+        assert!(forward < 1e-3 && backward >= least, "{forward} and {backward} with {starts} starts");
+    }
     let [backward, forward, _] = with(5e-3, 0);
     assert!(forward < 1e-3 && backward > 0.9, "{forward} and {backward}");
 }

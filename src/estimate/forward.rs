@@ -5,7 +5,7 @@
 use super::ShouldStop;
 use super::emission::{Emission, Origin, Shots, Starts, Visitor};
 use super::ledger::Ledger;
-use super::manifold::connections::Connections;
+use super::manifold::connections::{Connections, Rest};
 use super::manifold::solve::Target;
 use super::route::Route;
 use super::walk::{Vertex, Walker};
@@ -198,7 +198,7 @@ impl<M: Mode> Arrivals<'_, M> {
             let target = Target::new(point, normal);
             let places = (arrival.film, arrival.pupil);
             let tracing = (walker.world, self.optics);
-            !self.connections.knows(chain, lamp, arrival.film)
+            self.connections.rest(chain, lamp, arrival.film) != Rest::Lamp
                 || self.connections.owns(tracing, chain, (lamp, &target), places, &mut self.work)
         }
     }

@@ -3,16 +3,19 @@
 //! interface. A mirrored lamp smaller than a pixel would otherwise be the noise of the whole picture; where the plan knows
 //! of one in a pinhole's picture, some of the points are chosen about it. Through a pupil that is no point, a lamp is seen
 //! in a small part of it: where the plan knows which, most of the rays go there. Where specular connection has what it can,
-//! some pixels of a pass look for what comes over trains of faces that it does not know, or has no start for there.
+//! some pixels of a pass look for what comes over trains of faces that it does not know, or has no start for there, and for
+//! what the solver leaves of trains that paths from the lamps were not seen to arrive by.
 
 use super::ledger::Ledger;
 use super::manifold::connections::Connections;
+use super::manifold::solve::Target;
 use super::pixel::Pixel;
 use super::route::Route;
-use super::walk::{Meeting, Met, Travel, Walker};
+use super::walk::{Meeting, Met, Travel, Vertex, Walker};
 use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
+use crate::base::warp::disk;
 use crate::film::accumulate::Light;
 use crate::film::guide::{PupilGuide, Windows};
 use crate::film::plan::Plan;
@@ -212,26 +215,36 @@ impl<'w> Vision<'w> {
             if self.unknown.is_some() {
                 walker = walker.recording();
             }
+            let pupil = eye.pupil_radius_m() * disk(lens);
             let balance = ledger.imbalance();
             ledger.paths += 1;
             ledger.emitted += weight;
-            self.follow(route, &mut walker, (film, weight * SPLIT_FROM), out, ledger);
+            self.follow(route, &mut walker, ((film, pupil), weight * SPLIT_FROM), out, ledger);
             ledger.close_path(balance);
         }
     }
 
-    /// Whether a path from a place in the picture to a connected lamp comes over a train that connection does not know there.
-    fn is_unknown<M: Mode>(&self, walker: &Walker<'_, M>, lamp: usize, film: DVec2) -> bool {
-        let unknown = self.unknown.as_ref().zip(walker.chain());
-        unknown.is_some_and(|(unknown, chain)| !unknown.connections.knows(&chain.reversed(), lamp, film))
+    /// Whether a path to a connected lamp is one that connection leaves to rays from the eye. `places`: in the picture and the
+    /// pupil, where it started. Adds to the counted work.
+    fn is_left<M: Mode>(
+        &self,
+        walker: &Walker<'_, M>,
+        (lamp, vertex): (usize, &Vertex),
+        places: (DVec2, DVec2),
+        work: &mut u64,
+    ) -> bool {
+        let Some((unknown, chain)) = self.unknown.as_ref().zip(walker.chain()) else { return false };
+        let target = Target::new(vertex.hit.point, vertex.hit.normal);
+        let tracing = (self.world, walker.optics);
+        unknown.connections.leaves_to_eye(tracing, &chain.reversed(), (lamp, &target), places, work)
     }
 
-    /// `film`: where the path started in the picture. `least`: below this chance decides between the ways on.
+    /// `places`: where the path started in the picture and the pupil. `least`: below this chance decides between the ways on.
     fn follow<M: Mode>(
         &self,
         route: &Route,
         walker: &mut Walker<'_, M>,
-        (film, least): (DVec2, f64),
+        (places, least): ((DVec2, DVec2), f64),
         out: &mut [Light],
         ledger: &mut Ledger,
     ) {
@@ -246,7 +259,8 @@ impl<'w> Vision<'w> {
             };
             if let Some(seen) = walker.lamp_at(&vertex)
                 && let Some(share) = route.from_eye(seen.lamp.group, walker.trail)
-                && (!route.is_connected(seen.lamp.group) || self.is_unknown(walker, seen.index, film))
+                && (!route.is_connected(seen.lamp.group)
+                    || self.is_left(walker, (seen.index, &vertex), places, &mut ledger.work))
             {
                 let plane = route.plane_from_eye(share, walker.told, seen.lamp.group, Source::Face);
                 walker.see(plane_of::<M>(out, plane), &seen, 1.0);
@@ -256,7 +270,7 @@ impl<'w> Vision<'w> {
             if share > least
                 && let Some(mut reflected) = walker.split(&vertex, least / share, u8::MAX, ledger)
             {
-                self.follow(route, &mut reflected, (film, least), out, ledger);
+                self.follow(route, &mut reflected, (places, least), out, ledger);
             }
             match walker.meet(&vertex, ledger) {
                 Meeting::Ended => return,

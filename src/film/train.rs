@@ -44,6 +44,19 @@ pub struct Connection {
     pub seeds: Vec<Seed>,
     /// Share of the group's vision light that the pilot found on it.
     pub share: f64,
+    /// The pilot's paths from the lamps brought what its rays from the eye saw of this train: light tracing has what the solver
+    /// does not return. Else rays from the eye have it. Plans without it read as they always did.
+    #[serde(default = "reached", skip_serializing_if = "is_reached")]
+    pub reached: bool,
+}
+
+fn reached() -> bool {
+    true
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde wants it
+fn is_reached(reached: &bool) -> bool {
+    *reached
 }
 
 /// A path that a pilot found between a scatterer and a lamp.

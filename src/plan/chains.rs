@@ -1,6 +1,7 @@
 //! A pilot that finds the trains of specular faces by which the light of each group reaches the pupil.
 
 use super::glimpses;
+use super::reached::is_reached;
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -44,6 +45,8 @@ pub(super) struct Arrived {
     pub lamp: usize,
     pub film: DVec2,
     pub pupil: DVec2,
+    /// Place on the lamp and its normal there.
+    pub on_lamp: [DVec3; 2],
     /// What it adds to the sum of all pixels' luminance, cd/m².
     pub luminance: f64,
 }
@@ -73,11 +76,12 @@ impl Visitor<Mono> for Arrivals {
         if arrival.pixel.is_none() || walker.trail.class_from_lamp() != Class::Vision {
             return;
         }
-        if let (Some(chain), Some((lamp, ..))) = (walker.chain(), from.face) {
+        if let (Some(chain), Some((lamp, point, normal))) = (walker.chain(), from.face) {
             // With the slides open: a dark place of the picture has the same trains.
             let luminance = walker.beam.weight() * arrival.luminance_per_lumen;
             let (film, pupil) = (arrival.film, arrival.pupil);
-            self.found.push(Arrived { group: from.group, chain: chain.clone(), lamp, film, pupil, luminance });
+            let on_lamp = [point, normal];
+            self.found.push(Arrived { group: from.group, chain: chain.clone(), lamp, film, pupil, on_lamp, luminance });
         }
     }
     fn scatterer(&mut self, _: &Walker<'_, Mono>, _: Origin, _: &Vertex, _: &Scatter) {}
@@ -109,11 +113,16 @@ pub fn find(world: &World, plan: &Plan, groups: usize, guide: Option<&Guide>, st
         }
     }
     // What only rays from the eye have found; of the other chains they know more lamps and places.
+    let mut reached: BTreeMap<(GroupId, Chain), bool> = BTreeMap::new();
     let mut glimpses: BTreeMap<(GroupId, Chain), Vec<Arrived>> = BTreeMap::new();
     for arrived in glimpses::look((world, &optics), stop) {
         if route.share(arrived.group, Class::Vision, false).is_some() {
             glimpses.entry((arrived.group, arrived.chain.clone())).or_default().push(arrived);
         }
+    }
+    for (key, arrived) in &chains {
+        let seen = glimpses.get(key).map_or(&[][..], Vec::as_slice);
+        reached.insert(key.clone(), is_reached(arrived, seen));
     }
     for (key, mut arrived) in glimpses {
         match chains.get_mut(&key) {
@@ -134,7 +143,8 @@ pub fn find(world: &World, plan: &Plan, groups: usize, guide: Option<&Guide>, st
                 return None;
             }
             let train = arrived.iter().find_map(|a| train((world, &optics), &chain, a.film, a.pupil))?;
-            Some(Connection { group, train, seeds: seeds(&arrived), share })
+            let reached = reached.get(&(group, chain)).is_some_and(|reached| *reached);
+            Some(Connection { group, train, seeds: seeds(&arrived), share, reached })
         })
         .collect();
     found.sort_by(|a, b| b.share.total_cmp(&a.share));

@@ -2,13 +2,15 @@
 //! a small picture, and the one with the least variance × counted work wins.
 
 mod trial;
+mod verdict;
 
 use super::facts::{connect, kind, lamps_over_eye, own};
 use super::{Making, pupil_guide};
 use crate::base::path::Class;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use std::collections::BTreeSet;
-use trial::{Compared, Trials, Tried};
+use trial::{Trials, Tried};
+use verdict::{Compared, Misses};
 
 /// Ratios of the lamps' etendue to the eye's below which each point of the picture has few ways to a lamp, and above which
 /// rays from the eye can't miss them. Between them a pilot decides.
@@ -80,9 +82,15 @@ pub(super) fn settle(making: &Making<'_>, base: Plan, handicap: &Handicap) -> Pl
         let held = of_best.get_or_insert_with(|| trials.start(making, &best));
         let mut rival = trials.start(making, &plan);
         let compared = trials.compare(making, (&best, held), (&plan, &mut rival), handicap);
-        let Some(Compared { ratio, wins }) = compared else { continue };
+        let Some(Compared { ratio, wins, misses }) = compared else { continue };
         let [of_own, of_other] = [&best, &plan].map(|plan| names(plan, question));
-        let found = format!("a pilot found {ratio:.2e} times the variance × work for {of_other} as for {of_own}");
+        let found = match misses {
+            None => format!("a pilot found {ratio:.2e} times the variance × work for {of_other} as for {of_own}"),
+            Some(Misses { rival, found }) => {
+                let (blind, sees) = if rival { (of_other, of_own) } else { (of_own, of_other) };
+                format!("in a pilot {blind} found {:.1} % of the light that {sees} found", 100.0 * found)
+            }
+        };
         if wins {
             best = plan;
             for row in best.rows.iter_mut().filter(|row| question.classes().contains(&row.class)) {

@@ -46,6 +46,7 @@ pub(super) fn look(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> V
             lamp: seen.index,
             film: from.film,
             pupil: from.pupil,
+            on_lamp: [vertex.hit.point, vertex.hit.normal],
             luminance: light.open() * from.pixels,
         })
     })

@@ -3,7 +3,7 @@
 
 use super::facts::{is_connected, own};
 use super::made::Made;
-use super::{Asked, Choice, Guides, branching, chains, pilot, pupil_guide, shared_faces, sky_guide};
+use super::{Asked, Choice, Guides, branching, chains, pilot, pupil_guide, reached, shared_faces, sky_guide};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::check::Checked;
@@ -109,7 +109,9 @@ impl Making<'_> {
                 let found = chains::find(self.world, plan, self.groups(), Some(&pilot.guide), self.stop);
                 plan.connections = found.connections;
                 let least = SELDOM_UNKNOWN.max(FEWEST_LOOKS / self.pixels().max(1) as f64).min(1.0);
-                plan.unknown_share = (UNKNOWN * found.left).clamp(least, 1.0);
+                let made = self.made.connections(self.world, plan);
+                let left = reached::left_to_eye(self.world, plan, self.groups(), &made, self.stop).max(found.left);
+                plan.unknown_share = (UNKNOWN * left).clamp(least, 1.0);
             }
             leave_unconnected(plan, Class::Vision);
             // What specular connection leaves is not the light that the pilot has found most of.

@@ -16,6 +16,7 @@ pub(crate) mod pilot;
 pub mod pupil;
 mod pupil_guide;
 pub mod rays;
+mod reached;
 pub mod scan;
 mod shared_faces;
 mod shrunk;

@@ -29,12 +29,23 @@ pub struct Entry {
     pub starts: Starts,
 }
 
+/// Who has a path that may be connection's, if the solver does not return it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rest {
+    /// Light tracing.
+    Lamp,
+    /// Rays from the eye. `solved`: the solver may return it, so it has to be asked.
+    Eye { solved: bool },
+}
+
 /// The connections of a plan.
 #[derive(Debug, Default)]
 pub struct Connections {
     pub trains: Vec<Train>,
     /// Per train: of the light of the group that it brings most of.
     shares: Vec<f64>,
+    /// Per train: whether light tracing has what the solver does not return.
+    reached: Vec<bool>,
     pub entries: Vec<Entry>,
     /// Per cell of the picture: the entries whose light may arrive there.
     by_cell: Vec<Vec<u32>>,
@@ -59,7 +70,9 @@ impl Connections {
             if train == out.trains.len() {
                 out.trains.push(connection.train.clone());
                 out.shares.push(0.0);
+                out.reached.push(true);
             }
+            out.reached[train] &= connection.reached;
             out.shares[train] = out.shares[train].max(connection.share);
             let builder = Builder { world, index: &index, train: &connection.train };
             for starts in builder.starts(connection) {
@@ -82,11 +95,34 @@ impl Connections {
         entries.iter().filter_map(|index| Some((*index as usize, self.entries.get(*index as usize)?)))
     }
 
-    /// Whether paths like one over `chain` (from the lamp) from `lamp` to this place in the picture are connection's or light
-    /// tracing's. Where a faint train has no start it says no: the few that light tracing would find there have great weight.
-    pub fn knows(&self, chain: &Chain, lamp: usize, film: DVec2) -> bool {
-        let Some(train) = self.known.get(chain) else { return false };
-        self.shares[*train] >= BRIGHT || self.entries_of(*train, lamp, film).next().is_some()
+    /// Who has the paths over `chain` (from the lamp) from `lamp` to this place in the picture that the solver does not return.
+    /// Every path has one answer, whichever end it was found from.
+    pub fn rest(&self, chain: &Chain, lamp: usize, film: DVec2) -> Rest {
+        let Some(train) = self.known.get(chain) else { return Rest::Eye { solved: false } };
+        let starts = self.entries_of(*train, lamp, film).next().is_some();
+        match self.reached[*train] {
+            true if starts || self.shares[*train] >= BRIGHT => Rest::Lamp,
+            // The few paths that light tracing would find over a faint train without a start have great weight.
+            true => Rest::Eye { solved: false },
+            false => Rest::Eye { solved: starts },
+        }
+    }
+
+    /// Whether a path that a ray from the eye has found is for such rays: [`Connections::rest`] says so, and the solver
+    /// does not return it.
+    pub fn leaves_to_eye<M: Mode>(
+        &self,
+        tracing: (&World, &Optics<M>),
+        chain: &Chain,
+        (lamp, target): (usize, &Target),
+        (film, pupil): (DVec2, DVec2),
+        work: &mut u64,
+    ) -> bool {
+        match self.rest(chain, lamp, film) {
+            Rest::Lamp => false,
+            Rest::Eye { solved: false } => true,
+            Rest::Eye { solved: true } => !self.owns(tracing, chain, (lamp, target), (film, pupil), work),
+        }
     }
 
     fn entries_of(&self, train: usize, lamp: usize, film: DVec2) -> impl Iterator<Item = &Entry> {

@@ -1,6 +1,7 @@
 //! A few passes of a small picture by a plan, and what two of them say of their plans' variance × counted work.
 
 use super::Handicap;
+use super::verdict::{Compared, FLOOR, judge, smooth};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::run::{Films, begin_trial};
 use crate::film::accumulate::Film;
@@ -23,9 +24,6 @@ const MOST_WORK: f64 = 4.0 * WORK[1] as f64;
 const CLEAR: f64 = 8.0;
 /// How much better a rival must be than what facts say, by a fine and by a rough picture: a pilot is not exact.
 const MARGINS: [f64; 2] = [1.25, 2.0];
-/// Share of the mean luminance that counts as full error where the picture is black, as in `eyebox bench`.
-const FLOOR: f64 = 0.01;
-
 /// What a plan's passes brought in both pictures; the fine one is not always asked.
 pub(super) struct Tried {
     rough: Trial,
@@ -36,14 +34,6 @@ pub(super) struct Tried {
 pub(super) struct Trials {
     rough: Small,
     fine: Small,
-}
-
-/// What a comparison of two plans says.
-pub(super) struct Compared {
-    /// The rival's variance × work over that of the other.
-    pub ratio: f64,
-    /// Whether it is enough for the rival.
-    pub wins: bool,
 }
 
 impl Trials {
@@ -64,13 +54,9 @@ impl Trials {
         (rival, of_rival): (&Plan, &mut Tried),
         handicap: &Handicap,
     ) -> Option<Compared> {
-        let compared = |of: [&Trial; 2], margin: f64| {
-            let [own, other] = costs(of, handicap)?;
-            Some(Compared { ratio: other / own, wins: other * margin < own })
-        };
-        let rough = compared([&tried.rough, &of_rival.rough], MARGINS[1]);
+        let rough = judge([&tried.rough, &of_rival.rough], handicap, MARGINS[1]);
         let clear = |ratio: f64| !(CLEAR.recip()..=CLEAR).contains(&ratio);
-        if rough.as_ref().is_some_and(|rough| clear(rough.ratio)) {
+        if rough.as_ref().is_some_and(|rough| rough.misses.is_some() || clear(rough.ratio)) {
             return rough;
         }
         let larger = self.fine.picture.pixels() / self.rough.picture.pixels();
@@ -80,29 +66,29 @@ impl Trials {
         }
         let fine = tried.fine.get_or_insert_with(|| self.fine.trial(making, plan));
         let other = of_rival.fine.get_or_insert_with(|| self.fine.trial(making, rival));
-        compared([fine, other], MARGINS[0])
+        judge([fine, other], handicap, MARGINS[0])
     }
 }
 
 /// What a few passes of a plan brought, by estimator that ran.
-struct Trial {
+pub(super) struct Trial {
     parts: Vec<Part>,
     /// Per pixel: luminance.
-    values: Vec<f64>,
-    passes: f64,
-    width: usize,
+    pub values: Vec<f64>,
+    pub passes: f64,
+    pub width: usize,
 }
 
 /// An estimator's part of it.
-struct Part {
-    estimator: Estimator,
+pub(super) struct Part {
+    pub estimator: Estimator,
     /// Per pixel: luminance and its variance.
-    values: Vec<f64>,
-    variances: Vec<f64>,
+    pub values: Vec<f64>,
+    pub variances: Vec<f64>,
     /// What is left of them in a run, whose passes are even.
-    left: f64,
+    pub left: f64,
     /// Counted work of a pass.
-    work: f64,
+    pub work: f64,
 }
 
 /// A small picture of a pilot.
@@ -164,7 +150,7 @@ impl Trial {
         Trial::new(films.films.iter().map(part).collect(), pixels, passes, width)
     }
 
-    fn new(parts: Vec<Part>, pixels: usize, passes: f64, width: usize) -> Trial {
+    pub(super) fn new(parts: Vec<Part>, pixels: usize, passes: f64, width: usize) -> Trial {
         let value = |pixel: usize| parts.iter().map(|part| part.values[pixel]).sum();
         Trial { values: (0..pixels).map(value).collect(), parts, passes, width }
     }
@@ -198,76 +184,24 @@ impl Trial {
         Trial::new(parts, pixels, passes + other.passes, self.width)
     }
 
-    fn variance(&self, pixel: usize, handicap: &Handicap) -> f64 {
+    pub(super) fn variance(&self, pixel: usize, handicap: &Handicap) -> f64 {
         self.parts.iter().map(|part| handicap.noise[part.estimator as usize] * part.variances[pixel]).sum()
     }
 
     /// The same in a run of as many passes that go on from others.
-    fn variance_left(&self, pixel: usize, handicap: &Handicap) -> f64 {
+    pub(super) fn variance_left(&self, pixel: usize, handicap: &Handicap) -> f64 {
         let of = |part: &Part| handicap.noise[part.estimator as usize] * part.left * part.variances[pixel];
         self.parts.iter().map(of).sum()
     }
 
-    fn work(&self, handicap: &Handicap) -> f64 {
+    pub(super) fn work(&self, handicap: &Handicap) -> f64 {
         self.parts.iter().map(|part| handicap.work[part.estimator as usize] * part.work).sum()
     }
 
-    /// Sum of the picture and its standard error.
-    fn light(&self) -> (f64, f64) {
-        let variance = (0..self.values.len()).map(|pixel| self.variance(pixel, &Handicap::default())).sum::<f64>();
-        (self.values.iter().sum(), variance.sqrt())
+    /// Sum of the pixels of a part of the picture, and its standard error.
+    pub(super) fn light(&self, within: &dyn Fn(usize) -> bool) -> (f64, f64) {
+        let pixels = || (0..self.values.len()).filter(|pixel| within(*pixel));
+        let variance = pixels().map(|pixel| self.variance(pixel, &Handicap::default())).sum::<f64>();
+        (pixels().map(|pixel| self.values[pixel]).sum(), variance.sqrt())
     }
-}
-
-/// Variance of a pass, relative to the picture, times its work, for each of two trials of the same scene; none where
-/// nothing was seen.
-///
-/// What a trial has not found states no variance. So the picture of the one that knows more is held against the other's,
-/// and their difference counts where it is larger than what is stated.
-fn costs(trials: [&Trial; 2], handicap: &Handicap) -> Option<[f64; 2]> {
-    let pixels = trials[0].values.len();
-    let light = trials.map(Trial::light);
-    // One that surely misses light of the other's knows less; else the smoother one knows more.
-    let misses = |one: usize| light[one].0 + 3.0 * light[one].1 < light[1 - one].0 - 3.0 * light[1 - one].1;
-    let knows = match (misses(0), misses(1)) {
-        (true, _) => 1,
-        (_, true) => 0,
-        (false, false) => usize::from(light[1].1 < light[0].1),
-    };
-    let mean = light[knows].0 / pixels.max(1) as f64;
-    if !(mean > 0.0 && mean.is_finite()) {
-        return None;
-    }
-    // A pixel that is dark by chance would weigh as much as a dark one.
-    let smooth = smooth(&trials[knows].values, trials[knows].width);
-    let plain = Handicap::default();
-    let cost = |one: usize| {
-        let (mut left, mut stated, mut differs) = (0.0, 0.0, 0.0);
-        for (pixel, smooth) in smooth.iter().enumerate() {
-            let reference = trials[knows].values[pixel];
-            let scale = smooth.powi(2) + (FLOOR * mean).powi(2);
-            left += trials[one].variance_left(pixel, handicap) / scale;
-            stated += trials[one].variance(pixel, handicap) / scale;
-            let of_reference = trials[knows].variance(pixel, &plain);
-            differs += ((trials[one].values[pixel] - reference).powi(2) - of_reference) / scale;
-        }
-        // These few passes differ as they state; what evenness saves shows in a run.
-        let relative = if one == knows { left } else { left + (differs - stated).max(0.0) };
-        relative / pixels as f64 * trials[one].passes * trials[one].work(handicap)
-    };
-    Some([cost(0), cost(1)])
-}
-
-/// Means over each pixel and its neighbours.
-fn smooth(values: &[f64], width: usize) -> Vec<f64> {
-    let height = values.len() / width.max(1);
-    let around = |pixel: usize| {
-        let (x, y) = (pixel % width, pixel / width);
-        let rows = y.saturating_sub(1)..(y + 2).min(height);
-        let columns = x.saturating_sub(1)..(x + 2).min(width);
-        let count = rows.len() * columns.len();
-        let sum: f64 = rows.flat_map(|j| columns.clone().map(move |i| values[j * width + i])).sum();
-        sum / count as f64
-    };
-    (0..values.len()).map(around).collect()
 }
