@@ -97,7 +97,7 @@ fn the_sample_by_part_and_role() {
         let names: BTreeMap<u32, &str> =
             manifest.iter().map(|(name, hex)| (u32::from_str_radix(hex, 16).expect("hex"), name.as_str())).collect();
         let mut shown = BTreeSet::new();
-        for (pixel, data) in data.iter().enumerate() {
+        for (pixel, seen) in data.seen.part.iter().enumerate() {
             let ranks = ranks(&frame, matte, pixel);
             assert_eq!(ranks.iter().map(|(_, share)| share).sum::<f32>(), 1.0, "{matte:?} at {pixel}");
             assert!(ranks.windows(2).all(|two| two[0].1 >= two[1].1), "{matte:?} at {pixel}");
@@ -106,7 +106,7 @@ fn the_sample_by_part_and_role() {
             }
             // All looks at one part: so does the one through the middle.
             if let (Matte::PartSeen, (id, 1.0)) = (matte, ranks[0]) {
-                let part = data.seen.part.checked_sub(1).map(|part| scene.parts[part as usize].path.as_str());
+                let part = (*seen as u32).checked_sub(1).map(|part| scene.parts[part as usize].path.as_str());
                 assert_eq!(part, names.get(&id).copied(), "at {pixel}");
             }
         }

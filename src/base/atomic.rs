@@ -1,6 +1,7 @@
 //! A file is there completely or not at all.
 
 use std::ffi::OsString;
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -12,8 +13,14 @@ use crate::base::fault::{Fault, Result, Where};
 ///
 /// Errors: the directory is missing or not writable, the disk is full, `path` is a directory or a read-only file.
 pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_atomic_by(path, |file| file.write_all(bytes))
+}
+
+/// The same with what `fill` writes into the empty file, for what is better not held in memory as a whole. Errors: its own,
+/// too.
+pub fn write_atomic_by(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
     refuse(path)?;
-    try_write(path, bytes).map_err(|error| fault(path, &error))
+    try_write(path, fill).map_err(|error| fault(path, &error))
 }
 
 /// Says before the work whether [`write_atomic`] can do its part. Leaves no trace; the disk may still fill up later.
@@ -43,9 +50,9 @@ fn fault(path: &Path, error: &io::Error) -> Box<Fault> {
     Fault::new(Where::file(path), format!("cannot be written: {why}")).expected(expected(path))
 }
 
-fn try_write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn try_write(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let mut file = temporary(path)?;
-    file.write_all(bytes)?;
+    fill(file.as_file_mut())?;
     file.as_file().sync_all()?;
     file.persist(path).map_err(|error| error.error)?;
     Ok(())
@@ -109,6 +116,9 @@ mod tests {
         std::fs::create_dir(&taken).unwrap();
         let fault = write_atomic(&taken, b"three").unwrap_err();
         assert!(fault.to_string().ends_with("taken: is a folder; expected a file name"), "{fault}");
+        let torn = |file: &mut File| file.write_all(b"fi").and_then(|()| Err(io::Error::other("torn off")));
+        let fault = write_atomic_by(&path, torn).unwrap_err().to_string();
+        assert!(fault.ends_with("a.exr: cannot be written: torn off; expected a writable place with room on the disk"));
         let absent = directory.path().join("absent/a.exr");
         for result in [write_atomic(&absent, b"four"), check_writable(&absent)] {
             let fault = result.unwrap_err().to_string();
@@ -118,6 +128,7 @@ mod tests {
         check_writable(&directory.path().join("new.exr")).unwrap();
         assert!(write_atomic(Path::new("/"), b"five").is_err());
         assert_eq!(entries(directory.path()), ["a.exr", "taken"]);
+        assert_eq!(std::fs::read(&path).unwrap(), b"two");
     }
 
     #[test]

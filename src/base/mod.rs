@@ -10,6 +10,7 @@ pub mod glb;
 pub mod ids;
 pub mod lattice; // points that are even however many there are
 pub mod lpe; // light path expressions
+pub mod memory; // what the allocator keeps
 pub mod murmur; // the hash of names in Cryptomatte
 pub mod package;
 pub mod path;

@@ -24,6 +24,8 @@ pub mod kit;
 mod lamps_tests;
 pub mod measure;
 #[cfg(test)]
+mod memory_tests;
+#[cfg(test)]
 mod panes_tests;
 #[cfg(test)]
 mod plan_tests;

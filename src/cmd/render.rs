@@ -136,7 +136,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         let mut tracing = begin(&world, &plan, groups, size, args.seed);
         tracing.start(start).then(|| drive(tracing, &limits, &mut saver))
     });
-    let Some(outcome) = outcome else {
+    let Some(mut outcome) = outcome else {
         return Err(Fault::new(Where::file(&saver.path), "keeps other sums than this run")
             .expected("the same options, or no file of this name"));
     };
@@ -148,10 +148,18 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     if !partial && outcome.stop == Stop::Asked {
         return Ok(stopped(args, "before the frame was done"));
     }
+    let error = pool.install(|| outcome.films.relative_error());
+    // Where pictures are large the layers need the room of the sums, unless these are to be written.
+    if args.shard.is_none() {
+        outcome.films.condense();
+    }
     let finished = pool.install(|| head.finishing.picture(&outcome.films))?;
+    if args.shard.is_none() {
+        outcome.films.forget_light();
+    }
     sharpness.applied = finished.applied;
     let mut frame = finished.frame;
-    add_data_layers(&mut frame, &pool.install(|| data_layers(&world, size[0], size[1])));
+    add_data_layers(&mut frame, pool.install(|| data_layers(&world, size[0], size[1])));
     let Wanted { layers, named, .. } = &head.finishing.wanted;
     let mattes = mattes::wanted(args.cryptomatte, layers.iter().chain(named.iter().map(|wish| &wish.layer)));
     pool.install(|| mattes::add(&mut frame, &scene, &world, &mattes));
@@ -179,9 +187,9 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         let _ = std::fs::remove_file(&checkpoint);
     }
     if !args.quiet {
-        summary(args, &scene, &plan, &outcome, &sharpness, &warnings)?;
+        summary(args, (&scene, &plan), (&outcome, error), &sharpness, &warnings)?;
     }
-    let met = args.error.is_none_or(|limit| outcome.films.relative_error().is_some_and(|error| error <= limit));
+    let met = args.error.is_none_or(|limit| error.is_some_and(|error| error <= limit));
     Ok(match (outcome.stop, signals.caught()) {
         (Stop::Asked, Some(_)) => Ended::Stopped,
         (Stop::Passes | Stop::Time, _) if !met => Ended::Unmet,
@@ -220,13 +228,11 @@ fn check_destination(output: &Path) -> Result<()> {
 
 fn summary(
     args: &RenderArgs,
-    scene: &Scene,
-    plan: &Plan,
-    outcome: &Outcome,
+    (scene, plan): (&Scene, &Plan),
+    (outcome, error): (&Outcome, Option<f64>),
     sharpness: &Sharpness,
     warnings: &[String],
 ) -> Result<()> {
-    let error = outcome.films.relative_error();
     let text = || {
         let warnings_of_scene = scene.notes.iter().filter(|note| note.severity == Severity::Warning);
         let mut lines: Vec<String> =

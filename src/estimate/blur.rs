@@ -12,26 +12,34 @@ pub(super) fn radius_px(eye: &EyeLens, z_m: f64) -> f64 {
     tangent / width.min(height)
 }
 
-/// Marks pixels near edges. `differ`: the radius in pixels, if there is an edge between two pixels. Returns per pixel of a
-/// picture of this width whether it lies within that radius of an edge, or touches it; distances are the larger of those
-/// along rows and columns.
-pub(super) fn near_edges(width: usize, height: usize, differ: impl Fn(usize, usize) -> Option<f64>) -> Vec<bool> {
-    // How far an edge still reaches from here, in pixels; 0: none does.
-    let mut reach = vec![0.0f64; width * height];
-    for y in 0..height {
-        for x in 0..width {
-            let here = y * width + x;
-            let right = (x + 1 < width).then(|| here + 1);
-            let below = (y + 1 < height).then(|| here + width);
-            for other in [right, below].into_iter().flatten() {
-                if let Some(radius) = differ(here, other) {
-                    for pixel in [here, other] {
-                        reach[pixel] = reach[pixel].max(radius + 1.0);
-                    }
-                }
-            }
+/// Edges in a picture, and how far they are blurred.
+pub(super) struct Edges {
+    width: usize,
+    height: usize,
+    /// How far an edge still reaches from here, in pixels; 0: none does.
+    reach: Vec<f64>,
+}
+
+impl Edges {
+    pub(super) fn new(width: usize, height: usize) -> Edges {
+        Edges { width, height, reach: vec![0.0; width * height] }
+    }
+
+    /// Between two neighbours is an edge that is blurred by this radius, in pixels.
+    pub(super) fn add(&mut self, pixels: [usize; 2], radius: f64) {
+        for pixel in pixels {
+            self.reach[pixel] = self.reach[pixel].max(radius + 1.0);
         }
     }
+
+    /// Per pixel, whether it lies within that radius of an edge, or touches it; distances are the larger of those along rows
+    /// and columns.
+    pub(super) fn near(self) -> Vec<bool> {
+        spread(self.width, self.height, self.reach)
+    }
+}
+
+fn spread(width: usize, height: usize, mut reach: Vec<f64>) -> Vec<bool> {
     // From neighbour to neighbour, once towards the end of the picture and once back.
     let pull = |reach: &mut [f64], x: usize, y: usize, steps: [(isize, isize); 4]| {
         for (dx, dy) in steps {
@@ -56,7 +64,19 @@ pub(super) fn near_edges(width: usize, height: usize, differ: impl Fn(usize, usi
 
 #[cfg(test)]
 mod tests {
-    use super::near_edges;
+    use super::Edges;
+
+    fn near_edges(width: usize, height: usize, differ: impl Fn(usize, usize) -> Option<f64>) -> Vec<bool> {
+        let mut edges = Edges::new(width, height);
+        for pixel in 0..width * height {
+            let right = (pixel % width + 1 < width).then(|| pixel + 1);
+            let below = (pixel + width < width * height).then(|| pixel + width);
+            for other in [right, below].into_iter().flatten() {
+                differ(pixel, other).into_iter().for_each(|radius| edges.add([pixel, other], radius));
+            }
+        }
+        edges.near()
+    }
 
     /// An upright edge between columns 5 and 6 that is blurred by 2.5 pixels, and a speck.
     #[test]

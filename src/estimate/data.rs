@@ -2,7 +2,7 @@
 //! sees. One unrandomised ray per pixel for the data; for the see-through share, where an edge may be blurred into the pixel,
 //! four more, or sixteen where those and the first do not agree.
 
-use super::blur::{near_edges, radius_px};
+use super::blur::{Edges, radius_px};
 use super::ledger::Ledger;
 use super::walk::{Met, Travel, Vertex, Walker};
 use crate::base::rng::{Rng, Stream};
@@ -52,20 +52,79 @@ pub struct PixelData {
     pub seethrough: f64,
 }
 
-/// Data of all pixels, row-major.
-pub fn data_layers(world: &World, width: usize, height: usize) -> Vec<PixelData> {
+/// What rays of all pixels hit, row-major, as it is stored.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SeenPixels {
+    pub z_m: Vec<f32>,
+    pub position: [Vec<f32>; 3],
+    pub normal: [Vec<f32>; 3],
+    pub albedo: Vec<f32>,
+    pub part: Vec<f32>,
+    pub face: Vec<f32>,
+}
+
+impl SeenPixels {
+    fn push(&mut self, seen: &Seen) {
+        self.z_m.push(seen.z_m as f32);
+        self.albedo.push(seen.albedo as f32);
+        self.part.push(seen.part as f32);
+        self.face.push(seen.face as f32);
+        for axis in 0..3 {
+            self.position[axis].push(seen.position[axis] as f32);
+            self.normal[axis].push(seen.normal[axis] as f32);
+        }
+    }
+}
+
+/// Data of all pixels, row-major, as it is stored: what a large picture has of it is never held as anything wider.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Data {
+    /// See [`PixelData`].
+    pub first: SeenPixels,
+    pub seen: SeenPixels,
+    pub seethrough: Vec<f32>,
+}
+
+/// So many rows are looked at together.
+const BAND: usize = 32;
+
+pub fn data_layers(world: &World, width: usize, height: usize) -> Data {
     let optics = Mono::<f64>::optics(world, 0, 0);
     let at = |ledger: &mut Ledger, pixel: usize, (jitter, lens): ([f64; 2], [f64; 2])| {
         look((world, &optics), world.eye.ray(pixel % width, pixel / width, jitter, lens), ledger)
     };
     let ledger = || Ledger::new(world.solids.len());
     let middle = |ledger: &mut Ledger, pixel: usize| at(ledger, pixel, ([0.5; 2], [0.5; 2]));
-    let mut data: Vec<PixelData> = (0..width * height).into_par_iter().map_init(ledger, middle).collect();
-    let near = near_edges(width, height, |a, b| data[a].edge_to(&data[b], world));
-    data.par_iter_mut().enumerate().filter(|(pixel, _)| near[*pixel]).for_each_init(ledger, |ledger, (pixel, data)| {
-        data.seethrough = share(data, |i| at(ledger, pixel, place(i)));
-    });
-    data
+    let mut all = Data::default();
+    let mut edges = Edges::new(width, height);
+    let mut above: Vec<PixelData> = Vec::new();
+    for band in (0..height).step_by(BAND) {
+        let first = band * width;
+        let pixels = first..(band + BAND).min(height) * width;
+        let data: Vec<PixelData> = pixels.into_par_iter().map_init(ledger, middle).collect();
+        for (index, here) in data.iter().enumerate() {
+            let pixel = first + index;
+            let left = (!pixel.is_multiple_of(width)).then(|| (pixel - 1, &data[index - 1]));
+            let over = index.checked_sub(width).map_or_else(|| above.get(index), |over| data.get(over));
+            for (other, there) in left.into_iter().chain(over.map(|over| (pixel - width, over))) {
+                there.edge_to(here, world).into_iter().for_each(|radius| edges.add([other, pixel], radius));
+            }
+            all.first.push(&here.first);
+            all.seen.push(&here.seen);
+            all.seethrough.push(here.seethrough as f32);
+        }
+        above = data[data.len() - width..].to_vec();
+    }
+    // There the middle is looked at again: few pixels are.
+    let near = edges.near();
+    all.seethrough.par_iter_mut().enumerate().filter(|(pixel, _)| near[*pixel]).for_each_init(
+        ledger,
+        |ledger, (pixel, seethrough)| {
+            let data = middle(ledger, pixel);
+            *seethrough = share(&data, |i| at(ledger, pixel, place(i))) as f32;
+        },
+    );
+    all
 }
 
 /// The see-through share of a pixel near an edge; `data`: of its middle; `through`: at one of its [places](place).

@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn light_is_told_from_data() {
-        let channel = |name: &str| Channel { name: name.to_owned(), data: Vec::new() };
+        let channel = |name: &str| Channel { name: name.to_owned(), data: Vec::new().into() };
         let aov = Aov { name: "mine".into(), lpe: "C".into(), shares: vec!["mine_led".into()], part: Some(0) };
         let wanted = Wanted { aovs: vec![aov], ..Wanted::default() };
         for name in [

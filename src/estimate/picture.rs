@@ -1,13 +1,13 @@
 //! The last step before writing: films, data layers and the record of the run become one frame.
 
-use super::data::PixelData;
+use super::data::{Data, SeenPixels};
 use super::finishing::Finishing;
 use super::run::{Films, Outcome, Stop};
 use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
 use crate::film::diffraction::Diffraction;
 use crate::film::finish::{Finished, GroupInfo, Split};
-use crate::film::frame::{Channel, Frame, Meta};
+use crate::film::frame::{Channel, Frame, Meta, Samples};
 use crate::film::layer::Layer;
 use crate::film::matte::Matte;
 use crate::film::plan::{Plan, Spectral, Verdict};
@@ -70,30 +70,27 @@ fn tints(scene: &Scene, plan: &Plan) -> Vec<[f64; 3]> {
 
 /// Adds `Z`, `normal`, `albedo`, `position`, `id` at the first hit, the same `_seen` behind specular faces, and
 /// `seethrough`.
-pub fn add_data_layers(frame: &mut Frame, data: &[PixelData]) {
-    let mut add = |name: &str, value: &dyn Fn(&PixelData) -> f64| {
-        let data = data.iter().map(|pixel| value(pixel) as f32).collect();
-        frame.channels.push(Channel { name: name.to_owned(), data });
-    };
-    for suffix in ["", "_seen"] {
-        let of = |pixel: &PixelData| if suffix.is_empty() { pixel.first } else { pixel.seen };
-        if suffix.is_empty() {
-            add("Z", &|p| of(p).z_m);
-        } else {
-            add("Z_seen.Z", &|p| of(p).z_m);
+pub fn add_data_layers(frame: &mut Frame, data: Data) {
+    let mut add = |name: String, data: Vec<f32>| frame.push(name, data);
+    let Data { first, seen, seethrough } = data;
+    let mut greys: Vec<(String, Samples)> = Vec::new();
+    for (suffix, depth, SeenPixels { z_m, position, normal, albedo, part, face }) in
+        [("", "Z", first), ("_seen", "Z_seen.Z", seen)]
+    {
+        add(depth.to_owned(), z_m);
+        for ((name, normal), position) in ["X", "Y", "Z"].into_iter().zip(normal).zip(position) {
+            add(format!("normal{suffix}.{name}"), normal);
+            add(format!("position{suffix}.{name}"), position);
         }
-        for (axis, name) in ["X", "Y", "Z"].into_iter().enumerate() {
-            add(&format!("normal{suffix}.{name}"), &|p| of(p).normal[axis]);
-            add(&format!("position{suffix}.{name}"), &|p| of(p).position[axis]);
-        }
-        for name in ["R", "G", "B"] {
-            add(&format!("albedo{suffix}.{name}"), &|p| of(p).albedo);
-        }
-        add(&format!("id{suffix}.part"), &|p| f64::from(of(p).part));
-        add(&format!("id{suffix}.face"), &|p| f64::from(of(p).face));
+        add(format!("id{suffix}.part"), part);
+        add(format!("id{suffix}.face"), face);
+        greys.push((format!("albedo{suffix}"), albedo.into()));
     }
-    for name in ["R", "G", "B"] {
-        add(&format!("seethrough.{name}"), &|p| p.seethrough);
+    greys.push(("seethrough".to_owned(), seethrough.into()));
+    for (layer, data) in greys {
+        // Grey is stored three times, and held once.
+        let channel = |name| Channel { name: format!("{layer}.{name}"), data: data.clone() };
+        frame.channels.extend(["R", "G", "B"].map(channel));
     }
 }
 

@@ -6,6 +6,7 @@
 mod engines;
 
 use super::ledger::Ledger;
+use crate::base::memory::give_back;
 use crate::base::stats::{beyond_noise, variance_ratio};
 use crate::film::accumulate::{Components, Film};
 use crate::film::plan::{Estimator, Plan};
@@ -152,6 +153,20 @@ impl Films {
         let add = |sum: [f64; 4], row: &[f64; 4]| std::array::from_fn(|k| sum[k] + row[k]);
         let sums = rows.iter().fold([0.0; 4], add);
         (self.passes >= 2 && sums[3] > 0.0).then_some(sums)
+    }
+
+    /// After the last pass, when the errors have been asked for: gives the memory back that only they need.
+    pub fn condense(&mut self) {
+        self.films.iter_mut().for_each(|(_, film, _)| film.condense());
+        give_back();
+    }
+
+    /// Gives the memory of all sums back: what was counted stays, and no light.
+    pub fn forget_light(&mut self) {
+        for (_, film, _) in &mut self.films {
+            *film = Film::new(0, 0, Vec::new(), film.components, film.sampling);
+        }
+        give_back();
     }
 
     /// The ledger of one estimator, if it ran.

@@ -83,7 +83,8 @@ pub fn rename(frame: &mut Frame, named: &[Named], else_asked: bool) {
         // A lone channel such as `Z` has no layer before its dot.
         let own = |channel: &&Channel| channel.layer() == wish.layer || channel.name == wish.layer;
         for channel in all.iter().filter(own) {
-            frame.push(format!("{}.{}", wish.name, channel.component()), channel.data.clone());
+            let name = format!("{}.{}", wish.name, channel.component());
+            frame.channels.push(Channel { name, data: channel.data.clone() });
         }
     }
     frame.channels.extend(all.into_iter().filter(|channel| ["R", "G", "B"].contains(&channel.name.as_str())));

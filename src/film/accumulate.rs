@@ -7,11 +7,11 @@ use super::blur::{self, Blur};
 use super::detail::{Detail, DetailRow};
 use super::layer::Layer;
 use super::scrambles::{SCRAMBLES, Scrambles};
+use super::tiles::{Tiles, TilesRow};
 use super::turns::{Turns, TurnsRow};
 use crate::base::ids::GroupId;
-use crate::base::twofold::Sum;
 pub use light::Light;
-use light::{LightSum, add, value_of};
+use light::{COLUMNS, add, depth, value_of};
 pub use plane::{Components, PlaneKey, Together};
 
 /// How the samples of a film are counted, for its standard error.
@@ -24,7 +24,7 @@ pub enum Sampling {
     PerScramble { paths: u64 },
 }
 
-/// Sums over passes, pixel-major so that a row is one contiguous piece.
+/// Sums over passes. They take memory where there is light; a row's are apart from those of others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
     pub width: usize,
@@ -36,9 +36,10 @@ pub struct Film {
     /// Passes added so far.
     pub passes: u64,
     /// `[pixel][plane][component]`
-    pub(super) sums: Vec<LightSum>,
-    /// `[pixel][plane]`, then one more for the sum over planes: squares of the luminance. Empty where scrambles tell.
-    pub(super) squares: Vec<Sum>,
+    pub(super) sums: Tiles,
+    /// `[pixel][plane]`, and if there are several one more for the sum over planes: squares of the luminance. None where
+    /// scrambles tell.
+    pub(super) squares: Option<Tiles>,
     pub(super) scrambles: Option<Scrambles>,
     /// None where scrambles tell.
     pub(super) turns: Option<Turns>,
@@ -46,17 +47,19 @@ pub struct Film {
     pub(super) detail: Option<Detail>,
     /// Of films whose light is gathered within a radius.
     pub(super) blur: Option<Blur>,
+    /// `[pixel]`: variances of the sum over planes, of a [condensed](Film::condense) film.
+    variances: Option<Vec<f64>>,
 }
 
 /// One row of a film, for the thread that owns it.
 pub struct Row<'f> {
     planes: usize,
     components: Components,
-    sums: &'f mut [LightSum],
-    squares: &'f mut [Sum],
+    sums: TilesRow<'f>,
+    squares: TilesRow<'f>,
     turns: Option<TurnsRow<'f>>,
     detail: Option<DetailRow<'f>>,
-    blur: Option<&'f mut [[Sum; blur::PER_PIXEL]]>,
+    blur: Option<TilesRow<'f>>,
 }
 
 /// Variances and covariance of the mean `open` and `content` of a pixel's light.
@@ -69,10 +72,13 @@ pub struct MixError {
 
 impl Film {
     pub fn new(width: usize, height: usize, planes: Vec<PlaneKey>, components: Components, sampling: Sampling) -> Self {
-        let (pixels, count) = (width * height, planes.len());
+        let (size, count) = ([width, height], planes.len());
         let (squares, turns, scrambles) = match sampling {
-            Sampling::PerPass => (vec![Sum::ZERO; pixels * (count + 1)], Some(Turns::new(pixels)), None),
-            Sampling::PerScramble { paths } => (Vec::new(), None, Some(Scrambles::new(pixels, count, paths))),
+            Sampling::PerPass => {
+                let squares = Tiles::new(size, total_of(count) + 1, 1);
+                (Some(squares), Some(Turns::new(size)), None)
+            }
+            Sampling::PerScramble { paths } => (None, None, Some(Scrambles::new(size, count, paths))),
         };
         Film {
             width,
@@ -81,19 +87,20 @@ impl Film {
             components,
             sampling,
             passes: 0,
-            sums: vec![LightSum::default(); pixels * count * components.count()],
+            sums: Tiles::new(size, count * components.count(), COLUMNS).with_first_for_second(),
             squares,
             scrambles,
             turns,
             detail: None,
             blur: None,
+            variances: None,
         }
     }
 
     /// Keeps what tells how far gathering within a radius errs.
     #[must_use]
     pub fn with_blur(mut self) -> Self {
-        self.blur = Some(Blur::new(self.width * self.height));
+        self.blur = Some(Blur::new([self.width, self.height]));
         self
     }
 
@@ -111,12 +118,23 @@ impl Film {
     #[must_use]
     pub fn with_detail(mut self) -> Self {
         // With scrambles only the list of layers is needed.
-        let pixels = if self.scrambles.is_some() { 0 } else { self.width * self.height };
-        self.detail = Some(Detail::new(pixels, &self.planes));
+        let size = if self.scrambles.is_some() { [0; 2] } else { [self.width, self.height] };
+        self.detail = Some(Detail::new(size, &self.planes));
         if let Some(scrambles) = &mut self.scrambles {
             scrambles.keep_mixed();
         }
         self
+    }
+
+    /// After the last pass: gives the memory of all sums back that no picture needs, but for those that were asked for.
+    /// Variances of one plane among several are unknown then, infinite.
+    pub fn condense(&mut self) {
+        if self.detail.is_some() {
+            return;
+        }
+        let all = self.planes.len();
+        self.variances = Some((0..self.width * self.height).map(|pixel| self.variance(pixel, all)).collect());
+        (self.squares, self.scrambles, self.turns, self.blur) = (None, None, None, None);
     }
 
     /// The further sums, if they are kept.
@@ -133,13 +151,12 @@ impl Film {
     pub fn rows(&mut self) -> impl Iterator<Item = (usize, Row<'_>)> {
         let planes = self.planes.len();
         let components = self.components;
-        let width = self.width;
-        let mut details = self.detail.as_mut().map(|detail| detail.rows(width));
-        let mut turns = self.turns.as_mut().map(|turns| turns.rows(width));
-        let mut blur = self.blur.as_mut().map(|blur| blur.rows(width));
+        let mut details = self.detail.as_mut().map(Detail::rows);
+        let mut turns = self.turns.as_mut().map(Turns::rows);
+        let mut blur = self.blur.as_mut().map(Blur::rows);
         self.sums
-            .chunks_mut((width * planes * components.count()).max(1))
-            .zip(self.squares.chunks_mut(width * (planes + 1)))
+            .rows()
+            .zip(self.squares.iter_mut().flat_map(Tiles::rows))
             .map(move |(sums, squares)| Row {
                 planes,
                 components,
@@ -175,12 +192,12 @@ impl Film {
 
     /// Adds the light of one path of a scramble that landed in `pixel`: the entries of one plane.
     pub fn splat(&mut self, pixel: usize, plane: usize, scramble: usize, entries: &[Light]) {
-        let entry = pixel * self.planes.len() + plane;
-        let at = self.entries_at(pixel, plane);
-        self.sums[at].iter_mut().zip(entries).for_each(|(sum, light)| add(sum, light));
+        for (entry, light) in self.entries_of(plane).zip(entries) {
+            add(self.sums.grown(pixel, entry, depth(light)), light);
+        }
         let light = self.components.luminance(entries);
         if let Some(scrambles) = &mut self.scrambles {
-            scrambles.add(entry, scramble, light);
+            scrambles.add((pixel, plane), scramble, light);
         }
     }
 
@@ -191,18 +208,18 @@ impl Film {
         }
     }
 
-    fn entries_at(&self, pixel: usize, plane: usize) -> std::ops::Range<usize> {
+    fn entries_of(&self, plane: usize) -> std::ops::Range<usize> {
         let count = self.components.count();
-        let first = (pixel * self.planes.len() + plane) * count;
-        first..first + count
+        plane * count..(plane + 1) * count
     }
 
     /// Sum of the luminance of a pixel in a plane.
     fn sum(&self, pixel: usize, plane: usize) -> Light {
-        let mut entries = [Light::default(); 3];
-        let sums = &self.sums[self.entries_at(pixel, plane)];
-        entries.iter_mut().zip(sums).for_each(|(entry, sum)| *entry = value_of(sum));
-        self.components.luminance(&entries[..sums.len().min(3)])
+        let light = |entry: usize| value_of(self.sums.stored(pixel, entry));
+        match self.components {
+            Components::Luminance => light(plane),
+            Components::Rec709 => self.components.luminance(&[0, 1, 2].map(|c| light(3 * plane + c))),
+        }
     }
 
     /// Independent values of a pixel that tell its variance.
@@ -221,13 +238,16 @@ impl Film {
     /// Mean light of a pixel in a plane, one entry per component.
     pub fn mean_entries(&self, pixel: usize, plane: usize) -> impl Iterator<Item = Light> {
         let factor = 1.0 / self.passes.max(1) as f64;
-        self.sums[self.entries_at(pixel, plane)].iter().map(move |sum| value_of(sum).scaled(factor))
+        self.entries_of(plane).map(move |entry| value_of(self.sums.stored(pixel, entry)).scaled(factor))
     }
 
     /// Variance of the mean `value` of a pixel: of one plane, or of the sum over planes (`plane == planes.len()`).
     /// Zero when there are not yet two samples.
     pub fn variance(&self, pixel: usize, plane: usize) -> f64 {
         let planes = self.planes.len();
+        if let Some(variances) = &self.variances {
+            return if plane == planes || planes == 1 { variances[pixel] } else { f64::INFINITY };
+        }
         if let Some(scrambles) = &self.scrambles {
             let own = if plane < planes { plane..plane + 1 } else { 0..planes };
             return scrambles.variance(pixel, own) * self.per_pass2();
@@ -237,7 +257,8 @@ impl Film {
         } else {
             (0..planes).map(|plane| self.sum(pixel, plane).value).sum()
         };
-        self.covariance_of_means(sum, sum, self.squares[pixel * (planes + 1) + plane].value()).max(0.0)
+        let square = |squares: &Tiles| squares.sum(pixel, plane.min(total_of(planes))).value();
+        self.covariance_of_means(sum, sum, self.squares.as_ref().map_or(0.0, square)).max(0.0)
     }
 
     /// Variance of the mean `value` of some of a pixel's planes together; none if it is not kept or the film has none of
@@ -295,29 +316,40 @@ impl Film {
     }
 }
 
+/// Where the squares of the sum over so many planes are: those of one plane are its own.
+fn total_of(planes: usize) -> usize {
+    if planes > 1 { planes } else { 0 }
+}
+
 impl Row<'_> {
     /// Adds what pixel `x` has in a pass beyond what a quarter of the kernel's area brings, cd/m².
     pub fn add_blur(&mut self, x: usize, beyond: f64) {
         if let Some(blur) = &mut self.blur {
-            blur::add(&mut blur[x], beyond);
+            blur::add(blur, x, beyond);
         }
     }
 
     /// Adds the light of pixel `x` in the pass of this number: the entries of each plane in turn.
     pub fn add_pass(&mut self, x: usize, number: u64, pass: &[Light]) {
         let count = self.components.count();
-        let own = x * self.planes * count..(x + 1) * self.planes * count;
-        self.sums[own].iter_mut().zip(pass).for_each(|(sum, light)| add(sum, light));
+        for (entry, light) in pass.iter().enumerate() {
+            add(self.sums.grown(x, entry, depth(light)), light);
+        }
         let mut total = 0.0;
         for plane in 0..self.planes {
             let light = self.components.luminance(&pass[plane * count..(plane + 1) * count]);
-            self.squares[x * (self.planes + 1) + plane].add(light.value * light.value);
+            if light.value != 0.0 {
+                self.squares.grown(x, plane, 1)[0].add(light.value * light.value);
+            }
             total += light.value;
             if let Some(detail) = &mut self.detail {
                 detail.add(plane, light);
             }
         }
-        self.squares[x * (self.planes + 1) + self.planes].add(total * total);
+        let all = total_of(self.planes);
+        if all > 0 && total != 0.0 {
+            self.squares.grown(x, all, 1)[0].add(total * total);
+        }
         if let Some(turns) = &mut self.turns {
             turns.add(x, number, total);
         }

@@ -52,3 +52,31 @@ fn variance_by_scrambles() {
     even.passes = 1;
     assert!(even.variance(0, 0) < 1e-12);
 }
+
+/// A film takes the memory of its light: 16 bytes a sum and pixel, for tiles of 16 pixels that have any.
+#[test]
+fn memory_follows_the_light() {
+    let (width, height, lit) = (256, 8, 3);
+    let other = PlaneKey { group: GroupId(1), ..KEY };
+    let bytes = |film: &Film, name: &str| -> usize {
+        film.tables().iter().filter(|table| table.name == name).map(crate::film::columns::Table::bytes).sum()
+    };
+    let film = || Film::new(width, height, vec![KEY, other], Components::Luminance, Sampling::PerPass);
+    let (mut filled, empty) = (film(), film());
+    let mut crossing = light(2.0);
+    crossing.cross(0.9, 0.5, 0.25);
+    for (y, mut row) in filled.rows() {
+        for x in 0..width {
+            let led = if y < lit { crossing } else { Light::default() };
+            row.add_pass(x, 0, &[light(1.0), led]);
+        }
+    }
+    filled.close(0, 1);
+    let grown = |name: &str| bytes(&filled, name) - bytes(&empty, name);
+    // The sky's value stands for its light with the slide open; the LEDs' is value, open and once crossed.
+    assert_eq!(grown("light"), 16 * width * (height + 3 * lit));
+    assert_eq!(grown("squares"), 16 * width * (2 * height + lit));
+    let pixel = |y: usize| y * width + 7;
+    assert_eq!([filled.mean(pixel(lit), 0), filled.mean(pixel(lit), 1)], [light(1.0), Light::default()]);
+    assert_eq!([filled.mean(pixel(0), 0), filled.mean(pixel(0), 1)], [light(1.0), crossing]);
+}

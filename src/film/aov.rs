@@ -64,8 +64,10 @@ impl Aov {
 
     /// The channels, and what the header says of them.
     pub fn written(&self, frame: &Frame) -> (Vec<Channel>, (String, Meta)) {
-        let channel =
-            |(data, component): (Vec<f32>, &str)| Channel { name: format!("{}.{component}", self.name), data };
+        let channel = |(data, component): (Vec<f32>, &str)| Channel {
+            name: format!("{}.{component}", self.name),
+            data: data.into(),
+        };
         let channels = self.picture(frame).into_iter().zip(["R", "G", "B"]).map(channel).collect();
         let said = serde_json::to_string(self).unwrap_or_default();
         (channels, (format!("{KEY}{}", self.name), Meta::Text(said)))

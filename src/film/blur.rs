@@ -9,13 +9,13 @@
 //! squared difference: negative by chance where there is no more than noise. The sum over a picture has that chance, too,
 //! where few photons make it.
 
-use crate::base::twofold::Sum;
+use super::tiles::{Tiles, TilesRow};
 
 /// The sums of a film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blur {
     /// `[pixel]`: d and d², of the luminance of all planes.
-    pub(super) sums: Vec<[Sum; PER_PIXEL]>,
+    pub(super) sums: Tiles,
 }
 
 /// What the whole kernel errs by over what it brings beyond a quarter of its area.
@@ -25,27 +25,31 @@ const ERRS: f64 = 4.0 / 3.0;
 pub const PER_PIXEL: usize = 2;
 
 impl Blur {
-    pub fn new(pixels: usize) -> Self {
-        Blur { sums: vec![[Sum::ZERO; PER_PIXEL]; pixels] }
+    pub fn new(size: [usize; 2]) -> Self {
+        Blur { sums: Tiles::new(size, 1, PER_PIXEL) }
     }
 
-    /// The rows of a film that is `width` pixels wide.
-    pub fn rows(&mut self, width: usize) -> impl Iterator<Item = &mut [[Sum; PER_PIXEL]]> {
-        self.sums.chunks_mut(width.max(1))
+    pub(super) fn rows(&mut self) -> impl Iterator<Item = TilesRow<'_>> {
+        self.sums.rows()
     }
 
     /// The square of what the mean over `passes` errs by in a pixel, (cd/m²)², by chance less than 0; 0 before the second.
     pub fn square(&self, pixel: usize, passes: u64) -> f64 {
         let n = passes as f64;
-        let [sum, squares] = self.sums[pixel].map(|sum| sum.value());
+        let [sum, squares] = [0, 1].map(|at| self.sums.sum(pixel, at).value());
         if passes < 2 { 0.0 } else { ERRS * ERRS * (sum * sum - squares) / (n * (n - 1.0)) }
     }
 }
 
 /// Adds what a pixel has in a pass beyond what a quarter of the kernel's area brings.
-pub fn add([sum, squares]: &mut [Sum; PER_PIXEL], beyond: f64) {
-    sum.add(beyond);
-    squares.add(beyond * beyond);
+pub(super) fn add(row: &mut TilesRow, x: usize, beyond: f64) {
+    if beyond == 0.0 {
+        return;
+    }
+    if let [sum, squares] = row.grown(x, 0, PER_PIXEL) {
+        sum.add(beyond);
+        squares.add(beyond * beyond);
+    }
 }
 
 #[cfg(test)]
@@ -60,9 +64,10 @@ mod tests {
         for beyond in [2.0, 0.0] {
             let mut found = Moments::default();
             for pixel in 0..10_000 {
-                let (mut blur, mut rng) = (Blur::new(1), Rng::new(3, Stream::Check, pixel, 0));
+                let (mut blur, mut rng) = (Blur::new([1, 1]), Rng::new(3, Stream::Check, pixel, 0));
                 for _ in 0..5 {
-                    add(&mut blur.sums[0], beyond + 6.0 * (rng.uniform() - 0.5));
+                    let mut row = blur.rows().next().expect("a row");
+                    add(&mut row, 0, beyond + 6.0 * (rng.uniform() - 0.5));
                 }
                 found.add(blur.square(0, 5));
             }

@@ -1,79 +1,138 @@
 //! A film as columns of numbers: how shards and checkpoints carry it, and how films of different passes are added up.
 
 use super::accumulate::Film;
-use super::turns::PER_PIXEL;
+use super::scrambles::Scrambles;
+use super::tiles::Tiles;
+use super::turns::{PER_PIXEL, Turns};
 use crate::base::twofold::Sum;
 
-/// A kind of sum that a film holds: `stride` sums per pixel, pixel after pixel.
-pub struct Table<S> {
+/// The name of the table of [turns](super::turns).
+const TURNS: &str = "turns";
+
+/// A kind of sum that a film holds.
+pub struct Table<'f> {
     /// What the sums are of: `light`, `squares`, `scrambles` …
     pub name: &'static str,
-    pub stride: usize,
-    pub sums: S,
+    sums: Sums<'f>,
 }
 
-const NAMES: [&str; COUNT] = [
-    "light",
-    "squares",
-    "scrambles",
-    "scramble_squares",
-    "scramble_open",
-    "scramble_content",
-    "mixed_squares",
-    "layer_squares",
-    "turns",
-    "blur",
-];
-const COUNT: usize = 10;
+enum Sums<'f> {
+    Tiles(&'f Tiles),
+    Turns(&'f Turns),
+}
+
+/// The same, to be filled.
+pub struct TableMut<'f> {
+    pub name: &'static str,
+    sums: SumsMut<'f>,
+}
+
+enum SumsMut<'f> {
+    Tiles(&'f mut Tiles),
+    Turns(&'f mut Turns),
+}
+
+impl Table<'_> {
+    /// Sums per pixel.
+    pub fn stride(&self) -> usize {
+        match &self.sums {
+            Sums::Tiles(tiles) => tiles.stride(),
+            Sums::Turns(_) => PER_PIXEL,
+        }
+    }
+
+    /// One of the sums of a pixel.
+    pub fn sum(&self, pixel: usize, column: usize) -> Sum {
+        match &self.sums {
+            Sums::Tiles(tiles) => tiles.sum(pixel, column),
+            Sums::Turns(turns) => turns.sum(pixel, column),
+        }
+    }
+
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        match &self.sums {
+            Sums::Tiles(tiles) => tiles.bytes(),
+            Sums::Turns(turns) => turns.bytes(),
+        }
+    }
+
+    fn first_invalid(&self) -> Option<usize> {
+        match &self.sums {
+            Sums::Tiles(tiles) => tiles.first_invalid(),
+            Sums::Turns(turns) => turns.first_invalid(),
+        }
+    }
+}
+
+impl TableMut<'_> {
+    /// Sums per pixel.
+    pub fn stride(&self) -> usize {
+        match &self.sums {
+            SumsMut::Tiles(tiles) => tiles.stride(),
+            SumsMut::Turns(_) => PER_PIXEL,
+        }
+    }
+
+    /// Sets all sums of a pixel of an empty film. False if the film keeps none of it, and they are not zero.
+    pub fn put(&mut self, pixel: usize, sums: &[Sum]) -> bool {
+        match &mut self.sums {
+            SumsMut::Tiles(tiles) => tiles.put(pixel, sums),
+            SumsMut::Turns(turns) => return turns.put(pixel, sums),
+        }
+        true
+    }
+}
 
 impl Film {
     /// All sums of the film, those of kinds that it does not keep left out.
-    pub fn tables(&self) -> Vec<Table<&[Sum]>> {
+    pub fn tables(&self) -> Vec<Table<'_>> {
         let scrambles = self.scrambles.as_ref();
-        let detail = self.detail.as_ref();
-        let all: [&[Sum]; COUNT] = [
-            self.sums.as_flattened(),
-            &self.squares,
-            scrambles.map_or(&[], |s| s.value.as_flattened()),
-            scrambles.map_or(&[], |s| &s.squares),
-            scrambles.map_or(&[], |s| s.open.as_flattened()),
-            scrambles.map_or(&[], |s| s.content.as_flattened()),
-            detail.map_or(&[], |d| d.mixed.as_flattened()),
-            detail.map_or(&[], |d| &d.squares),
-            self.turns.as_ref().map_or(&[], |t| t.sums.as_flattened()),
-            self.blur.as_ref().map_or(&[], |b| b.sums.as_flattened()),
+        let mixed = scrambles.and_then(|s| s.mixed.as_ref());
+        // Where scrambles tell, detail is no more than a list.
+        let detail = self.detail.as_ref().filter(|_| scrambles.is_none());
+        let tiles = [
+            ("light", Some(&self.sums)),
+            ("squares", self.squares.as_ref()),
+            ("scrambles", scrambles.map(|s| &s.value)),
+            ("scramble_squares", scrambles.map(|s| &s.squares)),
+            ("scramble_open", mixed.map(|[open, _]| open)),
+            ("scramble_content", mixed.map(|[_, content]| content)),
+            ("mixed_squares", detail.map(|d| &d.mixed)),
+            ("layer_squares", detail.map(|d| &d.squares)),
+            ("blur", self.blur.as_ref().map(|b| &b.sums)),
         ];
-        self.named(all, |sums| sums.len())
+        let tiles = tiles.into_iter().filter_map(|(name, tiles)| Some(Table { name, sums: Sums::Tiles(tiles?) }));
+        tiles.chain(self.turns.as_ref().map(|turns| Table { name: TURNS, sums: Sums::Turns(turns) })).collect()
     }
 
     /// The same, to be filled.
-    pub fn tables_mut(&mut self) -> Vec<Table<&mut [Sum]>> {
-        let pixels = self.pixels();
-        let (value, squares, open, content): (&mut [Sum], &mut [Sum], &mut [Sum], &mut [Sum]) = match &mut self
-            .scrambles
-        {
-            Some(s) => {
-                (s.value.as_flattened_mut(), &mut s.squares, s.open.as_flattened_mut(), s.content.as_flattened_mut())
+    pub fn tables_mut(&mut self) -> Vec<TableMut<'_>> {
+        let told = self.scrambles.is_some();
+        let [value, squares, open, content] = match &mut self.scrambles {
+            Some(Scrambles { value, squares, mixed: Some([open, content]), .. }) => {
+                [value, squares, open, content].map(Some)
             }
-            None => (&mut [], &mut [], &mut [], &mut []),
+            Some(Scrambles { value, squares, mixed: None, .. }) => [Some(value), Some(squares), None, None],
+            None => [None, None, None, None],
         };
-        let (mixed, layers): (&mut [Sum], &mut [Sum]) = match &mut self.detail {
-            Some(d) => (d.mixed.as_flattened_mut(), &mut d.squares),
-            None => (&mut [], &mut []),
+        let [mixed, layers] = match &mut self.detail {
+            Some(detail) if !told => [&mut detail.mixed, &mut detail.squares].map(Some),
+            Some(_) | None => [None, None],
         };
-        let turns: &mut [Sum] = self.turns.as_mut().map_or(&mut [], |t| t.sums.as_flattened_mut());
-        let blur: &mut [Sum] = self.blur.as_mut().map_or(&mut [], |b| b.sums.as_flattened_mut());
-        let light = self.sums.as_flattened_mut();
-        let all = [light, &mut self.squares, value, squares, open, content, mixed, layers, turns, blur];
-        named(pixels, all, |sums| sums.len())
-    }
-
-    fn pixels(&self) -> usize {
-        self.width * self.height
-    }
-
-    fn named<S>(&self, all: [S; COUNT], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
-        named(self.pixels(), all, length)
+        let tiles = [
+            ("light", Some(&mut self.sums)),
+            ("squares", self.squares.as_mut()),
+            ("scrambles", value),
+            ("scramble_squares", squares),
+            ("scramble_open", open),
+            ("scramble_content", content),
+            ("mixed_squares", mixed),
+            ("layer_squares", layers),
+            ("blur", self.blur.as_mut().map(|b| &mut b.sums)),
+        ];
+        let tiles = tiles.into_iter().filter_map(|(name, tiles)| Some(TableMut { name, sums: SumsMut::Tiles(tiles?) }));
+        tiles.chain(self.turns.as_mut().map(|turns| TableMut { name: TURNS, sums: SumsMut::Turns(turns) })).collect()
     }
 
     /// Passes for, less passes against, of its [turns](crate::film::turns); zeros if it has none.
@@ -93,33 +152,26 @@ impl Film {
             == (other.width, other.height, &other.planes, other.components, other.sampling);
         let theirs = other.tables();
         let mut own = self.tables_mut();
-        if !alike || !own.iter().map(|t| (t.name, t.stride)).eq(theirs.iter().map(|t| (t.name, t.stride))) {
+        if !alike || !own.iter().map(|t| (t.name, t.stride())).eq(theirs.iter().map(|t| (t.name, t.stride()))) {
             return false;
         }
         for (own, theirs) in own.iter_mut().zip(&theirs) {
-            own.sums.iter_mut().zip(theirs.sums).for_each(|(sum, more)| sum.merge(*more));
+            match (&mut own.sums, &theirs.sums) {
+                (SumsMut::Tiles(own), Sums::Tiles(more)) => own.merge(more),
+                (SumsMut::Turns(own), Sums::Turns(more)) => own.merge(more),
+                // Tables of one name are of one kind.
+                (SumsMut::Tiles(_), Sums::Turns(_)) | (SumsMut::Turns(_), Sums::Tiles(_)) => return false,
+            }
         }
         self.passes += other.passes;
-        if let (Some(own), Some(theirs)) = (&mut self.turns, &other.turns) {
-            own.surplus.iter_mut().zip(theirs.surplus).for_each(|(own, more)| *own = own.saturating_add(more));
-        }
         self.settle();
         true
     }
 
     /// The first sum that is NaN or infinite: the name of its table and its pixel.
     pub fn first_invalid(&self) -> Option<(&'static str, usize)> {
-        self.tables().into_iter().find_map(|table| {
-            let at = table.sums.iter().position(|sum| !sum.is_finite())?;
-            Some((table.name, at / table.stride.max(1)))
-        })
+        self.tables().into_iter().find_map(|table| Some((table.name, table.first_invalid()?)))
     }
-}
-
-fn named<S>(pixels: usize, all: [S; COUNT], length: impl Fn(&S) -> usize) -> Vec<Table<S>> {
-    let strides = |sums: &S| length(sums).checked_div(pixels).unwrap_or(0);
-    let tables = NAMES.into_iter().zip(all).map(|(name, sums)| Table { name, stride: strides(&sums), sums });
-    tables.filter(|table| table.stride > 0).collect()
 }
 
 #[cfg(test)]

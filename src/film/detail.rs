@@ -4,9 +4,9 @@
 
 use super::accumulate::{Light, PlaneKey, Together};
 use super::layer::Layer;
+use super::tiles::{Tiles, TilesRow};
 use crate::base::ids::GroupId;
 use crate::base::lpe;
-use crate::base::twofold::Sum;
 
 /// Whose standard errors a run keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -28,13 +28,18 @@ pub struct Mixed {
 }
 
 /// Sums of the entries of [`Mixed`] in their order.
-pub(super) type MixedSum = [Sum; 3];
+const MIXED: usize = 3;
 
-fn add([open2, content2, open_content]: &mut MixedSum, light: Light) {
+fn add(row: &mut TilesRow, (x, share): (usize, usize), light: Light) {
     let (open, content) = (light.open(), light.content());
-    open2.add(open * open);
-    content2.add(content * content);
-    open_content.add(open * content);
+    if open == 0.0 && content == 0.0 {
+        return;
+    }
+    if let [open2, content2, open_content] = row.grown(x, share, MIXED) {
+        open2.add(open * open);
+        content2.add(content * content);
+        open_content.add(open * content);
+    }
 }
 
 /// The further sums of a film.
@@ -49,17 +54,17 @@ pub struct Detail {
     /// Plane → indices in `squared`.
     squares_of: Vec<Vec<usize>>,
     /// `[pixel][share]`
-    pub(super) mixed: Vec<MixedSum>,
+    pub(super) mixed: Tiles,
     /// `[pixel][squared]`: squares of the `value` of planes together.
-    pub(super) squares: Vec<Sum>,
+    pub(super) squares: Tiles,
 }
 
 /// One row of it.
 pub struct DetailRow<'f> {
     of_plane: &'f [usize],
     squares_of: &'f [Vec<usize>],
-    mixed: &'f mut [MixedSum],
-    squares: &'f mut [Sum],
+    mixed: TilesRow<'f>,
+    squares: TilesRow<'f>,
     /// The light of each share in the pass under way.
     light: Vec<Light>,
     /// Luminance of what squares are kept of, in the pass under way.
@@ -67,7 +72,7 @@ pub struct DetailRow<'f> {
 }
 
 impl Detail {
-    pub fn new(pixels: usize, planes: &[PlaneKey]) -> Self {
+    pub fn new(size: [usize; 2], planes: &[PlaneKey]) -> Self {
         let mut layers: Vec<Layer> = planes.iter().map(|key| key.layer).collect();
         layers.sort_unstable();
         layers.dedup();
@@ -89,39 +94,37 @@ impl Detail {
         Detail {
             of_plane: planes.iter().filter_map(share).collect(),
             squares_of: planes.iter().map(sums).collect(),
-            mixed: vec![MixedSum::default(); pixels * shares.len()],
-            squares: vec![Sum::ZERO; pixels * squared.len()],
+            mixed: Tiles::new(size, shares.len(), MIXED),
+            squares: Tiles::new(size, squared.len(), 1),
             shares,
             squared,
         }
     }
 
-    /// The rows of a film that is `width` pixels wide.
-    pub fn rows(&mut self, width: usize) -> impl Iterator<Item = DetailRow<'_>> {
+    /// The rows, top to bottom.
+    pub fn rows(&mut self) -> impl Iterator<Item = DetailRow<'_>> {
         let (of_plane, squares_of) = (self.of_plane.as_slice(), self.squares_of.as_slice());
         let (shares, squared) = (self.shares.len(), self.squared.len());
-        self.mixed.chunks_mut((width * shares).max(1)).zip(self.squares.chunks_mut((width * squared).max(1))).map(
-            move |(mixed, squares)| DetailRow {
-                of_plane,
-                squares_of,
-                mixed,
-                squares,
-                light: vec![Light::default(); shares],
-                pass: vec![0.0; squared],
-            },
-        )
+        self.mixed.rows().zip(self.squares.rows()).map(move |(mixed, squares)| DetailRow {
+            of_plane,
+            squares_of,
+            mixed,
+            squares,
+            light: vec![Light::default(); shares],
+            pass: vec![0.0; squared],
+        })
     }
 
     /// Of a light group's share of a layer, if the film has it.
     pub fn mixed(&self, pixel: usize, share: (Layer, GroupId)) -> Option<Mixed> {
         let index = self.shares.iter().position(|own| *own == share)?;
-        let [open2, content2, open_content] = self.mixed[pixel * self.shares.len() + index].map(Sum::value);
+        let [open2, content2, open_content] = [0, 1, 2].map(|at| self.mixed.sum(pixel, index * MIXED + at).value());
         Some(Mixed { open2, content2, open_content })
     }
     /// Sum of the squares of planes together; none if it is not kept, since one plane alone is meant.
     pub fn square(&self, pixel: usize, together: Together) -> Option<f64> {
         let index = self.squared.iter().position(|own| *own == together)?;
-        Some(self.squares[pixel * self.squared.len() + index].value())
+        Some(self.squares.sum(pixel, index).value())
     }
 }
 
@@ -134,12 +137,13 @@ impl DetailRow<'_> {
 
     /// After the last plane of the pass of pixel `x`.
     pub fn close(&mut self, x: usize) {
-        let (shares, squared) = (self.light.len(), self.pass.len());
         for (share, light) in self.light.iter_mut().enumerate() {
-            add(&mut self.mixed[x * shares + share], std::mem::take(light));
+            add(&mut self.mixed, (x, share), std::mem::take(light));
         }
         for (index, value) in self.pass.iter_mut().enumerate() {
-            self.squares[x * squared + index].add(*value * *value);
+            if *value != 0.0 {
+                self.squares.grown(x, index, 1)[0].add(*value * *value);
+            }
             *value = 0.0;
         }
     }

@@ -11,9 +11,7 @@ use super::sharpness::Applied;
 use crate::base::colour::ColourSpace;
 use crate::base::ids::GroupId;
 use maker::{Channels, Maker};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
 
 /// What the frame's maker knows of a light group.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -44,35 +42,92 @@ mod contrast {
 /// The light of a pixel in the three channels.
 type Coloured = [Light; 3];
 
-/// The light of all pixels: of each in the three channels one after the other, or once if it is the same in all of them.
-#[derive(Clone)]
-struct Plane {
-    light: Vec<Light>,
+/// The light of the planes of one key, pixel by pixel.
+enum Plane<'f> {
+    /// As films hold it, in the order in which they are added up.
+    Films(Vec<Share<'f>>),
+    /// As it was made of that.
+    Stored(Vec<Coloured>),
+}
+
+/// A plane of a film.
+struct Share<'f> {
+    film: &'f Film,
+    plane: usize,
+    tint: [f64; 3],
+    space: ColourSpace,
+    /// Its light is the same in all channels.
     grey: bool,
 }
 
-impl Plane {
-    fn black(pixels: usize, grey: bool) -> Self {
-        Plane { light: vec![Light::default(); if grey { pixels } else { 3 * pixels }], grey }
-    }
-
-    /// Each channel is there by itself.
-    fn colour(&mut self) {
-        if self.grey {
-            self.light = self.light.iter().flat_map(|light| [*light; 3]).collect();
-            self.grey = false;
+impl Plane<'_> {
+    fn is_grey(&self) -> bool {
+        match self {
+            Plane::Films(shares) => shares.iter().all(|share| share.grey),
+            Plane::Stored(_) => false,
         }
     }
 
-    fn add(&mut self, other: &Plane) {
-        if self.grey != other.grey {
-            self.colour();
-            let mut other = other.clone();
-            other.colour();
-            return self.add(&other);
+    /// The light of a pixel where it is grey.
+    fn grey(&self, pixel: usize) -> Light {
+        let mut sum = Light::default();
+        if let Plane::Films(shares) = self {
+            shares.iter().for_each(|share| sum.add(share.film.mean(pixel, share.plane)));
         }
-        self.light.iter_mut().zip(&other.light).for_each(|(sum, light)| sum.add(*light));
+        sum
     }
+
+    fn coloured(&self, pixel: usize) -> Coloured {
+        let mut sum = Coloured::default();
+        match self {
+            Plane::Films(shares) => {
+                for share in shares {
+                    let light = in_space(share.space, coloured(share.film, pixel, share.plane, share.tint));
+                    sum.iter_mut().zip(light).for_each(|(sum, light)| sum.add(light));
+                }
+            }
+            Plane::Stored(all) => sum = all[pixel],
+        }
+        sum
+    }
+}
+
+/// Planes whose light is added up: it is worked out whenever it is asked for, since it takes six times the memory of what
+/// is stored of it.
+struct Sum<'p, 'f> {
+    planes: Vec<&'p Plane<'f>>,
+    pixels: usize,
+    grey: bool,
+}
+
+impl Sum<'_, '_> {
+    /// The light of a pixel, the same in all channels; for those that are [grey](Sum::grey).
+    fn grey_light(&self, pixel: usize) -> Light {
+        sum(self.planes.iter().map(|plane| plane.grey(pixel)), Light::add)
+    }
+
+    fn coloured_light(&self, pixel: usize) -> Coloured {
+        let add = |sum: &mut Coloured, more: Coloured| sum.iter_mut().zip(more).for_each(|(sum, light)| sum.add(light));
+        sum(self.planes.iter().map(|plane| plane.coloured(pixel)), add)
+    }
+
+    /// The light of all pixels and channels, once if it is the same in all of them.
+    fn all(&self) -> impl Iterator<Item = Light> + '_ {
+        (0..self.pixels).flat_map(|pixel| {
+            let lights = if self.grey { [self.grey_light(pixel); 3] } else { self.coloured_light(pixel) };
+            lights.into_iter().take(if self.grey { 1 } else { 3 })
+        })
+    }
+
+    fn is_lit(&self) -> bool {
+        self.all().any(|light| light.value != 0.0 || light.open() != 0.0)
+    }
+}
+
+fn sum<L: Default>(mut lights: impl Iterator<Item = L>, add: impl Fn(&mut L, L)) -> L {
+    let mut sum = lights.next().unwrap_or_default();
+    lights.for_each(|light| add(&mut sum, light));
+    sum
 }
 
 /// What was decided about splitting a group, for the header.
@@ -121,48 +176,39 @@ pub fn finish_through(
     let pixels = width * height;
     let mut planes: BTreeMap<PlaneKey, Plane> = BTreeMap::new();
     for film in films {
-        for (index, key) in film.planes.iter().enumerate() {
+        for (plane, key) in film.planes.iter().enumerate() {
             let tint = groups[key.group.index()].tint;
-            let grey = tint == [1.0; 3]
-                && matches!(film.components, Components::Luminance)
-                && diffraction.is_none()
-                && space == ColourSpace::Rec709;
-            let plane = planes.entry(*key).or_insert_with(|| Plane::black(pixels, grey));
-            if grey && plane.grey {
-                plane.light.iter_mut().enumerate().for_each(|(pixel, sum)| sum.add(film.mean(pixel, index)));
-                continue;
-            }
-            plane.colour();
-            for (pixel, sums) in plane.light.chunks_exact_mut(3).enumerate() {
-                let light = coloured(film, pixel, index, tint);
-                let light = if diffraction.is_some() { light } else { in_space(space, light) };
-                sums.iter_mut().zip(light).for_each(|(sum, light)| sum.add(light));
+            // Red, green and blue are spread by different widths, so other spaces come after that.
+            let space = if diffraction.is_some() { ColourSpace::Rec709 } else { space };
+            let grey =
+                tint == [1.0; 3] && matches!(film.components, Components::Luminance) && space == ColourSpace::Rec709;
+            let share = Share { film, plane, tint, space, grey };
+            match planes.entry(*key).or_insert_with(|| Plane::Films(Vec::new())) {
+                Plane::Films(shares) => shares.push(share),
+                Plane::Stored(_) => {}
             }
         }
     }
-    // Red, green and blue are spread by different widths, so other spaces come after that.
     let applied = diffraction.map(|diffraction| {
-        let split = |plane: Plane| plane.light.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();
+        let all = |plane: &Plane| (0..pixels).map(|pixel| plane.coloured(pixel)).collect();
         let mut colours: BTreeMap<PlaneKey, Vec<Coloured>> =
-            std::mem::take(&mut planes).into_iter().map(|(key, plane)| (key, split(plane))).collect();
+            planes.iter().map(|(key, plane)| (*key, all(plane))).collect();
         let applied = diffraction.spread([width, height], &mut colours);
         if space != ColourSpace::Rec709 {
             colours.values_mut().flatten().for_each(|light| *light = in_space(space, *light));
         }
-        let joined = |plane: Vec<Coloured>| Plane { light: plane.into_flattened(), grey: false };
-        planes = colours.into_iter().map(|(key, plane)| (key, joined(plane))).collect();
+        planes = colours.into_iter().map(|(key, plane)| (key, Plane::Stored(plane))).collect();
         applied
     });
     let mut out = Maker { frame: Frame { width, height, ..Frame::default() }, splits: Vec::new() };
     let mut hybrid = Channels::black(pixels);
     for layer in Layer::SUM_ORDER {
-        let own = by_group(&planes, |key| key.layer == layer);
-        let filled = own.values().any(|plane| lit(plane));
-        if !filled && !always.contains(&layer) {
+        let own = by_group(&planes, pixels, |key| key.layer == layer);
+        if own.is_empty() && !always.contains(&layer) {
             continue;
         }
         let mut sum = Channels::black(pixels);
-        for (group, plane) in own.into_iter().filter(|(_, plane)| lit(plane)) {
+        for (group, plane) in own {
             let info = &groups[group.index()];
             let stored = out.group(layer.name(), info, &plane);
             out.group_errors(films, (layer, group), info);
@@ -174,7 +220,7 @@ pub fn finish_through(
     }
     for (aov, bit) in aovs.iter().filter_map(|aov| Some((aov, aov.part?))) {
         let taken = Together::Taken(bit);
-        for (group, plane) in by_group(&planes, |key| taken.has(key)).into_iter().filter(|(_, plane)| lit(plane)) {
+        for (group, plane) in by_group(&planes, pixels, |key| taken.has(key)) {
             out.group(&aov.name, &groups[group.index()], &plane);
         }
         out.errors(films, taken, &aov.name);
@@ -186,21 +232,19 @@ pub fn finish_through(
     Finished { frame: out.frame, splits: out.splits, invalid, applied }
 }
 
-fn lit(plane: &Plane) -> bool {
-    plane.light.iter().any(|l| l.value != 0.0 || l.open() != 0.0)
-}
-
-/// The light of each group in the planes of these keys.
-fn by_group(planes: &BTreeMap<PlaneKey, Plane>, has: impl Fn(&PlaneKey) -> bool) -> BTreeMap<GroupId, Cow<'_, Plane>> {
-    let mut groups: BTreeMap<GroupId, Cow<'_, Plane>> = BTreeMap::new();
+/// The light of each group that has any in the planes of these keys.
+fn by_group<'p, 'f>(
+    planes: &'p BTreeMap<PlaneKey, Plane<'f>>,
+    pixels: usize,
+    has: impl Fn(&PlaneKey) -> bool,
+) -> BTreeMap<GroupId, Sum<'p, 'f>> {
+    let mut groups: BTreeMap<GroupId, Sum<'p, 'f>> = BTreeMap::new();
     for (key, plane) in planes.iter().filter(|(key, _)| has(key)) {
-        match groups.entry(key.group) {
-            Entry::Vacant(first) => {
-                first.insert(Cow::Borrowed(plane));
-            }
-            Entry::Occupied(mut sum) => sum.get_mut().to_mut().add(plane),
-        }
+        let sum = groups.entry(key.group).or_insert_with(|| Sum { planes: Vec::new(), pixels, grey: true });
+        sum.grey &= plane.is_grey();
+        sum.planes.push(plane);
     }
+    groups.retain(|_, sum| sum.is_lit());
     groups
 }
 

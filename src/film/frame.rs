@@ -1,6 +1,8 @@
 //! A finished picture: named channels of one size, and what is to be known about them.
 
 use std::collections::{BTreeMap, HashSet};
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
 
 /// One value of the metadata that travels with a frame.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -11,12 +13,69 @@ pub enum Meta {
     Integer(i64),
 }
 
+/// The values of a channel. Copies share memory until one of them is changed: most layers are grey, and the same value three
+/// times.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Samples(Arc<Vec<f32>>);
+
+impl Samples {
+    /// Whether they are one and the same memory.
+    pub fn is_shared_with(&self, other: &Samples) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Deref for Samples {
+    type Target = Vec<f32>;
+    fn deref(&self) -> &Vec<f32> {
+        &self.0
+    }
+}
+
+impl DerefMut for Samples {
+    fn deref_mut(&mut self) -> &mut Vec<f32> {
+        Arc::make_mut(&mut self.0)
+    }
+}
+
+impl From<Vec<f32>> for Samples {
+    fn from(values: Vec<f32>) -> Self {
+        Samples(Arc::new(values))
+    }
+}
+
+impl FromIterator<f32> for Samples {
+    fn from_iter<I: IntoIterator<Item = f32>>(values: I) -> Self {
+        Vec::from_iter(values).into()
+    }
+}
+
+impl<'s> IntoIterator for &'s Samples {
+    type Item = &'s f32;
+    type IntoIter = std::slice::Iter<'s, f32>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.iter()
+    }
+}
+
+impl<S: AsRef<[f32]> + ?Sized> PartialEq<S> for Samples {
+    fn eq(&self, other: &S) -> bool {
+        self.0.as_slice() == other.as_ref()
+    }
+}
+
+impl PartialEq<Samples> for Vec<f32> {
+    fn eq(&self, other: &Samples) -> bool {
+        *self == *other.0
+    }
+}
+
 /// One channel, row by row from the top left, `width × height` values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// `R`, `direct.R`, `Z.Z`: the layer, a dot, the component; no dot for the default layer.
     pub name: String,
-    pub data: Vec<f32>,
+    pub data: Samples,
 }
 
 impl Channel {
@@ -54,7 +113,7 @@ impl Frame {
 
     /// Adds a channel; `data` is row by row from the top left. The shape is checked when the frame is written.
     pub fn push(&mut self, name: impl Into<String>, data: Vec<f32>) {
-        self.channels.push(Channel { name: name.into(), data });
+        self.channels.push(Channel { name: name.into(), data: data.into() });
     }
 
     /// The layers in the order in which they first appear; the default layer is the empty string.
@@ -130,6 +189,17 @@ mod tests {
         assert_eq!(frame.rgb("absent"), None);
         assert_eq!(frame.get("direct.G").map(|c| (c.layer(), c.component())), Some(("direct", "G")));
         assert_eq!(split_name("a.b.C"), ("a.b", "C"));
+    }
+
+    /// Changing one copy leaves the others as they were.
+    #[test]
+    fn copies_share_memory_until_one_is_changed() {
+        let mut red = Samples::from(vec![1.0, 2.0]);
+        let green = red.clone();
+        assert!(red.is_shared_with(&green));
+        red[1] = 3.0;
+        assert!(!red.is_shared_with(&green));
+        assert!(red == [1.0, 3.0] && green == [1.0, 2.0]);
     }
 
     #[test]

@@ -15,6 +15,7 @@ pub mod plan;
 pub mod pupil;
 pub mod scrambles;
 pub mod sharpness;
+mod tiles; // sums only where there is light
 pub mod train;
 pub mod turns;
 pub mod variance;

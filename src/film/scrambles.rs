@@ -6,6 +6,7 @@
 //! whole plane.
 
 use super::accumulate::{Light, MixError};
+use super::tiles::Tiles;
 use crate::base::twofold::Sum;
 
 /// Independent scrambles that the paths of every pass are dealt to in turn.
@@ -23,69 +24,76 @@ pub struct Scrambles {
     /// Share of the paths that each scramble has.
     shares: PerScramble,
     planes: usize,
+    size: [usize; 2],
     /// `[pixel][plane]`: luminance.
-    pub(super) value: Vec<[Sum; SCRAMBLES]>,
+    pub(super) value: Tiles,
     /// `[pixel][plane]`: squares of each path's luminance.
-    pub(super) squares: Vec<Sum>,
+    pub(super) squares: Tiles,
     /// Per plane: variance by scrambles over squares; empty until it is [settled](Scrambles::settle).
     ratios: Vec<f64>,
-    /// The same with the slide open, and at C = ∞; empty if not asked for.
-    pub(super) open: Vec<[Sum; SCRAMBLES]>,
-    pub(super) content: Vec<[Sum; SCRAMBLES]>,
+    /// The same with the slide open, and at C = ∞; none if not asked for.
+    pub(super) mixed: Option<[Tiles; 2]>,
 }
 
-fn values(sums: &[Sum; SCRAMBLES]) -> PerScramble {
-    sums.map(Sum::value)
+/// Of the sums that are stored: all or none.
+fn values(sums: &[Sum]) -> PerScramble {
+    std::array::from_fn(|scramble| sums.get(scramble).map_or(0.0, |sum| sum.value()))
+}
+
+fn add(tiles: &mut Tiles, (pixel, plane): (usize, usize), scramble: usize, value: f64) {
+    if value != 0.0 {
+        tiles.grown(pixel, plane, SCRAMBLES)[scramble].add(value);
+    }
 }
 
 impl Scrambles {
     /// Of `paths` paths in a pass, path i belongs to scramble i mod [`SCRAMBLES`].
-    pub fn new(pixels: usize, planes: usize, paths: u64) -> Self {
+    pub fn new(size: [usize; 2], planes: usize, paths: u64) -> Self {
         let count = SCRAMBLES as u64;
         let own = |s: usize| (paths / count + u64::from((s as u64) < paths % count)) as f64;
         let shares = std::array::from_fn(|s| own(s) / paths.max(1) as f64);
-        let entries = pixels * planes;
         Scrambles {
             shares,
             planes,
-            value: vec![[Sum::ZERO; SCRAMBLES]; entries],
-            squares: vec![Sum::ZERO; entries],
+            size,
+            value: Tiles::new(size, planes, SCRAMBLES),
+            squares: Tiles::new(size, planes, 1),
             ratios: Vec::new(),
-            open: Vec::new(),
-            content: Vec::new(),
+            mixed: None,
         }
     }
 
     /// Keeps what [`Scrambles::mix_error`] needs.
     pub fn keep_mixed(&mut self) {
-        self.open = vec![[Sum::ZERO; SCRAMBLES]; self.value.len()];
-        self.content = self.open.clone();
+        self.mixed = Some([0, 1].map(|_| Tiles::new(self.size, self.planes, SCRAMBLES)));
     }
 
-    /// Adds the light of one path.
-    pub fn add(&mut self, entry: usize, scramble: usize, light: Light) {
-        self.value[entry][scramble].add(light.value);
-        self.squares[entry].add(light.value * light.value);
-        if let (Some(open), Some(content)) = (self.open.get_mut(entry), self.content.get_mut(entry)) {
-            open[scramble].add(light.open());
-            content[scramble].add(light.content());
+    /// Adds the light of one path to a pixel and plane.
+    pub fn add(&mut self, at: (usize, usize), scramble: usize, light: Light) {
+        add(&mut self.value, at, scramble, light.value);
+        if light.value != 0.0 {
+            self.squares.grown(at.0, at.1, 1)[0].add(light.value * light.value);
+        }
+        if let Some([open, content]) = &mut self.mixed {
+            add(open, at, scramble, light.open());
+            add(content, at, scramble, light.content());
         }
     }
 
     /// To be called when paths have been added, before variances are asked for.
     pub fn settle(&mut self) {
         let of_plane = |plane: usize| {
-            let entries = || (plane..self.value.len()).step_by(self.planes);
+            let entries = || (0..self.size[0] * self.size[1]).map(|pixel| (pixel, plane));
             let variance: f64 = entries().map(|entry| self.own_variance(entry)).sum();
-            let squares: f64 = entries().map(|entry| self.squares[entry].value()).sum();
+            let squares: f64 = entries().map(|(pixel, plane)| self.squares.sum(pixel, plane).value()).sum();
             if squares > 0.0 { variance / squares } else { 0.0 }
         };
         self.ratios = (0..self.planes).map(of_plane).collect();
     }
 
     /// Variance of the sum over all paths of one pixel in one plane, by its scrambles alone.
-    fn own_variance(&self, entry: usize) -> f64 {
-        let own = values(&self.value[entry]);
+    fn own_variance(&self, (pixel, plane): (usize, usize)) -> f64 {
+        let own = values(self.value.stored(pixel, plane));
         self.covariance(&own, &own)
     }
 
@@ -94,9 +102,8 @@ impl Scrambles {
         let mut sums = [0.0; SCRAMBLES];
         let mut of_plane = 0.0;
         for plane in planes {
-            let entry = pixel * self.planes + plane;
-            sums.iter_mut().zip(&self.value[entry]).for_each(|(sum, own)| *sum += own.value());
-            of_plane += self.ratios.get(plane).map_or(0.0, |ratio| ratio * self.squares[entry].value());
+            sums.iter_mut().zip(self.value.stored(pixel, plane)).for_each(|(sum, own)| *sum += own.value());
+            of_plane += self.ratios.get(plane).map_or(0.0, |ratio| ratio * self.squares.sum(pixel, plane).value());
         }
         let own = self.covariance(&sums, &sums).max(0.0);
         if self.ratios.is_empty() { own } else { OWN * own + (1.0 - OWN) * of_plane }
@@ -107,8 +114,7 @@ impl Scrambles {
     pub fn mix_error(&self, pixel: usize, planes: impl Iterator<Item = usize>) -> Option<MixError> {
         let (mut open, mut content) = ([0.0; SCRAMBLES], [0.0; SCRAMBLES]);
         for plane in planes {
-            let entry = pixel * self.planes + plane;
-            let (own_open, own_content) = (values(self.open.get(entry)?), values(self.content.get(entry)?));
+            let [own_open, own_content] = self.mixed.as_ref()?.each_ref().map(|own| values(own.stored(pixel, plane)));
             open.iter_mut().zip(own_open).for_each(|(sum, own)| *sum += own);
             content.iter_mut().zip(own_content).for_each(|(sum, own)| *sum += own);
         }

@@ -19,17 +19,51 @@ const FEWEST: u64 = 8;
 const FREEDOM: f64 = 64.0;
 const SIGMAS: f64 = 2.0;
 
+/// So many pixels tell enough. Of a larger picture as many are asked, spread over all of it.
+const MOST: usize = 1 << 16;
+
+/// Which pixels are asked: in every row one of `step` in line, each row a golden section of `step` further along than the
+/// one above, so that no pattern of the picture falls in with them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Asked {
+    width: usize,
+    step: usize,
+}
+
+impl Asked {
+    fn per_row(self) -> usize {
+        self.width.div_ceil(self.step).max(1)
+    }
+
+    /// Where the first of a row is.
+    fn first(self, y: usize) -> usize {
+        const GOLDEN: u64 = 0x9e37_79b9;
+        let turned = (y as u64).wrapping_mul(GOLDEN) & 0xffff_ffff;
+        (turned.wrapping_mul(self.step as u64) >> 32) as usize
+    }
+
+    /// The pixel whose sums are kept at this place; a row's last place may have none.
+    fn pixel(self, slot: usize) -> Option<usize> {
+        let (y, nth) = (slot / self.per_row(), slot % self.per_row());
+        let x = self.first(y) + nth * self.step;
+        (x < self.width).then_some(y * self.width + x)
+    }
+}
+
 /// The sums of a film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Turns {
-    /// `[pixel][run]`: luminance of all planes.
-    pub(super) sums: Vec<[Sum; COUNT]>,
+    asked: Asked,
+    /// `[asked pixel][run]`: luminance of all planes.
+    sums: Vec<[Sum; COUNT]>,
     /// Passes for, less passes against.
     pub(super) surplus: [i64; COUNT],
 }
 
 /// One row of them.
 pub struct TurnsRow<'f> {
+    first: usize,
+    step: usize,
     sums: &'f mut [[Sum; COUNT]],
 }
 
@@ -48,13 +82,55 @@ fn surplus_before(pass: u64, run: usize) -> i64 {
 }
 
 impl Turns {
-    pub fn new(pixels: usize) -> Self {
-        Turns { sums: vec![[Sum::ZERO; COUNT]; pixels], surplus: [0; COUNT] }
+    pub fn new([width, height]: [usize; 2]) -> Self {
+        let asked = Asked { width, step: (width * height).div_ceil(MOST).max(1) };
+        Turns { asked, sums: vec![[Sum::ZERO; COUNT]; asked.per_row() * height], surplus: [0; COUNT] }
     }
 
-    /// The rows of a film that is `width` pixels wide.
-    pub fn rows(&mut self, width: usize) -> impl Iterator<Item = TurnsRow<'_>> {
-        self.sums.chunks_mut(width.max(1)).map(|sums| TurnsRow { sums })
+    /// The rows, top to bottom.
+    pub fn rows(&mut self) -> impl Iterator<Item = TurnsRow<'_>> {
+        let asked = self.asked;
+        let rows = self.sums.chunks_mut(asked.per_row()).enumerate();
+        rows.map(move |(y, sums)| TurnsRow { first: asked.first(y), step: asked.step, sums })
+    }
+
+    /// Memory, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.sums.as_slice())
+    }
+
+    /// Where the sums of a pixel are kept, if it is asked.
+    fn slot(&self, pixel: usize) -> Option<usize> {
+        let (x, y) = (pixel % self.asked.width, pixel / self.asked.width);
+        let along = x.checked_sub(self.asked.first(y)).filter(|along| along % self.asked.step == 0)?;
+        Some(y * self.asked.per_row() + along / self.asked.step)
+    }
+
+    /// Sum of a run of a pixel: zero if it is not asked.
+    pub(super) fn sum(&self, pixel: usize, run: usize) -> Sum {
+        self.slot(pixel).map_or(Sum::ZERO, |slot| self.sums[slot][run])
+    }
+
+    /// Sets the sums of a pixel. False if it is not asked, and they are not zero.
+    pub(super) fn put(&mut self, pixel: usize, sums: &[Sum]) -> bool {
+        match self.slot(pixel) {
+            Some(slot) => self.sums[slot].iter_mut().zip(sums).for_each(|(own, sum)| *own = *sum),
+            None => return sums.iter().all(|sum| *sum == Sum::ZERO),
+        }
+        true
+    }
+
+    /// Adds the sums of other passes of the same picture.
+    pub(super) fn merge(&mut self, other: &Turns) {
+        let own = self.sums.as_flattened_mut().iter_mut();
+        own.zip(other.sums.as_flattened()).for_each(|(sum, more)| sum.merge(*more));
+        self.surplus.iter_mut().zip(other.surplus).for_each(|(own, more)| *own = own.saturating_add(more));
+    }
+
+    /// The first pixel with a sum that is NaN or infinite.
+    pub(super) fn first_invalid(&self) -> Option<usize> {
+        let invalid = |sums: &[Sum; COUNT]| sums.iter().any(|sum| !sum.is_finite());
+        self.asked.pixel(self.sums.iter().position(invalid)?)
     }
 
     /// To be called when these passes have been added.
@@ -82,7 +158,8 @@ impl Turns {
             return 1.0;
         }
         let (mut by_passes, mut by_runs, mut squares) = (0.0, 0.0, 0.0);
-        for (pixel, sums) in self.sums.iter().enumerate() {
+        for (slot, sums) in self.sums.iter().enumerate() {
+            let Some(pixel) = self.asked.pixel(slot) else { continue };
             let (mean, variance) = of_pixel(pixel);
             let swing = (sums[run].value() - surplus * mean) / passes;
             let of_runs = swing * swing / swinging;
@@ -100,9 +177,10 @@ impl Turns {
 }
 
 impl TurnsRow<'_> {
-    /// Adds the luminance of pixel `x` in a pass.
+    /// Adds the luminance of pixel `x` in a pass, if it is asked.
     pub fn add(&mut self, x: usize, pass: u64, luminance: f64) {
-        for (run, sum) in self.sums[x].iter_mut().enumerate() {
+        let Some(along) = x.checked_sub(self.first).filter(|along| along % self.step == 0) else { return };
+        for (run, sum) in self.sums[along / self.step].iter_mut().enumerate() {
             sum.add(if is_against(pass, run) { -luminance } else { luminance });
         }
     }
@@ -130,10 +208,10 @@ mod tests {
     fn runs_tell_what_evenness_saves() {
         const PIXELS: usize = 2000;
         let of = |passes: std::ops::Range<u64>, value: &dyn Fn(usize, u64) -> f64| {
-            let mut turns = Turns::new(PIXELS);
+            let mut turns = Turns::new([PIXELS, 1]);
             let mut sums = vec![[0.0; 2]; PIXELS];
             for pass in passes.clone() {
-                let mut row = turns.rows(PIXELS).next().unwrap();
+                let mut row = turns.rows().next().unwrap();
                 for (x, [sum, square]) in sums.iter_mut().enumerate() {
                     let value = value(x, pass);
                     row.add(x, pass, value);
@@ -171,13 +249,36 @@ mod tests {
         assert_eq!(saved, 1.0);
     }
 
+    /// Of a large picture some 2¹⁶ pixels, alike over rows and columns, each with a place of its own.
+    #[test]
+    fn some_of_many_pixels_are_asked() {
+        for size in [[640, 480], [3840, 2160], [70_000, 3], [3, 70_000], [1, 1]] {
+            let pixels: usize = size.iter().product();
+            let turns = Turns::new(size);
+            let slots: Vec<usize> = (0..pixels).filter_map(|pixel| turns.slot(pixel)).collect();
+            assert!(slots.windows(2).all(|pair| pair[0] < pair[1]) && slots.len() <= MOST * 5 / 4);
+            assert!(slots.len() >= (MOST / 2).min(pixels), "{size:?} {}", slots.len());
+            let asked = (0..turns.sums.len()).filter_map(|slot| turns.asked.pixel(slot));
+            assert!(asked.eq((0..pixels).filter(|pixel| turns.slot(*pixel).is_some())));
+            let [width, height] = size;
+            if width.min(height) > 3 {
+                let mut parts = [0usize; 16];
+                for pixel in (0..pixels).filter(|pixel| turns.slot(*pixel).is_some()) {
+                    parts[pixel % width * 4 / width + pixel / width * 4 / height * 4] += 1;
+                }
+                let mean = slots.len() as f64 / 16.0;
+                assert!(parts.iter().all(|part| (*part as f64 - mean).abs() < 0.03 * mean), "{parts:?}");
+            }
+        }
+    }
+
     /// Where few pixels have what is left, nothing is told.
     #[test]
     fn a_few_pixels_tell_nothing() {
-        let mut turns = Turns::new(1000);
+        let mut turns = Turns::new([1000, 1]);
         let mut rng = Rng::new(3, Stream::Check, 0, 0);
         for pass in 0..256 {
-            let mut row = turns.rows(1000).next().unwrap();
+            let mut row = turns.rows().next().unwrap();
             (0..10).for_each(|x| row.add(x, pass, rng.uniform()));
         }
         turns.close(0, 256);

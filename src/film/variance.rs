@@ -1,6 +1,6 @@
 //! `<layer>_variance`: what denoisers ask for, the square of the standard errors that are stored.
 
-use super::frame::{Channel, Frame};
+use super::frame::{Channel, Frame, Samples};
 
 /// The layer that holds the variance of what `error` (`stderr`, `<layer>_stderr`) is the standard error of.
 fn name(error: &str) -> Option<String> {
@@ -13,11 +13,18 @@ fn name(error: &str) -> Option<String> {
 /// Adds the variance of every layer whose standard error is there, (cd/m²)², R = G = B; of `hybrid` from `stderr`.
 pub fn add(frame: &mut Frame) {
     remove(frame);
-    let square = |channel: &Channel| {
-        let name = format!("{}.{}", name(channel.layer())?, channel.component());
-        Some(Channel { name, data: channel.data.iter().map(|sigma| sigma * sigma).collect() })
-    };
-    let squares: Vec<Channel> = frame.channels.iter().filter_map(square).collect();
+    let mut squares: Vec<Channel> = Vec::new();
+    // The channels of an error are mostly one memory, and then so are those of its square.
+    let mut last: Option<(&Samples, Samples)> = None;
+    for channel in &frame.channels {
+        let Some(name) = name(channel.layer()) else { continue };
+        let data = match &last {
+            Some((error, square)) if error.is_shared_with(&channel.data) => square.clone(),
+            Some(_) | None => channel.data.iter().map(|sigma| sigma * sigma).collect(),
+        };
+        last = Some((&channel.data, data.clone()));
+        squares.push(Channel { name: format!("{name}.{}", channel.component()), data });
+    }
     frame.channels.extend(squares);
 }
 

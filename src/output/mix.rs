@@ -212,9 +212,9 @@ pub fn set_layer(frame: &mut Frame, layer: &str, picture: &[Vec<f32>; 3]) {
             continue;
         }
         match component {
-            "R" | "Y" => channel.data.clone_from(&picture[0]),
-            "G" => channel.data.clone_from(&picture[1]),
-            "B" => channel.data.clone_from(&picture[2]),
+            "R" | "Y" => channel.data = picture[0].clone().into(),
+            "G" => channel.data = picture[1].clone().into(),
+            "B" => channel.data = picture[2].clone().into(),
             _ => {}
         }
     }

@@ -8,8 +8,7 @@ use crate::base::fault::{Fault, Result, Where};
 use crate::base::lpe;
 use crate::base::twofold::Sum;
 use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
-use crate::film::columns::Table;
-use crate::film::frame::{Channel, Frame, Meta};
+use crate::film::frame::{Channel, Frame, Meta, Samples};
 use crate::film::{blur, turns};
 use crate::output::exr::{read_exr, write_exr};
 use serde::Serialize;
@@ -20,7 +19,7 @@ use std::path::Path;
 /// The attribute that makes an EXR a shard.
 const KEY: &str = "shard";
 /// What the sums mean; another number when they come to mean something else. Programs before there was one wrote none.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 /// The layer of the sums.
 const SUMS: &str = "sums";
 const BITS: u32 = 24;
@@ -101,10 +100,10 @@ pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture
     frame.meta.insert(KEY.to_owned(), Meta::Text(text));
     for (number, film) in films.iter().enumerate() {
         for table in film.tables() {
-            for column in 0..table.stride {
-                let own = || table.sums.iter().skip(column).step_by(table.stride);
+            for column in 0..table.stride() {
+                let own: Vec<Sum> = (0..film.width * film.height).map(|pixel| table.sum(pixel, column)).collect();
                 for (part, letter) in PARTS.into_iter().enumerate() {
-                    let data: Vec<f32> = own().map(|sum| piece(*sum, part)).collect();
+                    let data: Vec<f32> = own.iter().map(|sum| piece(*sum, part)).collect();
                     if data.iter().any(|value| *value != 0.0) {
                         frame.push(channel(number, table.name, column, letter), data);
                     }
@@ -134,7 +133,7 @@ pub fn read_shard<H: DeserializeOwned>(path: &Path) -> Result<Shard<H>> {
     frame.meta.remove(KEY);
     let (sums, picture) = std::mem::take(&mut frame.channels).into_iter().partition(|c: &Channel| c.layer() == SUMS);
     frame.channels = picture;
-    let mut sums: HashMap<String, Vec<f32>> = sums.into_iter().map(|c| (c.name, c.data)).collect();
+    let mut sums: HashMap<String, Samples> = sums.into_iter().map(|c| (c.name, c.data)).collect();
     let length = std::fs::metadata(path).map_or(0, |data| data.len());
     let pixels = (frame.width * frame.height) as u64;
     let bytes = kinds.iter().try_fold(0u64, |sum, kind| sum.checked_add(kind.bytes(pixels)?));
@@ -161,7 +160,7 @@ fn channel(film: usize, table: &str, column: usize, part: char) -> String {
     format!("{SUMS}.f{film}_{table}_{column}_{part}")
 }
 
-fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, Vec<f32>>) -> Result<Film, String> {
+fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, Samples>) -> Result<Film, String> {
     let film = Film::new(frame.width, frame.height, kind.planes, kind.components, kind.sampling);
     let film = if kind.detail { film.with_detail() } else { film };
     let mut film = if kind.blur { film.with_blur() } else { film };
@@ -170,17 +169,26 @@ fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, V
         return Err(format!("film {number} has a surplus of {:?} of its {} passes", kind.surplus, kind.passes));
     }
     film.set_surplus(kind.surplus);
-    for Table { name, stride, sums: own } in film.tables_mut() {
-        for column in 0..stride {
+    let pixels = film.width * film.height;
+    for mut table in film.tables_mut() {
+        let name = table.name;
+        let mut columns = Vec::new();
+        for column in 0..table.stride() {
             let parts = PARTS.map(|part| sums.remove(&channel(number, name, column, part)));
-            if parts.iter().all(Option::is_none) {
-                continue;
+            if parts.iter().any(Option::is_some) {
+                columns.push((column, parts));
             }
-            for (pixel, sum) in own.iter_mut().skip(column).step_by(stride).enumerate() {
+        }
+        let mut own = vec![Sum::ZERO; table.stride()];
+        for pixel in 0..pixels {
+            for (column, parts) in &columns {
                 let at = |part: usize| parts[part].as_ref().and_then(|data| data.get(pixel)).copied().unwrap_or(0.0);
-                *sum = joined(std::array::from_fn(at)).ok_or_else(|| {
+                own[*column] = joined(std::array::from_fn(at)).ok_or_else(|| {
                     format!("the sums of film {number}, {name} {column}, are damaged at pixel {pixel}")
                 })?;
+            }
+            if !columns.is_empty() && !table.put(pixel, &own) {
+                return Err(format!("film {number} keeps no {name} at pixel {pixel}, but the file has some"));
             }
         }
     }
@@ -285,7 +293,7 @@ mod tests {
             good.meta.insert(KEY.to_owned(), Meta::Text(text.to_owned()));
             assert!(said(&good).contains(why));
         }
-        good.meta.insert(KEY.to_owned(), Meta::Text(r#"{"format":1,"head":1}"#.to_owned()));
+        good.meta.insert(KEY.to_owned(), Meta::Text(format!(r#"{{"format":{FORMAT},"head":1}}"#)));
         assert!(said(&good).contains("is no shard: missing field `films`"));
     }
 }

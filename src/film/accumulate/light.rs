@@ -71,17 +71,40 @@ impl Light {
     }
 }
 
-/// Sums of [`Light`]: of its `value`, then of its `powers`.
-pub(in crate::film) type LightSum = [Sum; Light::DEGREE + 2];
+/// Sums of [`Light`]: of its `value`, then of its `powers`. The tiles that hold them have the first stand for the second:
+/// what crosses no slide is `value` alone.
+pub(in crate::film) const COLUMNS: usize = Light::DEGREE + 2;
 
-pub(super) fn add(sum: &mut LightSum, light: &Light) {
-    let [value, powers @ ..] = sum;
-    value.add(light.value);
-    powers.iter_mut().zip(light.powers).for_each(|(sum, power)| sum.add(power));
+/// How many columns a light needs.
+pub(super) fn depth(light: &Light) -> usize {
+    match light.powers.iter().rposition(|power| *power != 0.0) {
+        None => 2 * usize::from(light.value != 0.0),
+        Some(0) if light.powers[0].to_bits() == light.value.to_bits() => 1,
+        Some(last) => last + 2,
+    }
 }
 
-pub(super) fn value_of([value, powers @ ..]: &LightSum) -> Light {
-    Light { value: value.value(), powers: powers.map(Sum::value) }
+pub(super) fn add(columns: &mut [Sum], light: &Light) {
+    if let [value, powers @ ..] = columns {
+        value.add(light.value);
+        powers.iter_mut().zip(light.powers).for_each(|(sum, power)| sum.add(power));
+    }
+}
+
+pub(super) fn value_of(columns: &[Sum]) -> Light {
+    match columns {
+        [] => Light::default(),
+        [value] => {
+            let mut light = Light { value: value.value(), ..Light::default() };
+            light.powers[0] = light.value;
+            light
+        }
+        [value, powers @ ..] => {
+            let mut light = Light { value: value.value(), ..Light::default() };
+            light.powers.iter_mut().zip(powers).for_each(|(power, sum)| *power = sum.value());
+            light
+        }
+    }
 }
 
 #[cfg(test)]

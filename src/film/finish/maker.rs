@@ -1,34 +1,50 @@
 //! Layers of a frame as they are stored: of light, of a group with its contrast split, of standard errors.
 
-use super::{GroupInfo, Plane, Split};
+use super::{GroupInfo, Split, Sum};
 use crate::base::ids::GroupId;
 use crate::film::accumulate::{Film, Light, MixError, Together};
-use crate::film::frame::{Channel, Frame};
+use crate::film::frame::{Channel, Frame, Samples};
 use crate::film::layer::Layer;
 
 /// The largest share of a layer's peak by which recombining `open` and `content` may miss the layer.
 const SPLIT_TOLERANCE: f64 = 1e-7;
 
-/// Three channels as they are stored.
+/// Three channels as they are stored; of grey light one memory.
 #[derive(Clone)]
-pub(super) struct Channels([Vec<f32>; 3]);
+pub(super) struct Channels([Samples; 3]);
 
 impl Channels {
     pub(super) fn black(pixels: usize) -> Self {
-        Channels(std::array::from_fn(|_| vec![0f32; pixels]))
+        Channels::grey(vec![0f32; pixels].into())
     }
-    pub(super) fn of(plane: &Plane, value: impl Fn(&Light) -> f64) -> Self {
+    fn grey(data: Samples) -> Self {
+        Channels([data.clone(), data.clone(), data])
+    }
+    pub(super) fn of(plane: &Sum, value: impl Fn(&Light) -> f64) -> Self {
         if plane.grey {
-            let all: Vec<f32> = plane.light.iter().map(|light| value(light) as f32).collect();
-            return Channels([all.clone(), all.clone(), all]);
+            return Channels::grey((0..plane.pixels).map(|pixel| value(&plane.grey_light(pixel)) as f32).collect());
         }
-        let channel = |c: usize| plane.light.iter().skip(c).step_by(3).map(|light| value(light) as f32).collect();
-        Channels(std::array::from_fn(channel))
+        let mut channels: [Vec<f32>; 3] = std::array::from_fn(|_| Vec::with_capacity(plane.pixels));
+        for pixel in 0..plane.pixels {
+            let light = plane.coloured_light(pixel);
+            channels.iter_mut().zip(&light).for_each(|(channel, light)| channel.push(value(light) as f32));
+        }
+        Channels(channels.map(Samples::from))
+    }
+    fn is_grey(&self) -> bool {
+        let [red, others @ ..] = &self.0;
+        others.iter().all(|other| other.is_shared_with(red))
     }
     /// The f32 sum: `hybrid` is the sum of what is stored.
     pub(super) fn add(&mut self, other: &Channels) {
-        for (own, other) in self.0.iter_mut().zip(&other.0) {
-            own.iter_mut().zip(other).for_each(|(a, b)| *a += b);
+        let add = |own: &mut Samples, other: &Samples| own.iter_mut().zip(other).for_each(|(a, b)| *a += b);
+        if self.is_grey() && other.is_grey() {
+            // Alone, so that it is changed where it is.
+            let [mut sum, ..] = std::mem::take(&mut self.0);
+            add(&mut sum, &other.0[0]);
+            *self = Channels::grey(sum);
+        } else {
+            self.0.iter_mut().zip(&other.0).for_each(|(own, other)| add(own, other));
         }
     }
 }
@@ -48,12 +64,12 @@ impl Maker {
     }
 
     /// Adds a layer that is no light, the same in all channels.
-    fn grey(&mut self, layer: &str, data: Vec<f32>) {
-        self.rgb(layer, Channels([data.clone(), data.clone(), data]));
+    fn grey(&mut self, layer: &str, data: Samples) {
+        self.rgb(layer, Channels::grey(data));
     }
 
     /// Adds the layers of one group; returns what was stored for the group itself.
-    pub(super) fn group(&mut self, layer: &str, group: &GroupInfo, plane: &Plane) -> Channels {
+    pub(super) fn group(&mut self, layer: &str, group: &GroupInfo, plane: &Sum) -> Channels {
         let name = format!("{layer}_{}", group.name);
         if let Some(contrast) = group.contrast {
             self.split(layer, group, &name, contrast, plane);
@@ -63,22 +79,25 @@ impl Maker {
         stored
     }
 
-    fn split(&mut self, layer: &str, group: &GroupInfo, name: &str, contrast: f64, plane: &Plane) {
+    fn split(&mut self, layer: &str, group: &GroupInfo, name: &str, contrast: f64, plane: &Sum) {
         // Light that crossed no slide does not depend on the contrast: there is nothing to split.
-        let all = || plane.light.iter();
-        if all().all(|l| l.powers[1..].iter().all(|p| *p == 0.0)) {
+        if plane.all().all(|l| l.powers[1..].iter().all(|p| *p == 0.0)) {
             return;
         }
         let (u, v) = (1.0 - 1.0 / contrast, 1.0 / contrast);
         // Σ aₖuᵏ = content·u + open·(1 − u) + u(1 − u)·(q₀ + q₁u + q₂u²) with qⱼ = −Σ aₖ over k > j + 1.
+        const ORDERS: usize = Light::DEGREE - 1;
         let cross = |l: &Light, j: usize| -l.powers[j + 2..].iter().sum::<f64>();
-        let orders = Light::DEGREE - 1;
         let recombined = |l: &Light| {
-            let crossings: f64 = (0..orders).rev().fold(0.0, |sum, j| sum * u + cross(l, j));
+            let crossings: f64 = (0..ORDERS).rev().fold(0.0, |sum, j| sum * u + cross(l, j));
             l.content() * u + l.open() * v + crossings * u * v
         };
-        let peak = all().fold(0.0f64, |peak, l| peak.max(l.value.abs()));
-        let miss = all().map(|l| (recombined(l) - l.value).abs()).fold(0.0f64, f64::max);
+        let (mut peak, mut miss, mut crosses) = (0.0f64, 0.0f64, [false; ORDERS]);
+        for light in plane.all() {
+            peak = peak.max(light.value.abs());
+            miss = miss.max((recombined(&light) - light.value).abs());
+            crosses.iter_mut().enumerate().for_each(|(order, any)| *any |= cross(&light, order) != 0.0);
+        }
         let written = miss <= SPLIT_TOLERANCE * peak;
         let because = if written {
             format!("recombining misses by {:.1e} of the peak", miss / peak.max(f64::MIN_POSITIVE))
@@ -93,8 +112,8 @@ impl Maker {
         }
         self.rgb(&format!("{name}_open"), Channels::of(plane, |l| l.open()));
         self.rgb(&format!("{name}_content"), Channels::of(plane, |l| l.content()));
-        for (order, suffix) in ["_cross", "_cross2", "_cross3"].into_iter().enumerate().take(orders) {
-            if all().any(|l| cross(l, order) != 0.0) {
+        for (order, suffix) in ["_cross", "_cross2", "_cross3"].into_iter().enumerate().take(ORDERS) {
+            if crosses[order] {
                 self.rgb(&format!("{name}{suffix}"), Channels::of(plane, |l| cross(l, order)));
             }
         }

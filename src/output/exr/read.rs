@@ -70,7 +70,7 @@ fn decode_trusting(bytes: &[u8]) -> Result<Frame, String> {
         let part_name = header.own_attributes.layer_name.as_ref().map(string).unwrap_or_default();
         for channel in &header.channels.list {
             let name = channel_name(&mut names, part, &part_name, &string(&channel.name))?;
-            frame.channels.push(Channel { name, data: vec![0.0; pixels] });
+            frame.channels.push(Channel { name, data: vec![0.0; pixels].into() });
         }
     }
 

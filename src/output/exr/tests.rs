@@ -236,7 +236,7 @@ fn long_names_are_declared() {
 fn many_channels_are_warned_about() {
     let mut frame = Frame::new(1, 1);
     frame.channels =
-        (0..501).map(|i| crate::film::frame::Channel { name: format!("g{i}.R"), data: vec![0.0] }).collect();
+        (0..501).map(|i| crate::film::frame::Channel { name: format!("g{i}.R"), data: vec![0.0].into() }).collect();
     assert!(warnings(&frame)[0].starts_with("501 channels"));
     frame.channels.pop();
     assert!(warnings(&frame).is_empty());

@@ -1,7 +1,8 @@
 //! Frame → EXR.
 
 use std::collections::HashMap;
-use std::io::Cursor;
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use ::exr::block::UncompressedBlock;
@@ -13,7 +14,7 @@ use ::exr::prelude::{Compression, Vec2};
 
 use super::naming::{self, Part, Stored, is_word};
 use super::{COLOR_INTEROP_ID, DATA, DEFAULT_COLOR, PREFIX, WHITE_LUMINANCE, header};
-use crate::base::atomic::write_atomic;
+use crate::base::atomic::write_atomic_by;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::{Frame, Meta};
 use crate::film::matte;
@@ -47,13 +48,42 @@ pub fn write_exr(path: &Path, frame: &Frame) -> Result<Vec<String>> {
     let attributes = attributes(frame, &at)?;
     let names = parts.iter().flat_map(|part| &part.channels).map(|channel| channel.name.len());
     let long_names = names.chain(attributes.keys().map(|name| name.len())).any(|length| length > SHORT_NAME);
-    let mut bytes = encode(frame, &parts, &attributes)
-        .map_err(|error| Fault::new(at(), format!("cannot be encoded as EXR: {error}")))?;
-    header::sort_attributes(&mut bytes)
-        .and_then(|()| if long_names { header::set_long_names(&mut bytes) } else { Some(()) })
-        .ok_or_else(|| Fault::new(at(), "the EXR encoder made a header that cannot be put in order"))?;
-    write_atomic(path, &bytes)?;
+    write_atomic_by(path, |file| {
+        // Piece by piece into the file: the bytes of a large picture need not be in memory as well.
+        let mut buffered = BufWriter::new(&mut *file);
+        encode(&mut buffered, frame, &parts, &attributes).map_err(|error| match error {
+            ::exr::error::Error::Io(error) => error,
+            ::exr::error::Error::Aborted | ::exr::error::Error::NotSupported(_) | ::exr::error::Error::Invalid(_) => {
+                io::Error::other(format!("it cannot be encoded as EXR: {error}"))
+            }
+        })?;
+        buffered.flush()?;
+        drop(buffered);
+        put_in_order(file, long_names)
+    })?;
     Ok(warnings(frame))
+}
+
+/// Puts the headers at the beginning of a file in order.
+fn put_in_order(file: &mut File, long_names: bool) -> io::Result<()> {
+    let length = file.metadata()?.len();
+    // How long they are is known only when they have been read.
+    let mut most = 1 << 16;
+    loop {
+        let mut bytes = Vec::new();
+        file.seek(SeekFrom::Start(0))?;
+        Read::by_ref(file).take(most).read_to_end(&mut bytes)?;
+        let sorted = header::sort_attributes(&mut bytes)
+            .and_then(|()| if long_names { header::set_long_names(&mut bytes) } else { Some(()) });
+        if sorted.is_some() {
+            file.seek(SeekFrom::Start(0))?;
+            return file.write_all(&bytes);
+        }
+        if most >= length {
+            return Err(io::Error::other("the EXR encoder made a header that cannot be put in order"));
+        }
+        most *= 2;
+    }
 }
 
 /// What may trouble a reader although the file is right.
@@ -150,10 +180,11 @@ fn text(value: &str) -> Text {
 }
 
 fn encode(
+    file: impl Write + Seek,
     frame: &Frame,
     parts: &[Part],
     attributes: &HashMap<String, AttributeValue>,
-) -> ::exr::error::Result<Vec<u8>> {
+) -> ::exr::error::UnitResult {
     let size = Vec2(frame.width, frame.height);
     let header = |(index, part): (usize, &Part)| {
         let describe = |channel: &Stored| ChannelDescription::new(text(&channel.name), SampleType::F32, false);
@@ -179,8 +210,7 @@ fn encode(
         .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
     };
 
-    let mut bytes = Cursor::new(Vec::new());
-    ::exr::block::write(&mut bytes, parts.iter().enumerate().map(header).collect(), true, |meta, writer| {
+    ::exr::block::write(file, parts.iter().enumerate().map(header).collect(), true, |meta, writer| {
         let blocks = ::exr::block::enumerate_ordered_header_block_indices(&meta.headers).map(|(number, index)| {
             // Indices are the encoder's own, within the sizes that `check_channels` has checked.
             let (header, channels) = (&meta.headers[index.layer], &parts[index.layer].channels);
@@ -197,6 +227,5 @@ fn encode(
         });
         // Parallel inside, but the chunks are written in the order of the blocks: the bytes do not depend on timing.
         writer.on_progress(|_| {}).compress_all_blocks_parallel(&meta, blocks)
-    })?;
-    Ok(bytes.into_inner())
+    })
 }

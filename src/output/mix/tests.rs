@@ -181,8 +181,8 @@ fn frames_of_different_lamps_add_up() {
         frame.meta.insert("groups".into(), Meta::Text(format!("[\"{group}\"]")));
         for channel in &mut frame.channels {
             match channel.layer() {
-                "" | "hybrid" => channel.data = hybrid.to_vec(),
-                "stderr" => channel.data = error.to_vec(),
+                "" | "hybrid" => channel.data = hybrid.to_vec().into(),
+                "stderr" => channel.data = error.to_vec().into(),
                 _ => {}
             }
         }
