@@ -35,6 +35,8 @@ pub enum Stream {
     PhotonMiddle,
     /// Where the boxes lie in which photons are counted.
     PhotonBoxes,
+    /// Of the pixels that a witness looks at, and of how many times.
+    Witness,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

@@ -1,9 +1,11 @@
 //! `eyebox merge`: shards as one frame.
 
+use super::ending::ending;
 use super::{Format, print};
 use crate::base::Result;
 use crate::base::atomic::check_writable;
-use crate::estimate::picture::{add_sharpness, add_sums};
+use crate::base::ids::GroupId;
+use crate::estimate::picture::{add_sharpness, add_sums, add_witness};
 use crate::estimate::run::Stop;
 use crate::estimate::shard::merge;
 use crate::film::sharpness::Sharpness;
@@ -54,10 +56,18 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
         add_sharpness(&mut frame, &sharpness);
     }
     finishing.wanted.keep(&mut frame);
-    let warnings = write_exr(&output, &frame)?;
     let error = merged.films.relative_error();
+    let (judgement, films) = (merged.films.judgement(), &merged.films);
+    let name = |group: GroupId| finishing.groups.get(group.index()).map_or(String::new(), |group| group.name.clone());
+    // Where nothing is lit there are no films.
+    let asked = (merged.head.total == Some(1), !films.films.is_empty());
+    let ending = ending(films, judgement.as_ref(), &name, error, asked);
+    let watched = frame.text("witnessReadable").is_none_or(|said| said != "switched off");
+    add_witness(&mut frame, judgement.as_ref(), watched, &ending.lines);
+    let warnings: Vec<String> = ending.warnings.iter().cloned().chain(write_exr(&output, &frame)?).collect();
     let text = || {
-        let mut lines: Vec<String> = merged.outliers.iter().chain(&warnings).map(|w| format!("warning: {w}")).collect();
+        let said = merged.outliers.iter().chain(&warnings).map(|w| format!("warning: {w}"));
+        let mut lines: Vec<String> = ending.lines.iter().cloned().chain(said).collect();
         let error = error.map_or("unknown error".to_owned(), |e| format!("error {:.2} %", 100.0 * e));
         let (shards, passes) = (args.shards.len(), merged.films.passes);
         lines.push(format!("{}: {passes} passes of {shards} shards, {error}", output.display()));
@@ -70,9 +80,10 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
             "passes": merged.films.passes,
             "relative_error": error,
             "outliers": merged.outliers,
+            "witness": judgement,
             "warnings": warnings,
         })
     };
     print(args.format, text, json)?;
-    Ok(ExitCode::from(u8::from(!merged.outliers.is_empty())))
+    Ok(ExitCode::from(u8::from(!merged.outliers.is_empty() || ending.finding)))
 }

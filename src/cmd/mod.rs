@@ -11,6 +11,7 @@ mod chains;
 mod completions;
 mod convert;
 mod diff;
+mod ending;
 mod init;
 mod inspect;
 mod job;
@@ -31,6 +32,7 @@ mod shards;
 mod source;
 mod validate;
 mod view;
+mod witnessed;
 
 use crate::author::Written;
 use crate::base::{Fault, Result};

@@ -1,20 +1,23 @@
 //! `eyebox render`: the corridor, in order.
 
 use super::chains::Chains;
+use super::ending::{Ending, ending};
 use super::print;
 use super::progress::{Progress, Signals};
 use super::render_args::RenderArgs;
 use super::sequence::{self, named};
 use super::shards::{Saver, checkpoint_of, resume};
+use super::witnessed::{Seen, Watched, traced};
 use crate::base::atomic::check_writable;
+use crate::base::ids::GroupId;
 use crate::base::{Fault, Result, Where};
 use crate::check::{Checked, check};
 use crate::estimate::aov::{self, Granted};
 use crate::estimate::data::data_layers;
 use crate::estimate::finishing::{Finishing, Wanted};
 use crate::estimate::mattes;
-use crate::estimate::picture::{add_data_layers, add_meta, add_sharpness, check_layers, plan_lines};
-use crate::estimate::run::{Outcome, Start, Stop, begin, drive};
+use crate::estimate::picture::{add_data_layers, add_meta, add_sharpness, add_witness, check_layers, plan_lines};
+use crate::estimate::run::{Outcome, Start, Stop};
 use crate::estimate::shard;
 use crate::estimate::wish;
 use crate::film::aov::Aov;
@@ -23,14 +26,16 @@ use crate::film::frame::Meta;
 use crate::film::plan::Plan;
 use crate::film::pupil::Pupil;
 use crate::film::sharpness::{GroupPupil, Sharpness};
+use crate::film::witness::Judgement;
 use crate::import::Built;
 use crate::output::exr::{COLOR_INTEROP_ID, write_exr};
 use crate::plan::frozen::Frozen;
-use crate::plan::pupil::survey;
-use crate::plan::{Asked, Guides, plan_unless};
+use crate::plan::pupil::{Surveyed, survey};
+use crate::plan::{Asked, Choice, Guides, plan_unless};
 use crate::scene::assembly::LayerWish;
 use crate::scene::{Scene, Severity, Wavelengths};
 use crate::world::World;
+use crate::world::light::Light;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -52,7 +57,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ended {
     Met,
-    /// Another limit came before the error that was asked for.
+    /// Another limit came before the error that was asked for, or what was found is not to be trusted: it is said why.
     Unmet,
     /// By a signal.
     Stopped,
@@ -88,7 +93,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         (None, None) => pool.install(|| plan_unless(&checked, &world, asked, &stop)),
     };
     let Some(mut plan) = plan else { return Ok(stopped(args, "before the first pass")) };
-    let pupils = pool.install(|| survey(&checked, &world, asked, &plan, &stop));
+    let Surveyed { pupils, guide } = pool.install(|| survey(&checked, &world, asked, &plan, &stop));
     if stop() {
         return Ok(stopped(args, "before the first pass"));
     }
@@ -132,11 +137,18 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     let path = checkpoint_of(&args.output);
     let every = args.checkpoint;
     let mut saver = Saver { progress: &mut progress, head: head.clone(), path, every, last: Instant::now() };
-    let outcome = pool.install(|| {
-        let mut tracing = begin(&world, &plan, groups, size, args.seed);
-        tracing.start(start).then(|| drive(tracing, &limits, &mut saver))
-    });
-    let Some(mut outcome) = outcome else {
+    let ours = args.plan.is_none() && asked.choice == Choice::Auto;
+    let watched = Watched {
+        world: &world,
+        groups,
+        size,
+        seed: args.seed,
+        watch: (!args.no_witness).then_some(guide),
+        may_change: ours && args.shard.is_none() && args.checkpoint.is_none(),
+    };
+    let name = |group: GroupId| scene.group(group).name.clone();
+    let seen = pool.install(|| traced(&watched, (&mut plan, &name), start, &limits, &mut saver));
+    let Some(Seen { mut outcome, judgement, warnings: traced_again }) = seen else {
         return Err(Fault::new(Where::file(&saver.path), "keeps other sums than this run")
             .expected("the same options, or no file of this name"));
     };
@@ -149,6 +161,14 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         return Ok(stopped(args, "before the frame was done"));
     }
     let error = pool.install(|| outcome.films.relative_error());
+    // A changed plan has a name of its own.
+    let frozen = if traced_again.is_empty() { frozen } else { Frozen::new(&scene, asked, &plan) };
+    let lit = is_lit(&world);
+    let mut ending = match args.shard {
+        // One piece of a run tells too little; the whole is judged when it is merged.
+        Some(_) => Ending::default(),
+        None => ending(&outcome.films, judgement.as_ref(), &name, error, (limits.passes == Some(1), lit)),
+    };
     // Where pictures are large the layers need the room of the sums, unless these are to be written.
     if args.shard.is_none() {
         outcome.films.condense();
@@ -167,6 +187,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     frame.meta.insert("planHash".to_owned(), Meta::Text(frozen.hash));
     add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);
     add_sharpness(&mut frame, &sharpness);
+    add_witness(&mut frame, judgement.as_ref(), !args.no_witness, &ending.lines);
     if args.convergence {
         let errors = serde_json::json!(progress.errors()).to_string();
         frame.meta.insert("convergence".to_owned(), Meta::Text(errors));
@@ -182,17 +203,20 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         }
         write_exr(&args.output, &frame)?
     };
+    ending.warnings.splice(0..0, traced_again);
+    ending.warnings.extend(warnings);
     if every.is_some() && outcome.stop != Stop::Asked {
         // Only now nothing can be lost. If it can't be removed, the next `--resume` finds a run that is over.
         let _ = std::fs::remove_file(&checkpoint);
     }
     if !args.quiet {
-        summary(args, (&scene, &plan), (&outcome, error), &sharpness, &warnings)?;
+        summary(args, (&scene, &plan), (&outcome, error), &sharpness, (&ending, judgement.as_ref()))?;
     }
     let met = args.error.is_none_or(|limit| error.is_some_and(|error| error <= limit));
     Ok(match (outcome.stop, signals.caught()) {
         (Stop::Asked, Some(_)) => Ended::Stopped,
         (Stop::Passes | Stop::Time, _) if !met => Ended::Unmet,
+        (_, _) if ending.finding => Ended::Unmet,
         (Stop::Passes | Stop::Time | Stop::Error | Stop::Asked, _) => Ended::Met,
     })
 }
@@ -210,6 +234,13 @@ fn spread_by(scene: &Scene, checked: &Checked, world: &World, pupils: &[GroupPup
         full: Pupil::full(scene.eye.pupil_diameter_m),
         only_vision: !checked.facts().scatters,
     }
+}
+
+/// Whether any lamp is on, or there is a sky.
+fn is_lit(world: &World) -> bool {
+    let faces = world.lamps.all().iter().map(|lamp| lamp.flux_lm);
+    let others = world.lights.all().iter().map(Light::flux_lm);
+    world.sky.is_some() || faces.chain(others).any(|flux| flux > 0.0)
 }
 
 /// Without a picture an older file stays as it is.
@@ -231,7 +262,7 @@ fn summary(
     (scene, plan): (&Scene, &Plan),
     (outcome, error): (&Outcome, Option<f64>),
     sharpness: &Sharpness,
-    warnings: &[String],
+    (ending, judgement): (&Ending, Option<&Judgement>),
 ) -> Result<()> {
     let text = || {
         let warnings_of_scene = scene.notes.iter().filter(|note| note.severity == Severity::Warning);
@@ -239,7 +270,8 @@ fn summary(
             warnings_of_scene.map(|note| format!("warning: {}: {}", note.at, note.text)).collect();
         lines.extend(plan_lines(scene, plan));
         lines.extend(sharpness.lines());
-        lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
+        lines.extend(ending.lines.iter().cloned());
+        lines.extend(ending.warnings.iter().map(|warning| format!("warning: {warning}")));
         let error = error.map_or("unknown error".to_owned(), |e| format!("error {:.2} %", 100.0 * e));
         let seconds = outcome.elapsed.as_secs_f64();
         let passes = outcome.films.passes;
@@ -260,7 +292,8 @@ fn summary(
             "diffraction": sharpness,
             "ledgers": outcome.films.films.iter().map(|(e, _, l)| (e.name(), l)).collect::<Vec<_>>(),
             "notes": scene.notes,
-            "warnings": warnings,
+            "witness": judgement,
+            "warnings": ending.warnings,
         })
     };
     print(args.format, text, json)

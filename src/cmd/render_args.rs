@@ -65,6 +65,10 @@ pub struct RenderArgs {
     /// Render by this plan (`eyebox plan -o`) instead of making one.
     #[arg(long, value_name = "PLAN.json")]
     pub plan: Option<PathBuf>,
+    /// Let no witness look beside the run: naive paths that take up to 5 % of the work and tell whether the picture has the
+    /// light that they find.
+    #[arg(long)]
+    pub no_witness: bool,
     /// Seed of the random numbers: the same seed gives the same bits for any number of threads.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
@@ -317,6 +321,7 @@ impl RenderArgs {
             first,
             passes,
             films: Vec::new(),
+            witness: None,
             finishing,
         }
     }

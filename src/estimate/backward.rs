@@ -1,5 +1,6 @@
 //! Path tracing from the eye: next-event estimation with multiple importance sampling, unbiased roulette.
 
+mod glow;
 mod probe;
 mod sent;
 mod skyward;
@@ -18,13 +19,17 @@ use super::vision::{Hints, Vision};
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
+use crate::base::warp::Frame;
 use crate::film::accumulate::{Film, Light};
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, OPTICS_AT_A_TIME, lanes, plane_of};
 use crate::world::optics::Optics;
+use crate::world::scatter::Scatter;
 use crate::world::surface::{FaceOptics, Surface};
+use glow::About;
+pub use glow::Glow;
 pub use probe::Daylight;
 use rayon::prelude::*;
 use sent::Here;
@@ -52,6 +57,8 @@ pub struct Backward<'w, M: Mode> {
     paths: u32,
     /// Share of the pixels that a pass looks at.
     share: f64,
+    /// Where light that lands on scatterers came from, if paths are to know.
+    glow: Option<Glow>,
     seed: u64,
 }
 
@@ -79,6 +86,7 @@ impl<'w, M: Mode> Backward<'w, M> {
             faintest: 1.0,
             paths,
             share,
+            glow: None,
             seed,
         }
     }
@@ -96,6 +104,12 @@ impl<'w, M: Mode> Backward<'w, M> {
     #[must_use]
     pub fn branching(self, faintest: f64) -> Self {
         Backward { faintest, ..self }
+    }
+
+    /// The same with paths that scatter mostly towards where light came from.
+    #[must_use]
+    pub fn towards(self, glow: Option<Glow>) -> Self {
+        Backward { glow, ..self }
     }
 
     /// Looks at `count` pixels spread over the picture and tells whether any of them has light of ours. Once `stop` says
@@ -156,6 +170,7 @@ impl<'w, M: Mode> Backward<'w, M> {
                         }
                         let [mut ledger, scratch] = ledgers;
                         ledger.work += scratch.work;
+                        row.add_work(*pass, ledger.work);
                         total.merge(&ledger);
                     }
                     total
@@ -170,6 +185,11 @@ impl<'w, M: Mode> Backward<'w, M> {
     /// Whether a pass looks at a pixel.
     fn looks(&self, pixel: Pixel) -> bool {
         self.share >= 1.0 || pixel.rng(self.seed, Stream::Looks).uniform() < self.share
+    }
+
+    /// What paths of one pass see in a pixel, by plane: for a witness, which looks at a few. The ledgers as for [`Backward::pixel`].
+    pub fn look(&self, optics: &Optics<M>, pixel: Pixel, out: &mut [Light], ledgers: &mut [Ledger; 2]) {
+        self.pixel(optics, pixel, out, ledgers);
     }
 
     /// What is seen in a pixel. Into the second ledger goes what is tried beside the paths; of that only the work counts.
@@ -254,7 +274,12 @@ impl<'w, M: Mode> Backward<'w, M> {
                     self.sample_lights(&here, points, out, scratch);
                     let u = if scattered == 0 { even.take(0, &mut walker.rng) } else { walker.rng.triple() };
                     scattered += 1;
-                    let Some(pdf) = walker.scatter_by(u, &vertex, (scatter, &frame), ledger) else { return };
+                    let glow = self.glow.as_ref().and_then(|glow| glow.at(vertex.hit.point));
+                    let pdf = match glow {
+                        None => walker.scatter_by(u, &vertex, (scatter, &frame), ledger),
+                        Some(about) => scatter_towards(walker, &about, u, (&vertex, scatter, &frame), ledger),
+                    };
+                    let Some(pdf) = pdf else { return };
                     last = Some(Scattered::new(walker, vertex.hit.point, pdf));
                 }
             }
@@ -318,4 +343,24 @@ impl<'w, M: Mode> Backward<'w, M> {
             walker.pick_up(plane_of::<M>(out, plane), &lanes::<M, _>(|lane| luminance * weight * tint[lane]));
         }
     }
+}
+
+/// Scatters as photons or the scatterer itself choose. Returns the direction's density by both while the path goes on.
+fn scatter_towards<M: Mode>(
+    walker: &mut Walker<'_, M>,
+    about: &About<'_>,
+    u: [f64; 3],
+    (vertex, scatter, frame): (&Vertex, &Scatter, &Frame),
+    ledger: &mut Ledger,
+) -> Option<f64> {
+    walker.unlink();
+    let d_in = frame.to_local(walker.ray.dir);
+    let sides = walker.sides(vertex, scatter);
+    let dir = if about.chooses(walker.rng.uniform()) {
+        about.draw(u)
+    } else {
+        frame.to_world(scatter.sample(d_in, sides.of(0), u)?.dir)
+    };
+    let density = about.density(dir, scatter.pdf(d_in, frame.to_local(dir), sides.of(0)));
+    walker.scatter_to((vertex, scatter, frame), (dir, density), ledger).then_some(density)
 }

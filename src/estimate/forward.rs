@@ -106,7 +106,8 @@ impl<'w, M: Mode> Forward<'w, M> {
                     (arrivals.splats, ledger)
                 })
                 .collect();
-            for (splats, ledger) in done {
+            for ((pass, _), (splats, ledger)) in batch.iter().zip(done) {
+                film.add_work(*pass, ledger.work);
                 for s in &splats {
                     film.splat(s.pixel as usize, s.plane as usize, s.scramble as usize, &s.light[..M::COMPONENTS]);
                 }

@@ -35,6 +35,7 @@ pub mod turn;
 pub mod vision;
 pub mod walk;
 pub mod wish;
+pub mod witness;
 
 /// Asked while something is being done whether to leave it (Ctrl-C); once true, always true.
 pub type ShouldStop<'a> = dyn Fn() -> bool + Sync + 'a;

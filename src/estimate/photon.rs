@@ -183,13 +183,16 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             let screens = self.screens.of_pass(pass, self.world, &optics);
             let radii = radii_of_pass(self.first_radii_m, pass);
             let (photons, ledger) = self.emit((pass, &optics), (&screens, radii.caustic));
+            let emitted = ledger.work;
             total.merge(&ledger);
             // Light of which connection leaves little may be soft.
             let enough = if self.part { f64::INFINITY } else { (ENOUGH * area_of_pass(pass)).max(ENOUGH_AT_LEAST) };
             let mut rng = Rng::new(self.seed, Stream::PhotonBoxes, pass, 0);
             let shift = DVec3::new(rng.uniform(), rng.uniform(), rng.uniform());
             let maps = Maps::new((photons, screens), radii, (enough, shift), self.final_gather);
-            total.work += self.gather(film, (pass, &optics), &maps);
+            let gathered = self.gather(film, (pass, &optics), &maps);
+            total.work += gathered;
+            film.add_work(pass, emitted + gathered);
             film.close(pass, 1);
         }
         total

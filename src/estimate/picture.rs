@@ -12,6 +12,7 @@ use crate::film::layer::Layer;
 use crate::film::matte::Matte;
 use crate::film::plan::{Plan, Spectral, Verdict};
 use crate::film::sharpness::Sharpness;
+use crate::film::witness::Judgement;
 use crate::scene::{Group, Scene, Spectrum, Wavelengths};
 use std::collections::BTreeSet;
 
@@ -138,6 +139,17 @@ pub fn add_sums(frame: &mut Frame, films: &Films, stop: Stop, splits: &[Split]) 
 pub fn add_sharpness(frame: &mut Frame, sharpness: &Sharpness) {
     frame.meta.insert(Sharpness::KEY.to_owned(), Meta::Text(erased::Json::json(sharpness)));
     frame.meta.insert(format!("{}Readable", Sharpness::KEY), Meta::Text(sharpness.lines().join("\n")));
+}
+
+/// Writes what a witness saw into the header. `asked`: it was not switched off. `lines`: the same for people.
+pub fn add_witness(frame: &mut Frame, judgement: Option<&Judgement>, asked: bool, lines: &[String]) {
+    let said = match (judgement, asked) {
+        (Some(judgement), _) => (erased::Json::json(judgement), lines.join("\n")),
+        (None, true) => ("null".to_owned(), "naive paths have traced all light themselves".to_owned()),
+        (None, false) => ("null".to_owned(), "switched off".to_owned()),
+    };
+    frame.meta.insert("witness".to_owned(), Meta::Text(said.0));
+    frame.meta.insert("witnessReadable".to_owned(), Meta::Text(said.1));
 }
 
 mod erased {

@@ -29,15 +29,26 @@ struct Parted {
 
 impl Route {
     pub fn new(plan: &Plan, groups: usize, estimator: Estimator) -> Self {
+        let connected = |group| matches!(plan.row(group, Class::Vision).verdict, Verdict::Connect { .. });
+        let connected = (0..groups).map(|group| connected(GroupId::from_index(group))).collect();
+        let key = |group: GroupId, class: Class, broad: bool| {
+            let layer = plan.layer(estimator, group, class, broad);
+            plan.computes(estimator, group, class, broad).then_some(PlaneKey { layer, group, takes: 0 })
+        };
+        Route { connected, ..Route::by(groups, &key) }
+    }
+
+    /// The plane that `key` names for the paths of each group and class, with a broad scatterer among them or not. Nothing
+    /// of it is connected.
+    pub fn by(groups: usize, key: &dyn Fn(GroupId, Class, bool) -> Option<PlaneKey>) -> Self {
         let mut planes: Vec<PlaneKey> = Vec::new();
         let mut table = Vec::with_capacity(groups * Class::ALL.len() * 2);
         for group in (0..groups).map(GroupId::from_index) {
             for class in Class::ALL {
                 for broad in [false, true] {
-                    // Without a scatterer there is no broad one; the plan's answer must not open a plane for it.
+                    // Without a scatterer there is no broad one; the answer must not open a plane for it.
                     let possible = !(broad && class == Class::Vision);
-                    let plane = (possible && plan.computes(estimator, group, class, broad)).then(|| {
-                        let key = PlaneKey { layer: plan.layer(estimator, group, class, broad), group, takes: 0 };
+                    let plane = possible.then(|| key(group, class, broad)).flatten().map(|key| {
                         planes.iter().position(|&plane| plane == key).unwrap_or_else(|| {
                             planes.push(key);
                             planes.len() - 1
@@ -47,9 +58,7 @@ impl Route {
                 }
             }
         }
-        let connected = |group| matches!(plan.row(group, Class::Vision).verdict, Verdict::Connect { .. });
-        let connected = (0..groups).map(|group| connected(GroupId::from_index(group))).collect();
-        Route { planes, table, groups, connected, parted: None }
+        Route { planes, table, groups, connected: vec![false; groups], parted: None }
     }
 
     /// Whether connection has the vision paths of a group that it can solve for.

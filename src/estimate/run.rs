@@ -9,7 +9,9 @@ use super::ledger::Ledger;
 use crate::base::memory::give_back;
 use crate::base::stats::{beyond_noise, variance_ratio};
 use crate::film::accumulate::{Components, Film};
+use crate::film::guide::PupilGuide;
 use crate::film::plan::{Estimator, Plan};
+use crate::film::witness::{Judgement, Witness, judge};
 use crate::world::World;
 pub use engines::{begin, begin_trial};
 use rayon::prelude::*;
@@ -72,6 +74,8 @@ pub struct Films {
     pub first: u64,
     /// Passes in the films.
     pub passes: u64,
+    /// What a witness saw, if one was asked for.
+    pub witness: Option<Witness>,
 }
 
 /// Everything a run leaves.
@@ -169,6 +173,12 @@ impl Films {
         give_back();
     }
 
+    /// What the witness says of the films, if there is one.
+    pub fn judgement(&self) -> Option<Judgement> {
+        let films: Vec<&Film> = self.films.iter().map(|(_, film, _)| film).collect();
+        self.witness.as_ref().map(|witness| judge(witness, &films))
+    }
+
     /// The ledger of one estimator, if it ran.
     pub fn ledger(&self, estimator: Estimator) -> Option<&Ledger> {
         self.films.iter().find(|(e, _, _)| *e == estimator).map(|(_, _, ledger)| ledger)
@@ -191,6 +201,8 @@ pub trait Tracing: Send {
     /// Makes `count` passes more.
     fn step(&mut self, count: u64);
     fn films(&self) -> &Films;
+    /// Has a witness look beside every pass from now on. `guide`: where in the pupil lamps are seen, if that is known.
+    fn watch(&mut self, guide: Option<&PupilGuide>);
     /// Starts from pass `first`, or goes on from films that such a run has left. False if they are of another run.
     fn start(&mut self, from: Start) -> bool;
     fn into_films(self: Box<Self>) -> Films;

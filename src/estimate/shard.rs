@@ -10,6 +10,7 @@ use crate::base::{Fault, Result, Where};
 use crate::film::accumulate::Film;
 use crate::film::frame::{Channel, Frame};
 use crate::film::plan::Estimator;
+use crate::film::witness::Witness;
 use crate::output::shard::{Shard, read_shard, write_shard};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -37,6 +38,9 @@ pub struct Head {
     pub first: u64,
     pub passes: u64,
     pub films: Vec<(Estimator, Books)>,
+    /// What a witness saw beside these passes; none: it was switched off, or there was nothing to look for.
+    #[serde(default)]
+    pub witness: Option<Witness>,
     pub finishing: Finishing,
 }
 
@@ -55,7 +59,8 @@ impl Head {
     #[must_use]
     pub fn after(&self, films: &Films) -> Head {
         let books = films.films.iter().map(|(estimator, _, ledger)| (*estimator, ledger.books())).collect();
-        Head { first: films.first, passes: films.passes, films: books, ..self.clone() }
+        let witness = films.witness.clone();
+        Head { first: films.first, passes: films.passes, films: books, witness, ..self.clone() }
     }
 
     fn passes_text(&self) -> String {
@@ -85,6 +90,7 @@ pub fn load(path: &Path) -> Result<(Head, Films, Frame)> {
         && ranged
         && head.first.max(head.passes).max(head.total.unwrap_or(0)) < MOST_PASSES
         && films.iter().all(|film| film.passes == head.passes && [film.width, film.height] == head.finishing.size)
+        && head.witness.as_ref().is_none_or(|witness| witness.is_sound() && witness.size == head.finishing.size)
         && films.iter().flat_map(|film| &film.planes).all(|key| key.group.index() < head.finishing.groups.len());
     if !sound || [picture.width, picture.height] != head.finishing.size {
         return Err(fault("contradicts itself: its films are not those that it tells of"));
@@ -100,7 +106,8 @@ pub fn load(path: &Path) -> Result<(Head, Films, Frame)> {
         let ledger = Ledger::of_books(books, head.parts).ok_or_else(|| fault("has a ledger of another scene"))?;
         all.push((*estimator, film, ledger));
     }
-    let films = Films { films: all, first: head.first, passes: head.passes };
+    let witness = head.witness.clone();
+    let films = Films { films: all, first: head.first, passes: head.passes, witness };
     Ok((head, films, picture))
 }
 
@@ -155,6 +162,15 @@ fn added(path: &Path, mut whole: Films, more: &Films) -> Result<Films> {
             return Err(Fault::new(Where::file(path), "has films of another kind").expected("shards of one request"));
         }
         ledger.merge(books);
+    }
+    let seen = match (&mut whole.witness, &more.witness) {
+        (Some(own), Some(more)) => own.merge(more),
+        (None, None) => true,
+        (Some(_), None) | (None, Some(_)) => false,
+    };
+    if !seen {
+        return Err(Fault::new(Where::file(path), "has another witness than the shards before it")
+            .expected("shards of one request, all with `--no-witness` or none"));
     }
     whole.passes += more.passes;
     Ok(whole)

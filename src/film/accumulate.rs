@@ -8,8 +8,10 @@ use super::detail::{Detail, DetailRow};
 use super::layer::Layer;
 use super::scrambles::{SCRAMBLES, Scrambles};
 use super::tiles::{Tiles, TilesRow};
+use super::totals::{Totals, TotalsRow};
 use super::turns::{Turns, TurnsRow};
 use crate::base::ids::GroupId;
+use crate::base::twofold::Sum;
 pub use light::Light;
 use light::{COLUMNS, add, depth, value_of};
 pub use plane::{Components, PlaneKey, Together};
@@ -49,6 +51,7 @@ pub struct Film {
     pub(super) blur: Option<Blur>,
     /// `[pixel]`: variances of the sum over planes, of a [condensed](Film::condense) film.
     variances: Option<Vec<f64>>,
+    pub(super) totals: Totals,
 }
 
 /// One row of a film, for the thread that owns it.
@@ -60,6 +63,7 @@ pub struct Row<'f> {
     turns: Option<TurnsRow<'f>>,
     detail: Option<DetailRow<'f>>,
     blur: Option<TilesRow<'f>>,
+    totals: Option<TotalsRow<'f>>,
 }
 
 /// Variances and covariance of the mean `open` and `content` of a pixel's light.
@@ -94,6 +98,7 @@ impl Film {
             detail: None,
             blur: None,
             variances: None,
+            totals: Totals::new([width, height], count),
         }
     }
 
@@ -154,6 +159,7 @@ impl Film {
         let mut details = self.detail.as_mut().map(Detail::rows);
         let mut turns = self.turns.as_mut().map(Turns::rows);
         let mut blur = self.blur.as_mut().map(Blur::rows);
+        let mut totals = self.totals.rows();
         self.sums
             .rows()
             .zip(self.squares.iter_mut().flat_map(Tiles::rows))
@@ -165,6 +171,7 @@ impl Film {
                 turns: turns.as_mut().and_then(Iterator::next),
                 detail: details.as_mut().and_then(Iterator::next),
                 blur: blur.as_mut().and_then(Iterator::next),
+                totals: totals.next(),
             })
             .enumerate()
     }
@@ -172,9 +179,30 @@ impl Film {
     /// To be called when rows have passes `first .. first + count` in them.
     pub fn close(&mut self, first: u64, count: u64) {
         self.passes += count;
+        self.totals.close();
         if let Some(turns) = &mut self.turns {
             turns.close(first, count);
         }
+    }
+
+    /// Adds what a pass has cost beside its rows: counted work.
+    pub fn add_work(&mut self, pass: u64, work: u64) {
+        self.totals.add_work(pass, work);
+    }
+
+    /// Number and counted work of the closed passes since this was asked last.
+    pub fn take_works(&mut self) -> Vec<(u64, u64)> {
+        self.totals.take_works()
+    }
+
+    /// The sums of whole passes.
+    pub fn totals(&self) -> &Totals {
+        &self.totals
+    }
+
+    /// Puts sums of whole passes that were stored; false if they are of another kind of film.
+    pub fn put_totals(&mut self, sums: Vec<[Sum; 2]>) -> bool {
+        self.totals.put(sums)
     }
 
     /// How many times smaller the variance of the whole picture is than those of its pixels say together: see [`Turns`].
@@ -329,6 +357,13 @@ impl Row<'_> {
         }
     }
 
+    /// Adds the counted work of this row in a pass.
+    pub fn add_work(&mut self, pass: u64, work: u64) {
+        if let Some(totals) = &mut self.totals {
+            totals.add_work(pass, work);
+        }
+    }
+
     /// Adds the light of pixel `x` in the pass of this number: the entries of each plane in turn.
     pub fn add_pass(&mut self, x: usize, number: u64, pass: &[Light]) {
         let count = self.components.count();
@@ -342,6 +377,9 @@ impl Row<'_> {
                 self.squares.grown(x, plane, 1)[0].add(light.value * light.value);
             }
             total += light.value;
+            if let Some(totals) = &mut self.totals {
+                totals.add((x, plane), number, light);
+            }
             if let Some(detail) = &mut self.detail {
                 detail.add(plane, light);
             }

@@ -163,6 +163,7 @@ impl Film {
                 (SumsMut::Tiles(_), Sums::Turns(_)) | (SumsMut::Turns(_), Sums::Tiles(_)) => return false,
             }
         }
+        self.totals.merge(&other.totals);
         self.passes += other.passes;
         self.settle();
         true

@@ -16,6 +16,8 @@ pub mod pupil;
 pub mod scrambles;
 pub mod sharpness;
 mod tiles; // sums only where there is light
+pub mod totals;
 pub mod train;
 pub mod turns;
 pub mod variance;
+pub mod witness; // what naive paths saw, and what that says of the films

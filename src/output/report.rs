@@ -118,6 +118,7 @@ pub fn page(frames: &[(String, &Frame)]) -> Result<Page> {
         "pathsNote": path_table.note,
         "pathsUnit": path_table.unit,
         "plan": facts::plan(frame),
+        "witness": facts::witness(frame),
         "facts": facts::facts(frame),
         "ledgers": facts::ledgers(frame),
         "convergence": convergence::points(frames),

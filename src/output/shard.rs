@@ -52,6 +52,8 @@ struct Kind {
     surplus: [i64; turns::PER_PIXEL],
     detail: bool,
     blur: bool,
+    /// Whole passes and their squares, see [`crate::film::totals`].
+    totals: Vec<[Sum; 2]>,
 }
 
 impl Kind {
@@ -92,6 +94,7 @@ pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture
         surplus: film.surplus(),
         detail: film.detail().is_some(),
         blur: film.has_blur(),
+        totals: film.totals().sums().to_vec(),
     };
     let stored = Stored { format: FORMAT, films: films.iter().map(kind).collect(), head };
     let text = serde_json::to_string(&stored)
@@ -169,6 +172,9 @@ fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, S
         return Err(format!("film {number} has a surplus of {:?} of its {} passes", kind.surplus, kind.passes));
     }
     film.set_surplus(kind.surplus);
+    if !film.put_totals(kind.totals) {
+        return Err(format!("film {number} has totals of another kind of film"));
+    }
     let pixels = film.width * film.height;
     for mut table in film.tables_mut() {
         let name = table.name;

@@ -1,7 +1,8 @@
 //! A pilot that finds where in the pupil the light of each group arrives: the sharpness that diffraction allows.
 
 use super::facts::{auto, skip};
-use super::{Asked, Choice, pilot};
+use super::pupil_guide::lit;
+use super::{Asked, Choice, Guides, pilot};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::rng::Stream;
@@ -10,7 +11,7 @@ use crate::estimate::ShouldStop;
 use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
 use crate::estimate::route::Route;
 use crate::estimate::walk::{Vertex, Walker};
-use crate::film::guide::Guide;
+use crate::film::guide::{Guide, PupilGuide};
 use crate::film::plan::{Estimator, Plan, Verdict};
 use crate::film::pupil::{Aperture, Crossing, Pupil};
 use crate::film::sharpness::GroupPupil;
@@ -62,9 +63,17 @@ impl Visitor<Mono> for Arrivals<'_> {
     fn scatterer(&mut self, _: &Walker<'_, Mono>, _: Origin, _: &Vertex, _: &Scatter) {}
 }
 
+/// What was found of the pupil.
+pub struct Surveyed {
+    /// What each light group has of it.
+    pub pupils: Vec<GroupPupil>,
+    /// Through which part of it each part of the picture sees lamps; none where that is not known.
+    pub guide: Option<PupilGuide>,
+}
+
 /// What each light group has of the pupil. Light that is traced from the eye, and all that scatters, is taken to fill
 /// the pupil. Once `stop` says true the rest is left out, and the result is worthless.
-pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop: &ShouldStop<'_>) -> Vec<GroupPupil> {
+pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop: &ShouldStop<'_>) -> Surveyed {
     let scene = checked.scene();
     let full = Pupil::full(scene.eye.pupil_diameter_m);
     let mut found: Vec<GroupPupil> = scene
@@ -80,7 +89,7 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
         })
         .collect();
     if full == Pupil::Point {
-        return found;
+        return Surveyed { pupils: found, guide: None };
     }
     // Vision as it would be owned if nothing were asked for: where a group is lit does not depend on who traces it.
     let mut own = plan.clone();
@@ -104,7 +113,7 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
         }
     }
     if !own.runs(Estimator::Forward) || stop() {
-        return found;
+        return Surveyed { pupils: found, guide: None };
     }
     let groups = scene.groups.len();
     let guide = match (asked.choice, &plan.forward_guide) {
@@ -138,7 +147,9 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
             }
         }
     }
-    found
+    let guide =
+        (asked.guides == Guides::On).then(|| PupilGuide::learn(&lit(&lamps, world.eye.pupil_radius_m()))).flatten();
+    Surveyed { pupils: found, guide }
 }
 
 /// Where light that `own` leaves to `forward` crosses the pupil, by group and lamp.

@@ -94,7 +94,7 @@ pub(super) fn densities(making: &Making<'_>, plan: &Plan, of: &[bool]) -> Vec<Op
 }
 
 /// Every light group is as important as any other, whatever it adds to the picture.
-fn lit(by_lamp: &BTreeMap<(GroupId, usize), Vec<Crossing>>, radius_m: f64) -> Vec<Lit> {
+pub(super) fn lit(by_lamp: &BTreeMap<(GroupId, usize), Vec<Crossing>>, radius_m: f64) -> Vec<Lit> {
     let mut of_group: BTreeMap<GroupId, f64> = BTreeMap::new();
     for ((group, _), crossings) in by_lamp {
         *of_group.entry(*group).or_default() += crossings.iter().map(|crossing| crossing.open).sum::<f64>();

@@ -14,7 +14,7 @@ use eyebox::scene::Scene;
 fn pupils(scene: &Scene, choice: Choice) -> (Vec<GroupPupil>, Sharpness) {
     let ready = Ready::new(scene, choice);
     let checked = check(scene).expect("the scene is sound");
-    let found = survey(&checked, &ready.world, Asked::from(choice), &ready.plan, &|| false);
+    let found = survey(&checked, &ready.world, Asked::from(choice), &ready.plan, &|| false).pupils;
     let sharpness = Sharpness::new(&found, 550.0, ready.world.eye.pixel());
     (found, sharpness)
 }

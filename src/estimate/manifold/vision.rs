@@ -85,7 +85,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
                 let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
                 let mut roots = Vec::new();
                 for (pass, optics) in &optics {
-                    let mut ledger = Ledger::new(parts);
+                    let (mut ledger, before) = (Ledger::new(parts), scratch.work);
                     for x in 0..width {
                         light.fill(Light::default());
                         let pixel = Pixel::new((x, *y), width, *pass);
@@ -101,6 +101,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
                         ledger.work += cost::KEPT;
                         row.add_pass(x, *pass, &light);
                     }
+                    row.add_work(*pass, ledger.work + scratch.work - before);
                     total.merge(&ledger);
                 }
                 total.vertex_error = scratch.vertex_error;

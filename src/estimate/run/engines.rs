@@ -13,13 +13,16 @@ use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::photon::PhotonMapper;
 use crate::estimate::route::Route;
 use crate::estimate::vision::Hints;
+use crate::estimate::witness::Witness;
 use crate::film::accumulate::{Film, Sampling};
 use crate::film::detail::ErrorDetail;
+use crate::film::guide::PupilGuide;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
 use crate::world::mode::{Hero, Mode, Mono, Rgb, Spectral, components};
 use crate::world::optics::Optics;
 use crate::world::stokes::Stokes;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 enum Engine<'w, M: Mode> {
@@ -43,6 +46,12 @@ impl<M: Mode> Engine<'_, M> {
 struct Engines<'w, M: Mode> {
     engines: Vec<Engine<'w, M>>,
     films: Films,
+    witness: Option<Witness<'w, M>>,
+    /// What a witness has to know.
+    world: &'w World,
+    plan: Plan,
+    groups: usize,
+    seed: u64,
 }
 
 impl<M: Mode> Tracing for Engines<'_, M> {
@@ -51,6 +60,20 @@ impl<M: Mode> Tracing for Engines<'_, M> {
             ledger.merge(&engine.run(film, self.films.first + self.films.passes, count));
         }
         self.films.passes += count;
+        let mut works: BTreeMap<u64, u64> = BTreeMap::new();
+        for (pass, work) in self.films.films.iter_mut().flat_map(|(_, film, _)| film.take_works()) {
+            *works.entry(pass).or_default() += work;
+        }
+        if let Some(witness) = &mut self.witness {
+            witness.attend(&works.into_iter().collect::<Vec<_>>());
+            self.films.witness = Some(witness.record.clone());
+        }
+    }
+    fn watch(&mut self, guide: Option<&PupilGuide>) {
+        let Some((_, film, _)) = self.films.films.first() else { return };
+        let size = [film.width, film.height];
+        self.witness = Witness::new(self.world, &self.plan, self.groups, (size, guide), self.seed);
+        self.films.witness = self.witness.as_ref().map(|witness| witness.record.clone());
     }
     fn films(&self) -> &Films {
         &self.films
@@ -67,9 +90,17 @@ impl<M: Mode> Tracing for Engines<'_, M> {
         let alike = own.eq(films.films.iter().map(|(estimator, _, _)| *estimator));
         self.films.first = films.first;
         self.films.passes = films.passes;
+        // Of films without a witness none can be made up.
+        let seen = match (&mut self.witness, &films.witness) {
+            (Some(own), Some(more)) => own.record.merge(more),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        };
+        self.films.witness = self.witness.as_ref().map(|witness| witness.record.clone());
         // Films that fit are taken over by adding them to empty ones.
         let own = self.films.films.iter_mut().zip(&films.films);
         alike
+            && seen
             && own.fold(true, |fits, ((_, film, ledger), (_, more, books))| {
                 ledger.merge(books);
                 film.merge(more) && fits
@@ -157,7 +188,7 @@ fn begin_with<'w, M: Mode + 'w>(
     Kept { connections, mut tables, screens, glances }: Kept<M>,
 ) -> Box<dyn Tracing + 'w> {
     let mut engines: Vec<Engine<'_, M>> = Vec::new();
-    let mut films = Films { films: Vec::new(), first: 0, passes: 0 };
+    let mut films = Films { films: Vec::new(), first: 0, passes: 0, witness: None };
     for estimator in Estimator::ALL {
         let route = Route::new(plan, groups, estimator);
         if route.planes.is_empty() {
@@ -212,5 +243,5 @@ fn begin_with<'w, M: Mode + 'w>(
         });
         films.films.push((estimator, film, Ledger::new(world.solids.len())));
     }
-    Box::new(Engines { engines, films })
+    Box::new(Engines { engines, films, witness: None, world, plan: plan.clone(), groups, seed })
 }

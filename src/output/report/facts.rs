@@ -1,6 +1,8 @@
 //! What a frame's header says, as tables: scene and run, plan, ledgers.
 
+use crate::base::ids::GroupId;
 use crate::film::frame::{Frame, Meta};
+use crate::film::witness::{Judgement, Off};
 use crate::output::field::Field;
 use serde_json::{Value, json};
 
@@ -79,6 +81,31 @@ pub fn plan(frame: &Frame) -> Vec<[String; 2]> {
             None => [line.to_owned(), String::new()],
         })
         .collect()
+}
+
+/// What a witness said of each kind of light: name, run over witness, its standard error, what is off; and a note.
+pub fn witness(frame: &Frame) -> Value {
+    let judgement = frame.text("witness").and_then(|text| serde_json::from_str::<Option<Judgement>>(text).ok()).flatten();
+    let groups = list(frame, "groups").unwrap_or_default();
+    let name = |group: GroupId| groups.get(group.index()).cloned().unwrap_or_default();
+    let Some(judgement) = judgement else {
+        let note = said(frame, "witnessReadable").unwrap_or_else(|| "The header holds no witness.".to_owned());
+        return json!({ "rows": [], "note": note });
+    };
+    let rows: Vec<Value> = judgement
+        .judged
+        .iter()
+        .map(|own| {
+            let [ratio, error] = own.ratio.map_or([None; 2], |[ratio, error]| [Some(ratio), Some(error)]);
+            json!({
+                "name": own.name(&name(own.group)), "ratio": ratio, "error": error, "looks": own.looks,
+                "off": own.off.as_ref().map_or("no".to_owned(), Off::text),
+            })
+        })
+        .collect();
+    let share = 100.0 * judgement.share;
+    let unwatched = judgement.lines(&name).split_off(rows.len()).join("; ");
+    json!({ "rows": rows, "note": format!("Naive paths beside the run, with {share:.1} % of its work. {unwatched}") })
 }
 
 /// Fates of light in a ledger, in their order, and what they are called.

@@ -7,6 +7,7 @@ async function start() {
     pathTable();
     metricTable();
     planTable();
+    witnessTable();
     convergence();
     factTable();
     ledgers();

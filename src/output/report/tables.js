@@ -56,6 +56,22 @@ function planTable() {
   );
 }
 
+function witnessTable() {
+  byId("witness-note").textContent = frame.witness.note;
+  const rows = frame.witness.rows.map(({ name, ratio, error, looks, off }) => [
+    name,
+    ratio === null ? "–" : said(ratio, 4),
+    error === null ? "–" : said(error, 2),
+    String(looks),
+    off,
+  ]);
+  if (rows.length > 0) {
+    byId("witness").append(
+      table(["light", "of what brute force found", "±", "looks", "off by more than chance"], rows, ["", "number", "number", "number", "words"]),
+    );
+  }
+}
+
 function factTable() {
   byId("facts").append(table(["", ""], frame.facts, ["", "words"]));
   byId("facts").querySelector("thead")?.remove();

@@ -1,0 +1,59 @@
+//! How a run ended: what has to be said of its light before anybody trusts it, and whether that is a finding.
+
+use crate::base::ids::GroupId;
+use crate::estimate::run::Films;
+use crate::film::witness::Judgement;
+
+/// What was found.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Ending {
+    /// What the witness says.
+    pub lines: Vec<String>,
+    pub warnings: Vec<String>,
+    /// Exit code 1.
+    pub finding: bool,
+}
+
+/// `name`: of a light group. `error`: what the run states. `one_pass`: it was asked for no more than one pass, of which no error
+/// can be told. `lit`: lamps are on.
+pub fn ending(
+    films: &Films,
+    judgement: Option<&Judgement>,
+    name: &dyn Fn(GroupId) -> String,
+    error: Option<f64>,
+    (one_pass, lit): (bool, bool),
+) -> Ending {
+    let mut out = Ending::default();
+    if let Some(judgement) = judgement {
+        out.lines = judgement.lines(name);
+        out.warnings = judgement.warnings(name);
+        out.finding = judgement.is_off();
+    }
+    if is_black(films) && lit {
+        out.warnings
+            .push("the picture is black, though lamps are on: no path of any estimator brought light".to_owned());
+        out.finding = true;
+    } else if lit && error.is_none() && !one_pass {
+        out.warnings.push(format!("no error is stated: {}", why_unknown(films)));
+        out.finding = true;
+    }
+    out
+}
+
+/// Whether all pixels of all films are 0.
+pub fn is_black(films: &Films) -> bool {
+    films.films.iter().all(|(_, film, _)| {
+        (0..film.width * film.height).all(|pixel| {
+            (0..film.planes.len()).all(|plane| film.mean_entries(pixel, plane).all(|light| light.value == 0.0))
+        })
+    })
+}
+
+fn why_unknown(films: &Films) -> &'static str {
+    match films.passes {
+        0 => "no pass was made",
+        1 => "the run ended after one pass, and it takes two to tell how far they differ",
+        _ if is_black(films) => "the picture is black",
+        _ => "what was found is nothing but noise yet, hardly any pixel was hit twice",
+    }
+}

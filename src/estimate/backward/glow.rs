@@ -1,0 +1,275 @@
+//! Where the light that lands about a place came from, as a few photons tell: a path from the eye that scatters there goes most
+//! of the times towards it. Behind a collimator a screen is lit from a cone of a degree, which one path in thousands meets by
+//! chance. Directions are weighed by the density of both ways to choose them, and a share of them is the scatterer's own
+//! choice, so none has density 0 (guiding by photons: H. W. Jensen, "Importance driven path tracing using the photon map", EGWR 1995).
+
+use crate::base::warp::Frame;
+use crate::estimate::photon::Landing;
+use glam::{DMat3, DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// Most photons of a leaf.
+const LEAF: usize = 32;
+/// Fewer tell nothing.
+const FEWEST: usize = 64;
+/// Share of the directions that photons choose.
+const GUIDED: f64 = 0.75;
+/// Of a photon's weight in its leaf: what it has of the light, the rest in equal shares.
+const BY_LIGHT: f64 = 0.5;
+/// Cosine with the mean direction below which tangents are of no use.
+const LEAST_COS: f64 = 0.2;
+/// Share of the places' spread that is added to it.
+const RIDGE: f64 = 1e-4;
+/// Half angle of a photon's cone, in median angles between nearest photons, and its narrowest and widest, rad.
+const WIDER: f64 = 3.0;
+const NARROWEST: f64 = 1e-3;
+const WIDEST: f64 = 1.0;
+
+enum Node {
+    Cut { axis: usize, at: f64, below: usize, above: usize },
+    Leaf(Leaf),
+}
+
+/// Photons that landed near each other. Where they came from changes with the place, about linearly over so few: from a lens
+/// that throws a picture it does, from a collimator it does not.
+pub struct Leaf {
+    middle: DVec3,
+    /// About the mean direction to where they came from.
+    frame: Frame,
+    /// Change of that direction per metre, as tangents in the frame.
+    slopes: [DVec3; 2],
+    /// What is left of each photon's tangents, with the sum of weights so far.
+    cones: Vec<(DVec2, f64)>,
+    cos_half: f64,
+}
+
+/// A leaf as it looks from a place.
+pub struct About<'g> {
+    leaf: &'g Leaf,
+    shift: DVec2,
+}
+
+/// All of them, by place.
+pub struct Glow {
+    nodes: Vec<Node>,
+}
+
+impl Glow {
+    /// None if too few photons landed.
+    pub fn new(landings: &[Landing]) -> Option<Glow> {
+        let sound =
+            |landing: &&Landing| landing.lumens > 0.0 && landing.position.is_finite() && landing.dir.is_finite();
+        let mut known: Vec<Landing> = landings.iter().filter(sound).copied().collect();
+        if known.len() < FEWEST {
+            return None;
+        }
+        let mut glow = Glow { nodes: Vec::new() };
+        glow.grow(&mut known);
+        Some(glow)
+    }
+
+    fn grow(&mut self, landings: &mut [Landing]) -> usize {
+        let own = self.nodes.len();
+        if landings.len() <= LEAF {
+            self.nodes.push(Node::Leaf(Leaf::of(landings)));
+            return own;
+        }
+        let (low, high) = landings.iter().fold((DVec3::MAX, DVec3::MIN), |(low, high), landing| {
+            (low.min(landing.position), high.max(landing.position))
+        });
+        let wide = (high - low).to_array();
+        let axis = (0..3).fold(0, |best, axis| if wide[axis] > wide[best] { axis } else { best });
+        let middle = landings.len() / 2;
+        landings.select_nth_unstable_by(middle, |a, b| a.position[axis].total_cmp(&b.position[axis]));
+        let at = landings[middle].position[axis];
+        let (first, second) = landings.split_at_mut(middle);
+        self.nodes.push(Node::Cut { axis, at, below: 0, above: 0 });
+        let (below, above) = (self.grow(first), self.grow(second));
+        self.nodes[own] = Node::Cut { axis, at, below, above };
+        own
+    }
+
+    /// The photons about a place.
+    pub fn at(&self, point: DVec3) -> Option<About<'_>> {
+        let mut node = self.nodes.first()?;
+        loop {
+            match node {
+                Node::Leaf(leaf) => return Some(leaf.about(point)),
+                Node::Cut { axis, at, below, above } => {
+                    node = &self.nodes[if point[*axis] < *at { *below } else { *above }];
+                }
+            }
+        }
+    }
+}
+
+impl Leaf {
+    fn of(landings: &[Landing]) -> Leaf {
+        let count = landings.len() as f64;
+        let mean = |of: &dyn Fn(&Landing) -> DVec3| landings.iter().map(of).sum::<DVec3>() / count;
+        let (middle, toward) = (mean(&|landing| landing.position), mean(&|landing| -landing.dir));
+        let frame = Frame::about(toward.try_normalize().unwrap_or(DVec3::Z));
+        // Far off the mean tangents mean little: such photons keep the direction that they had.
+        let tangents = |landing: &Landing| {
+            let local = frame.to_local(-landing.dir);
+            (local.z > LEAST_COS).then(|| local.truncate() / local.z)
+        };
+        let slopes = slopes(landings, middle, &tangents);
+        let all: f64 = landings.iter().map(|landing| landing.lumens).sum();
+        let each = (1.0 - BY_LIGHT) / count;
+        let mut sum = 0.0;
+        let mut cones = Vec::new();
+        for landing in landings {
+            let Some(tangents) = tangents(landing) else { continue };
+            sum += BY_LIGHT * landing.lumens / all + each;
+            cones.push((tangents - linear(slopes, landing.position - middle), sum));
+        }
+        // None is left only where directions cancel each other.
+        if cones.is_empty() {
+            cones.push((DVec2::ZERO, 1.0));
+            sum = 1.0;
+        }
+        cones.iter_mut().for_each(|(_, upto)| *upto /= sum);
+        let nearest = |own: usize| {
+            let others = cones.iter().enumerate().filter(|(other, _)| *other != own);
+            others.map(|(_, (at, _))| at.distance(cones[own].0)).fold(f64::INFINITY, f64::min)
+        };
+        let mut apart: Vec<f64> = (0..cones.len()).map(nearest).collect();
+        apart.sort_unstable_by(f64::total_cmp);
+        let half = (WIDER * apart.get(apart.len() / 2).copied().unwrap_or(WIDEST)).clamp(NARROWEST, WIDEST);
+        Leaf { middle, frame, slopes, cones, cos_half: half.cos() }
+    }
+
+    fn about(&self, point: DVec3) -> About<'_> {
+        About { leaf: self, shift: linear(self.slopes, point - self.middle) }
+    }
+
+    /// Solid angle of a cone.
+    fn solid_angle(&self) -> f64 {
+        TAU * (1.0 - self.cos_half)
+    }
+}
+
+fn linear(slopes: [DVec3; 2], by: DVec3) -> DVec2 {
+    DVec2::from_array(slopes.map(|slope| slope.dot(by)))
+}
+
+/// By least squares, with a little of the spread of the places added along each axis: they lie on a face, which may be flat.
+fn slopes(landings: &[Landing], middle: DVec3, tangents: &dyn Fn(&Landing) -> Option<DVec2>) -> [DVec3; 2] {
+    let known = || landings.iter().filter_map(|landing| Some((landing.position - middle, tangents(landing)?)));
+    let (mut squares, mut spread) = (DMat3::ZERO, 0.0);
+    let mut products = [DVec3::ZERO; 2];
+    for (at, tangents) in known() {
+        squares += DMat3::from_cols(at * at.x, at * at.y, at * at.z);
+        spread += at.length_squared();
+        products[0] += at * tangents.x;
+        products[1] += at * tangents.y;
+    }
+    let squares = squares + DMat3::from_diagonal(DVec3::splat(RIDGE * spread));
+    let inverse = squares.inverse();
+    if spread > 0.0 && inverse.is_finite() { products.map(|product| inverse * product) } else { [DVec3::ZERO; 2] }
+}
+
+impl About<'_> {
+    /// The middle of a cone.
+    fn axis(&self, tangents: DVec2) -> DVec3 {
+        self.leaf.frame.to_world((tangents + self.shift).extend(1.0).normalize())
+    }
+
+    /// Whether a photon is to choose; else the scatterer does.
+    pub fn chooses(&self, u: f64) -> bool {
+        u < GUIDED
+    }
+
+    /// A unit direction by three numbers in [0, 1).
+    pub fn draw(&self, [which, u, v]: [f64; 3]) -> DVec3 {
+        let Leaf { cones, cos_half, .. } = self.leaf;
+        let index = cones.partition_point(|(_, sum)| *sum <= which).min(cones.len() - 1);
+        let cos = 1.0 - u * (1.0 - cos_half);
+        let sin = (1.0 - cos * cos).max(0.0).sqrt();
+        let (sin_phi, cos_phi) = (TAU * v).sin_cos();
+        Frame::about(self.axis(cones[index].0)).to_world(DVec3::new(sin * cos_phi, sin * sin_phi, cos))
+    }
+
+    /// Density per steradian of a direction by photons and the scatterer together; `own`: the scatterer's.
+    pub fn density(&self, dir: DVec3, own: f64) -> f64 {
+        let (mut before, mut sum) = (0.0, 0.0);
+        for (tangents, upto) in &self.leaf.cones {
+            if self.axis(*tangents).dot(dir) >= self.leaf.cos_half {
+                sum += upto - before;
+            }
+            before = *upto;
+        }
+        GUIDED * sum / self.leaf.solid_angle() + (1.0 - GUIDED) * own
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::path::Trail;
+    use crate::base::rng::{Rng, Stream};
+    use crate::world::geometry::Site;
+
+    fn landing(position: DVec3, dir: DVec3) -> Landing {
+        let site = Site { part: 0, face: 0, triangle: 0 };
+        let lumens = 1.0 + position.x;
+        Landing { site, position, dir, outside: true, lumens, connected: false, trail: Trail::START }
+    }
+
+    /// Photons about a slanted direction that turns along a line, 4° wide.
+    fn photons(count: usize) -> Vec<Landing> {
+        let mut rng = Rng::new(3, Stream::Check, 0, 0);
+        let one = |_: usize| {
+            let [x, a, b] = rng.triple();
+            let to = DVec3::new(0.3 * x + 0.07 * (a - 0.5), 0.07 * (b - 0.5), 1.0).normalize();
+            landing(DVec3::new(x, 0.0, 0.0), -to)
+        };
+        (0..count).map(one).collect()
+    }
+
+    /// Drawn directions have the density that is stated for them: of a mean over the sphere of any function.
+    #[test]
+    fn density_is_that_of_what_is_drawn() {
+        let glow = Glow::new(&photons(2000)).unwrap();
+        let leaf = glow.at(DVec3::new(0.4, 0.0, 0.0)).unwrap();
+        let mut rng = Rng::new(4, Stream::Check, 0, 0);
+        let (mut inside, mut total) = (0.0, 0.0);
+        const COUNT: u32 = 100_000;
+        for _ in 0..COUNT {
+            let dir = leaf.draw(rng.triple());
+            assert!((dir.length() - 1.0).abs() < 1e-12);
+            let density = leaf.density(dir, 0.0) / GUIDED;
+            assert!(density > 0.0);
+            // The solid angle that is reached, and that of one half of it.
+            total += 1.0 / density;
+            inside += if dir.x > 0.12 { 1.0 / density } else { 0.0 };
+        }
+        // The same by even points on the sphere.
+        let (mut all, mut half) = (0.0, 0.0);
+        for _ in 0..20 * COUNT {
+            let dir = crate::base::warp::sphere(rng.pair());
+            let reached = f64::from(u8::from(leaf.density(dir, 0.0) > 0.0));
+            all += reached;
+            half += if dir.x > 0.12 { reached } else { 0.0 };
+        }
+        let sphere = 2.0 * TAU / f64::from(20 * COUNT);
+        for (drawn, even) in [(total, all), (inside, half)] {
+            let (got, want) = (drawn / f64::from(COUNT), even * sphere);
+            let error = sphere * even.sqrt();
+            assert!((got - want).abs() < 4.0 * error + 0.01 * want, "{got} {want} ± {error}");
+        }
+    }
+
+    #[test]
+    fn places_have_their_own_photons() {
+        let glow = Glow::new(&photons(4000)).unwrap();
+        for x in [0.1, 0.5, 0.9] {
+            let leaf = glow.at(DVec3::new(x, 0.0, 0.0)).unwrap();
+            let to = DVec3::new(0.3 * x, 0.0, 1.0).normalize();
+            assert!(leaf.density(to, 0.0) > 50.0, "{x}");
+            assert_eq!(leaf.density(-to, 2.0), 2.0 * (1.0 - GUIDED));
+        }
+        assert!(Glow::new(&photons(FEWEST - 1)).is_none());
+    }
+}

@@ -1,0 +1,237 @@
+//! An independent witness of a run: beside each pass, naive paths look at some pixels for the light that anybody but such
+//! paths has traced: from the eye, over whatever face they meet, with next-event estimation at scatterers. No table, no
+//! connection, no photon, numbers of their own. All that they are told is where
+//! in the pupil lamps are seen, and where light that lands about a place came from; a share of them goes anywhere. What they see goes into no picture;
+//! [`judge`](crate::film::witness::judge) holds it against one.
+//!
+//! How many looks a pass gets is a function of that pass: its counted work over that of a look, which a few looks before the
+//! first pass tell. So the same looks are made in whatever pieces the passes are.
+
+use super::backward::{Backward, Glow};
+use super::ledger::Ledger;
+use super::manifold::screens::Screens;
+use super::photon::PhotonMapper;
+use super::pixel::Pixel;
+use super::route::Route;
+use super::vision::Hints;
+use crate::base::ids::GroupId;
+use crate::base::path::Class;
+use crate::base::rng::{Rng, Stream};
+use crate::film::accumulate::{Light, PlaneKey};
+use crate::film::guide::PupilGuide;
+use crate::film::plan::{Estimator, Plan, Radii, Row, Verdict};
+use crate::film::witness::{Unwatched, Watched, Witness as Record, pixels};
+use crate::world::World;
+use crate::world::lamp::Lamp;
+use crate::world::mode::{Mode, Mono, components};
+use crate::world::surface::Surface;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Counted work of the looks over that of the passes: below a twentieth, for what a look costs is known by a few of them.
+const SHARE: f64 = 0.042;
+/// How many times less often than by chance a guided path goes anywhere, at most: `film::guide` and `glow` keep shares for it.
+const SELDOM: f64 = 8.0;
+/// Looks that tell what one costs.
+const TRIED: u64 = 64;
+/// Photons that tell where light comes from: such a part of those of a pass, one for so many pixels, and these bounds.
+const PHOTONS_OF_PASS: u64 = 16;
+const PIXELS_OF_PHOTON: u64 = 16;
+const FEWEST_PHOTONS: u64 = 1 << 10;
+const MOST_PHOTONS: u64 = 1 << 13;
+/// Looks of a chunk: they share wavelengths.
+const CHUNK: u64 = 4;
+/// Times that a pass looks at a pixel, at most.
+const MOST_TIMES: u64 = 64;
+/// A pass of no run: that of the looks that tell the cost.
+const BEFORE: u64 = u64::MAX / 2;
+
+/// A witness, ready to look.
+pub struct Witness<'w, M: Mode> {
+    world: &'w World,
+    backward: Backward<'w, M>,
+    pixels: Vec<u32>,
+    width: usize,
+    seed: u64,
+    /// Counted work of a look.
+    cost: f64,
+    pub record: Record,
+}
+
+impl<'w, M: Mode> Witness<'w, M> {
+    /// None if naive paths trace all of the plan's light themselves. `guide`: where in the pupil lamps are seen; a share of the
+    /// rays goes anywhere.
+    pub fn new(
+        world: &'w World,
+        plan: &Plan,
+        groups: usize,
+        (size, guide): ([usize; 2], Option<&PupilGuide>),
+        seed: u64,
+    ) -> Option<Self> {
+        let (watched, unwatched) = kinds(world, plan);
+        if watched.is_empty() && unwatched.is_empty() {
+            return None;
+        }
+        let key = |group: GroupId, class: Class, has_broad: bool| {
+            let layer = plan.layer(Estimator::Backward, group, class, has_broad);
+            let skipped = matches!(plan.row(group, class).verdict, Verdict::Skip { .. });
+            let ours = watched.iter().any(|own| (own.layer, own.group) == (layer, group));
+            (ours && !skipped).then_some(PlaneKey { layer, group, takes: 0 })
+        };
+        let route = Route::by(groups, &key);
+        // Planes come in the order in which paths ask for them.
+        let watched: Vec<Watched> = route
+            .planes
+            .iter()
+            .filter_map(|key| watched.iter().find(|own| (own.layer, own.group) == (key.layer, key.group)).cloned())
+            .collect();
+        let scatters = watched.iter().any(|own| own.classes.iter().any(|class| *class != Class::Vision));
+        // Other numbers than those of paths from the eye that are part of the run.
+        let own_seed = Rng::new(seed, Stream::Witness, 1, 0).next_u64();
+        let hints = Hints { pupil: guide, ..Hints::of_sky(None) };
+        let backward = Backward::new(world, route, (u32::from(scatters), 1.0), hints, own_seed);
+        let glow = if scatters { glow(world, plan, groups, &key, own_seed) } else { None };
+        let aimed = glow.is_some();
+        let backward = backward.towards(glow);
+        let mut watched = watched;
+        for own in &mut watched {
+            let scattered = own.classes.iter().any(|class| *class != Class::Vision);
+            own.aimed = if scattered { aimed } else { guide.is_some() };
+            own.brightest *= if own.aimed { SELDOM } else { 1.0 };
+        }
+        let record = Record::new(size, seed, watched, unwatched);
+        let mut witness =
+            Witness { world, backward, pixels: pixels(size, seed), width: size[0], seed: own_seed, cost: 1.0, record };
+        let looks = witness.looks(BEFORE, TRIED);
+        let work = looks.iter().map(|(_, work)| work).sum::<u64>();
+        witness.cost = (work as f64 / TRIED as f64).max(1.0);
+        Some(witness)
+    }
+
+    /// Looks beside passes of these numbers and counted work.
+    pub fn attend(&mut self, passes: &[(u64, u64)]) {
+        if self.record.watched.is_empty() {
+            return;
+        }
+        for (pass, work) in passes {
+            let mut rng = Rng::new(self.seed, Stream::Witness, 2, *pass);
+            let most = MOST_TIMES * self.pixels.len() as u64;
+            // Beyond the whole ones chance decides.
+            let count = ((SHARE * *work as f64 / self.cost + rng.uniform()) as u64).min(most);
+            let looks = self.looks(*pass, count);
+            for (chunk, work) in looks {
+                for (slot, light) in chunk {
+                    self.record.add(slot, &light);
+                }
+                self.record.work = self.record.work.saturating_add(work);
+            }
+            self.record.beside = self.record.beside.saturating_add(*work);
+        }
+    }
+
+    /// So many looks of a pass, chunk by chunk, each with its counted work.
+    fn looks(&self, pass: u64, count: u64) -> Vec<(Vec<Seen>, u64)> {
+        let slots = self.pixels.len() as u64;
+        // Passes start anywhere among the pixels, so all have their turn however few looks a pass has.
+        let first = Rng::new(self.seed, Stream::Witness, 3, pass).next_u64() % slots.max(1);
+        let of_chunk = |chunk: u64| {
+            let optics = M::optics(self.world, self.seed, pass.wrapping_mul(1 << 20).wrapping_add(chunk));
+            let parts = self.world.solids.len();
+            let mut ledgers = [Ledger::new(parts), Ledger::new(parts)];
+            let mut light = vec![Light::default(); self.record.watched.len() * M::COMPONENTS];
+            let mut seen = Vec::new();
+            for number in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
+                let slot = ((first + number) % slots) as usize;
+                let pixel = self.pixels[slot] as usize;
+                let time = pass.wrapping_mul(MOST_TIMES).wrapping_add(number / slots);
+                light.fill(Light::default());
+                let pixel = Pixel::new((pixel % self.width, pixel / self.width), self.width, time);
+                self.backward.look(&optics, pixel, &mut light, &mut ledgers);
+                let luminance = |entries: &[Light]| components::<M>().luminance(entries);
+                let each = light.chunks(M::COMPONENTS).map(luminance).map(|light| [light.value, light.open()]);
+                seen.push((slot, each.collect()));
+            }
+            (seen, ledgers[0].work + ledgers[1].work)
+        };
+        (0..count.div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect()
+    }
+}
+
+/// Where light that lands on scatterers came from, by photons that no connection has a part in.
+fn glow(
+    world: &World,
+    plan: &Plan,
+    groups: usize,
+    key: &dyn Fn(GroupId, Class, bool) -> Option<PlaneKey>,
+    seed: u64,
+) -> Option<Glow> {
+    let pixels = world.eye.size().iter().product::<usize>() as u64;
+    let count = (plan.photons / PHOTONS_OF_PASS + pixels / PIXELS_OF_PHOTON).clamp(FEWEST_PHOTONS, MOST_PHOTONS);
+    // Beside connection a plan's photons go where that leaves light.
+    let connected =
+        plan.rows.iter().any(|row| row.class == Class::Caustic && matches!(row.verdict, Verdict::Connect { .. }));
+    let guide = plan.photon_guide.as_ref().filter(|_| !connected);
+    let screens = Arc::new(Screens::new(world, &Mono::<f64>::optics(world, seed, 0), &[]));
+    let route = Route::by(groups, key);
+    let photons = PhotonMapper::<Mono>::new(world, route, groups, count, guide, Radii::default(), screens, seed);
+    let landed = photons.landings(BEFORE, &|| false);
+    Glow::new(&landed.into_iter().flat_map(|landed| landed.landings).collect::<Vec<_>>())
+}
+
+/// A pixel by number, and per kind of light what a look brought.
+type Seen = (usize, Vec<[f64; 2]>);
+
+/// The light that naive paths have to look for, and what they can't see.
+fn kinds(world: &World, plan: &Plan) -> (Vec<Watched>, Vec<Unwatched>) {
+    let (mut watched, mut unwatched): (Vec<Watched>, Vec<Unwatched>) = (Vec::new(), Vec::new());
+    let layer = |row: &Row, has_broad: bool| plan.layer(Estimator::Backward, row.group, row.class, has_broad);
+    let specular = world.faces.iter().flatten().any(|face| {
+        matches!(face.surface, Surface::Mirror(_) | Surface::Interface(_) | Surface::Sheet(_) | Surface::Slide(_))
+    });
+    for row in plan.rows.iter().filter(|row| !is_plain(&row.verdict)) {
+        let points = || world.lights.all().iter().any(|light| light.group() == row.group && !light.is_visible());
+        let over_faces = matches!(row.class, Class::Caustic | Class::Secondary);
+        if specular && over_faces && points() {
+            let because = "no path from the eye meets a lamp without extent".to_owned();
+            unwatched.push(Unwatched { group: row.group, class: row.class, because });
+            continue;
+        }
+        let layer = layer(row, row.class != Class::Vision);
+        match watched.iter_mut().find(|own| (own.layer, own.group) == (layer, row.group)) {
+            Some(own) => own.classes.push(row.class),
+            None => {
+                let brightest = brightest(world, row.group);
+                watched.push(Watched { layer, group: row.group, classes: vec![row.class], brightest, aimed: true });
+            }
+        }
+    }
+    // Their light is in the same layer as that which is watched, so it has to be looked for, too.
+    for row in plan.rows.iter().filter(|row| matches!(row.verdict, Verdict::Own { owner: Estimator::Backward, .. })) {
+        let layer = layer(row, row.class != Class::Vision);
+        if let Some(own) = watched.iter_mut().find(|own| (own.layer, own.group) == (layer, row.group)) {
+            own.classes.push(row.class);
+        }
+    }
+    watched.iter_mut().for_each(|own| own.classes.sort_unstable());
+    (watched, unwatched)
+}
+
+/// Whether naive paths trace this light anyway, or there is none.
+fn is_plain(verdict: &Verdict) -> bool {
+    match verdict {
+        Verdict::Own { owner, .. } => *owner == Estimator::Backward,
+        Verdict::Connect { .. } => false,
+        Verdict::Skip { .. } => true,
+    }
+}
+
+/// The largest luminance of a group's lamps, cd/m²; infinite if something else than emitting faces may be seen.
+fn brightest(world: &World, group: GroupId) -> f64 {
+    let others = world.lights.all().iter().any(|light| light.group() == group);
+    let sky = world.sky.as_ref().is_some_and(|sky| sky.group == group);
+    let of_lamp = |lamp: &Lamp| (0..=32).map(|k| lamp.luminance(f64::from(k) / 32.0)).fold(0.0, f64::max);
+    if others || sky {
+        return f64::INFINITY;
+    }
+    world.lamps.all().iter().filter(|lamp| lamp.group == group).map(of_lamp).fold(0.0, f64::max)
+}
