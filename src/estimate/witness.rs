@@ -10,7 +10,7 @@
 use super::backward::{Backward, Glow};
 use super::ledger::Ledger;
 use super::manifold::screens::Screens;
-use super::photon::PhotonMapper;
+use super::photon::{Landing, PhotonMapper};
 use super::pixel::Pixel;
 use super::route::Route;
 use super::vision::Hints;
@@ -34,11 +34,10 @@ const SHARE: f64 = 0.042;
 const SELDOM: f64 = 8.0;
 /// Looks that tell what one costs.
 const TRIED: u64 = 64;
-/// Photons that tell where light comes from: such a part of those of a pass, one for so many pixels, and these bounds.
-const PHOTONS_OF_PASS: u64 = 16;
-const PIXELS_OF_PHOTON: u64 = 16;
-const FEWEST_PHOTONS: u64 = 1 << 10;
-const MOST_PHOTONS: u64 = 1 << 13;
+/// Photons that tell where light comes from are traced so many at a time, until so many have landed.
+const PHOTONS: u64 = 1 << 10;
+const ROUNDS: u64 = 8;
+const ENOUGH: usize = 1 << 10;
 /// Looks of a chunk: they share wavelengths.
 const CHUNK: u64 = 4;
 /// Times that a pass looks at a pixel, at most.
@@ -165,17 +164,21 @@ fn glow(
     key: &dyn Fn(GroupId, Class, bool) -> Option<PlaneKey>,
     seed: u64,
 ) -> Option<Glow> {
-    let pixels = world.eye.size().iter().product::<usize>() as u64;
-    let count = (plan.photons / PHOTONS_OF_PASS + pixels / PIXELS_OF_PHOTON).clamp(FEWEST_PHOTONS, MOST_PHOTONS);
     // Beside connection a plan's photons go where that leaves light.
     let connected =
         plan.rows.iter().any(|row| row.class == Class::Caustic && matches!(row.verdict, Verdict::Connect { .. }));
     let guide = plan.photon_guide.as_ref().filter(|_| !connected);
     let screens = Arc::new(Screens::new(world, &Mono::<f64>::optics(world, seed, 0), &[]));
     let route = Route::by(groups, key);
-    let photons = PhotonMapper::<Mono>::new(world, route, groups, count, guide, Radii::default(), screens, seed);
-    let landed = photons.landings(BEFORE, &|| false);
-    Glow::new(&landed.into_iter().flat_map(|landed| landed.landings).collect::<Vec<_>>())
+    let photons = PhotonMapper::<Mono>::new(world, route, groups, PHOTONS, guide, Radii::default(), screens, seed);
+    let mut landed: Vec<Landing> = Vec::new();
+    for round in 0..ROUNDS {
+        landed.extend(photons.landings(BEFORE + round, &|| false).into_iter().flat_map(|landed| landed.landings));
+        if landed.len() >= ENOUGH {
+            break;
+        }
+    }
+    Glow::new(&landed)
 }
 
 /// A pixel by number, and per kind of light what a look brought.

@@ -85,7 +85,8 @@ pub fn plan(frame: &Frame) -> Vec<[String; 2]> {
 
 /// What a witness said of each kind of light: name, run over witness, its standard error, what is off; and a note.
 pub fn witness(frame: &Frame) -> Value {
-    let judgement = frame.text("witness").and_then(|text| serde_json::from_str::<Option<Judgement>>(text).ok()).flatten();
+    let judgement =
+        frame.text("witness").and_then(|text| serde_json::from_str::<Option<Judgement>>(text).ok()).flatten();
     let groups = list(frame, "groups").unwrap_or_default();
     let name = |group: GroupId| groups.get(group.index()).cloned().unwrap_or_default();
     let Some(judgement) = judgement else {
