@@ -6,7 +6,7 @@ use super::curve::fit::reach;
 use super::curve::race::{Budget, Ready, race};
 use super::curve::reference::{Source, references};
 use super::curve::{Curve, contenders};
-use super::generate::{Family, scene};
+use super::generate::{Family, scene_of};
 use crate::base::Result;
 use crate::base::stats::normal_tail;
 use crate::estimate::ShouldStop;
@@ -100,15 +100,15 @@ impl Agreement {
     }
 }
 
-/// Lets all choices trace the scene of a seed for `seconds` each; the references are from the eye, `factor` times as long
+/// Lets all choices trace the scene of a seed in a family for `seconds` each; the references are from the eye, `factor` times as long
 /// each. Where they don't know the light of every block to a tenth, they can't tell who is fast either: then the automatic
 /// choice makes two more for that, and brute force says what it can of a bias. What is beyond the limit then is judged once
 /// more by new brute force, four times as long, if that knows the picture's light at all.
 ///
 /// Errors: those of checking and freezing.
-pub fn judge(seed: u64, seconds: f64, factor: f64, stop: &ShouldStop<'_>) -> Result<Row> {
+pub fn judge(family: Family, seed: u64, seconds: f64, factor: f64, stop: &ShouldStop<'_>) -> Result<Row> {
     let start = cpu_seconds();
-    let scene = scene(seed);
+    let scene = scene_of(family, seed);
     let ready = Ready::new(&scene, cpu_seconds() - start)?;
     let trace = |choice: Choice, seed: u64, times: f64| -> Result<References> {
         let source = Source::Traced { choice, passes: None, seconds: times * factor * seconds };
@@ -118,7 +118,7 @@ pub fn judge(seed: u64, seconds: f64, factor: f64, stop: &ShouldStop<'_>) -> Res
     let references = if brute.know_all() { brute } else { trace(Choice::Auto, seed, 1.0)?.with_bias_by(brute) };
     let budget = Budget { seconds, passes: None };
     let curves = race(&ready, &contenders(), &references, seed, budget, stop);
-    let row = row(seed, &curves, &references);
+    let row = row((family, seed), &curves, &references);
     if row.agreement.holds() || stop() {
         return Ok(row);
     }
@@ -133,7 +133,7 @@ pub fn judge(seed: u64, seconds: f64, factor: f64, stop: &ShouldStop<'_>) -> Res
 }
 
 /// What the curves say; the first is the automatic choice's.
-fn row(seed: u64, curves: &[Curve], references: &References) -> Row {
+fn row((family, seed): (Family, u64), curves: &[Curve], references: &References) -> Row {
     let resolution = references.resolution();
     let auto = curves.first();
     let last = auto.and_then(|auto| auto.points.last());
@@ -159,7 +159,7 @@ fn row(seed: u64, curves: &[Curve], references: &References) -> Row {
     let (best_trace, _) = fastest(&|single| single.trace_seconds).unwrap_or((f64::NAN, "none"));
     Row {
         seed,
-        family: Family::of_seed(seed),
+        family,
         runs: auto.map_or_else(Vec::new, |auto| auto.runs.clone()),
         level,
         seconds: setup + trace,
@@ -280,7 +280,7 @@ mod tests {
     fn a_bad_choice_shows() {
         let curves =
             [curve("auto", 0.01, 1.0, 0.5), curve("forward", 0.1, 0.0, 0.0), curve("photon", 0.0025, 0.0, 0.0)];
-        let row = row(0, &curves, &exact());
+        let row = row((Family::Direct, 0), &curves, &exact());
         assert_eq!((row.best, row.is_fast(), row.agreement.holds()), ("photon", false, true));
         assert!((row.ratio - 6.0).abs() < 1e-9 && (row.trace_ratio - 4.0).abs() < 1e-9, "{row:?}");
         assert!(line(&row).contains("slower"), "{}", line(&row));
@@ -289,7 +289,7 @@ mod tests {
     #[test]
     fn a_good_choice_is_fast_and_a_wrong_picture_is_told() {
         let curves = [curve("auto", 0.01, 0.1, -9.0), curve("forward", 0.01, 0.1, 0.0), curve("photon", 1.0, 0.0, 0.0)];
-        let row = row(0, &curves, &exact());
+        let row = row((Family::Direct, 0), &curves, &exact());
         assert_eq!((row.best, row.is_fast(), row.agreement.holds()), ("forward", true, false));
         assert!((row.ratio - 1.0).abs() < 1e-9 && line(&row).contains("σ from brute force"), "{row:?}");
         // 48 blocks at 3 σ in all.

@@ -29,6 +29,7 @@ Examples:
   eyebox bench a1.optics.toml a2.optics.toml --seconds 16 -o curves.svg -o curves.csv -o results.md
   eyebox bench hud.optics.toml --estimators auto,forward --reference r1.exr --reference r2.exr
   eyebox bench --generate 0..12 --seconds 2
+  eyebox bench --generate 0..14 --families assemblies --seconds 2
   eyebox bench a2.optics.toml --error 0.1 --runs 100 --reference-estimator photon --seconds 60
   eyebox bench --generate 0..7 --error 0.05 --runs 40 --reference-estimator backward --seconds 10
   eyebox bench --stress

@@ -7,11 +7,12 @@ use crate::base::{Fault, Result, Where};
 use crate::bench::choice::{head, judge, line};
 use crate::bench::curve::asset::Form;
 use crate::bench::curve::race::Budget;
-use crate::bench::generate::scene;
+use crate::bench::generate::{Families, scene_of};
 use crate::bench::stated::{Stated, measure, measure_scene};
 use clap::Args;
 use std::ops::Range;
 use std::process::ExitCode;
+use std::str::FromStr;
 
 /// References of generated scenes take this many times a contender's seconds each: brute force is slow.
 const REFERENCE_FACTOR: f64 = 8.0;
@@ -24,6 +25,11 @@ pub struct ChoiceArgs {
     /// 1.3 of the best, or differs from brute force.
     #[arg(long, value_name = "SEED..SEED", value_parser = parse_range, conflicts_with_all = ["assets", "stress"])]
     generate: Option<Range<u64>>,
+    /// The families of scenes that seeds take turns over, seed mod their number: `first` (displays like the two samples and
+    /// rooms), `assemblies` (a windshield HUD, birdbath, combiner, light guide, microlenses, two slides, a car's cabin), `all`, or
+    /// names with commas between them, e.g. `cabin,light-guide`. The family and the seed alone make a scene.
+    #[arg(long, value_name = "FAMILIES", default_value = "first", value_parser = Families::from_str, requires = "generate")]
+    families: Families,
     /// Trace the asset, or the scenes of `--generate`, with many seeds until this relative error is stated, and hold the
     /// true error against it; exit 1 if fewer than nine in ten are true within 1.2 of it, or the references are too rough to
     /// tell.
@@ -62,13 +68,13 @@ pub fn run(args: &ChoiceArgs, curve: &CurveArgs, form: Form) -> Result<Option<Ex
         }
     };
     match (&args.generate, args.error) {
-        (Some(seeds), None) => generated(seeds.clone(), curve, json).map(Some),
-        (seeds, Some(error)) => stated(error, args.runs, seeds.clone(), curve, json).map(Some),
+        (Some(seeds), None) => generated(seeds.clone(), &args.families, curve, json).map(Some),
+        (_, Some(error)) => stated(error, args, curve, json).map(Some),
         (None, None) => Ok(None),
     }
 }
 
-fn generated(seeds: Range<u64>, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
+fn generated(seeds: Range<u64>, families: &Families, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
     let signals = Signals::install();
     let stop = || signals.caught().is_some();
     let pool = curve.pool()?;
@@ -78,7 +84,7 @@ fn generated(seeds: Range<u64>, curve: &CurveArgs, json: bool) -> Result<ExitCod
     }
     let mut rows = Vec::new();
     for seed in seeds {
-        let row = pool.install(|| judge(seed, seconds, REFERENCE_FACTOR, &stop))?;
+        let row = pool.install(|| judge(families.of_seed(seed), seed, seconds, REFERENCE_FACTOR, &stop))?;
         if stop() {
             break;
         }
@@ -94,7 +100,8 @@ fn generated(seeds: Range<u64>, curve: &CurveArgs, json: bool) -> Result<ExitCod
     Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!sound)) })
 }
 
-fn stated(error: f64, runs: u64, seeds: Option<Range<u64>>, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
+fn stated(error: f64, args: &ChoiceArgs, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
+    let (seeds, runs) = (args.generate.clone(), args.runs);
     let signals = Signals::install();
     let stop = || signals.caught().is_some();
     let (pool, task) = (curve.pool()?, curve.task()?);
@@ -113,7 +120,7 @@ fn stated(error: f64, runs: u64, seeds: Option<Range<u64>>, curve: &CurveArgs, j
         reports.push(pool.install(|| measure(path, &task, (error, runs), &stop, &mut tell))?);
     }
     for seed in seeds.into_iter().flatten().take_while(|_| !stop()) {
-        let scene = scene(seed);
+        let scene = scene_of(args.families.of_seed(seed), seed);
         let of_scene = || measure_scene(&scene, scene.name.clone(), &task, (error, runs), &stop, &mut tell);
         reports.push(pool.install(of_scene)?);
     }
