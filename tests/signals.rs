@@ -1,4 +1,4 @@
-//! `eyebox render` under SIGTERM and SIGINT: it ends soon, with a whole file or with none.
+//! `eyebox render` under SIGTERM, SIGINT and SIGHUP: it ends soon, with a whole file or with none.
 #![cfg(unix)]
 
 use std::path::Path;
@@ -31,7 +31,7 @@ fn end(child: Child) -> (Option<i32>, String, f64) {
 
 #[test]
 fn a_signal_at_any_time_leaves_a_whole_file_or_none() {
-    for (name, code) in [("TERM", 143), ("INT", 130)] {
+    for (name, code) in [("TERM", 143), ("INT", 130), ("HUP", 129)] {
         // From the import through the pilots to the first passes.
         for wait_ms in [150, 700, 1500, 3000, 6000] {
             let folder = tempfile::tempdir().expect("a folder");
@@ -53,4 +53,45 @@ fn a_signal_at_any_time_leaves_a_whole_file_or_none() {
             }
         }
     }
+}
+
+/// Two passes to `output`, telling of their progress every second and at the end.
+fn short(output: &Path, before: &str) -> Child {
+    let sidecar = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/hud-diffuse/hud.optics.toml");
+    Command::new("sh")
+        .args(["-c", &format!("{before} exec \"$@\""), "sh", env!("CARGO_BIN_EXE_eyebox")])
+        .args(["render", "--samples", "2", "--progress", "openjd", "--threads", "1", "--resolution", "64x32", "-o"])
+        .arg(output)
+        .arg(sidecar)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program runs")
+}
+
+fn has_passes(output: &Path) -> Option<i64> {
+    eyebox::output::exr::read_exr(output).expect("a whole file").integer("passes")
+}
+
+/// `nohup` has the signal ignored: that must stay so.
+#[test]
+fn a_run_that_ignores_hanging_up_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("a.exr");
+    let child = short(&output, "trap '' HUP;");
+    std::thread::sleep(Duration::from_millis(700));
+    signal(&child, "HUP");
+    let (ended, said, _) = end(child);
+    assert_eq!((ended, has_passes(&output)), (Some(0), Some(2)), "{said}");
+}
+
+/// A connection that drops takes the reader of the progress away too: that is no reason to lose the picture.
+#[test]
+fn a_run_that_nobody_reads_any_more_writes_its_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("a.exr");
+    let mut child = short(&output, "");
+    drop(child.stderr.take());
+    let (ended, ..) = end(child);
+    assert_eq!((ended, has_passes(&output)), (Some(0), Some(2)));
 }

@@ -1,7 +1,15 @@
 //! Floor 7: one file per subcommand: arguments → calls, no logic.
 //!
-//! Exit codes: 0 clean, 1 findings (or a stated error not met), 2 usage or failure, 130 and 143 after Ctrl-C and SIGTERM
-//! (with a valid file).
+//! Exit codes: 0 clean, 1 findings (or a stated error not met), 2 usage or failure, 130, 143 and 129 after Ctrl-C, SIGTERM and
+//! SIGHUP (with a valid file).
+
+/// A line on stderr. `eprintln!` panics where nobody reads any more, as after a dropped connection, and the picture is lost.
+macro_rules! tell {
+    ($($said:tt)*) => {{
+        let line = format!("{}\n", format_args!($($said)*));
+        let _ = std::io::Write::write_all(&mut anstream::stderr().lock(), line.as_bytes());
+    }};
+}
 
 mod annotate;
 mod bench;
@@ -162,7 +170,7 @@ fn one_line(text: &str) -> String {
 /// One line on stderr, red `error` on terminals that want colour.
 fn say(fault: &Fault) {
     let red = anstyle::AnsiColor::Red.on_default().bold();
-    anstream::eprintln!("{red}error{red:#}: {fault}");
+    tell!("{red}error{red:#}: {fault}");
 }
 
 /// A time code of `--frame`.

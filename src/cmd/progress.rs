@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// Ctrl-C and SIGTERM: the first asks the run to end after the current block, the second ends the process at once.
+/// Ctrl-C, SIGTERM and SIGHUP: the first asks the run to end after the current block, the second ends the process at once.
 #[derive(Clone)]
 pub struct Signals(Arc<AtomicUsize>);
 
@@ -17,7 +17,7 @@ impl Signals {
     pub fn install() -> Self {
         use signal_hook::consts::{SIGINT, SIGTERM};
         let caught = Arc::new(AtomicUsize::new(0));
-        for signal in [SIGINT, SIGTERM] {
+        for signal in [SIGINT, SIGTERM].into_iter().chain(hang_up()) {
             // Registering fails only where the system has no such signal; then it can't arrive either.
             let armed = Arc::new(std::sync::atomic::AtomicBool::new(false));
             let _ = signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&armed));
@@ -41,6 +41,25 @@ impl Signals {
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(self.caught().and_then(|signal| u8::try_from(128 + signal).ok()).unwrap_or(2))
     }
+}
+
+/// The signal of a terminal that is gone, unless whoever started the program had it ignored: `nohup` runs go on.
+#[cfg(unix)]
+fn hang_up() -> Option<i32> {
+    use signal_hook::consts::SIGHUP;
+    unsafe extern "C" {
+        /// signal(2) of the C library that `std` is linked to; SIG_IGN asks for no handler.
+        safe fn signal(number: i32, handler: usize) -> usize;
+    }
+    /// SIG_IGN of <signal.h>, the same on all Unix systems.
+    const IGNORED: usize = 1;
+    // It says what held before only while it sets something. Until the handler is there nothing would be written anyway.
+    (signal(SIGHUP, IGNORED) != IGNORED).then_some(SIGHUP)
+}
+
+#[cfg(not(unix))]
+fn hang_up() -> Option<i32> {
+    None
 }
 
 /// Who reads the progress.
@@ -92,7 +111,7 @@ impl Progress {
     pub fn finish(&self) {
         if self.heartbeat.is_some() && self.reader == ProgressArg::Openjd {
             // Short runs have said nothing yet.
-            eprintln!("openjd_progress: 100.0");
+            tell!("openjd_progress: 100.0");
         }
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
@@ -138,11 +157,11 @@ impl Observer for Progress {
         {
             self.last = Instant::now();
             match self.reader {
-                ProgressArg::Auto => eprintln!("eyebox: {}", self.line(status)),
+                ProgressArg::Auto => tell!("eyebox: {}", self.line(status)),
                 ProgressArg::Openjd => {
                     // The engine reads both streams of a task; standard output is the summary's.
-                    eprintln!("openjd_progress: {:.1}", 100.0 * self.share(status));
-                    eprintln!("openjd_status: {}", self.line(status));
+                    tell!("openjd_progress: {:.1}", 100.0 * self.share(status));
+                    tell!("openjd_status: {}", self.line(status));
                 }
             }
         }

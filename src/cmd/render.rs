@@ -245,7 +245,7 @@ fn is_lit(world: &World) -> bool {
 
 /// Without a picture an older file stays as it is.
 fn stopped(args: &RenderArgs, when: &str) -> Ended {
-    anstream::eprintln!("eyebox: stopped {when}; {} was not written", args.output.display());
+    tell!("eyebox: stopped {when}; {} was not written", args.output.display());
     Ended::Stopped
 }
 

@@ -104,11 +104,11 @@ pub fn run(args: &ScanArgs) -> Result<ExitCode> {
     let stop = || signals.caught().is_some();
     let found = scan(&scene, &asked, &stop, |done| {
         if told {
-            anstream::eprintln!("eyebox: {done} of {all} positions");
+            tell!("eyebox: {done} of {all} positions");
         }
     })?;
     let Some(found) = found else {
-        anstream::eprintln!("eyebox: stopped; nothing was written");
+        tell!("eyebox: stopped; nothing was written");
         return Ok(signals.exit_code());
     };
     let json = || serde_json::json!({ "asset": args.source.asset, "scan": found });

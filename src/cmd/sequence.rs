@@ -116,7 +116,7 @@ pub fn run(args: &RenderArgs, frames: Frames, signals: &Signals) -> Result<ExitC
         let path = pattern.path(code);
         if args.skips_existing() && path.exists() {
             if !args.is_quiet() {
-                anstream::eprintln!("eyebox: {} is there, skipped", path.display());
+                tell!("eyebox: {} is there, skipped", path.display());
             }
             continue;
         }
@@ -132,7 +132,7 @@ pub fn run(args: &RenderArgs, frames: Frames, signals: &Signals) -> Result<ExitC
         }
     }
     if failed > 0 {
-        anstream::eprintln!("eyebox: {failed} of {} frames failed", frames.count());
+        tell!("eyebox: {failed} of {} frames failed", frames.count());
     }
     Ok(ExitCode::from(if failed > 0 { 2 } else { u8::from(unmet > 0) }))
 }

@@ -64,7 +64,7 @@ impl Saver<'_> {
     fn save(&mut self, films: &Films) {
         let [width, height] = self.head.finishing.size;
         if let Err(fault) = save(&self.path, &self.head, films, &Frame::new(width, height)) {
-            anstream::eprintln!("eyebox: warning: {fault}; the last checkpoint stays");
+            tell!("eyebox: warning: {fault}; the last checkpoint stays");
         }
         self.last = Instant::now();
     }

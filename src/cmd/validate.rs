@@ -73,7 +73,10 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode> {
     let text = render(&report, args.format);
     match args.format {
         // Colours only where they are wanted: terminals without NO_COLOR.
-        Style::Text => anstream::print!("{text}"),
+        Style::Text => {
+            // A closed pipe is no failure.
+            let _ = std::io::Write::write_all(&mut anstream::stdout().lock(), text.as_bytes());
+        }
         Style::Json | Style::Sarif | Style::Junit | Style::Github => print_text(text),
     }
     let passes = report.is_clean() || args.exit_zero || config.exit_zero || args.write_baseline.is_some();
