@@ -102,18 +102,65 @@ fn a_lamp_in_a_plane_mirror() {
         assert!((got.max_arcmin - want.max_arcmin).abs() < 1e-5, "{got:?} {want:?}");
         let white = position.luminance.unwrap();
         let [centre, mean] = [white.centre, white.mean].map(|level| level.unwrap().value);
-        // The mean of patches of half a degree, some over the lamp's rim.
-        assert!((centre / (MIRROR * LAMP_CD_M2) - 1.0).abs() < 1e-3, "{centre}");
-        assert!(mean > 0.3 * MIRROR * LAMP_CD_M2 && mean <= centre * 1.001, "{mean}");
+        // A uniform lamp is uniform: no patch of half a degree hangs over its rim, where it would read less.
+        let uniformity = white.uniformity.unwrap().value;
+        assert_eq!((white.patches, white.black), (9, false));
+        for got in [centre / (MIRROR * LAMP_CD_M2), mean / (MIRROR * LAMP_CD_M2), uniformity] {
+            assert!((got - 1.0).abs() < 1e-3, "{white:?}");
+        }
     }
     // From the middle, between both rows, all would be square to the axis; here the rows mirror each other.
     let [up, down] = [1, 4].map(|i| found.positions[i].distortion.unwrap().max_arcmin);
     assert!((up - down).abs() < 1e-5, "{up} {down}");
     let table = csv(&found);
     assert_eq!(table.lines().count(), 7);
-    assert!(table.lines().all(|line| line.split(',').count() == 22), "{table}");
+    assert!(table.lines().all(|line| line.split(',').count() == 24), "{table}");
     assert!(!table.contains("NaN") && !table.contains("inf"), "{table}");
     assert!(lines(&found).iter().any(|line| line.starts_with("convergence, mean")), "{:?}", lines(&found));
+}
+
+/// The eye looks 3° wide and the lamp is 2.86°: from 60 mm aside, 4.3°, its picture is outside of that. Luminances are those
+/// of the middle all the same, and it is said what `render` would cut off.
+#[test]
+fn the_field_of_view_moves_with_the_picture() {
+    let mut scene = mirrored(0.3);
+    scene.eye.fov_deg = 3.0;
+    let asked_light = Asked { choice: Choice::Auto, polarisation: Polarisation::Off, guides: Guides::On };
+    let light = LightAsked { resolution: [64, 64], passes: 4, seed: 1, asked: asked_light };
+    let found = run(&scene, &ScanAsked { light: Some(light), points: [5, 5], ..asked([3, 1], [0.12, 0.0]) });
+    for position in &found.positions {
+        let white = position.luminance.unwrap();
+        let [centre, mean] = [white.centre, white.mean].map(|level| level.unwrap().value);
+        assert!((centre / (MIRROR * LAMP_CD_M2) - 1.0).abs() < 1e-3, "{white:?}");
+        assert!((mean / (MIRROR * LAMP_CD_M2) - 1.0).abs() < 1e-3, "{white:?}");
+    }
+    assert_eq!(found.positions.iter().map(|p| p.cut).collect::<Vec<_>>(), [1.0, 0.0, 1.0]);
+    let said = lines(&found);
+    assert_eq!(said.iter().filter(|line| line.contains("cuts 100 % of the picture off")).count(), 2, "{said:?}");
+}
+
+/// A white screen in the place of the lamp is seen from everywhere, but the lamp shines away from it.
+#[test]
+fn a_picture_without_light_is_a_warning() {
+    let mut scene = mirrored(0.3);
+    let group = scene.parts[1].faces[0].emitter.take().expect("the lamp").group;
+    scene.parts[1].faces[0].finish = Finish::Lambert { reflectance: 0.5, transmittance: 0.0 };
+    let mut shining = face(Finish::Absorber);
+    shining.emitter = lamp(group, LAMP_CD_M2);
+    let panel = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.02, -DVec3::Z * 0.01)]);
+    add_part(&mut scene, "away", panel, DVec3::new(0.0, 0.9, -0.3), None, vec![shining]);
+    let asked_light = Asked { choice: Choice::Auto, polarisation: Polarisation::Off, guides: Guides::On };
+    let light = LightAsked { resolution: [32, 32], passes: 2, seed: 1, asked: asked_light };
+    let found = run(&scene, &ScanAsked { light: Some(light), ..asked([2, 1], [0.02, 0.0]) });
+    assert_eq!((found.part.as_str(), found.positions[0].seen), ("lamp", 1.0));
+    let said = lines(&found);
+    for position in &found.positions {
+        let place = format!("x {:.2} mm", 1e3 * position.x_m);
+        assert!(
+            said.iter().any(|l| l.starts_with("warning: ") && l.contains(&place) && l.contains("no light")),
+            "{said:?}"
+        );
+    }
 }
 
 /// Beside a small mirror nothing is seen, and it is said so.

@@ -22,7 +22,7 @@ const SIDE: usize = 120;
 #[command(after_help = "\
 The grid is centred on the scene's eye, in the plane of its pupil, and its outermost positions are on the eyebox's rim. \
 Directions are found by exact rays through the specular faces, luminances by a short rendering from each position. What \
-cannot be seen from a position is said so. docs/scan.md has the definitions and their sources.
+cannot be seen from a position is said so; a picture without light from some position is a warning, with exit code 1. docs/scan.md has the definitions and their sources.
 
 Examples:
   eyebox scan hud.optics.toml --eyebox 5x3
@@ -53,7 +53,8 @@ pub struct ScanArgs {
     /// Passes of each short rendering.
     #[arg(long, value_name = "PASSES", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..))]
     samples: u64,
-    /// Width and height of the short renderings in pixels [default: the eye's, scaled to a longer side of 120]
+    /// Width and height of the short renderings in pixels [default: the eye's, scaled to a longer side of 120]. Their field of
+    /// view is as wide as the picture needs from each position.
     #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
     resolution: Option<[usize; 2]>,
     /// Trace the polarisation of light in the short renderings.
@@ -121,7 +122,7 @@ pub fn run(args: &ScanArgs) -> Result<ExitCode> {
         write_atomic(path, text.as_bytes())?;
     }
     print(args.format, || lines(&found).join("\n"), json)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::from(u8::from(found.positions.iter().any(|position| position.warning.is_some()))))
 }
 
 /// How the file is written.

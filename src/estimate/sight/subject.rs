@@ -128,8 +128,7 @@ impl Subject {
         let mut points = Vec::with_capacity(cells[0].saturating_mul(cells[1]).min(1 << 16));
         for row in 0..cells[1] {
             for column in 0..cells[0] {
-                let part = |i: usize, n: usize| INSET + (1.0 - 2.0 * INSET) * i as f64 / (n.max(2) - 1) as f64;
-                let (u, v) = (part(column, cells[0]), part(row, cells[1]));
+                let (u, v) = (share(column, cells[0]), share(row, cells[1]));
                 let place = corner + sides[0] * u + sides[1] * v;
                 let place = place - normal * (place - first.place).dot(normal);
                 let near = hits.iter().min_by(|a, b| a.place.distance(place).total_cmp(&b.place.distance(place)));
@@ -144,6 +143,16 @@ impl Subject {
         let from = world.eye.position() + world.geometry.origin();
         Ok(Subject { kind, part, face, train, normal, size, points, from })
     }
+}
+
+/// Where the point with this number of `count` along a side is, 0–1.
+fn share(index: usize, count: usize) -> f64 {
+    INSET + (1.0 - 2.0 * INSET) * index as f64 / (count.max(2) - 1) as f64
+}
+
+/// The number, with a fraction, that a point at this share of a side would have: what [`share`] undoes.
+pub fn on_grid(share: f64, count: usize) -> f64 {
+    (share - INSET) / (1.0 - 2.0 * INSET) * (count.max(2) - 1) as f64
 }
 
 /// What rays met, by kind, part, face and chain.

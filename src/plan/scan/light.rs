@@ -1,7 +1,7 @@
 //! The luminance of the virtual image from one position, by a short rendering: with lamps imaged into the pupil or behind
 //! a screen that scatters there is no ray whose luminance would be that of the whole pupil.
 
-use super::Line;
+use super::places::{Places, looking_at};
 use crate::base::colour::ColourSpace;
 use crate::base::fault::Result;
 use crate::check::check;
@@ -29,15 +29,20 @@ pub struct LightAsked {
     pub asked: Asked,
 }
 
-/// Luminances of the display with its slide fully open, cd/m², with one-sigma errors.
+/// Luminances of the display with its slide fully open, cd/m², with one-sigma errors, of patches that lie wholly inside of
+/// what is seen of the picture.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct White {
-    /// At the middle of the picture, if it is seen.
+    /// In the middle of the picture, if a patch there is inside.
     pub centre: Option<Level>,
-    /// Over all points that are seen.
+    /// Over the middles of as many equal cells of the picture as there are points.
     pub mean: Option<Level>,
-    /// Least over largest of nine points; none unless all nine are seen.
+    /// Least over largest of nine points; none unless all nine are inside.
     pub uniformity: Option<Level>,
+    /// How many patches `mean` is of.
+    pub patches: usize,
+    /// Lamps are on, and no light came from anywhere in the picture.
+    pub black: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -60,54 +65,79 @@ impl Observer for Stopping<'_> {
     }
 }
 
-/// Renders from the position that `world` was made for and reads white at the directions of the points. None if `stop`
-/// said true. Errors: a scene that cannot be planned, light that is not finite.
+/// Renders from the eye of `scene`, with a field of view that holds what is seen of the picture, and reads white there. None
+/// if `stop` said true, or nothing of the picture is seen. Errors: a scene that cannot be planned, light that is not finite.
 pub fn white(
-    scene: &Scene,
-    world: &World,
+    scene: &mut Scene,
     light: &LightAsked,
-    lines: &[Line],
-    cells: [usize; 2],
+    places: &Places,
+    [columns, rows]: [usize; 2],
     stop: &ShouldStop<'_>,
 ) -> Result<Option<White>> {
-    let checked = check(scene)?;
-    let Some(mut plan) = plan_unless(&checked, world, light.asked, stop) else { return Ok(None) };
+    let Some([low, high]) = places.bounds() else { return Ok(None) };
+    let own = scene.eye.clone();
+    scene.eye = looking_at(&own, [low, high]);
+    let rendered = render(scene, light, stop);
+    scene.eye = own;
+    let Some((frame, world)) = rendered? else { return Ok(None) };
+    let image = display(&frame)?;
+    let independent = pixels_are_independent(&frame);
+    let (size, pixel) = ([frame.width, frame.height], DVec2::from_array(world.eye.pixel()));
+    // A patch at a sixth of a side is to be inside, however small the picture is: a third of the side, less the pixel by which
+    // it may have to be moved, and less than the rim beyond the outermost points has.
+    let third = (0.98 * (high - low) / pixel / 3.0 - 1.0).min_element().max(1.0) as usize;
+    let side = patch_pixels(&frame).clamp(1, third);
+    let at = |u: f64, v: f64| {
+        let middle = 0.5 * DVec2::new(size[0] as f64, size[1] as f64);
+        let place = places.film([u, v])? / pixel;
+        let pixels = patch(middle + DVec2::new(place.x, -place.y), side, size)?;
+        let film = |column: usize, row: usize| {
+            let across = DVec2::new(column as f64, row as f64) - middle;
+            DVec2::new(across.x, -across.y) * pixel
+        };
+        let [left, right, top, bottom] = pixels;
+        let inside = places.holds([film(left, bottom), film(right, top)]);
+        let all: Vec<usize> = (top..bottom).flat_map(|y| (left..right).map(move |x| y * size[0] + x)).collect();
+        if inside { mean(&image, &all, independent) } else { None }
+    };
+    let cell = |i: usize, count: usize| (i as f64 + 0.5) / count as f64;
+    let all: Vec<Uncertain> =
+        (0..columns * rows).filter_map(|i| at(cell(i % columns, columns), cell(i / columns, rows))).collect();
+    let nine: Vec<Uncertain> = (0..9).filter_map(|i| at(cell(i % 3, 3), cell(i / 3, 3))).collect();
+    let by_value = |a: &&Uncertain, b: &&Uncertain| a.value.total_cmp(&b.value);
+    let extremes = nine.iter().min_by(by_value).zip(nine.iter().max_by(by_value)).filter(|_| nine.len() == 9);
+    let sum = all.split_first().map(|(first, rest)| rest.iter().fold(*first, |sum, point| sum.plus(*point)));
+    let count = all.len().max(1) as f64;
+    let lit = if all.is_empty() {
+        image.values.iter().any(|value| *value > 0.0)
+    } else {
+        all.iter().any(|patch| patch.value > 0.0)
+    };
+    let on = world.lamps.total_flux_lm() > 0.0 || !scene.lights.is_empty();
+    Ok(Some(White {
+        centre: at(0.5, 0.5).map(Level::from),
+        mean: sum.map(|sum| Level { value: sum.value / count, sigma: sum.sigma.map(|sigma| sigma / count) }),
+        uniformity: extremes.and_then(|(least, most)| least.over(*most)).map(Level::from),
+        patches: all.len(),
+        black: on && !lit,
+    }))
+}
+
+/// The frame of a short rendering and its world. None if `stop` said true.
+fn render(scene: &Scene, light: &LightAsked, stop: &ShouldStop<'_>) -> Result<Option<(Frame, World)>> {
+    let (checked, world) = (check(scene)?, World::freeze(scene)?);
+    let Some(mut plan) = plan_unless(&checked, &world, light.asked, stop) else { return Ok(None) };
     plan.errors = ErrorDetail::Layers;
     let limits = Limits { passes: Some(light.passes), ..Limits::default() };
     let size = scene.eye.resolution;
-    let outcome = run(world, &plan, scene.groups.len(), size, light.seed, &limits, &mut Stopping(stop));
+    let outcome = run(&world, &plan, scene.groups.len(), size, light.seed, &limits, &mut Stopping(stop));
     if stop() {
         return Ok(None);
     }
     let finished = picture(scene, &plan, &outcome, ColourSpace::Rec709)?;
     let mut frame = finished.frame;
     add_meta(&mut frame, scene, &plan, &outcome, light.seed, &finished.splits);
-    let image = display(&frame)?;
-    let independent = pixels_are_independent(&frame);
-    let side = patch_pixels(&frame).max(1);
-    let at = |column: usize, row: usize| {
-        let line = lines.iter().find(|line| line.cell == [column, row] && line.seen)?;
-        let film = line.direction_deg?.map(|angle| angle.to_radians().tan());
-        let pixel = world.eye.pixel_of(DVec2::from_array(film))?;
-        mean(&image, &patch(pixel, side, size), independent)
-    };
-    let [columns, rows] = cells;
-    let all: Vec<Uncertain> = (0..columns * rows).filter_map(|i| at(i % columns, i / columns)).collect();
-    let nine: Vec<Uncertain> = (0..9)
-        .filter_map(|i| {
-            let cell = |count: usize, third: usize| ((count - 1) * (2 * third + 1) + 3) / 6;
-            at(cell(columns, i % 3), cell(rows, i / 3))
-        })
-        .collect();
-    let by_value = |a: &&Uncertain, b: &&Uncertain| a.value.total_cmp(&b.value);
-    let extremes = nine.iter().min_by(by_value).zip(nine.iter().max_by(by_value)).filter(|_| nine.len() == 9);
-    let sum = all.split_first().map(|(first, rest)| rest.iter().fold(*first, |sum, point| sum.plus(*point)));
-    let count = all.len().max(1) as f64;
-    Ok(Some(White {
-        centre: at((columns - 1) / 2, (rows - 1) / 2).map(Level::from),
-        mean: sum.map(|sum| Level { value: sum.value / count, sigma: sum.sigma.map(|sigma| sigma / count) }),
-        uniformity: extremes.and_then(|(least, most)| least.over(*most)).map(Level::from),
-    }))
+    Ok(Some((frame, world)))
 }
 
 /// The light of the group that the slide modulates with the slide fully open, or of all groups where there is none.
@@ -115,7 +145,13 @@ fn display(frame: &Frame) -> Result<Image> {
     let rendering = Rendering::of(frame)?;
     let weigh = Luminance::in_frame(frame);
     let pixels = frame.width * frame.height;
-    let own = modulated(&rendering).ok();
+    let slides = rendering.shares.iter().any(|share| share.split.is_some());
+    let own = match modulated(&rendering) {
+        Ok(group) => Some(group),
+        // A slide that no light comes through makes a black picture, whatever else shines.
+        Err(groups) if groups.is_empty() && slides => return Ok(Image { values: vec![0.0; pixels], errors: None }),
+        Err(_) => None,
+    };
     let mut values = vec![0.0; pixels];
     let mut variances = Some(vec![0.0; pixels]);
     for share in rendering.shares.iter().filter(|share| own.as_ref().is_none_or(|own| *own == share.group)) {
@@ -132,22 +168,26 @@ fn display(frame: &Frame) -> Result<Image> {
     Ok(Image { values, errors })
 }
 
-/// The pixels of a square about one, as far as they are in the picture.
-fn patch(pixel: usize, side: usize, [width, height]: [usize; 2]) -> Vec<usize> {
-    let (x, y) = (pixel % width.max(1), pixel / width.max(1));
-    let range = |at: usize, size: usize| at.saturating_sub(side / 2)..(at - (side / 2).min(at) + side).min(size);
-    let columns = range(x, width);
-    range(y, height).flat_map(|y| columns.clone().map(move |x| y * width + x)).collect()
+/// The square of pixels about a place, from its left, to its right, from its top and to its bottom; none that the frame cuts.
+fn patch(place: DVec2, side: usize, size: [usize; 2]) -> Option<[usize; 4]> {
+    let range = |at: f64, size: usize| {
+        let first = (at - 0.5 * side as f64).round();
+        (first >= 0.0 && first + side as f64 <= size as f64).then_some([first as usize, first as usize + side])
+    };
+    let ([left, right], [top, bottom]) = (range(place.x, size[0])?, range(place.y, size[1])?);
+    Some([left, right, top, bottom])
 }
 
 #[cfg(test)]
 mod tests {
-    use super::patch;
+    use super::*;
 
     #[test]
-    fn patches_stay_in_the_picture() {
-        assert_eq!(patch(5 * 8 + 3, 1, [8, 6]), [43]);
-        assert_eq!(patch(0, 3, [8, 6]), [0, 1, 2, 8, 9, 10, 16, 17, 18]);
-        assert_eq!(patch(47, 3, [8, 6]), [38, 39, 46, 47]);
+    fn a_patch_is_whole_or_not_at_all() {
+        let at = |x: f64, y: f64, side: usize| patch(DVec2::new(x, y), side, [8, 6]);
+        assert_eq!(at(3.5, 5.5, 1), Some([3, 4, 5, 6]));
+        assert_eq!(at(6.7, 4.4, 3), Some([5, 8, 3, 6]));
+        assert_eq!(at(6.4, 4.4, 2), Some([5, 7, 3, 5]));
+        assert_eq!((at(0.5, 3.0, 3), at(4.0, 5.5, 3), at(f64::NAN, 3.0, 1)), (None, None, None));
     }
 }

@@ -3,6 +3,7 @@
 
 pub mod light;
 pub mod lines;
+pub mod places;
 pub mod table;
 
 use crate::base::fault::Result;
@@ -17,6 +18,7 @@ use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
 use glam::DVec3;
 use light::{LightAsked, White, white};
+use places::Places;
 
 /// Most positions, and most points of the picture.
 pub const MOST_POSITIONS: usize = 4096;
@@ -63,8 +65,12 @@ pub struct Position {
     pub y_m: f64,
     /// Share of the picture's points that the middle of the pupil sees.
     pub seen: f64,
+    /// Share of what is seen that lies outside of the eye's own field of view: `render` cuts it off from here.
+    pub cut: f64,
     /// Why nothing was scanned from here.
     pub why: Option<String>,
+    /// What is suspicious about what was found.
+    pub warning: Option<String>,
     pub luminance: Option<White>,
     pub distortion: Option<Distortion>,
     pub distance: Option<Distances>,
@@ -118,6 +124,7 @@ pub fn scan(
 ) -> Result<Option<Scan>> {
     let eyebox_m = checked(scene, asked)?;
     let mut scene = scene.clone();
+    let half = scene.eye.half_tangents();
     if let Some(light) = &asked.light {
         // The display alone: what is behind it is no business of the eyebox.
         scene.sky = None;
@@ -137,12 +144,15 @@ pub fn scan(
             Ok(world) => {
                 let optics = Mono::<f64>::optics(&world, 0, 0);
                 lines::fill(&mut position, (&world, &optics), &scene.eye, &subject, asked.ipd_m);
+                let places = Places::new(&position.points, asked.points);
+                position.cut = places.cut(half);
                 if let Some(light) = &asked.light {
-                    match white(&scene, &world, light, &position.points, asked.points, stop) {
+                    match white(&mut scene, light, &places, asked.points, stop) {
                         Ok(found) => position.luminance = found,
                         Err(fault) => position.why = Some(fault.to_string()),
                     }
                 }
+                position.warning = position.luminance.filter(|white| white.black).map(|_| black(&position));
             }
             // The eye is inside of something, most likely.
             Err(fault) => position.why = Some(fault.to_string()),
@@ -164,7 +174,9 @@ impl Position {
             x_m: 0.0,
             y_m: 0.0,
             seen: 0.0,
+            cut: 0.0,
             why: None,
+            warning: None,
             luminance: None,
             distortion: None,
             distance: None,
@@ -172,6 +184,17 @@ impl Position {
             points: Vec::new(),
         }
     }
+}
+
+/// What is said of a picture without light.
+fn black(position: &Position) -> String {
+    format!(
+        "from x {:.2} mm, y {:.2} mm {:.0} % of the picture's points are seen, and no light comes from them though lamps are \
+         on: something between lamps and picture is wrong, or the paths were not found (look with `eyebox rays`)",
+        1e3 * position.x_m,
+        1e3 * position.y_m,
+        100.0 * position.seen
+    )
 }
 
 /// Of `count` positions over −½ … ½ the one with this number; one alone is in the middle.

@@ -6,14 +6,16 @@ use super::{Position, Scan};
 /// A column of the table of positions: name with unit, and value.
 type Column = (&'static str, fn(&Position) -> Option<f64>);
 
-const COLUMNS: [Column; 22] = [
+const COLUMNS: [Column; 24] = [
     ("x_mm", |p| Some(1e3 * p.x_m)),
     ("y_mm", |p| Some(1e3 * p.y_m)),
     ("seen", |p| Some(p.seen)),
+    ("cut_off", |p| Some(p.cut)),
     ("centre_cd_m2", |p| Some(p.luminance?.centre?.value)),
     ("centre_sigma_cd_m2", |p| p.luminance?.centre?.sigma),
     ("mean_cd_m2", |p| Some(p.luminance?.mean?.value)),
     ("mean_sigma_cd_m2", |p| p.luminance?.mean?.sigma),
+    ("patches", |p| Some(p.luminance?.patches as f64)),
     ("uniformity", |p| Some(p.luminance?.uniformity?.value)),
     ("distortion_max_percent", |p| Some(p.distortion?.max_percent)),
     ("distortion_rms_percent", |p| Some(p.distortion?.rms_percent)),
@@ -82,6 +84,14 @@ pub fn lines(scan: &Scan) -> Vec<String> {
         Some(p.distance?.mean_per_m)
     }));
     out.push(over("astigmatism, largest", "1/m", &|p| Some(p.distance?.astigmatism_per_m)));
+    out.extend(scan.positions.iter().filter(|p| p.cut > 0.0).map(|p| {
+        format!(
+            "note: from x {:.2} mm, y {:.2} mm the eye's own field of view cuts {:.0} % of the picture off; scan looks at all of it",
+            mm(p.x_m),
+            mm(p.y_m),
+            100.0 * p.cut
+        )
+    }));
     let ipd = mm(scan.ipd_m);
     if scan.positions.iter().all(|p| p.disparity.is_none()) {
         out.push(format!("binocular disparity: none: no point of the picture is seen by both eyes, {ipd:.1} mm apart"));
@@ -89,6 +99,7 @@ pub fn lines(scan: &Scan) -> Vec<String> {
         out.push(over("convergence, mean of the picture", "arcmin", &|p| Some(p.disparity?.mean_convergence_arcmin)));
         out.push(over("dipvergence, largest", "arcmin", &|p| Some(p.disparity?.dipvergence_arcmin)));
     }
+    out.extend(scan.positions.iter().filter_map(|p| Some(format!("warning: {}", p.warning.as_ref()?))));
     out
 }
 
