@@ -4,6 +4,7 @@
 mod display;
 pub mod edge;
 pub mod ghost;
+mod likeness;
 mod points;
 
 use super::average::{Image, Uncertain, pixels_are_independent, weighted};

@@ -165,32 +165,42 @@ impl Measurer<'_> {
     fn ghost(&self, picture: &Image, found: &mut Vec<Quantity>) {
         let frame = self.frame();
         let [_, _, _, _, _, _, (name, none), _] = DISPLAY;
-        match ghost::echo(&picture.values, frame.width, frame.height) {
+        let from_asset = "`eyebox paths` finds the ghosts of the asset itself, with their light, and `eyebox render --chain` their picture";
+        found.push(match ghost::echo(&picture.values, [frame.width, frame.height]) {
             Ok(echo) => {
-                let [x, y] = echo.offset;
+                let half = 0.5 * echo.offset;
                 let centre = [frame.width, frame.height].map(|size| 0.5 * size as f64);
                 let angle = Field::of(frame).map(|field| {
-                    let half = [0.5 * x as f64, 0.5 * y as f64];
-                    field.angle_deg(
-                        [centre[0] - half[0], centre[1] - half[1]],
-                        [centre[0] + half[0], centre[1] + half[1]],
-                    )
+                    let ends = [-1.0, 1.0].map(|sign| [centre[0] + sign * half.x, centre[1] + sign * half.y]);
+                    field.angle_deg(ends[0], ends[1])
                 });
-                let note = "by the cepstrum; no interval: it is no linear function of the pixels";
-                let far = angle.map_or(String::new(), |angle| format!(" = {:.3}°", angle));
-                found.push(Quantity {
-                    note: format!("separation {x:+}, {y:+} pixels (right, down){far}; {note}"),
-                    ..plain(name, none, echo.ratio)
-                });
+                let far = angle.map_or(String::new(), |angle| format!(" = {angle:.3}°"));
+                let note = format!(
+                    "separation {:+.1}, {:+.1} pixels (right, down){far}; by the least edges; the interval is by parts of the \
+                     picture. A picture that shows a thing twice, once dimmer, reads the same: {from_asset}",
+                    echo.offset.x, echo.offset.y
+                );
+                quantity(name, none, Uncertain { value: echo.ratio, sigma: Some(echo.sigma) }, &note)
             }
-            Err(limit) => {
-                found.push(unmeasured(
-                    name,
-                    none,
-                    format!("none found; one above {limit:.3} of the picture would have been"),
-                ));
-            }
-        }
+            Err(ghost::Missing::None) => unmeasured(
+                name,
+                none,
+                format!(
+                    "none found: no shift of 5 pixels and more makes the picture simpler. One as far away as what is shown is \
+                     wide can hide: {from_asset}"
+                ),
+            ),
+            Err(ghost::Missing::Repeats([a, b])) => unmeasured(
+                name,
+                none,
+                format!(
+                    "cannot be told from this picture: it repeats itself, and ghosts at {:+.1}, {:+.1} and {:+.1}, {:+.1} pixels \
+                     (right, down) explain it about equally well; take an isolated square, or {from_asset}",
+                    a.x, a.y, b.x, b.y
+                ),
+            ),
+            Err(ghost::Missing::Empty) => unmeasured(name, none, "the display's light has no edges".to_owned()),
+        });
     }
 
     fn colour(&self, groups: &[String], split: bool, window: Option<[usize; 4]>, found: &mut Vec<Quantity>) {
