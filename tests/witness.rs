@@ -3,7 +3,7 @@
 
 mod common;
 
-use eyebox::bench::generate;
+use eyebox::bench::generate::{self, Family};
 use eyebox::check::check;
 use eyebox::estimate::run::{Films, begin};
 use eyebox::estimate::witness::Witness;
@@ -146,39 +146,64 @@ fn planted_faults_of_caustics_are_named() {
     assert!(sigmas(&caustic(&black)) < -6.0, "{black:?}");
 }
 
-/// Sound runs of the generator's scenes: no alarm, and looks are a twentieth of the work at most. Pieces of a run see what the
-/// whole does.
+/// Seeds of each family: `SOUND_SEEDS=15 cargo verify --test witness` asks more than two hundred runs.
+fn seeds() -> u64 {
+    std::env::var("SOUND_SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(2)
+}
+
+/// Sound runs of the generator's scenes: no alarm (one in two hundred runs may be by chance), and looks are a twentieth of the
+/// work at most. Pieces of a run see what the whole does.
 #[test]
 fn sound_runs_are_left_alone() {
     let (mut asked, mut offs, mut work, mut beside) = (0, Vec::new(), 0, 0);
-    for seed in 0..24 {
-        let mut scene = generate::scene(seed);
+    for (family, seed) in Family::ALL.into_iter().flat_map(|family| (0..seeds()).map(move |seed| (family, seed))) {
+        let mut scene = generate::scene_of(family, 700 + seed);
         scene.eye.resolution = [24, 16];
         let ready = Ready::new(scene);
         let (groups, size) = (ready.scene.groups.len(), ready.scene.eye.resolution);
-        let run = |passes: u64| {
+        let checked = check(&ready.scene).expect("the scene is sound");
+        let guide = survey(&checked, &ready.world, ASKED, &ready.plan, &|| false).guide;
+        let run = |blocks: &[u64]| {
             let mut tracing = begin(&ready.world, &ready.plan, groups, size, seed);
-            tracing.watch(None);
-            tracing.step(passes);
+            tracing.watch(guide.as_ref());
+            blocks.iter().for_each(|passes| tracing.step(*passes));
             tracing.into_films()
         };
-        let films = run(12);
+        let films = run(&[12]);
         let Some(judgement) = films.judgement() else { continue };
         asked += 1;
         let record = films.witness.as_ref().expect("it has been judged");
         work += record.work;
         beside += record.beside;
         if judgement.is_off() {
-            offs.push((seed, judgement));
+            offs.push((family, seed, judgement));
         }
-        if seed < 8 {
-            let mut tracing = begin(&ready.world, &ready.plan, groups, size, seed);
-            tracing.watch(None);
-            [5, 1, 6].into_iter().for_each(|passes| tracing.step(passes));
-            assert_eq!(tracing.films().witness, films.witness, "seed {seed}");
+        if seed == 0 {
+            assert_eq!(run(&[5, 1, 6]).witness, films.witness, "{family:?}");
         }
     }
-    println!("{asked} runs, looks {:.4} of the work", work as f64 / beside as f64);
-    assert!(asked >= 12 && offs.is_empty(), "{asked} runs, off: {offs:#?}");
+    println!("{asked} runs, {} off, looks {:.4} of the work", offs.len(), work as f64 / beside as f64);
+    assert!(asked >= 8 && offs.len() <= asked / 200, "{asked} runs, off: {offs:#?}");
     assert!((work as f64) < 0.05 * beside as f64, "{work} of {beside}");
+}
+
+/// Windshields with the eye anywhere in the eyebox: the automatic plan has the light that rays from the eye find.
+#[test]
+fn no_windshield_comes_out_dark() {
+    for seed in 0..3 * seeds() {
+        let mut scene = generate::scene_of(Family::Windshield, 300 + seed);
+        scene.eye.resolution = [24, 16];
+        let ready = Ready::new(scene);
+        let checked = check(&ready.scene).expect("the scene is sound");
+        let brute = plan(&checked, &ready.world, Asked { choice: Choice::Only(Estimator::Backward), ..ASKED });
+        let light = |plan: &Plan| {
+            let films = ready.films(plan, 16);
+            let pixels = common::image_of(&films, |_| true);
+            let variance: f64 = pixels.iter().map(|(_, variance)| variance).sum();
+            (pixels.iter().map(|(value, _)| value).sum::<f64>(), variance)
+        };
+        let (own, brute) = (light(&ready.plan), light(&brute));
+        let z = (own.0 - brute.0) / (own.1 + brute.1).sqrt().max(f64::MIN_POSITIVE);
+        assert!(brute.0 > 0.0 && z.abs() < 4.0, "seed {seed}: {own:?} for {brute:?}");
+    }
 }
