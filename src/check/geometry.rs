@@ -1,6 +1,5 @@
 //! What rules measure on meshes. Indices out of range say nothing; no measure panics.
 
-use crate::base::units::ARCMIN;
 use crate::base::weld::{rounding, weld};
 use crate::scene::{FaceRange, Mesh, Scene};
 use glam::DVec3;
@@ -32,7 +31,7 @@ pub fn edges(mesh: &Mesh) -> Edges {
     Edges { all: count.len(), open: count.values().filter(|count| **count % 2 == 1).count() }
 }
 
-fn corners(mesh: &Mesh, [a, b, c]: [u32; 3]) -> Option<[DVec3; 3]> {
+pub(super) fn corners(mesh: &Mesh, [a, b, c]: [u32; 3]) -> Option<[DVec3; 3]> {
     let corner = |vertex: u32| Some(DVec3::from_array(mesh.positions.get(vertex as usize)?.map(f64::from)));
     Some([corner(a)?, corner(b)?, corner(c)?])
 }
@@ -48,7 +47,7 @@ pub fn volume(mesh: &Mesh) -> f64 {
 }
 
 /// Triangles of a face, by their corners; none for a range that the mesh lacks.
-fn triangles(mesh: &Mesh, range: FaceRange) -> &[[u32; 3]] {
+pub(super) fn triangles(mesh: &Mesh, range: FaceRange) -> &[[u32; 3]] {
     let end = (range.first as usize).checked_add(range.count as usize);
     end.and_then(|end| mesh.triangles.get(range.first as usize..end)).unwrap_or(&[])
 }
@@ -100,50 +99,6 @@ fn bounds(mesh: &Mesh) -> [DVec3; 2] {
     points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], point| [low.min(point), high.max(point)])
 }
 
-/// Predicted blur of a picture that is mirrored in a meshed face, arc minutes: the root mean square over its area of the
-/// error of the mirrored ray.
-///
-/// Let a facet's corners have normals that differ by θ. The facet's plane lies under the true surface by up to h θ/8, h
-/// being the length of the facet; a ray at 45° meets it as far beside the place where it should, and there the true
-/// normal differs by θ²/8. Where a facet's normals are those of its plane, the error is half of the step to its
-/// neighbour instead. A mirrored ray turns by twice the error of the normal.
-pub fn facet_blur_arcmin(mesh: &Mesh, range: FaceRange) -> f64 {
-    let own = triangles(mesh, range);
-    // Only what the face has: a mesh may have many faces.
-    let points: Vec<[f32; 3]> =
-        own.iter().flatten().map(|v| mesh.positions.get(*v as usize).copied().unwrap_or([f32::NAN; 3])).collect();
-    let place = weld(&points, 4.0 * rounding(&points));
-    let normal = |vertex: u32| {
-        let normal = mesh.normals.get(vertex as usize)?;
-        DVec3::from_array(normal.map(f64::from)).try_normalize()
-    };
-    let angle = |a: DVec3, b: DVec3| a.cross(b).length().atan2(a.dot(b));
-    // The first normal seen at each place: what comes later at the same place is compared with it.
-    let mut known = HashMap::<usize, DVec3>::new();
-    let (mut sum, mut whole) = (0.0, 0.0);
-    for (index, triangle) in own.iter().enumerate() {
-        let (Some([a, b, c]), [Some(n), Some(o), Some(p)]) = (corners(mesh, *triangle), triangle.map(normal)) else {
-            continue;
-        };
-        let bend = angle(n, o).max(angle(o, p)).max(angle(p, n));
-        let mut step = 0.0_f64;
-        for (corner, normal) in [n, o, p].into_iter().enumerate() {
-            let Some(place) = place.get(3 * index + corner) else { continue };
-            let other = *known.entry(*place).or_insert(normal);
-            let off = angle(other, normal);
-            // A step of 45° and more is an edge that is meant.
-            if off < std::f64::consts::FRAC_PI_4 {
-                step = step.max(off);
-            }
-        }
-        let area = 0.5 * (b - a).cross(c - a).length();
-        let error = (bend * bend / 8.0).max(step / 2.0);
-        sum += area * error * error;
-        whole += area;
-    }
-    if whole > 0.0 { 2.0 * (sum / whole).sqrt() / ARCMIN } else { 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -174,32 +129,7 @@ mod tests {
         mesh.triangles[0] = [9, 9, 9];
         mesh.positions[3] = [f32::NAN; 3];
         let beyond = FaceRange { first: u32::MAX, count: u32::MAX };
-        let _ = (edges(&mesh), volume(&mesh), facet_blur_arcmin(&mesh, beyond), without_area(&mesh, beyond, 1e-7));
+        let _ = (edges(&mesh), volume(&mesh), without_area(&mesh, beyond, 1e-7));
         assert_eq!(extent_along(&mesh, 7, [DVec3::X, DVec3::Y]), None);
-    }
-
-    /// A strip of a cylinder of radius 1 in facets of 2°, with its own normals and with flat ones.
-    #[test]
-    fn blur_of_a_strip() {
-        let step = 2f64.to_radians();
-        let (mut smooth, mut flat) = (Mesh::default(), Mesh::default());
-        for i in 0..8u32 {
-            let at = |k: u32| f64::from(k) * step;
-            let side = |angle: f64, z: f32| [angle.cos() as f32, angle.sin() as f32, z];
-            let ends = [at(i), at(i + 1)];
-            let corners = [side(ends[0], 0.0), side(ends[1], 0.0), side(ends[1], 1.0), side(ends[0], 1.0)];
-            for (mesh, normals) in [
-                (&mut smooth, [ends[0], ends[1], ends[1], ends[0]].map(|a| side(a, 0.0))),
-                (&mut flat, [side(0.5 * (ends[0] + ends[1]), 0.0); 4]),
-            ] {
-                mesh.positions.extend(corners);
-                mesh.normals.extend(normals);
-                mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|v| v + 4 * i)));
-            }
-        }
-        let range = FaceRange { first: 0, count: 16 };
-        let (smooth, flat) = (facet_blur_arcmin(&smooth, range), facet_blur_arcmin(&flat, range));
-        assert!((smooth - step * step / 4.0 / ARCMIN).abs() < 1e-3, "{smooth}");
-        assert!(flat > 0.8 * 120.0 && flat <= 120.001, "{flat}");
     }
 }

@@ -1,6 +1,7 @@
 //! Floor 2: the proof that a scene can be planned and traced, and the facts that the plan decides by; and the rules that
 //! an asset is validated by.
 
+pub mod facets; // what a mesh does to light
 pub mod finding;
 pub mod geometry; // what rules measure on meshes
 pub mod lamps; // what rules measure on lamps

@@ -10,6 +10,7 @@ use crate::plan::Asked;
 use crate::plan::scan::light::LightAsked;
 use crate::plan::scan::table::{csv, lines};
 use crate::plan::scan::{ScanAsked, scan};
+use crate::scene::{Note, Severity};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -112,7 +113,8 @@ pub fn run(args: &ScanArgs) -> Result<ExitCode> {
         tell!("eyebox: stopped; nothing was written");
         return Ok(signals.exit_code());
     };
-    let json = || serde_json::json!({ "asset": args.source.asset, "scan": found });
+    let warnings: Vec<&Note> = scene.notes.iter().filter(|note| note.severity == Severity::Warning).collect();
+    let json = || serde_json::json!({ "asset": args.source.asset, "scan": found, "warnings": warnings });
     if let (Some(path), Some(table)) = (&args.output, written) {
         let text = match table {
             Table::Csv => csv(&found),
@@ -121,7 +123,8 @@ pub fn run(args: &ScanArgs) -> Result<ExitCode> {
         };
         write_atomic(path, text.as_bytes())?;
     }
-    print(args.format, || lines(&found).join("\n"), json)?;
+    let told = warnings.iter().map(|note| format!("warning: {}: {}", note.at, note.text));
+    print(args.format, || told.chain(lines(&found)).collect::<Vec<_>>().join("\n"), json)?;
     Ok(ExitCode::from(u8::from(found.positions.iter().any(|position| position.warning.is_some()))))
 }
 

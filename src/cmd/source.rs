@@ -1,6 +1,7 @@
 //! The asset that a command looks at, as `--set` and `--frame` change it: the same arguments and the same import for all.
 
 use crate::base::Result;
+use crate::check::facets;
 use crate::import::{Built, ImportOptions, ReadOptions, Set, import};
 use clap::Args;
 use std::path::PathBuf;
@@ -19,9 +20,11 @@ pub struct Source {
 }
 
 impl Source {
-    /// The asset with its optics, changed as asked. Faults: of a `--set` that cannot be read, and those of [`import`].
+    /// The asset with its optics, changed as asked, and with a warning for each face whose facets an eye will see. Faults: of a `--set` that cannot be read, and those of [`import`].
     pub fn import(&self) -> Result<Built> {
-        import(&self.asset, &ImportOptions { sets: sets(&self.sets)?, frame: self.frame })
+        let mut built = import(&self.asset, &ImportOptions { sets: sets(&self.sets)?, frame: self.frame })?;
+        built.scene.notes.extend(facets::warnings(&built.scene));
+        Ok(built)
     }
 
     /// How the asset is read where its optics are not asked for.

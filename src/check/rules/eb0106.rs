@@ -1,16 +1,16 @@
 //! Facets of a curved specular face are too coarse.
 
+use crate::check::facets::{self, EYE_ARCMIN};
 use crate::check::finding::{Finding, Level};
-use crate::check::geometry;
 use crate::check::rule::{Example, Rule, kept};
-use crate::check::subject::{Subject, is_mesh, is_specular};
+use crate::check::subject::Subject;
 
 pub const RULE: Rule = Rule {
     code: "EB0106",
     name: "facets-too-coarse",
     level: Level::Warning,
     title: "Facets of a curved specular face are too coarse",
-    why: "A mesh is traced with normals that are interpolated between its vertices, while the rays meet flat triangles. The flat triangle lies beside the true surface by up to the sag of its longest edge, so neighbouring facets bend light to slightly different places. The finding predicts that blur in arc minutes; an eye resolves one.",
+    why: "A mesh is traced with normals that are interpolated between its vertices, while the rays meet flat triangles. Three things go wrong: the flat facet lies beside the true surface (a mirrored ray turns by θ²/4 where the normals of its corners differ by θ), facets without normals of the surface step from one to the next (by the step), and vertex normals that are not those of the surface, or turn unevenly, turn light with them (twice the angle (b − a)·(m + n)/2h between an edge of length h and the mean of the normals at its ends, which on a smooth surface is h²κ′/12). The finding foretells the direction error and blur in arc minutes, the root mean square over the face; at its worst place it is some two times as much. An eye resolves one: above that the finding is a warning, and `render` and `scan` say it too; from a tenth of that on it is a note.",
     bad: Example::Words("A mirror of 200 mm radius in 16 facets, without a `shape`."),
     good: Example::Code(
         "toml",
@@ -24,25 +24,22 @@ shape = { kind = "fit", tolerance_um = 0.1 }"#,
     grade: kept,
 };
 
-/// What a normal eye resolves, arc minutes.
-const EYE_ARCMIN: f64 = 1.0;
+/// Share of what the eye resolves from which a note says what facets do: what is measured on a display is as fine.
+const NOTED: f64 = 0.1;
 
 fn find(subject: &Subject<'_>) -> Vec<Finding> {
-    let mut out = Vec::new();
     // Where something was faulty, it may have been the shape.
-    let parts = if subject.whole { &subject.scene.parts[..] } else { &[] };
-    for part in parts {
-        let mesh = subject.scene.mesh(part.mesh);
-        for (number, (face, range)) in part.faces.iter().zip(&mesh.faces).enumerate() {
-            if !(is_mesh(face) && is_specular(face)) {
-                continue;
-            }
-            let blur = geometry::facet_blur_arcmin(mesh, *range);
-            if blur > EYE_ARCMIN {
-                let text = format!("its facets blur by about {blur:.1} arcmin; the eye resolves {EYE_ARCMIN:.0}");
-                out.push(RULE.at(subject.part(&part.path, Some(number)), text));
-            }
-        }
+    if !subject.whole {
+        return Vec::new();
     }
-    out
+    let worth = |arcmin: f64| arcmin > NOTED * EYE_ARCMIN;
+    let found = facets::all(subject.scene).filter(|(_, _, facets)| worth(facets.arcmin()));
+    found
+        .filter_map(|(part, face, facets)| {
+            let part = subject.scene.parts.get(part)?;
+            let found = RULE.at(subject.part(&part.path, Some(face)), facets.text());
+            let level = if facets.arcmin() > EYE_ARCMIN { found.level } else { Level::Note };
+            Some(Finding { level, ..found })
+        })
+        .collect()
 }
