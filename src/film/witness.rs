@@ -74,8 +74,7 @@ impl Tally {
     pub fn among_the_brightest(&self) -> u64 {
         self.octaves
             .iter()
-            .rev()
-            .next()
+            .next_back()
             .map_or(0, |(last, _)| self.octaves.range(last - 2..).map(|(_, count)| count).sum())
     }
 }

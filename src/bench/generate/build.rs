@@ -25,7 +25,7 @@ pub fn part(
 /// Axes with z along `z`, x as near to the world's x as that leaves.
 pub fn frame(origin: DVec3, z: DVec3) -> DAffine3 {
     let x = (DVec3::X - DVec3::X.dot(z) * z).normalize_or(DVec3::Y);
-    DAffine3 { matrix3: DMat3::from_cols(x, z.cross(x), z).into(), translation: origin }
+    DAffine3 { matrix3: DMat3::from_cols(x, z.cross(x), z), translation: origin }
 }
 
 /// Puts the eye at `from` with its view towards `to` and the world's y up.

@@ -72,7 +72,7 @@ fn partial_mirror(
     let (sin, cos) = incline.sin_cos();
     let axes = DMat3::from_cols(DVec3::new(cos, 0.0, sin), DVec3::Y, DVec3::new(-sin, 0.0, cos));
     let middle = DVec3::new(x, 0.0, -0.5 * thickness);
-    let place = guide * DAffine3 { matrix3: axes.into(), translation: middle };
+    let place = guide * DAffine3 { matrix3: axes, translation: middle };
     // It ends inside of the guide.
     let half = DVec2::new(0.49 * thickness / sin, 0.98 * half_height);
     let back = Patch::flat(half).moved(DAffine3::from_translation(DVec3::Z * -THIN));
