@@ -1,16 +1,14 @@
 //! Scenes from seeds: small displays and rooms, and assemblies as the field builds them, so that no estimator is the right
 //! one for all. A scene depends on its family and its seed alone.
 
-mod birdbath;
 mod build; // parts of an assembly
 mod cabin;
 mod combiner;
 mod families; // which families seeds take turns over
-mod guide;
-mod lenslets;
+mod glasses;
+mod panels;
 mod patch; // curved faces as meshes
 mod samples;
-mod slides;
 mod train; // mirrors in a row
 mod windshield;
 
@@ -142,11 +140,11 @@ pub fn scene_of(family: Family, seed: u64) -> Scene {
         Family::NoLens => samples::no_lens(scene, dice),
         Family::Room => samples::room(scene, dice),
         Family::Windshield => windshield::build(scene, dice),
-        Family::Birdbath => birdbath::build(scene, dice),
+        Family::Birdbath => glasses::birdbath(scene, dice),
         Family::Combiner => combiner::build(scene, dice),
-        Family::LightGuide => guide::build(scene, dice),
-        Family::Microlenses => lenslets::build(scene, dice),
-        Family::TwoSlides => slides::build(scene, dice),
+        Family::LightGuide => glasses::light_guide(scene, dice),
+        Family::Microlenses => panels::microlenses(scene, dice),
+        Family::TwoSlides => panels::two_slides(scene, dice),
         Family::Cabin => cabin::build(scene, dice),
     }
     made
