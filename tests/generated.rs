@@ -4,19 +4,20 @@
 use eyebox::base::stats::Moments;
 use eyebox::bench::curve::picture::Picture;
 use eyebox::bench::curve::race::Ready;
-use eyebox::bench::generate::{Families, Family, scene_of};
+use eyebox::bench::generate::{Families, Family, scene, scene_of};
 use eyebox::check::finding::{Finding, Level};
 use eyebox::check::rules::RULES;
 use eyebox::check::subject::Subject;
 use eyebox::estimate::run::begin;
 use eyebox::film::plan::Estimator;
 use eyebox::plan::{Choice, plan};
-use eyebox::scene::Scene;
 use eyebox::scene::assembly::Assembly;
+use eyebox::scene::{Part, Scene};
 use eyebox::validate::rules::{Frozen, TRACED};
+use glam::DVec3;
 use std::path::Path;
 
-const SEEDS: u64 = 8;
+const SEEDS: u64 = 4;
 const SIZE: [usize; 2] = [12, 9];
 
 fn assemblies() -> Vec<Family> {
@@ -33,7 +34,7 @@ fn findings(scene: &Scene, ready: &Ready<'_>) -> Vec<Finding> {
 }
 
 #[test]
-fn assemblies_have_no_errors_and_mostly_no_warnings() {
+fn no_rule_finds_an_error_in_an_assembly() {
     for family in assemblies() {
         let mut warned = 0;
         for seed in 0..SEEDS {
@@ -48,7 +49,7 @@ fn assemblies_have_no_errors_and_mostly_no_warnings() {
             assert!(found.iter().all(|finding| finding.level != Level::Error), "{name}: {found:?}");
             warned += u64::from(found.iter().any(|finding| finding.level == Level::Warning));
         }
-        println!("{}: {warned} of {SEEDS} with a warning", family.name());
+        assert!(2 * warned <= SEEDS, "{}: {warned} of {SEEDS} with a warning", family.name());
     }
 }
 
@@ -70,7 +71,7 @@ fn seen(scene: &Scene, passes: u64) -> (f64, f64) {
 fn the_eye_sees_the_displays_of_nearly_all() {
     for family in assemblies() {
         let mut dark = Vec::new();
-        for seed in 0..2 * SEEDS {
+        for seed in 0..3 * SEEDS {
             let mut scene = scene_of(family, seed);
             if family != Family::Cabin {
                 scene.sky = None;
@@ -94,5 +95,31 @@ fn a_seed_has_one_scene() {
             assert!(text(seed) == text(seed), "{} {seed}", family.name());
             assert!(text(seed) != text(seed.wrapping_add(7)), "{} {seed}", family.name());
         }
+    }
+}
+
+/// What a seed means without `--families` never changes: parts, the sum of the distances of all vertices from the eye, and the
+/// pupil, all of them as they were when there were seven families.
+#[test]
+fn seeds_of_the_first_families_keep_their_scenes() {
+    const WAS: [(usize, f64, f64); 7] = [
+        (7, 104.728908497, 0.002190519762),
+        (8, 105.726991858, 0.005843337150),
+        (3, 254.655951830, 0.003386945540),
+        (9, 120.713340678, 0.002196519455),
+        (3, 16.008721288, 0.004245505052),
+        (3, 24.862891426, 0.000000000000),
+        (10, 170.819217729, 0.004092285058),
+    ];
+    for (seed, (parts, sum, pupil)) in (0..).zip(WAS) {
+        let scene = scene(seed);
+        let far = |part: &Part| -> f64 {
+            let corners = scene.mesh(part.mesh).positions.iter().map(|p| DVec3::from(p.map(f64::from)));
+            corners.map(|corner| part.to_world.transform_point3(corner).length()).sum()
+        };
+        let now: f64 = scene.parts.iter().map(far).sum();
+        // Vertices are stored as f32, so sines of another platform may move some by a rounding.
+        assert!((now - sum).abs() < 1e-5 * sum && scene.parts.len() == parts, "seed {seed}: {now} from eye, not {sum}");
+        assert!((scene.eye.pupil_diameter_m - pupil).abs() < 1e-9, "seed {seed}: pupil {}", scene.eye.pupil_diameter_m);
     }
 }
