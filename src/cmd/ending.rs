@@ -40,6 +40,15 @@ pub fn ending(
     out
 }
 
+/// The error that a run states, for people.
+pub fn stated(error: Option<f64>, passes: u64) -> String {
+    match error {
+        Some(error) => format!("error {:.2} %", 100.0 * error),
+        None if passes == 1 => "error not known: it takes two passes to tell".to_owned(),
+        None => "error not known".to_owned(),
+    }
+}
+
 /// Whether all pixels of all films are 0.
 pub fn is_black(films: &Films) -> bool {
     films.films.iter().all(|(_, film, _)| {

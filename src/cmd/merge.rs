@@ -1,6 +1,6 @@
 //! `eyebox merge`: shards as one frame.
 
-use super::ending::ending;
+use super::ending::{ending, stated};
 use super::{Format, print};
 use crate::base::Result;
 use crate::base::atomic::check_writable;
@@ -68,7 +68,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
     let text = || {
         let said = merged.outliers.iter().chain(&warnings).map(|w| format!("warning: {w}"));
         let mut lines: Vec<String> = ending.lines.iter().cloned().chain(said).collect();
-        let error = error.map_or("unknown error".to_owned(), |e| format!("error {:.2} %", 100.0 * e));
+        let error = stated(error, merged.films.passes);
         let (shards, passes) = (args.shards.len(), merged.films.passes);
         lines.push(format!("{}: {passes} passes of {shards} shards, {error}", output.display()));
         lines.join("\n")

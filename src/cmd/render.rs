@@ -1,7 +1,7 @@
 //! `eyebox render`: the corridor, in order.
 
 use super::chains::Chains;
-use super::ending::{Ending, ending};
+use super::ending::{Ending, ending, stated};
 use super::print;
 use super::progress::{Progress, Signals};
 use super::render_args::RenderArgs;
@@ -272,7 +272,7 @@ fn summary(
         lines.extend(sharpness.lines());
         lines.extend(ending.lines.iter().cloned());
         lines.extend(ending.warnings.iter().map(|warning| format!("warning: {warning}")));
-        let error = error.map_or("unknown error".to_owned(), |e| format!("error {:.2} %", 100.0 * e));
+        let error = stated(error, outcome.films.passes);
         let seconds = outcome.elapsed.as_secs_f64();
         let passes = outcome.films.passes;
         lines.push(format!("{}: {passes} passes in {seconds:.1} s, {error}", args.output.display()));

@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn seeds_take_turns() {
         let names = |families: &Families, seeds: std::ops::Range<u64>| {
-            seeds.map(|seed| families.of_seed(seed).name()).collect::<Vec<_>>().join(" ")
+            seeds.map(|seed| families.of_seed(seed).key()).collect::<Vec<_>>().join(" ")
         };
         let first = Families::default();
         assert_eq!(names(&first, 0..8), "direct diffuser panorama both rough-glass no-lens room direct");
