@@ -65,12 +65,13 @@ impl Observer for Stopping<'_> {
     }
 }
 
-/// Renders from the eye of `scene`, with a field of view that holds what is seen of the picture, and reads white there. None
+/// Renders from the eye of `scene`, with a field of view that holds what is seen of the picture, and reads white there. `blur`: radius of
+/// the spot that the pupil makes of a point, tangents. None
 /// if `stop` said true, or nothing of the picture is seen. Errors: a scene that cannot be planned, light that is not finite.
 pub fn white(
     scene: &mut Scene,
     light: &LightAsked,
-    places: &Places,
+    (places, blur): (&Places, f64),
     [columns, rows]: [usize; 2],
     stop: &ShouldStop<'_>,
 ) -> Result<Option<White>> {
@@ -84,8 +85,8 @@ pub fn white(
     let independent = pixels_are_independent(&frame);
     let (size, pixel) = ([frame.width, frame.height], DVec2::from_array(world.eye.pixel()));
     // A patch at a sixth of a side is to be inside, however small the picture is: a third of the side, less the pixel by which
-    // it may have to be moved, and less than the rim beyond the outermost points has.
-    let third = (0.98 * (high - low) / pixel / 3.0 - 1.0).min_element().max(1.0) as usize;
+    // it may have to be moved, less what the rim beyond the outermost points has, and less the blur of the rim.
+    let third = ((0.98 * (high - low) / 3.0 - 2.0 * blur) / pixel - 1.0).min_element().max(1.0) as usize;
     let side = patch_pixels(&frame).clamp(1, third);
     let at = |u: f64, v: f64| {
         let middle = 0.5 * DVec2::new(size[0] as f64, size[1] as f64);
@@ -96,7 +97,7 @@ pub fn white(
             DVec2::new(across.x, -across.y) * pixel
         };
         let [left, right, top, bottom] = pixels;
-        let inside = places.holds([film(left, bottom), film(right, top)]);
+        let inside = places.holds([film(left, bottom) - blur, film(right, top) + blur]);
         let all: Vec<usize> = (top..bottom).flat_map(|y| (left..right).map(move |x| y * size[0] + x)).collect();
         if inside { mean(&image, &all, independent) } else { None }
     };

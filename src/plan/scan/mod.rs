@@ -147,7 +147,8 @@ pub fn scan(
                 let places = Places::new(&position.points, asked.points);
                 position.cut = places.cut(half);
                 if let Some(light) = &asked.light {
-                    match white(&mut scene, light, &places, asked.points, stop) {
+                    let blur = blur(&scene.eye, &position);
+                    match white(&mut scene, light, (&places, blur), asked.points, stop) {
                         Ok(found) => position.luminance = found,
                         Err(fault) => position.why = Some(fault.to_string()),
                     }
@@ -184,6 +185,12 @@ impl Position {
             points: Vec::new(),
         }
     }
+}
+
+/// Radius of the spot that the pupil makes of a point that is farthest out of its focus, tangents.
+fn blur(eye: &Eye, position: &Position) -> f64 {
+    let off = |per_m: f64| (per_m - 1.0 / eye.focus_distance_m).abs();
+    0.5 * eye.pupil_diameter_m * position.distance.map_or(0.0, |d| off(d.least_per_m).max(off(d.most_per_m)))
 }
 
 /// What is said of a picture without light.
