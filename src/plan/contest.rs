@@ -83,6 +83,9 @@ pub(super) fn settle(making: &Making<'_>, base: Plan, handicap: &Handicap) -> Pl
         let mut rival = trials.start(making, &plan);
         let compared = trials.compare(making, (&best, held), (&plan, &mut rival), handicap);
         let Some(Compared { ratio, wins, misses }) = compared else { continue };
+        // What rays hardly ever find is far brighter than they tell when they do.
+        let unsure = question == Question::Scattered && open.is_unsure(&best);
+        let wins = wins && !(unsure && misses.is_none() && !rival.surely_sees_scattered());
         let [of_own, of_other] = [&best, &plan].map(|plan| names(plan, question));
         let found = match misses {
             None => format!("a pilot found {ratio:.2e} times the variance × work for {of_other} as for {of_own}"),
@@ -134,6 +137,8 @@ struct Open {
     vision: Vec<bool>,
     trains: Vec<bool>,
     scattered: Vec<bool>,
+    /// The same, but rays from the eye have to show first that they find the lamps.
+    unsure: Vec<bool>,
 }
 
 impl Open {
@@ -147,7 +152,7 @@ impl Open {
             let sky = scene.sky.as_ref().is_some_and(|sky| sky.group.index() == group);
             // Points and parallel light have no area, and the sky is all around.
             if lamps().next().is_none() || others || sky {
-                return [false; 3];
+                return [false; 4];
             }
             let ratio = lamps_over_eye(making.world, lamps().map(|lamp| lamp.area_m2).sum());
             let area: f64 = lamps().map(|lamp| lamp.area_m2).sum();
@@ -155,9 +160,9 @@ impl Open {
             let [small, between] = [sees && ratio < OPEN[0], sees && (OPEN[0]..=OPEN[1]).contains(&ratio)];
             // Without specular faces every scatterer asks for the lamps, whatever their size.
             let seen = area > SMALL * section && (facts.pinhole || ratio > OPEN[0]);
-            [small, between, seen || !facts.specular]
+            [small, between, seen || !facts.specular, facts.specular && !seen]
         };
-        let all: Vec<[bool; 3]> = (0..scene.groups.len()).map(of).collect();
+        let all: Vec<[bool; 4]> = (0..scene.groups.len()).map(of).collect();
         // What a pilot has given up is not asked again.
         let said = super::facts::rows(making.checked, making.world, making.asked.choice);
         let given_up = |group: usize| {
@@ -170,27 +175,39 @@ impl Open {
             .into_iter()
             .map(|density| density.is_some_and(|density| density <= FILLED))
             .collect();
-        let vision = |(group, [_, between, _]): (usize, &[bool; 3])| (*between || trains[group]) && !given_up(group);
+        let vision = |(group, [_, between, ..]): (usize, &[bool; 4])| (*between || trains[group]) && !given_up(group);
         Open {
             vision: all.iter().enumerate().map(vision).collect(),
             trains,
-            scattered: all.iter().map(|[.., scattered]| *scattered).collect(),
+            scattered: all.iter().map(|[.., scattered, _]| *scattered).collect(),
+            unsure: all.iter().map(|[.., unsure]| *unsure).collect(),
         }
     }
 
     fn is_nothing(&self) -> bool {
-        !self.vision.iter().chain(&self.trains).chain(&self.scattered).any(|open| *open)
+        !self.vision.iter().chain(&self.trains).chain(&self.scattered).chain(&self.unsure).any(|open| *open)
+    }
+
+    /// Whether groups are among those that a rival for scattered light would take whose lamps rays from the eye may hardly find.
+    fn is_unsure(&self, plan: &Plan) -> bool {
+        let taken = |row: &&Row| {
+            Question::Scattered.classes().contains(&row.class)
+                && matches!(kind(&row.verdict), Some((Estimator::Forward | Estimator::Photon, _)))
+        };
+        plan.rows.iter().filter(taken).any(|row| self.unsure.get(row.group.index()).is_some_and(|unsure| *unsure))
     }
 
     /// The rows of a plan with the other answer to a question; none if it is not open.
     fn rival(&self, plan: &Plan, question: Question) -> Option<Vec<Row>> {
         let other = |row: &Row| {
             let open = match question {
-                Question::Vision => &self.vision,
-                Question::Trains => &self.trains,
-                Question::Scattered | Question::Connections => &self.scattered,
+                Question::Vision => vec![&self.vision],
+                Question::Trains => vec![&self.trains],
+                Question::Scattered => vec![&self.scattered, &self.unsure],
+                Question::Connections => vec![&self.scattered],
             };
-            if !question.classes().contains(&row.class) || !open.get(row.group.index()).is_some_and(|open| *open) {
+            let open = open.iter().any(|open| open.get(row.group.index()).is_some_and(|open| *open));
+            if !question.classes().contains(&row.class) || !open {
                 return None;
             }
             match (question, kind(&row.verdict)?) {

@@ -13,6 +13,7 @@ use crate::estimate::route::Route;
 use crate::estimate::seen::Seen;
 use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
+use crate::film::train::Screen;
 use crate::world::World;
 use crate::world::mode::Mono;
 use std::collections::BTreeSet;
@@ -156,6 +157,10 @@ impl Making<'_> {
         let seen = Seen::look(self.world, pixel_m, self.stop);
         if caustics {
             plan.screens = chains::screens(self.world, plan, self.groups(), &seen.faces(), None, self.stop);
+            // What follows sees the light of a train as connected where a coarse table has it; so where that has nothing, the
+            // train is the photons'. Of weak ones that is not worth finding out.
+            let joined = |screen: &Screen| !self.made.screens(self.world, std::slice::from_ref(screen)).is_empty();
+            plan.screens.retain(|screen| !pilot::is_strong(screen) || joined(screen));
             leave_unconnected(plan, Class::Caustic);
         }
         if plan.runs(Estimator::Photon) {
@@ -268,7 +273,8 @@ fn leave_unconnected(plan: &mut Plan, class: Class) {
             }
         };
         if !found {
-            row.verdict = own(rest, format!("a pilot found no train of specular faces from {between}"));
+            row.verdict =
+                own(rest, format!("a pilot found no train of specular faces from {between} that could be connected"));
         }
     }
 }

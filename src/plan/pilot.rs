@@ -17,7 +17,7 @@ use crate::film::guide::{Even, Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
 use crate::world::mode::Mono;
-pub use photons::{by_light, photon, pixel_m};
+pub use photons::{by_light, is_strong, photon, pixel_m};
 use std::cmp::Ordering;
 use std::sync::Arc;
 

@@ -107,7 +107,7 @@ impl<M: Mode> Screens<M> {
 
     /// The same with coarse maps, for a pilot: what they can't interpolate is solved for.
     pub fn coarse(world: &World, optics: &Optics<M>, screens: &[Screen]) -> Screens<M> {
-        let lit = screens.iter().filter_map(|screen| Lit::with_cells(world, optics, screen, COARSE));
+        let lit = screens.iter().filter_map(|screen| Lit::with_cells(world, optics, screen, COARSE).lit());
         Screens { levels: lit.map(Level::only).collect(), plan: screens.into() }
     }
 

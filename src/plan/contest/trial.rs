@@ -5,6 +5,7 @@ use super::verdict::{Compared, FLOOR, judge, smooth};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::run::{Films, begin_trial};
 use crate::film::accumulate::Film;
+use crate::film::layer::Layer;
 use crate::film::plan::{Estimator, Plan};
 use crate::plan::shrunk::Shrunk;
 use crate::plan::{Making, pilot};
@@ -24,10 +25,26 @@ const MOST_WORK: f64 = 4.0 * WORK[1] as f64;
 const CLEAR: f64 = 8.0;
 /// How much better a rival must be than what facts say, by a fine and by a rough picture: a pilot is not exact.
 const MARGINS: [f64; 2] = [1.25, 2.0];
+/// Standard errors in scattered light that rays are sure to find.
+const SURE: f64 = 3.0;
+
 /// What a plan's passes brought in both pictures; the fine one is not always asked.
 pub(super) struct Tried {
     rough: Trial,
     fine: Option<Trial>,
+}
+
+impl Tried {
+    /// Whether the light that scatterers get from others or over specular faces stands out of its noise, as it does where it was
+    /// found in many passes.
+    pub(super) fn surely_sees_scattered(&self) -> bool {
+        let trial = self.fine.as_ref().unwrap_or(&self.rough);
+        let sums = trial
+            .parts
+            .iter()
+            .fold([0.0; 2], |[light, variance], part| [light + part.scattered[0], variance + part.scattered[1]]);
+        sums[0] > SURE * sums[1].sqrt()
+    }
 }
 
 /// The pilot's pictures.
@@ -89,6 +106,8 @@ pub(super) struct Part {
     pub left: f64,
     /// Counted work of a pass.
     pub work: f64,
+    /// Light of the layers `caustic` and `secondary` in the whole picture, and its variance.
+    pub scattered: [f64; 2],
 }
 
 /// A small picture of a pilot.
@@ -139,7 +158,19 @@ impl Trial {
         let part = |(estimator, film, ledger): &(Estimator, Film, Ledger)| {
             let all = film.planes.len();
             let value = |pixel| (0..all).map(|plane| film.mean(pixel, plane).value).sum();
+            let of_scatterers = |plane: &usize| match film.planes[*plane].layer {
+                Layer::Caustic | Layer::Secondary => true,
+                Layer::Direct | Layer::Forward => false,
+            };
+            let scattered: Vec<usize> = (0..all).filter(of_scatterers).collect();
+            let over = |of: &dyn Fn(usize, usize) -> f64| {
+                let pixel = |pixel: usize| scattered.iter().map(|plane| of(pixel, *plane)).sum::<f64>();
+                (0..pixels).map(pixel).sum::<f64>()
+            };
+            let light = |pixel: usize, plane: usize| film.mean(pixel, plane).value;
+            let variance = |pixel: usize, plane: usize| film.variance(pixel, plane);
             Part {
+                scattered: [over(&light), over(&variance)],
                 estimator: *estimator,
                 values: (0..pixels).map(value).collect(),
                 variances: (0..pixels).map(|pixel| film.variance(pixel, all)).collect(),
@@ -178,6 +209,7 @@ impl Trial {
                 variances: of(&a.variances, &b.variances, 0.25),
                 left: saves.max(MOST_EVEN),
                 work: 0.5 * (a.work + b.work),
+                scattered: [0.5 * (a.scattered[0] + b.scattered[0]), 0.25 * (a.scattered[1] + b.scattered[1])],
             }
         };
         let parts = self.parts.iter().zip(&other.parts).map(part).collect();

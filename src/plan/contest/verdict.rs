@@ -129,7 +129,7 @@ mod tests {
     fn trial(estimator: Estimator, value: &dyn Fn(usize) -> f64, relative: f64, work: f64) -> Trial {
         let values: Vec<f64> = (0..48).map(value).collect();
         let variances = values.iter().map(|value| (relative * value).powi(2)).collect();
-        Trial::new(vec![Part { estimator, values, variances, left: 1.0, work }], 48, 2.0, 12)
+        Trial::new(vec![Part { estimator, values, variances, left: 1.0, work, scattered: [0.0; 2] }], 48, 2.0, 12)
     }
 
     fn judged(own: &Trial, rival: &Trial) -> Compared {

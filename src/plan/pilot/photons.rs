@@ -148,9 +148,14 @@ pub fn photon(
 /// Trains with less of a face's light than this are connected only where almost all else is.
 const STRONG: f64 = 2e-3;
 
+/// Whether a train has more.
+pub fn is_strong(screen: &Screen) -> bool {
+    screen.share >= STRONG
+}
+
 /// The trains with more, and the others.
 pub fn by_light(screens: &[Screen]) -> (Vec<Screen>, Vec<Screen>) {
-    screens.iter().cloned().partition(|screen| screen.share >= STRONG)
+    screens.iter().cloned().partition(is_strong)
 }
 
 /// Of what the eye sees by the photons, the share that specular connection leaves to them.

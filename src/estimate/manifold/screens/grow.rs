@@ -27,9 +27,34 @@ const ASIDE: f64 = 0.7;
 /// How far from there a ray may meet the lamp instead, of that.
 const BESIDE: f64 = 0.1;
 
+/// What filling a face's table has come to.
+pub(super) enum Filled<M: Mode> {
+    Lit(Lit<M>),
+    /// There are solutions, but of lamps whose middle does not stand for them: more cells would not change that.
+    LampsTooLarge,
+    /// Nothing was found between these nodes.
+    Nothing,
+}
+
+impl<M: Mode> Filled<M> {
+    pub(super) fn lit(self) -> Option<Lit<M>> {
+        match self {
+            Filled::Lit(lit) => Some(lit),
+            Filled::LampsTooLarge | Filled::Nothing => None,
+        }
+    }
+}
+
+/// Branches of one lamp that were filled for nothing: another seed on one need not fill it again.
+struct Barren<M: Mode> {
+    sheets: Vec<Sheet<M>>,
+    /// One was because its lamp is too large.
+    too_large: bool,
+}
+
 impl<M: Mode> Lit<M> {
-    pub(super) fn with_cells(world: &World, optics: &Optics<M>, screen: &Screen, cells: usize) -> Option<Lit<M>> {
-        let map = FaceMap::new(world, screen, cells)?;
+    pub(super) fn with_cells(world: &World, optics: &Optics<M>, screen: &Screen, cells: usize) -> Filled<M> {
+        let Some(map) = FaceMap::new(world, screen, cells) else { return Filled::Nothing };
         let chain = screen.train.chain().reversed();
         let letters = chain.0.iter().map(|link| letter(world, link)).collect();
         let (share, tolerance) = (screen.share, TOLERANCE * slack(screen));
@@ -37,35 +62,48 @@ impl<M: Mode> Lit<M> {
         let lamps = world.lamps.all().iter().enumerate();
         let lamps: Vec<(usize, &Lamp)> =
             lamps.filter(|(_, lamp)| lamp.group == screen.group && lamp.flux_lm > 0.0).collect();
-        let entries: Vec<Entry<M>> = lamps
+        let entries: Vec<(Entry<M>, bool)> = lamps
             .par_iter()
             .map(|(index, lamp)| {
                 let (centre, radius) = lamp.around();
                 let middle = Target::new(centre, lamp.sample_point([0.5, 0.5]).normal);
                 let mut entry = Entry { lamp: *index, middle, size: radius, sheets: Vec::new() };
+                let mut barren = Barren { sheets: Vec::new(), too_large: false };
                 // A lamp that the pilot found no path from starts with its neighbours' directions.
                 let own = screen.seeds.iter().filter(|seed| seed.lamp as usize == *index);
                 let rest = screen.seeds.iter().filter(|seed| seed.lamp as usize != *index);
                 for seed in own.chain(rest) {
-                    lit.grow((world, optics), &mut entry, DVec3::from_array(seed.place), DVec3::from_array(seed.dir));
+                    let [place, dir] = [seed.place, seed.dir].map(DVec3::from_array);
+                    lit.grow((world, optics), &mut entry, &mut barren, (place, dir));
                 }
-                entry
+                (entry, barren.too_large)
             })
             .collect();
-        lit.entries = entries.into_iter().filter(|entry| !entry.sheets.is_empty()).collect();
-        (!lit.entries.is_empty()).then_some(lit)
+        let too_large = entries.iter().any(|(_, too_large)| *too_large);
+        lit.entries = entries.into_iter().map(|(entry, _)| entry).filter(|entry| !entry.sheets.is_empty()).collect();
+        match (lit.entries.is_empty(), too_large) {
+            (false, _) => Filled::Lit(lit),
+            (true, true) => Filled::LampsTooLarge,
+            (true, false) => Filled::Nothing,
+        }
     }
 
     /// Adds the branch that has a solution near this one, unless it is known.
-    pub(super) fn grow(&self, (world, optics): (&World, &Optics<M>), entry: &mut Entry<M>, place: DVec3, dir: DVec3) {
-        if entry.sheets.len() >= MOST_SHEETS {
+    fn grow(
+        &self,
+        (world, optics): (&World, &Optics<M>),
+        entry: &mut Entry<M>,
+        barren: &mut Barren<M>,
+        (place, dir): (DVec3, DVec3),
+    ) {
+        if entry.sheets.len().max(barren.sheets.len()) >= MOST_SHEETS {
             return;
         }
         let Some(spot) = self.map.spot(place) else { return };
         let site = Site { part: self.map.part, face: self.map.face, triangle: u32::MAX };
         let middle = entry.middle;
         let Some(seed) = self.node((world, optics), entry, spot.at, dir) else { return };
-        let known = entry.sheets.iter().any(|sheet| {
+        let known = entry.sheets.iter().chain(&barren.sheets).any(|sheet| {
             // From afar the solver may fall into a branch that the sheet does not have.
             let near = |(dir, change): (DVec3, f64)| dir.distance(seed.dir) <= FORETOLD * change;
             self.foretell(entry, sheet, &spot, &middle).is_some_and(near)
@@ -99,6 +137,8 @@ impl<M: Mode> Lit<M> {
             sheet.nodes[at] = Some(node);
         }
         if !self.is_small((world, optics), entry, &sheet) {
+            barren.too_large = true;
+            barren.sheets.push(sheet);
             return;
         }
         self.complete((world, optics), &mut sheet);
@@ -114,9 +154,11 @@ impl<M: Mode> Lit<M> {
                 sheet.cells[cell] = Cell::Rim;
             }
         }
-        if sheet.cells.iter().any(|cell| *cell != Cell::Nothing) {
-            entry.sheets.push(sheet);
-        }
+        let sheets = match sheet.cells.iter().any(|cell| *cell != Cell::Nothing) {
+            true => &mut entry.sheets,
+            false => &mut barren.sheets,
+        };
+        sheets.push(sheet);
     }
 
     /// Whether a few nodes see most of the lamp over this train: of a large lamp, or of one with a narrow beam, the middle tells

@@ -2,6 +2,7 @@
 //! cells would do; what they cost to fill is held against what they save in a run. The finer one comes when so many passes have
 //! gone by as would have paid for it: a short run does without, a long one has lost no more than its price.
 
+use super::grow::Filled;
 use super::lit::Lit;
 use super::sheet::Cell;
 use super::{FEWEST_LAMPS, MOST_SLACK, WORTH_EVERY_LAMP};
@@ -47,6 +48,22 @@ pub(super) fn slack(screen: &Screen) -> f64 {
     (1.0 / screen.share).clamp(1.0, MOST_SLACK)
 }
 
+/// The first of these levels that is lit. Where a map has found nothing, the next that is tried is twice as fine, and after that
+/// none: what it would cost is soon more than all that it may save.
+fn first_lit<M: Mode>(
+    levels: &mut impl Iterator<Item = usize>,
+    fill: impl Fn(usize) -> Filled<M>,
+) -> Option<(usize, Lit<M>)> {
+    let first = levels.next()?;
+    match fill(first) {
+        Filled::Lit(lit) => return Some((first, lit)),
+        Filled::LampsTooLarge => return None,
+        Filled::Nothing => {}
+    }
+    let next = levels.find(|cells| *cells >= 2 * first)?;
+    Some((next, fill(next).lit()?))
+}
+
 /// The map of a face, and the one that takes its place.
 #[derive(Debug, Clone)]
 pub(super) struct Level<M: Mode> {
@@ -75,7 +92,7 @@ impl<M: Mode> Level<M> {
     pub(super) fn new(world: &World, optics: &Optics<M>, screen: &Screen, run: f64) -> Option<Self> {
         let first = if slack(screen) >= MOST_SLACK { Some(COARSE) } else { None };
         let mut levels = first.into_iter().chain(CELLS);
-        let (first, lit) = levels.find_map(|cells| Some((cells, Lit::with_cells(world, optics, screen, cells)?)))?;
+        let (first, lit) = first_lit(&mut levels, |cells| Lit::with_cells(world, optics, screen, cells))?;
         let pixels = world.eye.size().iter().product::<usize>() as f64;
         let asks = pixels * lit.chance(1.0);
         let known = lit.cells() / lit.entries.len().max(1) as f64;
@@ -102,7 +119,7 @@ impl<M: Mode> Level<M> {
     /// The same for a pass from which on there is another map; none: it stays.
     pub(super) fn at(&self, pass: u64, world: &World, optics: &Optics<M>) -> Option<Self> {
         let finer = self.finer.as_ref().filter(|finer| finer.from <= pass)?;
-        let make = || Lit::with_cells(world, optics, &finer.screen, finer.cells).map(Arc::new);
+        let make = || Lit::with_cells(world, optics, &finer.screen, finer.cells).lit().map(Arc::new);
         let lit = finer.made.get_or_init(make).as_ref().unwrap_or(&self.lit);
         Some(Level { lit: lit.clone(), finer: None })
     }
