@@ -2,7 +2,7 @@
 
 use super::bench_choice::{self, ChoiceArgs};
 use super::bench_curve::{self, CurveArgs};
-use super::print_text;
+use super::{document, print_text};
 use crate::base::{Fault, Result, Where};
 use crate::bench::curve::asset::Form;
 use crate::bench::stress::{self, Kind, table};
@@ -96,22 +96,22 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode> {
     }
     let kinds = kinds(&args.only)?;
     if args.format == BenchFormat::Text {
-        print_text(table::head());
+        print_text(table::head())?;
     }
+    let mut printed = Ok(());
     let report = stress::run(&kinds, &mut |row| {
-        if args.format == BenchFormat::Text {
-            print_text(table::line(row));
+        if args.format == BenchFormat::Text && printed.is_ok() {
+            printed = print_text(table::line(row));
         }
     });
+    printed?;
     match args.format {
-        BenchFormat::Text => print_text(table::summary(&report)),
-        BenchFormat::Json => print_text(
-            serde_json::to_string_pretty(&report).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}")),
-        ),
+        BenchFormat::Text => print_text(table::summary(&report))?,
+        BenchFormat::Json => print_text(document(serde_json::json!(report)))?,
         BenchFormat::Markdown => {
             let seconds = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
             let cores = std::thread::available_parallelism().map_or(1, usize::from);
-            print_text(table::page(&report, seconds.as_secs(), cores));
+            print_text(table::page(&report, seconds.as_secs(), cores))?;
         }
         BenchFormat::Csv | BenchFormat::Svg => {}
     }

@@ -80,7 +80,7 @@ fn generated(seeds: Range<u64>, families: &Families, curve: &CurveArgs, json: bo
     let pool = curve.pool()?;
     let Budget { seconds, .. } = curve.task()?.budget;
     if !json {
-        print_text(head());
+        print_text(head())?;
     }
     let mut rows = Vec::new();
     for seed in seeds {
@@ -89,12 +89,12 @@ fn generated(seeds: Range<u64>, families: &Families, curve: &CurveArgs, json: bo
             break;
         }
         if !json {
-            print_text(line(&row));
+            print_text(line(&row))?;
         }
         rows.push(row);
     }
     if json {
-        print_text(to_json(&rows));
+        print_text(to_json(&rows))?;
     }
     let sound = rows.iter().all(|row| row.is_fast() && row.agreement.holds());
     Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!sound)) })
@@ -111,9 +111,10 @@ fn stated(error: f64, args: &ChoiceArgs, curve: &CurveArgs, json: bool) -> Resul
     }
     let mut reports: Vec<Stated> = Vec::new();
     // Line by line: a hundred runs take their time.
+    let mut printed = Ok(());
     let mut tell = |text: String| {
-        if !json {
-            print_text(text)
+        if !json && printed.is_ok() {
+            printed = print_text(text);
         }
     };
     for path in curve.assets().iter().take_while(|_| !stop()) {
@@ -124,8 +125,9 @@ fn stated(error: f64, args: &ChoiceArgs, curve: &CurveArgs, json: bool) -> Resul
         let of_scene = || measure_scene(&scene, scene.name.clone(), &task, (error, runs), &stop, &mut tell);
         reports.push(pool.install(of_scene)?);
     }
+    printed?;
     if json {
-        print_text(to_json(&reports));
+        print_text(to_json(&reports))?;
     }
     let honest = |report: &Stated| report.is_told() && report.honest() as f64 >= HONEST * report.runs.len() as f64;
     let honest = reports.iter().all(honest);

@@ -158,7 +158,7 @@ pub fn run(args: &CurveArgs, form: Form) -> Result<ExitCode> {
     for path in &args.output {
         write_atomic(path, report.in_form(form_of(path)?).as_bytes())?;
     }
-    print_text(report.in_form(form));
+    print_text(report.in_form(form))?;
     Ok(if stop() { signals.exit_code() } else { ExitCode::SUCCESS })
 }
 

@@ -22,7 +22,7 @@ pub struct CompletionsArgs {
 
 /// Runs the command.
 pub fn run(args: &CompletionsArgs) -> Result<ExitCode> {
-    super::print_text(String::from_utf8_lossy(&script(args.shell)).into_owned());
+    super::print_text(String::from_utf8_lossy(&script(args.shell)).into_owned())?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -26,7 +26,7 @@ pub fn run(args: &ManArgs) -> Result<ExitCode> {
     let pages = pages()?;
     let Some(folder) = &args.output else {
         let (_, page) = pages.into_iter().next().unwrap_or_default();
-        super::print_text(page);
+        super::print_text(page)?;
         return Ok(ExitCode::SUCCESS);
     };
     std::fs::create_dir_all(folder)
@@ -37,7 +37,7 @@ pub fn run(args: &ManArgs) -> Result<ExitCode> {
         write_atomic(&path, page.as_bytes())?;
         written.push(path.display().to_string());
     }
-    super::print_text(written.join("\n"));
+    super::print_text(written.join("\n"))?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -29,6 +29,7 @@ mod merge;
 mod mix;
 mod paths;
 mod plan;
+mod printer;
 mod progress;
 mod rays;
 mod render;
@@ -47,6 +48,7 @@ use crate::base::{Fault, Result};
 use crate::scene::assembly::Assembly;
 use crate::scene::{Note, Severity};
 use clap::{Parser, Subcommand, ValueEnum};
+use printer::{document, print, print_text};
 use std::process::ExitCode;
 
 /// Trace a head-up-display or AR assembly into one layered EXR in absolute cd/m².
@@ -123,7 +125,13 @@ pub fn main() -> ExitCode {
             if error.use_stderr() {
                 say(&Fault::new(crate::base::Where::Nowhere, one_line(&error.to_string())));
             } else {
-                let _ = error.print();
+                match printer::judged(error.print()) {
+                    Ok(()) => {}
+                    Err(fault) => {
+                        say(&fault);
+                        return ExitCode::from(2);
+                    }
+                }
             }
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
@@ -179,26 +187,6 @@ fn parse_frame(text: &str) -> std::result::Result<f64, String> {
         Ok(frame) if frame.is_finite() => Ok(frame),
         Ok(_) | Err(_) => Err(format!("`{text}` is not a time code; write e.g. 12 or 12.5")),
     }
-}
-
-/// Prints a command's result: text lines, or one JSON document on stdout. A closed pipe is no failure.
-fn print(format: Format, text: impl FnOnce() -> String, json: impl FnOnce() -> serde_json::Value) -> Result<()> {
-    print_text(match format {
-        Format::Text => text(),
-        Format::Json => {
-            serde_json::to_string_pretty(&json()).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}"))
-        }
-    });
-    Ok(())
-}
-
-/// Prints whole lines on stdout. A closed pipe is no failure.
-fn print_text(mut out: String) {
-    use std::io::Write;
-    if !out.ends_with('\n') {
-        out.push('\n');
-    }
-    let _ = std::io::stdout().lock().write_all(out.as_bytes());
 }
 
 /// Prints which files were written, what the format can't say, and warnings from reading.

@@ -1,6 +1,7 @@
 //! `eyebox validate`.
 
 use super::print_text;
+use super::printer::print_coloured;
 use crate::base::{Fault, Result, Where};
 use crate::validate::config::Config;
 use crate::validate::report::{Style, render};
@@ -58,7 +59,7 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode> {
                 .expected("a code like EB0102, or a rule's name")
                 .nearest(code, rules::words())
         })?;
-        print_text(page::page(rule));
+        print_text(page::page(rule))?;
         return Ok(ExitCode::SUCCESS);
     }
     let config = args.config.as_ref().map_or_else(Config::beside, |path| Config::read(path))?;
@@ -72,12 +73,8 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode> {
     }
     let text = render(&report, args.format);
     match args.format {
-        // Colours only where they are wanted: terminals without NO_COLOR.
-        Style::Text => {
-            // A closed pipe is no failure.
-            let _ = std::io::Write::write_all(&mut anstream::stdout().lock(), text.as_bytes());
-        }
-        Style::Json | Style::Sarif | Style::Junit | Style::Github => print_text(text),
+        Style::Text => print_coloured(text)?,
+        Style::Json | Style::Sarif | Style::Junit | Style::Github => print_text(text)?,
     }
     let passes = report.is_clean() || args.exit_zero || config.exit_zero || args.write_baseline.is_some();
     Ok(ExitCode::from(u8::from(!passes)))
