@@ -10,6 +10,7 @@ pub mod rules; // one file each
 pub mod subject; // what rules look at
 
 use crate::base::{Fault, Result, Where};
+use crate::film::names::{self, Clash};
 use crate::scene::{AbgLaw, Finish, Scene};
 
 /// What a scene has.
@@ -45,6 +46,7 @@ impl<'s> Checked<'s> {
 /// their part.
 pub fn check(scene: &Scene) -> Result<Checked<'_>> {
     check_eye(scene)?;
+    check_groups(scene)?;
     for part in &scene.parts {
         let mesh = scene.mesh(part.mesh);
         if part.faces.len() != mesh.faces.len() {
@@ -114,6 +116,18 @@ fn scatters(finish: Finish) -> bool {
         | Finish::Polariser { .. }
         | Finish::Retarder { .. }
         | Finish::Absorber => false,
+    }
+}
+
+/// Light groups are parts of layers' names, so no two things may be written under one.
+fn check_groups(scene: &Scene) -> Result<()> {
+    match names::clash(scene.groups.iter().map(|group| group.name.as_str())) {
+        None => Ok(()),
+        Some(Clash { layer, causes: [one, other] }) => {
+            let text = format!("the layer `{layer}` would be {one} and {other}");
+            Err(Fault::new(Where::Option("light groups".to_owned()), text)
+                .expected("another name for one of the groups"))
+        }
     }
 }
 

@@ -8,8 +8,8 @@ use crate::base::{Fault, Result, Where};
 use crate::film::diffraction::Diffraction;
 use crate::film::finish::{Finished, GroupInfo, Split};
 use crate::film::frame::{Channel, Frame, Meta, Samples};
-use crate::film::layer::Layer;
 use crate::film::matte::Matte;
+use crate::film::names;
 use crate::film::plan::{Plan, Spectral, Verdict};
 use crate::film::sharpness::Sharpness;
 use crate::film::witness::Judgement;
@@ -191,38 +191,7 @@ pub fn plan_lines(scene: &Scene, plan: &Plan) -> Vec<String> {
 
 /// Every layer that a picture with these groups may have.
 pub fn possible_layers(groups: &[Group]) -> BTreeSet<String> {
-    let mut names: BTreeSet<String> = ["hybrid", "stderr", "seethrough"].map(str::to_owned).into();
-    for data in ["Z", "normal", "position", "albedo", "id"] {
-        names.insert(data.to_owned());
-        names.insert(format!("{data}_seen"));
-    }
-    names.extend(Matte::ALL.map(|matte| matte.name().to_owned()));
-    names.insert("hybrid_variance".to_owned());
-    for layer in Layer::SUM_ORDER {
-        names.insert(layer.name().to_owned());
-        names.insert(format!("{}_stderr", layer.name()));
-        names.insert(format!("{}_variance", layer.name()));
-        for group in groups {
-            for suffix in [
-                "",
-                "_open",
-                "_content",
-                "_cross",
-                "_cross2",
-                "_cross3",
-                "_stderr",
-                "_open_stderr",
-                "_content_stderr",
-                "_variance",
-                "_open_variance",
-                "_content_variance",
-                "_covariance",
-            ] {
-                names.insert(format!("{}_{}{suffix}", layer.name(), group.name));
-            }
-        }
-    }
-    names
+    names::possible(groups.iter().map(|group| group.name.as_str()))
 }
 
 /// Checks the names of layers that are asked for, before anything is traced. Errors: a layer that no picture of this

@@ -11,6 +11,7 @@ pub mod frame;
 pub mod guide;
 pub mod layer;
 pub mod matte; // Cryptomatte
+pub mod names; // of all layers, and which clash
 pub mod plan;
 pub mod pupil;
 pub mod scrambles;
