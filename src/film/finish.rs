@@ -7,6 +7,7 @@ use super::aov::Aov;
 use super::diffraction::Diffraction;
 use super::frame::{Channel, Frame};
 use super::layer::Layer;
+use super::names;
 use super::sharpness::Applied;
 use crate::base::colour::ColourSpace;
 use crate::base::ids::GroupId;
@@ -274,6 +275,7 @@ fn in_space(space: ColourSpace, rgb: Coloured) -> Coloured {
 }
 
 fn first_invalid(channel: &Channel) -> Option<String> {
-    let pixel = channel.data.iter().position(|v| !v.is_finite())?;
+    let unknown = names::is_error(channel.layer());
+    let pixel = channel.data.iter().position(|v| !(v.is_finite() || unknown && v.is_nan()))?;
     Some(format!("{} at pixel number {pixel}", channel.name))
 }

@@ -37,6 +37,8 @@ pub fn weighted(image: &Image, weights: &[(usize, f64)], independent: bool) -> O
         let terms = weights.iter().map(|(pixel, weight)| (weight * at(errors, *pixel)).abs());
         if independent { terms.map(|term| term * term).sum::<f64>().sqrt() } else { terms.sum() }
     });
+    // An error that the frame's passes do not tell is NaN.
+    let sigma = sigma.filter(|sigma: &f64| !sigma.is_nan());
     Some(Uncertain { value, sigma })
 }
 

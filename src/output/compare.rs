@@ -179,9 +179,10 @@ impl Layered {
         };
         let identical = bits(a) == bits(b);
         let [error_a, error_b] = errors;
-        // A single pass has no errors: all zero beside light.
-        let known =
-            |errors: &[f64], values: &[f64]| errors.iter().any(|e| *e > 0.0) || values.iter().all(|v| *v == 0.0);
+        // Too few passes to tell errors: NaN.
+        let known = |errors: &[f64], values: &[f64]| {
+            !errors.iter().any(|e| e.is_nan()) && (errors.iter().any(|e| *e > 0.0) || values.iter().all(|v| *v == 0.0))
+        };
         let errors = error_a.zip(error_b).map(|(a, b)| [a, b]);
         let errors = errors.filter(|[a, b]| picture && known(a, &values[0]) && known(b, &values[1]));
         Layered { name: name.to_owned(), pixels: a.width * a.height, picture, identical, values, errors, dark: 0.0 }
@@ -229,7 +230,8 @@ impl Layered {
             }
             None if self.picture => {
                 found.verdict = Verdict::Unjudged;
-                found.because = "no standard error of it in both files: render with --stderr layers".to_owned();
+                found.because =
+                    "no standard error of it in both files: render two passes or more with --stderr layers".to_owned();
             }
             None => self.judge_by_range(&mut found, trial.width),
         }

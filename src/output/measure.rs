@@ -92,7 +92,8 @@ pub fn measure(frame: &Frame, target: &Target) -> Result<Vec<Quantity>> {
 }
 
 const NO_EYE: &str = "the header does not say how wide the eye looks (`eyebox.eye`)";
-const NO_ERRORS: &str = "no interval: the frame has no errors of its shares; render with --stderr layers";
+const NO_ERRORS: &str =
+    "no interval: the frame tells no errors of its shares; render two passes or more with --stderr layers";
 
 fn plain(name: &str, unit: &'static str, value: f64) -> Quantity {
     Quantity { name: name.to_owned(), value: Some(value), unit, interval: None, note: String::new() }
@@ -147,7 +148,7 @@ impl<'f> Measurer<'f> {
                     return unmeasured(&name, "cd/m²", why.to_owned());
                 };
                 let of = weighted(&self.all, &weights, self.independent);
-                let missing = "no interval: the frame has no `stderr`";
+                let missing = "no interval: the frame has no `stderr`, or too few passes to tell it";
                 let sigma = of.and_then(|of| of.sigma);
                 let note = if sigma.is_some() { kind.doc().to_owned() } else { format!("{}; {missing}", kind.doc()) };
                 let interval = sigma.map(|sigma| [value - NORMAL_95 * sigma, value + NORMAL_95 * sigma]);

@@ -36,6 +36,8 @@ pub enum Errors {
     Unknown,
     /// The frame had none.
     Absent,
+    /// The frame's passes are too few to tell any (one of rays from the eye): it stays unknown, NaN.
+    Untold,
 }
 
 impl Errors {
@@ -47,6 +49,7 @@ impl Errors {
             Errors::AtMost => "stderr is an upper bound; render with --stderr layers for a closer one",
             Errors::Unknown => "stderr left out: for another contrast it needs a frame rendered with --stderr layers",
             Errors::Absent => "no stderr, as in the frame",
+            Errors::Untold => "stderr is unknown, as in the frame: its passes are too few to tell it",
         }
     }
 }
@@ -151,6 +154,9 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
         sum_up(&mut out, rendering, &changed);
         aov::refresh(&mut out);
         variance::refresh(&mut out);
+    }
+    if frame.rgb("stderr").is_some_and(|[sigma, ..]| sigma.iter().any(|sigma| sigma.is_nan())) {
+        errors = Errors::Untold;
     }
     if let Some(contrast) = contrast {
         out.meta.insert("contrast".to_owned(), Meta::Number(contrast));

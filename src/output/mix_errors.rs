@@ -5,7 +5,7 @@
 //! pairs as one correlation ρ = (V − Σσᵢ²)/Σᵢ≠ⱼ σᵢσⱼ: exact for two shares, and where all gains are alike.
 
 use super::mix::{Errors, Recipe, is_lit, set_layer};
-use super::shares::{PLATE, Rendering, Share};
+use super::shares::{PLATE, Rendering, Share, not_negative};
 use crate::film::frame::Frame;
 use crate::film::layer::Layer;
 
@@ -90,7 +90,7 @@ fn combined(before: f64, terms: &[Terms], pixel: usize) -> f64 {
     let (squares, pairs) = moments(&|term| term.before(pixel));
     let correlation = if pairs > 0.0 { ((before - squares) / pairs).clamp(-1.0, 1.0) } else { 0.0 };
     let (squares, pairs) = moments(&|term| term.after(pixel));
-    (squares + correlation * pairs).max(0.0)
+    not_negative(squares + correlation * pairs)
 }
 
 /// What the error of one share is made of.

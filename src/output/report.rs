@@ -202,7 +202,10 @@ fn exposure(frame: &Frame) -> f64 {
 fn subtitle(file: &str, frame: &Frame) -> String {
     let mut parts = vec![file.to_owned(), format!("{} × {} pixels", frame.width, frame.height)];
     parts.extend(frame.integer("passes").map(|passes| format!("{passes} passes")));
-    parts.extend(convergence::relative_noise(frame).map(|noise| format!("relative noise {:.2} %", 100.0 * noise)));
+    parts.push(match convergence::relative_noise(frame) {
+        Some(noise) => format!("relative noise {:.2} %", 100.0 * noise),
+        None => "relative noise unknown".to_owned(),
+    });
     parts.join(" · ")
 }
 

@@ -6,6 +6,7 @@ use crate::base::fault::{Fault, Result, Where};
 use crate::film::aov;
 use crate::film::frame::Frame;
 use crate::film::layer::Layer;
+use crate::film::names;
 
 /// Three channels of a layer, `width × height` each, in the frame's colour space, cd/m².
 pub type Picture<'f> = [&'f [f32]; 3];
@@ -186,7 +187,7 @@ impl<'f> Split<'f> {
         let [open, content, covariance] =
             self.errors?.map(|data| data.get(pixel).map_or(0.0, |value| f64::from(*value)));
         let (u, v) = (1.0 - 1.0 / contrast, 1.0 / contrast);
-        Some(((u * content).powi(2) + (v * open).powi(2) + 2.0 * u * v * covariance).max(0.0))
+        Some(not_negative((u * content).powi(2) + (v * open).powi(2) + 2.0 * u * v * covariance))
     }
 
     /// The split at the rendered contrast is the share as it was rendered.
@@ -243,7 +244,10 @@ pub fn check_data(frame: &Frame) -> Result<()> {
             return Err(Fault::new(Where::Nowhere, format!("channel `{name}` has {} values", channel.data.len()))
                 .expected(format!("{} × {}", frame.width, frame.height)));
         }
-        if let Some(pixel) = channel.data.iter().position(|value| !value.is_finite()) {
+        // An unknown error is NaN.
+        let unknown = names::is_error(channel.layer());
+        let bad = |value: &f32| !(value.is_finite() || unknown && value.is_nan());
+        if let Some(pixel) = channel.data.iter().position(bad) {
             let (x, y) = (pixel % frame.width, pixel / frame.width);
             let value = channel.data.get(pixel).copied().unwrap_or(f32::NAN);
             return Err(Fault::new(Where::Nowhere, format!("channel `{name}` is {value} at pixel ({x}, {y})"))
@@ -251,6 +255,11 @@ pub fn check_data(frame: &Frame) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// A variance that rounding has made negative is none; one that is unknown (NaN) stays so.
+pub fn not_negative(variance: f64) -> f64 {
+    if variance < 0.0 { 0.0 } else { variance }
 }
 
 fn peak(data: &[f32]) -> f64 {

@@ -124,8 +124,9 @@ impl Maker {
         if films.iter().any(|film| film.detail().is_none()) {
             return;
         }
-        let variance = |pixel: usize| films.iter().filter_map(|film| film.variance_of(pixel, together)).sum::<f64>();
-        self.sigma(&format!("{name}_stderr"), variance);
+        let own: Vec<&Film> = films.iter().copied().filter(|film| film.planes_of(together).next().is_some()).collect();
+        let variance = |pixel: usize| own.iter().filter_map(|film| film.variance_of(pixel, together)).sum::<f64>();
+        self.sigma(&format!("{name}_stderr"), told(&own, variance));
     }
 
     /// `LAYER_GROUP_stderr`, and where the group's light was split `…_open_stderr`, `…_content_stderr` and their
@@ -138,9 +139,8 @@ impl Maker {
             return;
         }
         let name = format!("{}_{}", layer.name(), group.name);
-        self.sigma(&format!("{name}_stderr"), |pixel| {
-            own.iter().filter_map(|film| film.variance_of(pixel, share)).sum()
-        });
+        let variance = |pixel: usize| own.iter().filter_map(|film| film.variance_of(pixel, share)).sum::<f64>();
+        self.sigma(&format!("{name}_stderr"), told(&own, variance));
         if !self.frame.channels.iter().any(|channel| channel.name == format!("{name}_open.R")) {
             return;
         }
@@ -154,10 +154,11 @@ impl Maker {
                 }
             })
         };
-        self.sigma(&format!("{name}_open_stderr"), |pixel| mix(pixel).open);
-        self.sigma(&format!("{name}_content_stderr"), |pixel| mix(pixel).content);
+        self.sigma(&format!("{name}_open_stderr"), told(&own, |pixel| mix(pixel).open));
+        self.sigma(&format!("{name}_content_stderr"), told(&own, |pixel| mix(pixel).content));
         let pixels = self.frame.width * self.frame.height;
-        self.grey(&format!("{name}_covariance"), (0..pixels).map(|pixel| mix(pixel).covariance as f32).collect());
+        let covariance = told(&own, |pixel| mix(pixel).covariance);
+        self.grey(&format!("{name}_covariance"), (0..pixels).map(|pixel| covariance(pixel) as f32).collect());
     }
 
     fn sigma(&mut self, name: &str, variance: impl Fn(usize) -> f64) {
@@ -167,10 +168,14 @@ impl Maker {
 
     /// `stderr`: one sigma of `hybrid`. Films of different estimators are independent.
     pub(super) fn stderr(&mut self, films: &[&Film], pixels: usize) {
-        let mut total = vec![0f64; pixels];
-        for film in films {
-            total.iter_mut().enumerate().for_each(|(pixel, sum)| *sum += film.variance(pixel, film.planes.len()));
-        }
-        self.grey("stderr", total.iter().map(|v| v.sqrt() as f32).collect());
+        let variance = |pixel: usize| films.iter().map(|film| film.variance(pixel, film.planes.len())).sum::<f64>();
+        let variance = told(films, variance);
+        self.grey("stderr", (0..pixels).map(|pixel| variance(pixel).sqrt() as f32).collect());
     }
+}
+
+/// The same, or NaN where a film has too few samples to tell a variance: unknown is not zero.
+fn told<'f>(films: &[&'f Film], variance: impl Fn(usize) -> f64 + 'f) -> impl Fn(usize) -> f64 {
+    let unknown = films.iter().any(|film| film.samples() < 2);
+    move |pixel| if unknown { f64::NAN } else { variance(pixel) }
 }

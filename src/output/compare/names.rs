@@ -2,6 +2,7 @@
 
 use crate::film::frame::{Channel, Frame};
 use crate::film::layer::Layer;
+use crate::film::names::is_error;
 
 /// The layers to compare, and those that only one frame has. A share of light without light is not written, so where only
 /// one frame has it the other is black.
@@ -9,6 +10,7 @@ pub fn common(a: &Frame, b: &Frame) -> (Vec<String>, Vec<(String, char)>) {
     let names = |frame: &Frame| -> Vec<String> {
         let bare = |channel: &&Channel| channel.layer().is_empty() && !["R", "G", "B"].contains(&channel.component());
         let lone = frame.channels.iter().filter(bare).map(|channel| channel.name.clone());
+        // Layers that tell errors of others are used, not compared.
         frame.layer_names().into_iter().map(str::to_owned).chain(lone).filter(|name| !is_error(name)).collect()
     };
     let (of_a, of_b) = (names(a), names(b));
@@ -20,11 +22,6 @@ pub fn common(a: &Frame, b: &Frame) -> (Vec<String>, Vec<(String, char)>) {
     let mut all: Vec<String> = of_a.iter().filter(|name| of_b.contains(name) || light(name)).cloned().collect();
     all.extend(of_b.into_iter().filter(|name| !of_a.contains(name) && light(name)));
     (all, only_in)
-}
-
-/// Layers that tell errors of others are used, not compared.
-pub fn is_error(name: &str) -> bool {
-    name == "stderr" || ["_stderr", "_variance", "_covariance"].iter().any(|suffix| name.ends_with(suffix))
 }
 
 /// Light: layers and shares. Not the data.

@@ -1,9 +1,10 @@
 //! Two frames compared value by value, without statistics: relations that hold to rounding.
 
 use super::header;
-use super::names::{belongs, common, is_data, is_error, is_light};
+use super::names::{belongs, common, is_data, is_light};
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::Frame;
+use crate::film::names::is_error;
 
 /// The value of a layer at which A and B differ most.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -28,10 +28,10 @@ pub fn points(frames: &[(String, &Frame)]) -> Vec<Value> {
 }
 
 /// Root of the sum of the squared standard errors over that of the squared luminances, less what of these is noise: the error
-/// that `render` states without what photons blur and without what few pixels or few passes hide.
+/// that `render` states without what photons blur and without what few pixels or few passes hide. None where it is unknown.
 pub fn relative_noise(frame: &Frame) -> Option<f64> {
     let (light, error) = (layer_luminance(frame, "")?, layer_luminance(frame, "stderr")?);
     let squares = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>();
-    let noise = squares(&error);
+    let noise = Some(squares(&error)).filter(|noise| !noise.is_nan())?;
     beyond_noise(noise, squares(&light)).map(|signal| (noise / signal).sqrt())
 }
