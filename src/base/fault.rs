@@ -1,5 +1,6 @@
 //! Errors for people: what is wrong, where, what was expected, and the nearest valid name. One line each.
 
+use super::Code;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -57,16 +58,24 @@ pub struct Fault {
     pub expected: Option<String>,
     /// The valid name nearest to a misspelt one.
     pub nearest: Option<String>,
+    /// What it is about, where more is known of that than how far reading had come.
+    #[serde(skip)]
+    pub code: Option<Code>,
 }
 
 pub type Result<T, E = Box<Fault>> = std::result::Result<T, E>;
 
 impl Fault {
     pub fn new(at: Where, what: impl Into<String>) -> Box<Self> {
-        Box::new(Fault { what: what.into(), at, expected: None, nearest: None })
+        Box::new(Fault { what: what.into(), at, expected: None, nearest: None, code: None })
     }
     pub fn expected(mut self: Box<Self>, range: impl Into<String>) -> Box<Self> {
         self.expected = Some(range.into());
+        self
+    }
+    /// Says what it is about.
+    pub fn code(mut self: Box<Self>, code: impl Into<Option<Code>>) -> Box<Self> {
+        self.code = code.into();
         self
     }
     /// Adds the valid name nearest to `given`, if one is near enough to be a misspelling.

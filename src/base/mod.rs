@@ -1,8 +1,9 @@
-//! Floor 0: units, colour, typed ids, errors with places, random numbers, even points, warps, statistics, event strings,
+//! Floor 0: units, colour, typed ids, errors with places and codes, random numbers, even points, warps, statistics, event strings,
 //! file names, whole files.
 
 pub mod atomic;
 pub mod chain;
+pub mod code; // what a fault is about
 pub mod colour;
 pub mod complex;
 pub mod fault;
@@ -25,5 +26,6 @@ pub mod vision; // the eye as formulas
 pub mod warp;
 pub mod weld; // which vertices are one point
 
+pub use code::Code;
 pub use complex::Complex;
 pub use fault::{Fault, Result, Where, nearest_name};

@@ -5,7 +5,7 @@ use crate::base::units::ARCMIN;
 use crate::base::weld::{rounding, weld};
 use crate::check::geometry::{corners, triangles};
 use crate::check::subject::{is_mesh, is_specular};
-use crate::scene::{FaceRange, Mesh, Note, Scene, Severity};
+use crate::scene::{FaceRange, Mesh, Note, Scene};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -116,7 +116,7 @@ pub fn warnings(scene: &Scene) -> Vec<Note> {
     seen.filter_map(|(part, face, facets)| {
         let at = Where::Part { path: scene.parts.get(part)?.path.clone(), face: Some(face) };
         let text = format!("{}: give it a `shape`, or finer facets with the normals of the surface", facets.text());
-        Some(Note { severity: Severity::Warning, at, text })
+        Some(Note::warning(at, text))
     })
     .collect()
 }

@@ -9,7 +9,7 @@ pub mod rule;
 pub mod rules; // one file each
 pub mod subject; // what rules look at
 
-use crate::base::{Fault, Result, Where};
+use crate::base::{Code, Fault, Result, Where};
 use crate::film::names::{self, Clash};
 use crate::scene::{AbgLaw, Finish, Scene};
 
@@ -62,7 +62,7 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
             if !(n.re.is_finite() && n.re >= 1.0 && n.re <= 10.0 && n.im >= 0.0) {
                 let nm = scene.wavelengths.traced_nm();
                 let text = format!("impossible refractive index {} of `{}` at {nm} nm", n.re, medium.name);
-                return Err(Fault::new(Where::part(&part.path), text).expected("1 to 10"));
+                return Err(Fault::new(Where::part(&part.path), text).expected("1 to 10").code(Code::IndexImpossible));
             }
         }
     }
@@ -71,13 +71,15 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
             scene.parts.iter().find(|p| p.faces.iter().flat_map(|f| &f.emitter).any(|e| e.group == sky.group))
     {
         let text = format!("its emitter has the light group `{}` of the sky", scene.group(sky.group).name);
-        return Err(Fault::new(Where::part(&part.path), text).expected("a group of its own"));
+        return Err(Fault::new(Where::part(&part.path), text).expected("a group of its own").code(Code::GroupUnusable));
     }
     if let Some(sky) = &scene.sky
         && let Some(light) = scene.lights.iter().find(|light| light.group == sky.group)
     {
         let text = format!("the light has the light group `{}` of the sky", scene.group(sky.group).name);
-        return Err(Fault::new(Where::part(&light.name), text).expected("a group of its own"));
+        return Err(Fault::new(Where::part(&light.name), text)
+            .expected("a group of its own")
+            .code(Code::GroupUnusable));
     }
     let faces = || scene.parts.iter().flat_map(|part| &part.faces);
     let facts = Facts {
@@ -133,28 +135,26 @@ fn check_groups(scene: &Scene) -> Result<()> {
 
 fn check_eye(scene: &Scene) -> Result<()> {
     let eye = &scene.eye;
-    let at = || Where::Option("eye".to_owned());
+    let fault = |what: String| Fault::new(Where::Option("eye".to_owned()), what).code(Code::EyeImpossible);
     if !(eye.position.is_finite() && eye.look.is_finite() && eye.up.is_finite()) {
-        return Err(Fault::new(at(), "the eye's position or directions are not finite"));
+        return Err(fault("the eye's position or directions are not finite".to_owned()));
     }
     let straight = eye.look.is_normalized() && eye.up.is_normalized() && eye.look.dot(eye.up).abs() < 1e-9;
     if !straight {
-        return Err(Fault::new(at(), "the eye's `look` and `up` are not orthogonal unit vectors"));
+        return Err(fault("the eye's `look` and `up` are not orthogonal unit vectors".to_owned()));
     }
     if !(eye.fov_deg > 0.0 && eye.fov_deg < 180.0) {
-        return Err(Fault::new(at(), format!("fov_deg = {}", eye.fov_deg)).expected("more than 0, less than 180"));
+        return Err(fault(format!("fov_deg = {}", eye.fov_deg)).expected("more than 0, less than 180"));
     }
     if !(eye.pupil_diameter_m >= 0.0 && eye.pupil_diameter_m.is_finite()) {
-        return Err(Fault::new(at(), format!("pupil diameter {} m", eye.pupil_diameter_m)).expected("0 or more"));
+        return Err(fault(format!("pupil diameter {} m", eye.pupil_diameter_m)).expected("0 or more"));
     }
     if eye.focus_distance_m.is_nan() || eye.focus_distance_m <= 0.0 {
-        return Err(
-            Fault::new(at(), format!("focus distance {} m", eye.focus_distance_m)).expected("more than 0, or inf")
-        );
+        return Err(fault(format!("focus distance {} m", eye.focus_distance_m)).expected("more than 0, or inf"));
     }
     let [width, height] = eye.resolution;
     if width == 0 || height == 0 || width.saturating_mul(height) > 1 << 25 {
-        return Err(Fault::new(at(), format!("resolution {width} × {height}")).expected("at most 2^25 pixels"));
+        return Err(fault(format!("resolution {width} × {height}")).expected("at most 2^25 pixels"));
     }
     Ok(())
 }
@@ -168,7 +168,9 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
             let sum = reflectance + transmittance;
             if !(reflectance >= 0.0 && transmittance >= 0.0 && sum <= 1.0 + 1e-12) {
                 let text = format!("reflectance {reflectance} + transmittance {transmittance} gains energy");
-                return Err(Fault::new(at(), text).expected("each 0 to 1, the sum at most 1"));
+                return Err(Fault::new(at(), text)
+                    .expected("each 0 to 1, the sum at most 1")
+                    .code(Code::ScatterGainsEnergy));
             }
         }
         Finish::Polariser { axis, transmittance, extinction } => {
@@ -191,7 +193,9 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
         }
         Finish::MirrorMetal { n, k } => {
             if !(n > 0.0 && k >= 0.0 && n.is_finite() && k.is_finite()) {
-                return Err(Fault::new(at(), format!("metal index {n} + {k}i")).expected("n > 0, k ≥ 0"));
+                return Err(Fault::new(at(), format!("metal index {n} + {k}i"))
+                    .expected("n > 0, k ≥ 0")
+                    .code(Code::IndexImpossible));
             }
         }
         Finish::Rough { alpha } => {
@@ -208,7 +212,9 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
             let total = law.total(0.0) + reflectance;
             if total.is_nan() || total > 1.0 + 1e-9 {
                 let text = format!("ABg with A {a}, B {b}, g {g}, R {reflectance} sends out {total:.6} of the light");
-                return Err(Fault::new(at(), text).expected("at most 1, by a smaller A or R or a larger B"));
+                return Err(Fault::new(at(), text)
+                    .expected("at most 1, by a smaller A or R or a larger B")
+                    .code(Code::ScatterGainsEnergy));
             }
         }
         Finish::Measured { table } => {
@@ -219,7 +225,9 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
         Finish::None | Finish::Polished | Finish::Absorber => {}
     }
     if face.coating.is_some() && face.finish != Finish::Polished {
-        return Err(Fault::new(at(), "a coating needs a polished face").expected("finish = \"polished\""));
+        return Err(Fault::new(at(), "a coating needs a polished face")
+            .expected("finish = \"polished\"")
+            .code(Code::CoatingNotPolished));
     }
     if let Some(id) = face.slide {
         let slide = scene.slide(id);
@@ -228,7 +236,8 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
             && slide.contrast >= 1.0
             && slide.pixels.len() == slide.width * slide.height;
         if !sound {
-            return Err(Fault::new(at(), format!("slide `{}` has an impossible size or transmittance", slide.name)));
+            return Err(Fault::new(at(), format!("slide `{}` has an impossible size or transmittance", slide.name))
+                .code(Code::SlideWithoutSize));
         }
     }
     Ok(())

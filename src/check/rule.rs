@@ -1,8 +1,8 @@
 //! A validation rule: what it looks for, why that matters, and how it finds it.
 //!
-//! Some faults are found by the importer, which must not go on with them. A rule claims those by fragments of their
-//! message (`claims`); `tests/validate/` plants every fault into a good asset, so that a message and the fragments that
-//! claim it cannot drift apart unnoticed. The others are looked for by `find`.
+//! Some faults are found by the importer, which must not go on with them. They say themselves what they are about
+//! ([`Code`](crate::base::Code)), and that names their rule; `tests/validate/` plants every fault into a good asset. The
+//! others are looked for by `find`.
 
 use super::finding::{Finding, Level};
 use super::subject::Subject;
@@ -23,11 +23,8 @@ pub struct Rule {
     /// What sets it off, and the same put right.
     pub bad: Example,
     pub good: Example,
-    /// Fragments of faults and notes of the importer that are this rule's. `…` stands for any text between two
-    /// fragments. Of several rules that claim a message, the one whose matching claim is longest has it.
-    pub claims: &'static [&'static str],
     pub find: fn(&Subject<'_>) -> Vec<Finding>,
-    /// How grave a finding that was claimed is, where that hangs on the scene.
+    /// How grave a finding of the importer is, where that hangs on the scene.
     pub grade: fn(&Subject<'_>, &Finding) -> Level,
 }
 
@@ -54,34 +51,5 @@ impl Rule {
     /// A finding of this rule.
     pub fn at(&self, at: Where, text: impl Into<String>) -> Finding {
         Finding { code: self.code, level: self.level, at, text: text.into() }
-    }
-
-    /// Length of the longest claim of this rule to a message; none if it has no claim.
-    pub fn claim(&self, message: &str) -> Option<usize> {
-        self.claims.iter().filter(|claim| matches(claim, message)).map(|claim| claim.len()).max()
-    }
-}
-
-/// Whether the fragments of `claim` occur in `message` one after the other.
-fn matches(claim: &str, message: &str) -> bool {
-    let mut rest = message;
-    claim.split('…').all(|fragment| match rest.split_once(fragment) {
-        Some((_, after)) => {
-            rest = after;
-            true
-        }
-        None => false,
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::matches;
-
-    #[test]
-    fn claims_are_fragments_in_order() {
-        assert!(matches("path `…` matches no part", "path `LENZ` matches no part"));
-        assert!(!matches("matches no part…path", "path `LENZ` matches no part"));
-        assert!(!matches("two…two", "only two"));
     }
 }

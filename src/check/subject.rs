@@ -1,6 +1,6 @@
 //! What rules look at.
 
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::scene::assembly::Assembly;
 use crate::scene::value::Value;
 use crate::scene::{Face, Finish, Part, Scene, Shape};
@@ -51,6 +51,18 @@ pub enum Stage {
     Build,
     /// The scene as a whole, and its tables.
     Freeze,
+}
+
+impl Refusal {
+    /// What the fault is about; where it says nothing, as much as the stage tells.
+    pub fn code(&self) -> Code {
+        self.fault.code.unwrap_or(match self.stage {
+            Stage::Read => Code::AssetUnreadable,
+            Stage::Sidecar => Code::SidecarUnreadable,
+            Stage::Build => Code::ValueImpossible,
+            Stage::Freeze => Code::SceneRefused,
+        })
+    }
 }
 
 impl Subject<'_> {

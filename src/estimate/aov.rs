@@ -13,7 +13,7 @@ use crate::film::layer::Layer;
 use crate::film::matte::Matte;
 use crate::film::plan::{Estimator, Plan};
 use crate::scene::assembly::LayerWish;
-use crate::scene::{Finish, Note, Scene, Severity};
+use crate::scene::{Finish, Note, Scene};
 use crate::world::World;
 use crate::world::scatter::Scatter;
 use crate::world::surface::Surface;
@@ -80,7 +80,7 @@ pub fn granted(
                 format!("the light path expression `{}` {what}: not written", wish.source)
             }
         };
-        granted.notes.push(Note { severity: Severity::Warning, at: wish.at.clone(), text });
+        granted.notes.push(Note::warning(wish.at.clone(), text));
     }
     granted.sieve = maker.sieve.map(Arc::new);
     Ok(granted)

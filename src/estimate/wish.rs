@@ -4,7 +4,7 @@ use super::picture::possible_layers;
 use crate::film::frame::{Channel, Frame};
 use crate::film::matte::Matte;
 use crate::scene::assembly::LayerWish;
-use crate::scene::{Group, Note, Severity};
+use crate::scene::{Group, Note};
 
 /// One of our layers, and the name that it is written under.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -37,11 +37,8 @@ pub fn granted(wishes: &[LayerWish], groups: &[Group]) -> (Vec<Named>, Vec<Note>
         let other = SYNONYMS.iter().find(|(name, _)| *name == source).map(|(_, layer)| (*layer).to_owned());
         let own = possible.contains(&source).then_some(source);
         let Some(layer) = own.or(other) else {
-            notes.push(Note {
-                severity: Severity::Warning,
-                at: wish.at.clone(),
-                text: format!("the render variable `{}` is no layer of ours: not written", wish.source),
-            });
+            let text = format!("the render variable `{}` is no layer of ours: not written", wish.source);
+            notes.push(Note::warning(wish.at.clone(), text));
             continue;
         };
         // A matte's name is in the header, too.
@@ -53,7 +50,7 @@ pub fn granted(wishes: &[LayerWish], groups: &[Group]) -> (Vec<Named>, Vec<Note>
                     "`{}` and `{}` ask for the name `{}`: the first has it",
                     other.layer, named.layer, named.name
                 );
-                notes.push(Note { severity: Severity::Warning, at: wish.at.clone(), text });
+                notes.push(Note::warning(wish.at.clone(), text));
             }
             continue;
         }

@@ -8,10 +8,10 @@ use super::select::{Candidate, Faces, is_glob, listed};
 use super::sheet::{Sheet, entries};
 use super::slots::{Entry, PartBound, Rank, Slot, Slots};
 use super::value::{Data, Value};
-use crate::base::Fault;
 use crate::base::fault::Result;
+use crate::base::{Code, Fault};
+use crate::scene::Note;
 use crate::scene::attribute::Noun;
-use crate::scene::{Note, Severity};
 use std::rc::Rc;
 
 /// The attributes that can be bound.
@@ -82,7 +82,7 @@ pub fn said(table: &[(String, Value)], sheet: &Sheet, what: &str, beside: &[&str
     let mut add = |entry: Entry| -> Result<()> {
         if let Some(other) = all.iter().find(|other| other.slot == entry.slot) {
             let what = format!("{what} gives both `{}` and `{}`", other.key, entry.key);
-            return Err(Fault::new(entry.at, what).expected("one of them"));
+            return Err(Fault::new(entry.at, what).expected("one of them").code(Code::SaidTwice));
         }
         all.push(Rc::new(entry));
         Ok(())
@@ -100,7 +100,8 @@ pub fn said(table: &[(String, Value)], sheet: &Sheet, what: &str, beside: &[&str
             let valid = || beside.iter().copied().chain(BINDABLE);
             return Err(Fault::new(value.at.clone(), format!("unknown attribute `{key}` in {what}"))
                 .expected(format!("one of {}", valid().collect::<Vec<_>>().join(", ")))
-                .nearest(key, valid()));
+                .nearest(key, valid())
+                .code(Code::AttributeUnknown));
         };
         if key != "medium" || value.text() == Some("none") {
             add(Entry { slot, key: key.clone(), value: value.clone(), label: None, at: value.at.clone() })?;
@@ -110,13 +111,15 @@ pub fn said(table: &[(String, Value)], sheet: &Sheet, what: &str, beside: &[&str
         if let Data::Text(name) = &medium.data {
             return Err(Fault::new(value.at.clone(), format!("unknown medium `{name}`"))
                 .expected("the name of a [medium.NAME], or \"none\"; a catalogue glass is `glass = …`")
-                .nearest(name, sheet.media.names()));
+                .nearest(name, sheet.media.names())
+                .code(Code::NameUnknown));
         }
         let inner = medium_entries(medium)?;
         let label = value.text().or_else(|| medium.get("name").and_then(Value::text)).map(str::to_owned);
         if !inner.iter().any(|(key, _)| Slot::of(key) == Some(Slot::Index)) {
             return Err(Fault::new(medium.at.clone(), "this medium has no index")
-                .expected("one of ior, glass, sellmeier, cauchy, abbe, index_table"));
+                .expected("one of ior, glass, sellmeier, cauchy, abbe, index_table")
+                .code(Code::IndexMissing));
         }
         for (key, item) in inner {
             if let Some(slot) = Slot::of(key) {
@@ -152,7 +155,8 @@ fn one(
     let which = Faces::read(value.get("faces"), value.get("normal"))?;
     if path.is_none() && name.is_none() && material.is_none() && mesh.is_none() {
         return Err(Fault::new(value.at.clone(), "this `[[bind]]` selects no parts")
-            .expected("`path`, `name`, `material` or `mesh`; what holds for all parts goes to [default]"));
+            .expected("`path`, `name`, `material` or `mesh`; what holds for all parts goes to [default]")
+            .code(Code::SelectsNothing));
     }
     if said.is_empty() {
         return Err(Fault::new(value.at.clone(), "this `[[bind]]` says nothing about its parts")
@@ -182,10 +186,11 @@ fn one(
         if let Some(path) = path.filter(|path| !is_glob(path)) {
             let at = value.get("path").map_or(&value.at, |value| &value.at);
             return Err(Fault::new(at.clone(), format!("path `{path}` means {} parts: {paths}", chosen.len()))
-                .expected("the path of one part, or a pattern, e.g. `**/NAME`, for all of them"));
+                .expected("the path of one part, or a pattern, e.g. `**/NAME`, for all of them")
+                .code(Code::NameAmbiguous));
         }
         let text = format!("name `{}` means {} parts: {paths}", name.unwrap_or(""), chosen.len());
-        notes.push(Note { severity: Severity::Info, at: value.at.clone(), text });
+        notes.push(Note::info(value.at.clone(), text));
     }
     let rank = match (which == Faces::All, exact) {
         (true, false) => Rank::Glob,
@@ -220,15 +225,17 @@ fn one(
             (None, None) => format!("{} has no faces", listed(without.into_iter())),
         };
         let names = assembly.materials.iter().map(|own| own.name.as_str());
-        return Err(Fault::new(at.clone(), what).nearest(material.unwrap_or(""), names));
+        return Err(Fault::new(at.clone(), what).nearest(material.unwrap_or(""), names).code(Code::SelectsNothing));
     }
     if let (Some(normal), false) = (value.get("normal"), without.is_empty()) {
         let text = format!("no face looks along {normal} in {}", listed(without.into_iter()));
         // A lamp or a slide that gets lost leaves a plausible picture: that is no matter for a note.
         if value.get("emitter").is_some() || value.get("slide").is_some() {
-            return Err(Fault::new(at.clone(), text).expected("a face with an area that looks that way in every part"));
+            return Err(Fault::new(at.clone(), text)
+                .expected("a face with an area that looks that way in every part")
+                .code(Code::SelectsNothing));
         }
-        notes.push(Note { severity: Severity::Warning, at: at.clone(), text });
+        notes.push(Note::warning(at.clone(), text).code(Code::SelectsNothing));
     }
     Ok(())
 }
@@ -242,24 +249,27 @@ fn unmatched(
     name: Option<&str>,
     mesh: Option<&str>,
 ) -> Box<Fault> {
-    let place = |key: &str| value.get(key).map_or(&value.at, |value| &value.at).clone();
+    let fault = |key: &str, what: String| {
+        let at = value.get(key).map_or(&value.at, |value| &value.at);
+        Fault::new(at.clone(), what).code(Code::SelectsNothing)
+    };
     let names = || parts.iter().map(|part| part.name.as_str());
     if let Some(path) = path.filter(|path| !parts.iter().any(|part| part.has_path(path))) {
         if let Some(node) = assembly.nodes.iter().find(|node| node.path == path || node.name == path) {
-            return Fault::new(place("path"), format!("path `{path}` is a node without geometry"))
+            return fault("path", format!("path `{path}` is a node without geometry"))
                 .expected(format!("a part; `{}/**` selects the parts below it", node.path));
         }
         let paths = parts.iter().flat_map(|part| [part.path.as_str()].into_iter().chain(part.short.as_deref()));
-        return Fault::new(place("path"), format!("path `{path}` matches no part")).nearest(path, paths.chain(names()));
+        return fault("path", format!("path `{path}` matches no part")).nearest(path, paths.chain(names()));
     }
     if let Some(name) = name.filter(|name| !parts.iter().any(|part| part.has_name(name))) {
-        return Fault::new(place("name"), format!("name `{name}` matches no part")).nearest(name, names());
+        return fault("name", format!("name `{name}` matches no part")).nearest(name, names());
     }
     match mesh {
         Some(mesh) => {
             let meshes = assembly.meshes.iter().map(|source| source.mesh.name.as_str());
-            Fault::new(place("mesh"), format!("mesh `{mesh}` matches no part")).nearest(mesh, meshes)
+            fault("mesh", format!("mesh `{mesh}` matches no part")).nearest(mesh, meshes)
         }
-        None => Fault::new(value.at.clone(), "no part matches both `path` and `name`"),
+        None => fault("", "no part matches both `path` and `name`".to_owned()),
     }
 }

@@ -13,10 +13,8 @@ use super::sheet::Sheet;
 use super::slots::{PartBound, Slot, Slots};
 use super::value::Value;
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
-use crate::scene::{
-    Coating, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Severity, Slide, Wavelengths,
-};
+use crate::base::{Code, Fault, Where};
+use crate::scene::{Coating, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide, Wavelengths};
 use glam::DMat3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -60,7 +58,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         Some(value) => {
             let unit = optics::unit(value)?;
             let text = format!("unit {unit} m replaces the {} m that the asset declares", assembly.unit_m);
-            notes.push(Note { severity: Severity::Info, at: value.at.clone(), text });
+            notes.push(Note::info(value.at.clone(), text));
             unit
         }
         None => {
@@ -138,6 +136,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
 fn no_eye(sidecar: Option<&Value>, file: &Path) -> Box<Fault> {
     Fault::new(super::sheet::place(sidecar, file), "there is no eye")
         .expected("an [eye], or a perspective camera in the asset")
+        .code(Code::EyeMissing)
 }
 
 /// Every face must have a finish or a slide.
@@ -159,19 +158,21 @@ fn covered(parts: &[Candidate], bound: &[PartBound], assembly: &Assembly) -> Res
         let names = listed(bare.iter().map(|(part, _, _)| part.path.as_str()));
         let parts = if bare.len() == 1 { "part" } else { "parts" };
         return Err(Fault::new(at, format!("no optical attributes bind {parts} {names}"))
-            .expected("a finish for every face: a [[bind]] or [default] finish = \"absorber\""));
+            .expected("a finish for every face: a [[bind]] or [default] finish = \"absorber\"")
+            .code(Code::PartUnbound));
     }
     let numbers: Vec<String> = faces.iter().map(usize::to_string).collect();
     let faces = listed(numbers.iter().map(String::as_str));
     Err(Fault::new(Where::part(&first.path), format!("no finish binds face {faces}"))
-        .expected("a finish for every face: a [[bind]] or [default] finish = \"absorber\""))
+        .expected("a finish for every face: a [[bind]] or [default] finish = \"absorber\"")
+        .code(Code::PartUnbound))
 }
 
 /// blake3 of all input bytes, each file preceded by its length, then the sets.
 fn hash(files: &[PathBuf], sets: &[Set]) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
     for file in files {
-        files::hash(&mut hasher, file, &Where::Nowhere, "input file")?;
+        files::hash(&mut hasher, file, &Where::Nowhere, "input file").map_err(|fault| fault.code(Code::FileMissing))?;
     }
     for set in sets {
         hasher.update(&(set.text.len() as u64).to_le_bytes());
@@ -222,7 +223,7 @@ impl Builder<'_> {
         let media = self.sheet.media.own().filter(|(name, _)| !filled(name));
         for (noun, (name, value)) in coatings.map(|own| ("coating", own)).chain(media.map(|own| ("medium", own))) {
             let text = format!("[{noun}.{name}] is not used: no part names it");
-            self.notes.push(Note { severity: Severity::Info, at: value.at.clone(), text });
+            self.notes.push(Note::info(value.at.clone(), text).code(Code::NamedUnused));
         }
         for (name, value) in &self.sheet.coatings.named {
             optics::coating(value, name, &mut Vec::new())?;

@@ -7,9 +7,9 @@ use super::select::{Candidate, Faces};
 use super::sheet::{Sheet, entries};
 use super::slots::{Entry, PartBound, Rank, Slot};
 use super::value::Value;
-use crate::base::Fault;
 use crate::base::fault::Result;
-use crate::scene::{Note, Severity};
+use crate::base::{Code, Fault};
+use crate::scene::Note;
 use std::rc::Rc;
 
 /// What one node says: of whole parts, and of some of their faces.
@@ -83,7 +83,7 @@ pub fn offer_all(
     {
         let at = node.attributes.as_ref().map_or(&node.at, |value| &value.at).clone();
         let text = format!("node `{}` has optical attributes, but there is no part at or below it", node.path);
-        notes.push(Note { severity: Severity::Warning, at, text });
+        notes.push(Note::warning(at, text).code(Code::AttributesOnNothing));
     }
     Ok(())
 }

@@ -9,8 +9,8 @@ use super::slots::{PartBound, Rank, Slot, Slots};
 use super::value::{Data, Value};
 use crate::base::fault::Result;
 use crate::base::ids::{CoatingId, MediumId, MeshId, ScatterId};
-use crate::base::{Fault, Where};
-use crate::scene::{Absorption, Face, Finish, Medium, Note, Part, Severity, Shape, Spectrum, Wavelengths, glass};
+use crate::base::{Code, Fault, Where};
+use crate::scene::{Absorption, Face, Finish, Medium, Note, Part, Shape, Spectrum, Wavelengths, glass};
 use glam::DAffine3;
 use std::path::Path;
 
@@ -60,7 +60,7 @@ impl Builder<'_> {
                     Wavelengths::Visible => [400.0, 700.0],
                 };
                 let Some(text) = glass::find(name).and_then(|glass| glass.beyond(traced)) else { return };
-                let note = Note { severity: Severity::Warning, at: value.at.clone(), text };
+                let note = Note::warning(value.at.clone(), text).code(Code::IndexExtrapolated);
                 if !self.notes.contains(&note) {
                     self.notes.push(note);
                 }
@@ -94,7 +94,7 @@ impl Builder<'_> {
                 let spec = optics::emitter(self.sheet.emitters.follow(&won.entry.value)?, &mut self.notes)?;
                 if spec.spectrum.is_none() && self.coloured() {
                     let (at, text) = (won.entry.value.at.clone(), "`spectrum` of emitter is not said: D65".to_owned());
-                    self.notes.push(Note { severity: Severity::Info, at, text });
+                    self.notes.push(Note::info(at, text));
                 }
                 Some(self.emitter(part, number, spec)?)
             }
@@ -155,9 +155,9 @@ impl Builder<'_> {
             // A film that a format's own field means (iridescence) says nothing about the finish.
             if won.rank > Rank::Mapped && slots.get(Slot::Finish).is_none_or(|finish| won.rank >= finish.rank) {
                 let what = format!("a coating acts on polished faces; part {} face {number} is not", part.path);
-                return Err(
-                    Fault::new(won.entry.at.clone(), what).expected("finish = \"polished\" there, or no coating")
-                );
+                return Err(Fault::new(won.entry.at.clone(), what)
+                    .expected("finish = \"polished\" there, or no coating")
+                    .code(Code::CoatingNotPolished));
             }
             return Ok(None);
         }
@@ -176,6 +176,7 @@ impl Builder<'_> {
                 format!("part {} face {number} has an exact shape but its node is not scaled uniformly", part.path),
             )
             .expected("the same scale along all axes")
+            .code(Code::UnevenScale)
         })?;
         match spec {
             ShapeSpec::Exact(shape) => Ok(shape),

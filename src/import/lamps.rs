@@ -9,9 +9,9 @@ use super::{files, photometric, place};
 use crate::base::colour::{K_M, cmf};
 use crate::base::fault::Result;
 use crate::base::ids::{GroupId, ProfileId};
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::scene::{
-    Angular, Beacon, BeaconForm, Emitter, Group, LuminousProfile, Note, Photometry, PolarisedLight, Severity, Spectrum,
+    Angular, Beacon, BeaconForm, Emitter, Group, LuminousProfile, Note, Photometry, PolarisedLight, Spectrum,
     Wavelengths,
 };
 use glam::DVec3;
@@ -65,7 +65,7 @@ impl Builder<'_> {
                 })?;
                 let flux = watts * per_watt;
                 let text = format!("{watts} W are {flux:.6} lm at {per_watt:.4} lm/W");
-                self.notes.push(Note { severity: Severity::Info, at, text });
+                self.notes.push(Note::info(at, text));
                 Photometry::FluxLm(flux)
             }
         };
@@ -85,7 +85,7 @@ impl Builder<'_> {
                 profile.flux_lm(),
                 lumens
             );
-            self.notes.push(Note { severity: Severity::Info, at: at.clone(), text });
+            self.notes.push(Note::info(at.clone(), text));
         }
         self.files.push(file.to_owned());
         self.files.extend(photometric::tilt_file(file).filter(|tilt| tilt.is_file()));
@@ -102,7 +102,9 @@ impl Builder<'_> {
         let (whole, front) = (profile.flux_lm(), profile.front().flux_lm());
         if front <= 0.0 {
             let what = format!("the light profile {} has no light in front of the face", profile.file);
-            return Err(Fault::new(at.clone(), what).expected("one that shines about its direction (0, 0)"));
+            return Err(Fault::new(at.clone(), what)
+                .expected("one that shines about its direction (0, 0)")
+                .code(Code::ProfileBehindFace));
         }
         if front < (1.0 - BEHIND) * whole {
             let text = format!(
@@ -111,7 +113,7 @@ impl Builder<'_> {
                 whole - front,
                 whole
             );
-            self.notes.push(Note { severity: Severity::Warning, at: at.clone(), text });
+            self.notes.push(Note::warning(at.clone(), text).code(Code::ProfileBehindFace));
         }
         Ok(())
     }

@@ -13,8 +13,8 @@ use crate::base::ids::{GroupId, MeshId};
 use crate::base::{Fault, Where};
 use crate::scene::assembly::{LightForm, LightProfile, LightSource, ProfileSource};
 use crate::scene::{
-    Angular, Beacon, BeaconForm, Emitter, Face, Finish, Group, LuminousProfile, Mesh, Note, Part, Photometry, Severity,
-    Shape, Sky, Spectrum, SpotCone,
+    Angular, Beacon, BeaconForm, Emitter, Face, Finish, Group, LuminousProfile, Mesh, Note, Part, Photometry, Shape,
+    Sky, Spectrum, SpotCone,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::PI;
@@ -107,7 +107,7 @@ impl Builder<'_> {
 
     fn warn(&mut self, light: &LightSource, text: &str) {
         let text = format!("light {}: {text}", light.name);
-        self.notes.push(Note { severity: Severity::Warning, at: light.at.clone(), text });
+        self.notes.push(Note::warning(light.at.clone(), text));
     }
 
     /// The light's own attributes say the group, or its name does.

@@ -2,10 +2,10 @@
 
 use super::assembly::Material;
 use super::value::{Data, Value};
-use crate::base::Fault;
 use crate::base::fault::Result;
 use crate::base::units::luminance;
-use crate::scene::{Note, Severity};
+use crate::base::{Code, Fault};
+use crate::scene::Note;
 
 /// The attributes that `material.mapped` amounts to. Names that our vocabulary has pass as they are, dotted ones as
 /// tables. `transmission`, `thickness`, `dispersion`, `attenuation_*` and `luminance_cd_m2` are taken as the ratified
@@ -15,8 +15,8 @@ use crate::scene::{Note, Severity};
 pub fn mapped(material: &Material, notes: &mut Vec<Note>) -> Result<Vec<(String, Value)>> {
     let find = |name: &str| material.mapped.iter().find(|(key, _)| key == name).map(|(_, value)| value);
     let number = |name: &str| find(name).and_then(|value| value.number().map(|number| (number, value)));
-    let mut note = |severity: Severity, value: &Value, text: String| {
-        notes.push(Note { severity, at: value.at.clone(), text: format!("material `{}`: {text}", material.name) });
+    let mut note = |note: Note| {
+        notes.push(Note { text: format!("material `{}`: {}", material.name, note.text), ..note });
     };
     let mut all: Vec<(String, Value)> = Vec::new();
     for (key, value) in &material.mapped {
@@ -33,11 +33,8 @@ pub fn mapped(material: &Material, notes: &mut Vec<Note>) -> Result<Vec<(String,
     let clear = match number("transmission") {
         Some((share, value)) if share >= 1.0 => Some(value),
         Some((share, value)) if share > 0.0 => {
-            note(
-                Severity::Warning,
-                value,
-                format!("transmission {share} between 0 and 1 has no meaning here and is ignored"),
-            );
+            let text = format!("transmission {share} between 0 and 1 has no meaning here and is ignored");
+            note(Note::warning(value.at.clone(), text).code(Code::TransmissionPartial));
             None
         }
         Some(_) | None => None,
@@ -55,7 +52,7 @@ pub fn mapped(material: &Material, notes: &mut Vec<Note>) -> Result<Vec<(String,
         (Some((_, value)), None) => all.push(("ior".to_owned(), value.clone())),
         (None, None) => {
             if let (Some((_, value)), Some(_)) = (solid, clear) {
-                note(Severity::Info, value, "`ior` is not said: 1.5".to_owned());
+                note(Note::info(value.at.clone(), "`ior` is not said: 1.5"));
                 all.push(("ior".to_owned(), Value::new(Data::Number(1.5), value.at.clone())));
             }
         }

@@ -47,8 +47,8 @@ pub use outline::{geometry, outline};
 pub use set::Set;
 
 use crate::base::fault::Result;
-use crate::base::{Fault, Where, weld};
-use crate::scene::{Note, Severity};
+use crate::base::{Code, Fault, Where, weld};
+use crate::scene::Note;
 use std::path::{Path, PathBuf};
 
 /// A format of assemblies. A new one is a module with a reader and a line in [`FORMATS`].
@@ -109,14 +109,15 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<(Assembly, Option<(Pat
             return Err(Fault::new(
                 asset.at.clone(),
                 format!("can't read the asset {}: there is no such file", file.display()),
-            ));
+            )
+            .code(Code::FileMissing));
         }
         return Ok((read_asset(&file, &asset.at, options)?, Some((path.to_owned(), sidecar))));
     }
     let mut assembly = read_asset(path, &Where::Nowhere, options)?;
     let Some((beside, sidecar)) = beside(path, || assembly.carries_optics())? else { return Ok((assembly, None)) };
     let text = format!("the asset carries no optical attributes; {} beside it is used", beside.display());
-    assembly.notes.push(Note { severity: Severity::Info, at: Where::file(path), text });
+    assembly.notes.push(Note::info(Where::file(path), text));
     Ok((assembly, Some((beside, sidecar))))
 }
 

@@ -9,8 +9,8 @@ use super::{files, optics, picture, place};
 use crate::base::fault::Result;
 use crate::base::ids::{GroupId, SlideId};
 use crate::base::units::luminance;
-use crate::base::{Fault, Where};
-use crate::scene::{Group, Note, Severity, Sky, Slide, Wavelengths};
+use crate::base::{Code, Fault, Where};
+use crate::scene::{Group, Note, Sky, Slide, Wavelengths};
 use std::sync::Arc;
 
 impl Builder<'_> {
@@ -25,15 +25,17 @@ impl Builder<'_> {
         let (width, height, pixels, rgb) = match self.pictures.get(&file) {
             Some(known) => known.clone(),
             None => {
-                let bytes = files::read(&file, &spec.image_at, "slide image")?;
-                let read = picture::slide(&bytes, &file, &spec.image_at)?;
+                let bytes = files::read(&file, &spec.image_at, "slide image")
+                    .map_err(|fault| fault.code(Code::SlideImageMissing))?;
+                let read = picture::slide(&bytes, &file, &spec.image_at)
+                    .map_err(|fault| fault.code(Code::SlideImageMissing))?;
                 if read.rgb.is_some() && !self.coloured() {
                     let text = format!(
                         "the slide image {} has colours; at one wavelength their luminance counts: \
                          0.2126 R + 0.7152 G + 0.0722 B",
                         spec.image
                     );
-                    self.notes.push(Note { severity: Severity::Info, at: spec.image_at.clone(), text });
+                    self.notes.push(Note::info(spec.image_at.clone(), text));
                 }
                 let rgb = read.rgb.filter(|_| self.coloured()).map(Arc::new);
                 let known = (read.width, read.height, Arc::new(read.pixels), rgb);
@@ -107,7 +109,7 @@ impl Builder<'_> {
         if read.width != 2 * read.height {
             let text =
                 format!("the panorama has {} x {} pixels; twice as wide as high is usual", read.width, read.height);
-            self.notes.push(Note { severity: Severity::Warning, at: spec.image_at.clone(), text });
+            self.notes.push(Note::warning(spec.image_at.clone(), text));
         }
         let group = GroupId::from_index(intern(&mut self.groups, Group { name: spec.group }));
         let frame = place::frame_rotation(self.assembly, spec.frame.as_ref())?;
@@ -137,7 +139,7 @@ impl Builder<'_> {
                 "{} pixels have colours outside Rec.709: their negative components are taken as 0, with the same luminance",
                 read.clipped
             );
-            self.notes.push(Note { severity: Severity::Warning, at: at.clone(), text });
+            self.notes.push(Note::warning(at.clone(), text));
         }
         let grey = scale[0] == scale[1] && scale[1] == scale[2];
         let mut rgb = read.rgb.take();

@@ -6,9 +6,8 @@ use super::optics::{self, Pose};
 use super::select;
 use super::value::{Data, Value};
 use crate::base::fault::Result;
-use crate::base::units::significant;
-use crate::base::{Fault, Where};
-use crate::scene::{Eye, Mesh, Note, Severity, Shape};
+use crate::base::{Code, Fault, Where};
+use crate::scene::{Eye, Mesh, Note, Residual, Shape};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Node → world in metres.
@@ -68,7 +67,7 @@ pub fn eye(assembly: &Assembly, value: Option<&Value>, unit_m: f64, notes: &mut 
         (None, aspect) => {
             let height = aspect.map_or(180.0, |aspect| (360.0 / aspect).round().clamp(1.0, 65536.0));
             let text = format!("`resolution` of eye is not said: 360 x {height}");
-            notes.push(Note { severity: Severity::Info, at: spec.at.clone(), text });
+            notes.push(Note::info(spec.at.clone(), text));
             [360, height as usize]
         }
     };
@@ -82,11 +81,12 @@ pub fn eye(assembly: &Assembly, value: Option<&Value>, unit_m: f64, notes: &mut 
             let look = (-m.z_axis).normalize_or_zero();
             let up = (m.y_axis - m.y_axis.dot(look) * look).normalize_or_zero();
             if look == DVec3::ZERO || up == DVec3::ZERO {
-                return Err(Fault::new(spec.at.clone(), format!("camera `{}` has no direction", camera.name)));
+                return Err(Fault::new(spec.at.clone(), format!("camera `{}` has no direction", camera.name))
+                    .code(Code::EyeImpossible));
             }
             let more = if cameras.next().is_some() { ", the first of several" } else { "" };
             let text = format!("the eye is the asset's camera `{}`{more}", camera.name);
-            notes.push(Note { severity: Severity::Info, at: spec.at.clone(), text });
+            notes.push(Note::info(spec.at.clone(), text));
             (assembly.axes * camera.to_world.translation * unit_m, look, up)
         }
         (None, None) => {
@@ -94,7 +94,8 @@ pub fn eye(assembly: &Assembly, value: Option<&Value>, unit_m: f64, notes: &mut 
                 spec.at.clone(),
                 "eye has no `position`, `look` and `up`, and the asset has no perspective camera",
             )
-            .expected("position = [\"0 mm\", \"0 mm\", \"0 mm\"], look = [0, 0, -1], up = [0, 1, 0]"));
+            .expected("position = [\"0 mm\", \"0 mm\", \"0 mm\"], look = [0, 0, -1], up = [0, 1, 0]")
+            .code(Code::EyeImpossible));
         }
     };
     let [width, height] = resolution.map(|pixels| pixels as f64);
@@ -104,12 +105,14 @@ pub fn eye(assembly: &Assembly, value: Option<&Value>, unit_m: f64, notes: &mut 
         (None, Some(yfov)) => (2.0 * (width / height * (yfov / 2.0).tan()).atan()).to_degrees(),
         (None, None) => {
             return Err(Fault::new(spec.at.clone(), "eye has no `fov_deg`")
-                .expected("the full horizontal field of view, a number above 0 and below 180 in deg"));
+                .expected("the full horizontal field of view, a number above 0 and below 180 in deg")
+                .code(Code::EyeImpossible));
         }
     };
     if !(fov_deg > 0.0 && fov_deg < 180.0 && position.is_finite()) {
         return Err(Fault::new(spec.at.clone(), format!("the camera's field of view of {fov_deg}° can't be used"))
-            .expected("a number above 0 and below 180 in deg"));
+            .expected("a number above 0 and below 180 in deg")
+            .code(Code::EyeImpossible));
     }
     Ok(Some(Eye {
         position,
@@ -223,15 +226,8 @@ pub fn fitted(mesh: &Mesh, place: FacePlace<'_>, order: FitOrder, metres: f64, n
     } else {
         ""
     };
-    notes.push(Note {
-        severity: Severity::Info,
-        at: Where::Part { path: place.part.to_owned(), face: Some(place.number) },
-        text: format!(
-            "fitted {text}{replaced}: {} points miss it by {} µm rms, {} µm at most",
-            found.points,
-            significant(found.rms * um, 3),
-            significant(found.max_residual * um, 3)
-        ),
-    });
+    let residual = Residual { points: found.points, rms_um: found.rms * um, greatest_um: found.max_residual * um };
+    let at = Where::Part { path: place.part.to_owned(), face: Some(place.number) };
+    notes.push(Note::fitted(at, &format!("{text}{replaced}"), residual));
     Ok(shape)
 }

@@ -4,7 +4,7 @@ use super::assembly::Assembly;
 use super::measure::FaceMeasure;
 use super::value::Value;
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use glam::DVec3;
 
 /// A node with geometry, as selectors see it.
@@ -104,12 +104,14 @@ pub fn node(assembly: &Assembly, name: &str, at: &Where) -> Result<usize> {
             let names: Vec<String> = assembly.nodes.iter().map(path).collect();
             Err(Fault::new(at.clone(), format!("frame `{name}` is no node of the asset"))
                 .expected("\"asset\", or the name or path of a node")
-                .nearest(name, names.iter().map(String::as_str).chain(["asset"])))
+                .nearest(name, names.iter().map(String::as_str).chain(["asset"]))
+                .code(Code::SelectsNothing))
         }
         several => {
             let paths = several.iter().filter_map(|index| assembly.nodes.get(*index)).map(|node| node.path.as_str());
             Err(Fault::new(at.clone(), format!("frame `{name}` means {} nodes: {}", several.len(), listed(paths)))
-                .expected("a path that only one node has"))
+                .expected("a path that only one node has")
+                .code(Code::NameAmbiguous))
         }
     }
 }
@@ -212,9 +214,9 @@ impl Faces {
         ];
         match (faces, normal) {
             (None, None) => Ok(Faces::All),
-            (Some(_), Some(normal)) => {
-                Err(Fault::new(normal.at.clone(), "both `faces` and `normal`").expected("one of them"))
-            }
+            (Some(_), Some(normal)) => Err(Fault::new(normal.at.clone(), "both `faces` and `normal`")
+                .expected("one of them")
+                .code(Code::SaidTwice)),
             (Some(value), None) => {
                 let wrong = || {
                     Fault::new(value.at.clone(), format!("`faces` is {} ({value})", value.kind()))
@@ -248,9 +250,9 @@ impl Faces {
                         0 => "no face at all: the part has none".to_owned(),
                         count => format!("a face from 0 to {}", count - 1),
                     };
-                    return Err(
-                        Fault::new(at.clone(), format!("part {} has no face {number}", part.path)).expected(expected)
-                    );
+                    return Err(Fault::new(at.clone(), format!("part {} has no face {number}", part.path))
+                        .expected(expected)
+                        .code(Code::SelectsNothing));
                 }
                 Ok(numbers.clone())
             }

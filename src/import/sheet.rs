@@ -4,7 +4,7 @@ use super::optics;
 use super::slots::Slot;
 use super::value::{Data, Value};
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 
 /// Everything said at the top level.
 #[derive(Debug, Clone)]
@@ -157,7 +157,8 @@ fn keys<'a>(table: &Value, what: &str, valid: impl Iterator<Item = &'a str> + Cl
         if !valid.clone().any(|name| name == key) {
             return Err(Fault::new(value.at.clone(), format!("unknown key `{key}` of {what}"))
                 .expected(format!("one of {}", valid.clone().collect::<Vec<_>>().join(", ")))
-                .nearest(key, valid));
+                .nearest(key, valid)
+                .code(Code::AttributeUnknown));
         }
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::value::Value;
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use std::rc::Rc;
 
 /// How specific a binding is: the greatest wins.
@@ -159,7 +159,9 @@ impl Slots {
                 won.entry.at,
                 other.value
             );
-            return Err(Fault::new(other.at.clone(), what).expected("one of them, or a more specific selector for one"));
+            return Err(Fault::new(other.at.clone(), what)
+                .expected("one of them, or a more specific selector for one")
+                .code(Code::BoundTwice));
         }
         Ok(())
     }

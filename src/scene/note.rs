@@ -1,6 +1,8 @@
 //! What an importer has to say: nothing is repaired, defaulted or ignored silently.
 
-use crate::base::Where;
+use crate::base::units::significant;
+use crate::base::{Code, Where};
+use std::fmt;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -16,4 +18,46 @@ pub struct Note {
     pub severity: Severity,
     pub at: Where,
     pub text: String,
+    /// What it is about, if `validate` is to find it. The words of `text` decide nothing.
+    #[serde(skip)]
+    pub code: Option<Code>,
+    /// How well the surface fits that was recovered from a face's points.
+    #[serde(skip)]
+    pub residual: Option<Residual>,
+}
+
+/// By how much a surface misses the points that it was fitted to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Residual {
+    pub points: usize,
+    pub rms_um: f64,
+    pub greatest_um: f64,
+}
+
+impl Note {
+    pub fn new(severity: Severity, at: Where, text: impl Into<String>) -> Self {
+        Note { severity, at, text: text.into(), code: None, residual: None }
+    }
+    pub fn info(at: Where, text: impl Into<String>) -> Self {
+        Self::new(Severity::Info, at, text)
+    }
+    pub fn warning(at: Where, text: impl Into<String>) -> Self {
+        Self::new(Severity::Warning, at, text)
+    }
+    /// Says what it is about.
+    pub fn code(mut self, code: impl Into<Option<Code>>) -> Self {
+        self.code = code.into();
+        self
+    }
+    /// That `surface` was fitted to a face.
+    pub fn fitted(at: Where, surface: &str, residual: Residual) -> Self {
+        Note { residual: Some(residual), ..Self::info(at, format!("fitted {surface}: {residual}")) }
+    }
+}
+
+impl fmt::Display for Residual {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (rms, greatest) = (significant(self.rms_um, 3), significant(self.greatest_um, 3));
+        write!(f, "{} points miss it by {rms} µm rms, {greatest} µm at most", self.points)
+    }
 }

@@ -1,6 +1,7 @@
 //! Measured scattering: a table of the distribution over angles of incidence and of leaving.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::fmt;
 
 /// One side of a measurement: values at a grid of angles.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,19 +37,46 @@ pub struct ScatterTable {
     values: [Vec<f64>; 2],
 }
 
+/// Why measurements make no table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Flaw {
+    TooLarge {
+        angles: usize,
+        azimuths: usize,
+    },
+    /// `sum` of the light that arrives at `degrees` leaves.
+    GainsEnergy {
+        degrees: f64,
+        sum: f64,
+    },
+}
+
+impl fmt::Display for Flaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Flaw::TooLarge { angles, azimuths } => {
+                write!(f, "{angles} angles to the normal and {azimuths} azimuths are too many")
+            }
+            Flaw::GainsEnergy { degrees, sum } => {
+                write!(f, "of the light at {degrees:.2}° it scatters {sum:.6}: it gains energy")
+            }
+        }
+    }
+}
+
 impl ScatterTable {
     /// The most values of one side.
     pub const MOST: usize = 1 << 21;
 
     /// The table that two measurements (reflected, transmitted) give. Errors: it would be too large, or more light leaves
     /// than arrives.
-    pub fn new(file: &str, measured: &[Option<Measurement>; 2]) -> Result<ScatterTable, String> {
+    pub fn new(file: &str, measured: &[Option<Measurement>; 2]) -> Result<ScatterTable, Flaw> {
         let both = || measured.iter().flatten();
         let theta = union(both().flat_map(|m| m.theta_in.iter().chain(&m.theta_out)), FRAC_PI_2);
         let phi = union(both().flat_map(|m| &m.phi), PI);
         let count = theta.len().saturating_mul(theta.len()).saturating_mul(phi.len());
         if count > Self::MOST {
-            return Err(format!("{} angles to the normal and {} azimuths are too many", theta.len(), phi.len()));
+            return Err(Flaw::TooLarge { angles: theta.len(), azimuths: phi.len() });
         }
         let fill = |m: &Option<Measurement>| {
             let Some(m) = m else { return Vec::new() };
@@ -77,8 +105,7 @@ impl ScatterTable {
                 let [r, t] = table.shares(theta);
                 // What the sums round.
                 if r + t > 1.0 + 1e-6 {
-                    let (degrees, sum) = (theta.to_degrees(), r + t);
-                    return Err(format!("of the light at {degrees:.2}° it scatters {sum:.6}: it gains energy"));
+                    return Err(Flaw::GainsEnergy { degrees: theta.to_degrees(), sum: r + t });
                 }
             }
         }
@@ -184,7 +211,7 @@ mod tests {
             assert!((r - 0.5).abs() < 1e-7 && (t - 0.25).abs() < 1e-7, "{r} {t}");
         }
         let too_much = ScatterTable::new("x", &[Some(constant(1.01 / PI, &[0.0])), None]);
-        assert!(too_much.is_err_and(|why| why.contains("gains energy")));
+        assert!(matches!(too_much, Err(Flaw::GainsEnergy { .. })));
     }
 
     /// Exchanged directions, off the grid.

@@ -1,7 +1,7 @@
 //! Going on past a fault: what is faulty is replaced by something harmless, so that the next fault can be found, too.
 //! Nothing that is made here is ever rendered or written.
 
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::toml;
 use crate::scene::assembly::Assembly;
 use crate::scene::value::{Data, Value};
@@ -13,14 +13,14 @@ const SELECTORS: [&str; 6] = ["path", "name", "material", "mesh", "faces", "norm
 /// Takes what `fault` is about out of the sidecar or of the asset's own attributes. False if that place is not known, so
 /// that there is nothing more to find.
 pub fn heal(assembly: &mut Assembly, sheet: &mut Option<Value>, fault: &Fault) -> bool {
-    if fault.what.contains("no optical attributes bind") || fault.what.contains("no finish binds") {
+    if fault.code == Some(Code::PartUnbound) {
         return cover(assembly, sheet);
     }
-    if fault.what.contains("there is no eye") {
+    if fault.code == Some(Code::EyeMissing) {
         return give_eye(assembly, sheet);
     }
     // One of two that contradict has to go; whatever it said, the other says.
-    let drop = fault.what.contains("is bound twice");
+    let drop = fault.code == Some(Code::BoundTwice);
     if let Some(sheet) = sheet
         && in_sheet(sheet, &fault.at, drop)
     {

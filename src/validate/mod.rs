@@ -13,9 +13,8 @@ mod read; // an asset as far as it can be read
 pub mod report; // the formats
 pub mod rules; // the registry of all rules
 
-use crate::base::Result;
-use crate::base::fault::Where;
 use crate::base::relative::{relative, slashed};
+use crate::base::{Code, Result};
 use crate::check::finding::{Finding, Level};
 use crate::check::rule::Rule;
 use crate::check::subject::{Refusal, Stage, Subject};
@@ -175,14 +174,7 @@ fn traced(subject: &Subject<'_>) -> Vec<Finding> {
 /// The finding of a fault of the importer.
 fn refused(refusal: &Refusal) -> Option<Finding> {
     let fault = &refusal.fault;
-    let stage = match refusal.stage {
-        Stage::Read => "read",
-        Stage::Sidecar => "sidecar",
-        Stage::Build => "build",
-        Stage::Freeze => "freeze",
-    };
-    let message = format!("{stage} {}: {}{}", extension(&fault.at), fault.what, pointed(&fault.at));
-    let rule = claimant(&message)?;
+    let rule = rules::find(refusal.code().rule())?;
     let mut text = fault.what.clone();
     if let Some(expected) = &fault.expected {
         text += &format!("; expected {expected}");
@@ -193,50 +185,14 @@ fn refused(refusal: &Refusal) -> Option<Finding> {
     Some(rule.at(fault.at.clone(), text))
 }
 
-/// The finding of a note of the importer; most notes are none.
+/// The finding of a note of the importer. Of those that say nothing of what they are about, only warnings are one.
 fn noted(note: &Note) -> Option<(&'static Rule, Finding)> {
-    let severity = match note.severity {
-        Severity::Warning => "warning",
-        Severity::Info => "note",
-    };
-    let rule = claimant(&format!("{severity} {}: {}", extension(&note.at), note.text))?;
+    let code = note.code.or(match note.severity {
+        Severity::Warning => Some(Code::LeftOut),
+        Severity::Info => None,
+    })?;
+    let rule = rules::find(code.rule())?;
     Some((rule, rule.at(note.at.clone(), note.text.clone())))
-}
-
-/// The rule with the longest claim to a message.
-fn claimant(message: &str) -> Option<&'static Rule> {
-    let claims = rules::all().filter_map(|rule| Some((rule.claim(message)?, rule)));
-    // The first of equals.
-    claims
-        .fold(
-            None,
-            |best: Option<(usize, &Rule)>, next| {
-                if best.is_some_and(|best| best.0 >= next.0) { best } else { Some(next) }
-            },
-        )
-        .map(|(_, rule)| rule)
-}
-
-/// `.ies`, `.toml`, … of the file that a place lies in.
-fn extension(at: &Where) -> String {
-    let file = match at {
-        Where::File(file) | Where::Line { file, .. } | Where::Pointer { file, .. } | Where::Prim { file, .. } => file,
-        Where::Nowhere | Where::Part { .. } | Where::Option(_) => return String::new(),
-    };
-    file.extension().map_or_else(String::new, |extension| format!(".{}", extension.to_string_lossy().to_lowercase()))
-}
-
-/// The pointer of a place, so that a claim may ask for it.
-fn pointed(at: &Where) -> String {
-    match at {
-        Where::Pointer { pointer, .. } => format!(" at {pointer}"),
-        Where::Nowhere
-        | Where::File(_)
-        | Where::Line { .. }
-        | Where::Prim { .. }
-        | Where::Part { .. }
-        | Where::Option(_) => String::new(),
-    }
 }
 
 /// Text without control characters, which a hostile name may have.

@@ -1,7 +1,7 @@
 //! An asset as far as it can be read: where something is faulty, it is noted, taken away and the rest is looked at.
 
 use super::heal::heal;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Code, Fault, Result, Where};
 use crate::check::subject::{Needed, Refusal, Stage};
 use crate::import::{self, ReadOptions, build, dependencies};
 use crate::scene::assembly::Assembly;
@@ -62,7 +62,9 @@ pub fn examine(path: &Path) -> Examined {
     };
     if assembly.lights.is_empty() && assembly.nodes.iter().all(|node| node.mesh.is_none()) {
         // Every rule of a sidecar would match nothing.
-        let fault = Fault::new(Where::file(&assembly.file), "no node has geometry").expected("at least one part");
+        let fault = Fault::new(Where::file(&assembly.file), "no node has geometry")
+            .expected("at least one part")
+            .code(Code::NothingToTrace);
         out.refusals.push(Refusal { stage: Stage::Read, fault });
         return out;
     }

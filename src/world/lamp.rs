@@ -5,7 +5,7 @@ use super::cdf::Cdf;
 use crate::base::fault::Result;
 use crate::base::ids::GroupId;
 use crate::base::warp;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::scene::angular::GaussBeam;
 use crate::scene::{Angular, Emitter, Part, Photometry, Scene};
 use glam::{DAffine3, DVec3};
@@ -66,7 +66,9 @@ impl Lamp {
             .ok_or_else(|| Fault::new(at(), "an emitting face refers to triangles or vertices that its mesh lacks"))?;
         let areas = triangles.iter().map(|t| 0.5 * t.edges[0].cross(t.edges[1]).length());
         let by_area = Cdf::new(areas).ok_or_else(|| {
-            Fault::new(at(), "an emitting face has no area").expected("a face with a positive, finite area")
+            Fault::new(at(), "an emitting face has no area")
+                .expected("a face with a positive, finite area")
+                .code(Code::EmitterWithoutArea)
         })?;
         let area_m2 = by_area.total();
         let (what, value) = match emitter.photometry {
@@ -99,6 +101,7 @@ impl Lamp {
                 profile.and_then(|profile| Beam::of_profile(profile, c0)).ok_or_else(|| {
                     Fault::new(at(), "the emitter's profile has no light in front of the face")
                         .expected("a profile that shines along its axis")
+                        .code(Code::ProfileBehindFace)
                 })?
             }
         };
@@ -114,7 +117,9 @@ impl Lamp {
         const BRIGHTEST: f64 = 1e30;
         if brightest > BRIGHTEST {
             let text = format!("the emitter's {what} of {value} makes {brightest:.3e} cd/m² on its {area_m2:.3e} m²");
-            return Err(Fault::new(at(), text).expected(format!("at most {BRIGHTEST:e} cd/m²")));
+            return Err(Fault::new(at(), text)
+                .expected(format!("at most {BRIGHTEST:e} cd/m²"))
+                .code(Code::LuminanceImplausible));
         }
         let corners = || triangles.iter().flat_map(|t| [t.origin, t.origin + t.edges[0], t.origin + t.edges[1]]);
         let (low, high) = corners()

@@ -124,7 +124,8 @@ impl World {
                 crate::base::Where::part(path),
                 format!("the eye is inside this solid (pupil centre at {} m)", scene.eye.position),
             )
-            .expected("an eye in air"));
+            .expected("an eye in air")
+            .code(crate::base::Code::EyeInSolid));
         }
         let lights = Lights::build(scene, geometry.origin(), reach(&geometry, &eye, scene.eye.pupil_diameter_m))?;
         // A distant lamp starts outside of everything.

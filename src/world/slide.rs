@@ -1,7 +1,7 @@
 //! A slide as the tracer asks it: how open is it here?
 
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::scene::Slide;
 use glam::DVec3;
 use std::sync::Arc;
@@ -68,7 +68,7 @@ impl SlideMap {
         let sized = slide.size.iter().all(|size| *size > 0.0 && size.is_finite());
         if !(sized && across.is_finite() && down.is_finite() && slide.centre.is_finite()) {
             let what = format!("slide `{}` is {} × {} mesh units", slide.name, slide.size[0], slide.size[1]);
-            return Err(fault(what).expected("a positive, finite size"));
+            return Err(fault(what).expected("a positive, finite size").code(Code::SlideWithoutSize));
         }
         Ok(SlideMap {
             width,

@@ -6,7 +6,7 @@ use super::scatter::{Lost, Measured, Rough, Scatter};
 use super::stokes::{Amount, Turning};
 use crate::base::complex::Complex;
 use crate::base::ids::ScatterId;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Code, Fault, Result, Where};
 use crate::scene::{Face, Finish, Medium, Part, Scene, Wavelengths};
 use glam::DVec3;
 use std::collections::{BTreeSet, HashMap};
@@ -186,15 +186,16 @@ fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Res
         (None, Finish::Polished) => {
             if part.medium.is_none() {
                 return Err(Fault::new(at(), "a polished face needs a medium on its part")
-                    .expected("`ior`, `glass` or another medium attribute, or the finish `mirror`"));
+                    .expected("`ior`, `glass` or another medium attribute, or the finish `mirror`")
+                    .code(Code::IndexMissing));
             }
             Surface::Interface(coating(scene, face, at)?)
         }
         (None, Finish::Rough { alpha }) => {
             if part.medium.is_none() {
-                return Err(Fault::new(at(), "a rough face needs a medium on its part").expected(
-                    "`ior`, `glass` or another medium attribute, or the finish `gauss`, `abg` or `measured`",
-                ));
+                return Err(Fault::new(at(), "a rough face needs a medium on its part")
+                    .expected("`ior`, `glass` or another medium attribute, or the finish `gauss`, `abg` or `measured`")
+                    .code(Code::IndexMissing));
             }
             Surface::Scatter(Box::new(Scatter::Rough(tables.rough(scene, alpha))))
         }

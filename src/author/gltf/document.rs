@@ -9,9 +9,9 @@ use crate::base::atomic::write_atomic;
 use crate::base::fault::Result;
 use crate::base::glb::container;
 use crate::base::{Fault, Where};
+use crate::scene::Note;
 use crate::scene::assembly::Assembly;
 use crate::scene::value::{Data, Value};
-use crate::scene::{Note, Severity};
 use serde_json::{Map, Value as Json, json};
 use std::path::Path;
 
@@ -37,7 +37,7 @@ impl Document {
     }
     /// Something that glTF can't say.
     pub fn note(&mut self, at: &Where, text: String) {
-        self.notes.push(Note { severity: Severity::Warning, at: at.clone(), text });
+        self.notes.push(Note::warning(at.clone(), text));
     }
 }
 

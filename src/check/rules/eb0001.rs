@@ -13,7 +13,6 @@ pub const RULE: Rule = Rule {
         "A .glb that was cut off while it was uploaded; a .gltf whose accessor reaches past its buffer.",
     ),
     good: Example::Words("The file as the exporter wrote it."),
-    claims: &["read "],
     find: nothing,
     grade: kept,
 };

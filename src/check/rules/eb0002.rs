@@ -11,7 +11,6 @@ pub const RULE: Rule = Rule {
     why: "Without it the asset has no optics. The line is where the TOML reader stopped.",
     bad: Example::Code("toml", "schema 1"),
     good: Example::Code("toml", "schema = 1"),
-    claims: &["sidecar "],
     find: nothing,
     grade: kept,
 };

@@ -12,7 +12,6 @@ pub const RULE: Rule = Rule {
     why: "Textures change no ray, so it renders. But the asset is incomplete: whoever opens it elsewhere sees a hole, and a package of it has one.",
     bad: Example::Code("json", r#""images": [{ "uri": "housing_basecolor.png" }]   // not delivered"#),
     good: Example::Words("The picture beside the asset, or no reference to it."),
-    claims: &[],
     find,
     grade: kept,
 };

@@ -19,12 +19,6 @@ image = "env_dya.exr""#,
         r#"[sky]
 image = "env_day.exr""#,
     ),
-    claims: &[
-        "read …cannot read …: No such file",
-        "read …there is no such file",
-        "build …can't read the …there is no such file",
-        "build …input file…",
-    ],
     find: nothing,
     grade: kept,
 };

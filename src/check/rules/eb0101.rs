@@ -18,7 +18,6 @@ pub const RULE: Rule = Rule {
         r#"asset = "hud.glb"
 unit = 0.001                      # the export is in millimetres"#,
     ),
-    claims: &["warning …this looks like millimetres"],
     find,
     grade: kept,
 };

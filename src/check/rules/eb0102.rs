@@ -15,7 +15,6 @@ pub const RULE: Rule = Rule {
     why: "A ray that enters through a face and leaves through a hole never finds out that it left: from there on it travels in glass, and every later refraction is wrong.",
     bad: Example::Words("A lens whose rim was left out of the export: two caps and nothing between them."),
     good: Example::Words(r#"The same lens with its rim, which may be black (`finish = "absorber"`)."#),
-    claims: &[],
     find,
     grade: kept,
 };

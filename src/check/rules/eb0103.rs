@@ -15,7 +15,6 @@ pub const RULE: Rule = Rule {
     why: "The winding of its triangles says which side is the inside. Turned round, air is glass and glass is air: a positive lens becomes a negative one.",
     bad: Example::Words("A mirrored copy (scale −1) whose triangles were not turned back by the exporter."),
     good: Example::Words("Triangles counter-clockwise as seen from outside."),
-    claims: &[],
     find,
     grade: kept,
 };

@@ -19,7 +19,6 @@ path = "MIRROR"
 faces = [0]
 shape = { kind = "fit", tolerance_um = 0.1 }"#,
     ),
-    claims: &[],
     find,
     grade: kept,
 };

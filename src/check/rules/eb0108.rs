@@ -13,7 +13,6 @@ pub const RULE: Rule = Rule {
     why: "Exporters get the normals at the poles of revolved faces wrong; one of them among thousands sends light into a ghost. eyebox repairs them, other programs don't. On a face with an exact shape normals are not used, and the finding is a note.",
     bad: Example::Words("A pole whose normal points into the lens."),
     good: Example::Words("Normals of the surface, or none."),
-    claims: &["warning …normals contradict their triangles by"],
     find: nothing,
     grade,
 };

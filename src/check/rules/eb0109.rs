@@ -13,7 +13,6 @@ pub const RULE: Rule = Rule {
     why: "A `[[bind]]` by path then means both or neither, and a report that names one means any of them.",
     bad: Example::Words("Two children of the root called LED."),
     good: Example::Words("LED_1 and LED_2."),
-    claims: &[],
     find,
     grade: kept,
 };

@@ -15,7 +15,6 @@ pub const RULE: Rule = Rule {
     why: "They are passed over. One in a hundred and more are a sign of a tessellation that went wrong; at the pole of a revolved face there is one.",
     bad: Example::Words("A triangle that names the same vertex twice."),
     good: Example::Words("Triangles with three corners."),
-    claims: &[],
     find,
     grade: kept,
 };

@@ -11,7 +11,6 @@ pub const RULE: Rule = Rule {
     why: "A sphere that is stretched along one axis is none.",
     bad: Example::Code("json", r#"{ "name": "LENS", "scale": [1, 1, 2] }   // with a fitted sphere"#),
     good: Example::Code("json", r#"{ "name": "LENS", "scale": [2, 2, 2] }"#),
-    claims: &["has an exact shape but its node is not scaled uniformly", "its exact shape would be distorted"],
     find: nothing,
     grade: kept,
 };

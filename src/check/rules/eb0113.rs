@@ -11,7 +11,6 @@ pub const RULE: Rule = Rule {
     why: "Winding and normals disagree on what is outside. eyebox follows the winding for what is inside and the normals for nothing but their bend; another program may do the opposite.",
     bad: Example::Words("Normals negated, triangles not."),
     good: Example::Words("Normals that point to where the triangles are counter-clockwise."),
-    claims: &["warning …point into the side that its winding calls the inside"],
     find: nothing,
     grade: kept,
 };

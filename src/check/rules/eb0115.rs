@@ -24,7 +24,6 @@ pub const RULE: Rule = Rule {
     metersPerUnit = 0.001
 )"#,
     ),
-    claims: &["note …no `metersPerUnit`"],
     find: nothing,
     grade: kept,
 };

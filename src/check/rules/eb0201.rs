@@ -22,11 +22,6 @@ path = "LENS"
 finish = "polished"
 glass = "N-BK7""#,
     ),
-    claims: &[
-        "a polished face needs a medium on its part",
-        "a rough face needs a medium on its part",
-        "this medium has no index",
-    ],
     find: nothing,
     grade: kept,
 };

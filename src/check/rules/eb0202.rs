@@ -11,16 +11,6 @@ pub const RULE: Rule = Rule {
     why: "Below 1 light would be faster than in vacuum, above 10 no glass or metal is; most such numbers are a wavelength or a decimal point in the wrong place.",
     bad: Example::Code("toml", "ior = 0.67"),
     good: Example::Code("toml", "ior = 1.49"),
-    claims: &[
-        "build …`ior` is",
-        "impossible index",
-        "impossible refractive index",
-        "gives no index",
-        "read …index of refraction",
-        "metal index",
-        "build …`n` is",
-        "warning …`ior` 0 is not a refractive index",
-    ],
     find: nothing,
     grade: kept,
 };

@@ -11,7 +11,6 @@ pub const RULE: Rule = Rule {
     why: "A Sellmeier formula is a fit: beyond the wavelengths it was fitted to it may say anything.",
     bad: Example::Code("toml", "wavelengths = { mono_nm = 380 }       # PMMA is measured from 436.8 nm on"),
     good: Example::Code("toml", "wavelengths = { mono_nm = 550 }"),
-    claims: &["warning …its index is known from … and extrapolated"],
     find: nothing,
     grade: kept,
 };

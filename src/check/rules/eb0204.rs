@@ -19,7 +19,6 @@ ideal = { R = 0.6, T = 0.6 }"#,
         r#"[coating.mirror]
 ideal = { R = 0.6, T = 0.4 }"#,
     ),
-    claims: &["of an ideal coating is above 1", "R_…+ T_… is … in line"],
     find: nothing,
     grade: kept,
 };

@@ -19,7 +19,6 @@ coating = "ar""#,
         r#"finish = "polished"
 coating = "ar""#,
     ),
-    claims: &["a coating acts on polished faces", "a coating needs a polished face"],
     find: nothing,
     grade: kept,
 };

@@ -20,7 +20,6 @@ stack = [{ n = 1.38, thickness_nm = 99.6 }]   # and no coating = "ar""#,
 path = "LENS"
 coating = "ar""#,
     ),
-    claims: &["note …is not used: no part names it"],
     find: nothing,
     grade: kept,
 };

@@ -16,7 +16,6 @@ pub const RULE: Rule = Rule {
         r#""materials": [{ "name": "GLASS" }, { "name": "CHROME" }]   // no primitive has "material": 1"#,
     ),
     good: Example::Code("json", r#""primitives": [{ "material": 1, … }]"#),
-    claims: &[],
     find,
     grade: kept,
 };

@@ -11,7 +11,6 @@ pub const RULE: Rule = Rule {
     why: "Between rows values are interpolated, beyond them nothing is known.",
     bad: Example::Code("toml", "absorption_per_m = [[600, 1], [700, 1]]   # at 550 nm"),
     good: Example::Code("toml", "absorption_per_m = [[400, 1], [700, 1]]"),
-    claims: &["`absorption_per_m` does not cover", "`index_table` does not cover"],
     find: nothing,
     grade: kept,
 };

@@ -16,7 +16,6 @@ pub const RULE: Rule = Rule {
         r#""emissiveFactor": [1, 1, 1], "KHR_materials_emissive_strength": { "emissiveStrength": 5000 }   // beside emitter = { luminance_cd_m2 = 1e6 }"#,
     ),
     good: Example::Code("toml", r#"emitter = { group = "led", luminance_cd_m2 = 5000 }"#),
-    claims: &[],
     find,
     grade: kept,
 };

@@ -25,7 +25,6 @@ pub const RULE: Rule = Rule {
 0
 8 5 2"#,
     ),
-    claims: &["build .ies:", "build .ldt:", "build .eul:", "warning …the horizontal angles end at"],
     find: nothing,
     grade: kept,
 };

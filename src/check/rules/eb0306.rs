@@ -11,7 +11,6 @@ pub const RULE: Rule = Rule {
     why: "A face emits to its front. A profile that was measured of a bulb sends light backwards, too, and that part is gone.",
     bad: Example::Words("The profile of a bare bulb on the face of a die."),
     good: Example::Words("The profile of the die, or a light that is no face."),
-    claims: &["go backwards, where a face has no light", "has no light in front of the face"],
     find: nothing,
     grade: kept,
 };

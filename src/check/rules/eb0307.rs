@@ -13,7 +13,6 @@ pub const RULE: Rule = Rule {
     why: "The picture is black.",
     bad: Example::Code("toml", "# no emitter, no [sky], no [sun]"),
     good: Example::Code("toml", r#"emitter = { group = "led", flux_lm = 0.45 }"#),
-    claims: &[],
     find,
     grade: kept,
 };

@@ -13,7 +13,6 @@ pub const RULE: Rule = Rule {
     why: "The sun's disc has 1.6e9 cd/m². Lamps that are looked at have less; more is a flux on a face that is too small, or a wrong unit.",
     bad: Example::Code("toml", r#"emitter = { group = "led", flux_lm = 450 }     # on a die of 0.01 mm²"#),
     good: Example::Code("toml", r#"emitter = { group = "led", flux_lm = 0.45 }"#),
-    claims: &["freeze …makes … cd/m² on its"],
     find,
     grade: kept,
 };

@@ -11,7 +11,6 @@ pub const RULE: Rule = Rule {
     why: "Light per area of nothing is infinite.",
     bad: Example::Words("A die whose top face collapsed to a line."),
     good: Example::Words("A face with triangles that have an area."),
-    claims: &["an emitting face has no area"],
     find: nothing,
     grade: kept,
 };

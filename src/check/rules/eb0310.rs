@@ -11,7 +11,6 @@ pub const RULE: Rule = Rule {
     why: "Layers are kept per group and named by it: letters, digits and underscores. A lamp in the sky's group could not be told from the sky when the layers are mixed.",
     bad: Example::Code("toml", r#"emitter = { group = "1-led", flux_lm = 1 }"#),
     good: Example::Code("toml", r#"emitter = { group = "led", flux_lm = 1 }"#),
-    claims: &["has the light group …of the sky", "can't be part of a layer name"],
     find: nothing,
     grade: kept,
 };

@@ -13,7 +13,6 @@ pub const RULE: Rule = Rule {
     why: "Outside of the picture the face is opaque, and a picture beyond the face is cut off by the mesh. A picture far smaller or larger than its face usually has its size in another unit.",
     bad: Example::Code("toml", "size = [0.04, 0.02]     # metres, on a face of 40 × 20 mesh units"),
     good: Example::Code("toml", "size = [40, 20]"),
-    claims: &[],
     find,
     grade: kept,
 };

@@ -12,7 +12,6 @@ pub const RULE: Rule = Rule {
     why: "Width over height of the picture in pixels and in millimetres differ: the picture is stretched, by intent or by a mistyped size.",
     bad: Example::Code("toml", "size = [40, 20]     # of a picture of 1024 × 1024 pixels"),
     good: Example::Code("toml", "size = [20, 20]"),
-    claims: &[],
     find,
     grade: kept,
 };

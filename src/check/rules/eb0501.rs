@@ -18,7 +18,6 @@ look = [0, 0, -1]
 up = [0, 1, 0]
 fov_deg = 12"#,
     ),
-    claims: &["there is no eye"],
     find: nothing,
     grade: kept,
 };

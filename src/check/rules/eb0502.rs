@@ -11,7 +11,6 @@ pub const RULE: Rule = Rule {
     why: "An eye looks from air. One inside a lens or a windscreen was placed in another frame or unit.",
     bad: Example::Code("toml", r#"position = ["0 mm", "0 mm", "-80 mm"]     # the middle of the lens"#),
     good: Example::Code("toml", r#"position = ["0 mm", "0 mm", "0 mm"]"#),
-    claims: &["the eye is inside this solid"],
     find: nothing,
     grade: kept,
 };

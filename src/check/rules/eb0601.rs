@@ -19,7 +19,6 @@ path = "LENS"          # and no [default]"#,
         r#"[default]
 finish = "absorber""#,
     ),
-    claims: &["no optical attributes bind", "no finish binds"],
     find: nothing,
     grade: kept,
 };

@@ -19,17 +19,6 @@ path = "LENZ_01""#,
         r#"[[bind]]
 path = "LENS_01""#,
     ),
-    claims: &[
-        "matches no part",
-        "no part matches both",
-        "no face of",
-        "no face looks along",
-        "has no face",
-        "is a node without geometry",
-        "this `[[bind]]` selects no parts",
-        "has no faces",
-        "is no node of the asset",
-    ],
     find: nothing,
     grade: kept,
 };

@@ -29,7 +29,6 @@ finish = "polished"
 path = "LED_1"
 finish = "none""#,
     ),
-    claims: &["is bound twice with the same precedence", "gives both `", "both `faces` and `normal`"],
     find: nothing,
     grade: kept,
 };

@@ -19,7 +19,6 @@ path = "HUD/LED"           # there are two"#,
         r#"[[bind]]
 path = "HUD/LED*""#,
     ),
-    claims: &["build …path `… means … parts", "build …frame `… means … nodes"],
     find: nothing,
     grade: kept,
 };

@@ -11,7 +11,6 @@ pub const RULE: Rule = Rule {
     why: "Out of its range, of the wrong kind, or left out where it must be said. The finding says what was expected.",
     bad: Example::Code("toml", r#"emitter = { group = "led", flux_lm = -1 }"#),
     good: Example::Code("toml", r#"emitter = { group = "led", flux_lm = 1 }"#),
-    claims: &["build "],
     find: nothing,
     grade: kept,
 };

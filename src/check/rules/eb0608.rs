@@ -11,7 +11,6 @@ pub const RULE: Rule = Rule {
     why: "Each attribute is sound, but together they cannot be traced.",
     bad: Example::Words("A face whose coating has more films than can be computed."),
     good: Example::Words("Fewer films."),
-    claims: &["freeze "],
     find: nothing,
     grade: kept,
 };

@@ -4,8 +4,8 @@
 use super::super::optics;
 use super::super::sheet::Sheet;
 use super::super::slots::{Rank, Slot, Slots};
-use crate::base::Fault;
 use crate::base::fault::Result;
+use crate::base::{Code, Fault};
 use crate::scene::Finish;
 use crate::scene::value::{Data, Value};
 
@@ -69,7 +69,8 @@ pub fn acts(slots: &Slots) -> Result<bool> {
     }
     if coating.rank >= finish.rank && coating.rank > Rank::Mapped {
         return Err(Fault::new(coating.entry.at.clone(), "a coating acts on polished faces, and this face is not one")
-            .expected("finish = \"polished\" there, or no coating"));
+            .expected("finish = \"polished\" there, or no coating")
+            .code(Code::CoatingNotPolished));
     }
     Ok(false)
 }

@@ -4,7 +4,7 @@ use super::super::optics;
 use super::super::sheet::{Library, Sheet};
 use super::super::slots::{Slot, Won};
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::scene::value::{Data, Value};
 
 /// The arrays of the root while it is written: the asset's own first, so that its indices stay.
@@ -63,7 +63,9 @@ impl<'a> Root<'a> {
                 None if slot == Slot::Coating => return Err(optics::unknown_coating(name, value, library.names())),
                 None => {
                     let what = format!("unknown {} `{name}`", library.noun);
-                    return Err(Fault::new(value.at.clone(), what).nearest(name, library.names()));
+                    return Err(Fault::new(value.at.clone(), what)
+                        .nearest(name, library.names())
+                        .code(Code::NameUnknown));
                 }
             },
             Data::Bool(_) | Data::List(_) | Data::Table(_) => (value, None),

@@ -1,6 +1,7 @@
 //! The bytes behind the buffers: the binary chunk, `data:` URIs, and files beside the asset.
 
 use super::at::At;
+use crate::base::Code;
 use crate::base::fault::Result;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -130,7 +131,9 @@ pub(super) fn resolve(uri: &At<'_>, text: &str) -> Result<PathBuf> {
 
 /// At most `most` bytes of a regular file. (Opening a pipe would wait for ever, a device has no end.)
 fn read(uri: &At<'_>, path: &std::path::Path, most: usize) -> Result<Vec<u8>> {
-    let failed = |error: std::io::Error| uri.fault(format!("cannot read {}: {error}", path.display()));
+    let failed = |error: std::io::Error| {
+        uri.fault(format!("cannot read {}: {error}", path.display())).code(Code::of_reading(&error))
+    };
     if !std::fs::metadata(path).map_err(failed)?.is_file() {
         return Err(uri.fault(format!("{} is not a regular file", path.display())));
     }

@@ -5,7 +5,7 @@ use super::buffers::resolve;
 use super::container;
 use super::notes::{Budget, Notes};
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::deps::{Dependency, named, profile};
 use serde_json::Value as Json;
 use std::path::Path;
@@ -15,7 +15,9 @@ use std::path::Path;
 /// # Errors
 /// The file cannot be read or is no glTF; a URI that leads nowhere.
 pub fn dependencies(path: &Path, all: &mut Vec<Dependency>) -> Result<()> {
-    let failed = |error: std::io::Error| Fault::new(Where::file(path), format!("cannot read the asset: {error}"));
+    let failed = |error: std::io::Error| {
+        Fault::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
+    };
     let bytes = std::fs::read(path).map_err(failed)?;
     let container = container::open(path, &bytes, &mut Notes::default())?;
     let root = At::root(path, &container.json);

@@ -2,9 +2,9 @@
 
 use super::at::At;
 use super::notes::Notes;
-use crate::base::{Where, fault::Result, fault::nearest_name};
+use crate::base::{Code, Where, fault::Result, fault::nearest_name};
 use crate::import::json::step;
-use crate::scene::Severity;
+use crate::scene::{Note, Severity};
 use serde_json::Value as Json;
 use std::collections::HashMap;
 
@@ -71,7 +71,7 @@ pub(super) fn check_required(root: &At<'_>) -> Result<()> {
         let name = at.text()?;
         if !USED.contains(&name) && !NO_BEARING.contains(&name) && !BEARING.contains(&name) {
             let fault = at.fault("the asset requires an extension that is not known here");
-            return Err(fault.nearest(name, USED.into_iter().chain(BEARING)));
+            return Err(fault.nearest(name, USED.into_iter().chain(BEARING)).code(Code::RequiredExtensionUnknown));
         }
     }
     Ok(())
@@ -100,7 +100,7 @@ pub(super) fn note_unused(root: &At<'_>, notes: &mut Notes) -> Result<()> {
             let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
             format!("the extension `{}` is not known and was ignored{near}", name.escape_debug())
         };
-        notes.add_many(Severity::Warning, at, text, count);
+        notes.add(Note::warning(at, text).code(Code::ExtensionUnused), count);
     }
     if let Some(animation) = root.list("animations")?.first() {
         notes.info(animation, "animations are ignored: nodes stand as they are written");

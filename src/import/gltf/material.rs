@@ -3,6 +3,7 @@
 use super::at::At;
 use super::notes::Ledger;
 use super::surface;
+use crate::base::Code;
 use crate::base::fault::Result;
 use crate::base::units::luminance;
 use crate::import::assembly::Material;
@@ -35,11 +36,14 @@ pub(super) fn read(at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<Mat
         let ior = field.as_ref().map_or(Ok(1.5), |field| field.number())?;
         if ior == 0.0 {
             // A workaround for specular-glossiness conversions: "reflects everything", not a refractive index.
-            ledger.notes.warn(place, "`ior` 0 is not a refractive index: ignored");
+            ledger.notes.warn_of(Code::IndexImpossible, place, "`ior` 0 is not a refractive index: ignored");
         } else if ior >= 1.0 {
             entry("ior", Data::Number(ior), place);
         } else {
-            return Err(place.fault(format!("index of refraction {ior}")).expected("at least 1 (or 0)"));
+            return Err(place
+                .fault(format!("index of refraction {ior}"))
+                .expected("at least 1 (or 0)")
+                .code(Code::IndexImpossible));
         }
     }
     const NUMBERS: [(&str, &str, &str, f64); 3] = [

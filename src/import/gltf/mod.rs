@@ -33,8 +33,8 @@ mod tests;
 pub use deps::dependencies;
 
 use super::assembly::Assembly;
-use crate::base::{Fault, Where, fault::Result};
-use crate::scene::{Note, Severity};
+use crate::base::{Code, Fault, Where, fault::Result};
+use crate::scene::Note;
 use accessor::Document;
 use at::At;
 use buffers::Buffers;
@@ -51,7 +51,9 @@ use std::path::Path;
 /// Whatever is wrong in the file, with its JSON pointer. A hostile file gives a fault, too: no panic, no hang, and no
 /// more memory than a small multiple of the file.
 pub fn read(path: &Path) -> Result<Assembly> {
-    let failed = |error: std::io::Error| Fault::new(Where::file(path), format!("cannot read the asset: {error}"));
+    let failed = |error: std::io::Error| {
+        Fault::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
+    };
     if std::fs::metadata(path).map_err(failed)?.is_dir() {
         return Err(Fault::new(Where::file(path), "this is a folder").expected("a .gltf or .glb file"));
     }
@@ -138,12 +140,11 @@ pub fn looks_like_millimetres(assembly: &Assembly) -> Option<Note> {
     let extent = (high - low).max_element() * assembly.unit_m;
     sizes.sort_by(f64::total_cmp);
     let upper_quartile = sizes.get(sizes.len() * 3 / 4).copied()?;
-    (extent > LARGE_ASSEMBLY_M && extent.is_finite() && upper_quartile > LARGE_PART_M).then(|| Note {
-        severity: Severity::Warning,
-        at: Where::file(&assembly.file),
-        text: format!(
+    (extent > LARGE_ASSEMBLY_M && extent.is_finite() && upper_quartile > LARGE_PART_M).then(|| {
+        let text = format!(
             "largest extent {extent:.0} m: this looks like millimetres; set `unit = 0.001` in the sidecar (or `unit = 1` if it is right)"
-        ),
+        );
+        Note::warning(Where::file(&assembly.file), text).code(Code::ScaleSuspicious)
     })
 }
 

@@ -6,6 +6,7 @@ use super::hierarchy::{self, Tree};
 use super::light;
 use super::notes::Ledger;
 use super::{transform, world};
+use crate::base::Code;
 use crate::base::fault::Result;
 use crate::import::assembly::{Assembly, Camera, Node};
 use glam::{DAffine3, DQuat};
@@ -29,7 +30,7 @@ pub(super) fn read(document: &Document<'_>, assembly: &mut Assembly, ledger: &mu
         stack.extend(children[index].iter().rev().map(|&child| (child, Some(place))));
     }
     if assembly.nodes.is_empty() {
-        ledger.notes.warn(&document.root, "the scene has no nodes");
+        ledger.notes.warn_of(Code::NothingToTrace, &document.root, "the scene has no nodes");
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ use super::accessor::Accessor;
 use super::at::At;
 use super::notes::Notes;
 use super::primitive::FaceMesh;
+use crate::base::Code;
 use glam::DVec3;
 
 /// Used where neither the file nor the triangles give a direction.
@@ -96,7 +97,7 @@ pub(super) fn settled(
     }
     if broken > 0 {
         let text = "a normal that is zero or not finite: computed from the triangles around its vertex";
-        notes.add_many(crate::scene::Severity::Warning, accessor.at.place(), text, broken);
+        notes.add(crate::scene::Note::warning(accessor.at.place(), text).code(Code::DataNotFinite), broken);
     }
     normals
 }

@@ -1,7 +1,7 @@
 //! What a reader has to say, once per kind with a count and the first place; and how much memory it may still use.
 
 use super::at::At;
-use crate::base::{Fault, Where, fault::Result};
+use crate::base::{Code, Fault, Where, fault::Result};
 use crate::scene::{Note, Severity};
 use std::collections::HashMap;
 
@@ -14,19 +14,26 @@ pub(in crate::import) struct Notes {
 impl Notes {
     /// Adds `count` cases of `text`, the first of them at `at`.
     pub fn add_many(&mut self, severity: Severity, at: Where, text: impl Into<String>, count: usize) {
-        let text = text.into();
-        if let Some((_, total)) = self.by_text.get(&text).and_then(|&i| self.entries.get_mut(i)) {
+        self.add(Note::new(severity, at, text), count);
+    }
+    /// The same of a note that is made already.
+    pub fn add(&mut self, note: Note, count: usize) {
+        if let Some((_, total)) = self.by_text.get(&note.text).and_then(|&i| self.entries.get_mut(i)) {
             *total += count;
             return;
         }
-        self.by_text.insert(text.clone(), self.entries.len());
-        self.entries.push((Note { severity, at, text }, count));
+        self.by_text.insert(note.text.clone(), self.entries.len());
+        self.entries.push((note, count));
     }
     pub(super) fn info(&mut self, at: &At<'_>, text: impl Into<String>) {
         self.add_many(Severity::Info, at.place(), text, 1);
     }
     pub(super) fn warn(&mut self, at: &At<'_>, text: impl Into<String>) {
         self.add_many(Severity::Warning, at.place(), text, 1);
+    }
+    /// A warning that is about something.
+    pub(super) fn warn_of(&mut self, code: Code, at: &At<'_>, text: impl Into<String>) {
+        self.add(Note::warning(at.place(), text).code(code), 1);
     }
     /// All notes in the order of their first place.
     pub fn finish(self) -> Vec<Note> {

@@ -4,6 +4,7 @@ use super::accessor::{Accessor, Component, Document};
 use super::at::At;
 use super::normals;
 use super::notes::Ledger;
+use crate::base::Code;
 use crate::base::fault::Result;
 use crate::import::normals::repair;
 
@@ -64,7 +65,11 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, led
     face.positions = positions.gather(&used);
     let broken = face.positions.iter().position(|position| !position.iter().all(|x| x.is_finite()));
     if let Some((vertex, [x, y, z])) = broken.and_then(|i| Some((used.get(i)?, face.positions.get(i)?))) {
-        return Err(positions.at.fault(format!("vertex {vertex} is at ({x}, {y}, {z})")).expected("finite positions"));
+        return Err(positions
+            .at
+            .fault(format!("vertex {vertex} is at ({x}, {y}, {z})"))
+            .expected("finite positions")
+            .code(Code::DataNotFinite));
     }
     if let Some(reference) = attributes.get("TEXCOORD_0")? {
         let uvs = open(document, &reference, 2, ledger)?;
@@ -73,7 +78,7 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, led
         let finite = |uv: [f32; 2]| uv.iter().all(|x| x.is_finite());
         face.uvs = uvs.gather(&used);
         for uv in face.uvs.iter_mut().filter(|uv| !finite(**uv)) {
-            ledger.notes.warn(&uvs.at, "texture coordinates that are not finite: set to 0");
+            ledger.notes.warn_of(Code::DataNotFinite, &uvs.at, "texture coordinates that are not finite: set to 0");
             *uv = [0.0; 2];
         }
     }
@@ -109,12 +114,11 @@ fn mend(face: &mut FaceMesh, at: &At<'_>, name: FaceName<'_>, ledger: &mut Ledge
         let text = format!(
             "{mesh} face {face}: normals contradict their triangles by up to {worst:.0}°: {flipped} turned round, {replaced} replaced"
         );
-        ledger.notes.warn(at, text);
+        ledger.notes.warn_of(Code::NormalsContradict, at, text);
     }
     if found.inverted {
-        ledger
-            .notes
-            .warn(at, "the normals of a face point into the side that its winding calls the inside: kept as they are");
+        let text = "the normals of a face point into the side that its winding calls the inside: kept as they are";
+        ledger.notes.warn_of(Code::NormalsInsideOut, at, text);
     }
     Ok(())
 }

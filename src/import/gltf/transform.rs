@@ -2,6 +2,7 @@
 
 use super::at::At;
 use super::notes::Notes;
+use crate::base::Code;
 use crate::base::fault::Result;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
@@ -39,7 +40,7 @@ pub(super) fn local(at: &At<'_>, notes: &mut Notes) -> Result<DAffine3> {
         return Err(at.fault("the node's transform overflows").expected("finite numbers"));
     }
     if is_singular(transform) {
-        notes.warn(at, "a singular transform: it flattens whatever is below the node");
+        notes.warn_of(Code::PartFlattened, at, "a singular transform: it flattens whatever is below the node");
     }
     Ok(transform)
 }

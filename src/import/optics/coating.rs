@@ -2,8 +2,8 @@
 
 use super::fields::{Fields, one_of, union};
 use super::medium;
-use crate::base::Fault;
 use crate::base::fault::Result;
+use crate::base::{Code, Fault};
 use crate::import::value::Value;
 use crate::scene::attribute::{self, Noun};
 use crate::scene::coating::SpectralAngular;
@@ -45,7 +45,8 @@ fn ideal(fields: &Fields<'_>, notes: &mut Vec<Note>) -> Result<CoatingLaw> {
     let (r, t) = (fields.number_or("R", 0.0, notes)?, fields.number_or("T", 0.0, notes)?);
     if r + t > 1.0 + ROUNDED {
         return Err(Fault::new(fields.at().clone(), format!("R {r} + T {t} of an ideal coating is above 1"))
-            .expected("shares that together are at most 1"));
+            .expected("shares that together are at most 1")
+            .code(Code::CoatingGainsEnergy));
     }
     Ok(CoatingLaw::Ideal { reflectance: r, transmittance: t })
 }
@@ -68,7 +69,7 @@ fn table(fields: &Fields<'_>) -> Result<CoatingTable> {
                 if let Some((name, sum)) = [("s", r_s + t_s), ("p", r_p + t_p)].iter().find(|(_, x)| *x > 1.0 + ROUNDED)
                 {
                     let what = format!("R_{name} + T_{name} is {sum} in line {index} of `table`");
-                    return Err(Fault::new(line.at.clone(), what).expected("at most 1"));
+                    return Err(Fault::new(line.at.clone(), what).expected("at most 1").code(Code::CoatingGainsEnergy));
                 }
                 outside.push((nm, angle, [r_s, r_p, t_s, t_p]));
             }
@@ -120,4 +121,5 @@ pub fn unknown<'a>(name: &str, value: &Value, defined: impl Iterator<Item = &'a 
     Fault::new(value.at.clone(), format!("unknown coating `{name}`"))
         .expected(one_of(valid.iter().copied()))
         .nearest(name, valid.iter().copied())
+        .code(Code::NameUnknown)
 }

@@ -3,7 +3,7 @@
 use super::fields::{Fields, union};
 use super::spectrum::{SpectrumSpec, spectrum};
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
 use crate::scene::{Note, Photometry};
@@ -83,13 +83,14 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
                 .expected("flux_lm, luminance_cd_m2 or intensity_cd here, or a [sun] with illuminance_lx"));
         }
         several => {
-            let what = if several.is_empty() {
-                "the emitter has no strength".into()
+            let (code, what) = if several.is_empty() {
+                (Code::StrengthMissing, "the emitter has no strength".into())
             } else {
-                format!("the emitter has {}", several.join(" and "))
+                (Code::StrengthTwice, format!("the emitter has {}", several.join(" and ")))
             };
             return Err(Fault::new(value.at.clone(), what)
-                .expected("one of flux_lm, luminance_cd_m2, intensity_cd, radiant_flux_w"));
+                .expected("one of flux_lm, luminance_cd_m2, intensity_cd, radiant_flux_w")
+                .code(code));
         }
     };
     let spectrum = match fields.value("spectrum") {
@@ -126,5 +127,6 @@ pub fn group_name(name: &str, at: &Where) -> Result<String> {
         return Ok(name.to_owned());
     }
     Err(Fault::new(at.clone(), format!("group `{name}` can't be part of a layer name"))
-        .expected("letters, digits and _, a letter first"))
+        .expected("letters, digits and _, a letter first")
+        .code(Code::GroupUnusable))
 }

@@ -3,7 +3,7 @@
 use super::fields::{Fields, not_yet};
 use super::slide::ORTHOGONAL;
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::value::Value;
 use crate::scene::Note;
 use crate::scene::attribute::Noun;
@@ -48,7 +48,8 @@ pub fn eye(value: &Value, notes: &mut Vec<Note>) -> Result<EyeSpec> {
             let [x, y, z] = across.to_array().map(|x| if x.abs() < 5e-7 { 0.0 } else { x });
             let how = if parallel { "parallel" } else { "not orthogonal" };
             return Err(Fault::new(at.clone(), format!("`up` of eye is {how} to `look`"))
-                .expected(format!("a right angle, e.g. up = [{x:.6}, {y:.6}, {z:.6}]")));
+                .expected(format!("a right angle, e.g. up = [{x:.6}, {y:.6}, {z:.6}]"))
+                .code(Code::EyeImpossible));
         }
         Some(Pose {
             position_m: fields.place_m("position")?.ok_or_else(|| fields.missing("position"))?,
@@ -60,7 +61,7 @@ pub fn eye(value: &Value, notes: &mut Vec<Note>) -> Result<EyeSpec> {
         None
     };
     if let Some(value) = fields.value("pupil_diameter").filter(|value| value.text() == Some("auto")) {
-        return Err(not_yet(&value.at, "`pupil_diameter` \"auto\" (from adaptation)"));
+        return Err(not_yet(&value.at, "`pupil_diameter` \"auto\" (from adaptation)").code(Code::EyeImpossible));
     }
     let mut or = |given: Option<f64>, name: &str, default: f64| {
         given.unwrap_or_else(|| {
@@ -72,9 +73,9 @@ pub fn eye(value: &Value, notes: &mut Vec<Note>) -> Result<EyeSpec> {
         Some(pixels) if pixels.iter().all(|pixels| pixels.fract() == 0.0) => Some(pixels.map(|pixels| pixels as usize)),
         Some([w, h]) => {
             let at = fields.value("resolution").map_or(&value.at, |value| &value.at);
-            return Err(
-                Fault::new(at.clone(), format!("`resolution` is {w} x {h}")).expected("whole numbers of pixels")
-            );
+            return Err(Fault::new(at.clone(), format!("`resolution` is {w} x {h}"))
+                .expected("whole numbers of pixels")
+                .code(Code::EyeImpossible));
         }
         None => None,
     };

@@ -3,11 +3,11 @@
 
 use crate::base::fault::Result;
 use crate::base::units::parse_length_m;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::value::{Data, Value};
+use crate::scene::Note;
 use crate::scene::attribute::union::split;
 use crate::scene::attribute::{self, Form, Kind, Noun, Row, Support};
-use crate::scene::{Note, Severity};
 use glam::DVec3;
 
 /// The attributes of one thing.
@@ -48,7 +48,8 @@ impl<'a> Fields<'a> {
                 }
                 return Err(Fault::new(value.at.clone(), format!("unknown attribute `{key}` of {what}"))
                     .expected(one_of(valid()))
-                    .nearest(key, valid()));
+                    .nearest(key, valid())
+                    .code(Code::AttributeUnknown));
             };
             if row.support == Support::NotYet {
                 return Err(not_yet(&value.at, &format!("`{key}` of {what}")));
@@ -74,7 +75,7 @@ impl<'a> Fields<'a> {
     pub fn missing(&self, name: &str) -> Box<Fault> {
         let fault = Fault::new(self.at.clone(), format!("{} has no `{name}`", self.what));
         match attribute::row(self.noun, name) {
-            Some(row) => fault.expected(row.expected()),
+            Some(row) => fault.expected(row.expected()).code(code(row)),
             None => fault,
         }
     }
@@ -102,11 +103,7 @@ impl<'a> Fields<'a> {
     /// The note that the default of `name` was used.
     pub fn defaulted(&self, name: &str) -> Note {
         let default = attribute::row(self.noun, name).and_then(|row| row.default).unwrap_or("nothing");
-        Note {
-            severity: Severity::Info,
-            at: self.at.clone(),
-            text: format!("`{name}` of {} is not said: {default}", self.what),
-        }
+        Note::info(self.at.clone(), format!("`{name}` of {} is not said: {default}", self.what))
     }
     pub fn text(&self, name: &str) -> Result<Option<&'a str>> {
         let row = self.row(name)?;
@@ -137,10 +134,9 @@ impl<'a> Fields<'a> {
         let scaled = DVec3::new(x, y, z) / largest;
         match scaled.try_normalize() {
             Some(unit) if largest > 0.0 => Ok(Some(unit)),
-            Some(_) | None => {
-                Err(Fault::new(at.clone(), format!("`{name}` of {} is the zero vector", self.what))
-                    .expected("a direction"))
-            }
+            Some(_) | None => Err(Fault::new(at.clone(), format!("`{name}` of {} is the zero vector", self.what))
+                .expected("a direction")
+                .code(attribute::row(self.noun, name).and_then(code))),
         }
     }
     pub fn need_direction(&self, name: &str) -> Result<DVec3> {
@@ -154,7 +150,8 @@ impl<'a> Fields<'a> {
                 return Ok(metres);
             }
             Err(Fault::new(value.at.clone(), format!("`{name}` is {value}"))
-                .expected(format!("a length with its unit: {}", row.range)))
+                .expected(format!("a length with its unit: {}", row.range))
+                .code(code(row)))
         })
     }
     /// Three lengths with units, m.
@@ -181,7 +178,9 @@ pub fn number(value: &Value, row: &Row) -> Result<f64> {
         return Ok(number);
     }
     let unit = if row.unit.is_empty() { String::new() } else { format!(" in {}", row.unit) };
-    Err(Fault::new(value.at.clone(), format!("`{}` is {number}", row.name)).expected(format!("{}{unit}", row.range)))
+    Err(Fault::new(value.at.clone(), format!("`{}` is {number}", row.name))
+        .expected(format!("{}{unit}", row.range))
+        .code(code(row)))
 }
 
 fn numbers<const N: usize>(value: &Value, row: &Row) -> Result<[f64; N]> {
@@ -213,21 +212,44 @@ pub fn rows<const N: usize>(value: &Value, row: &Row) -> Result<Vec<[f64; N]>> {
 
 fn length(value: &Value, row: &Row) -> Result<f64> {
     match &value.data {
-        Data::Text(text) => parse_length_m(text)
-            .map_err(|why| Fault::new(value.at.clone(), format!("`{}`: {why}", row.name)).expected(row.expected())),
+        Data::Text(text) => parse_length_m(text).map_err(|why| {
+            Fault::new(value.at.clone(), format!("`{}`: {why}", row.name)).expected(row.expected()).code(code(row))
+        }),
         // Zero is the same in every unit, and so is infinity.
         Data::Number(number) if *number == 0.0 || *number == f64::INFINITY => Ok(*number),
-        Data::Number(number) => {
-            Err(Fault::new(value.at.clone(), format!("`{}` is {number} without a unit", row.name))
-                .expected(row.expected()))
-        }
+        Data::Number(number) => Err(Fault::new(value.at.clone(), format!("`{}` is {number} without a unit", row.name))
+            .expected(row.expected())
+            .code(code(row))),
         Data::Bool(_) | Data::List(_) | Data::Table(_) => Err(wrong(value, row)),
     }
 }
 
 /// The fault of a value of the wrong form.
 fn wrong(value: &Value, row: &Row) -> Box<Fault> {
-    Fault::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind())).expected(row.expected())
+    Fault::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind()))
+        .expected(row.expected())
+        .code(code(row))
+}
+
+/// What a value is about that a row can't have; none where that is no more than its being wrong.
+pub fn code(row: &Row) -> Option<Code> {
+    match (row.noun, row.name) {
+        (Noun::Eye, _) => Some(Code::EyeImpossible),
+        (Noun::Medium, "ior") | (Noun::Coating | Noun::Finish, "n") => Some(Code::IndexImpossible),
+        (Noun::Slide, "size") => Some(Code::SlideWithoutSize),
+        (
+            Noun::Medium
+            | Noun::Finish
+            | Noun::Coating
+            | Noun::Shape
+            | Noun::Emitter
+            | Noun::Slide
+            | Noun::Sky
+            | Noun::Sun
+            | Noun::Asset,
+            _,
+        ) => None,
+    }
 }
 
 /// The fault of a parameter that stands beside its attribute instead of in it: `angular = "cos_n", n = 4`. None if `key` is
@@ -278,7 +300,7 @@ pub fn union<'a>(noun: Noun, attribute: &str, value: &'a Value) -> Result<Union<
     }
     let what = format!("{attribute} `{}`", kind.name);
     if let (true, Some((key, value))) = (kind.parameters.is_empty(), read.parameters.first()) {
-        return Err(Fault::new(value.at.clone(), format!("{what} takes no `{key}`")));
+        return Err(Fault::new(value.at.clone(), format!("{what} takes no `{key}`")).code(Code::AttributeUnknown));
     }
     Ok(Union { kind, fields: Fields::from_entries(noun, &what, &value.at, read.parameters, kind.parameters)? })
 }

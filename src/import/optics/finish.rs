@@ -2,7 +2,7 @@
 
 use super::fields::union;
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
 use crate::scene::{Finish, Note};
@@ -27,7 +27,9 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
             (fields.number_or("reflectance", 0.0, notes)?, fields.number_or("transmittance", 0.0, notes)?);
         if reflectance + transmittance > 1.0 {
             let what = format!("reflectance {reflectance} + transmittance {transmittance} is above 1");
-            return Err(Fault::new(value.at.clone(), what).expected("shares that together are at most 1"));
+            return Err(Fault::new(value.at.clone(), what)
+                .expected("shares that together are at most 1")
+                .code(Code::ScatterGainsEnergy));
         }
         Ok((reflectance, transmittance))
     };

@@ -1,8 +1,8 @@
 //! The attributes of a medium: its index in one of several laws, absorption, priority.
 
-use super::fields::{Fields, number};
+use super::fields::{Fields, code, number};
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::value::{Data, Value};
 use crate::scene::attribute::{self, Noun, Range, Row};
 use crate::scene::{Absorption, Dispersion, glass};
@@ -13,7 +13,8 @@ pub(super) fn catalogue(name: &str, at: &Where) -> Result<(String, Dispersion)> 
         Some(found) => Ok((found.name.to_owned(), found.dispersion.clone())),
         None => Err(Fault::new(at.clone(), format!("unknown glass `{name}`"))
             .expected("a name of the catalogue")
-            .nearest(name, glass::names())),
+            .nearest(name, glass::names())
+            .code(Code::NameUnknown)),
     }
 }
 
@@ -40,7 +41,8 @@ pub fn index(key: &str, value: &Value, nm: f64) -> Result<(String, Dispersion)> 
             {
                 return Err(Fault::new(odd.at.clone(), format!("unknown attribute `{key}` of sellmeier"))
                     .expected("b and c_um2")
-                    .nearest(key, ["b", "c_um2"]));
+                    .nearest(key, ["b", "c_um2"])
+                    .code(Code::AttributeUnknown));
             }
             ("Sellmeier".to_owned(), Dispersion::Sellmeier { b: terms("b")?, c_um2: terms("c_um2")? })
         }
@@ -61,7 +63,7 @@ pub fn index(key: &str, value: &Value, nm: f64) -> Result<(String, Dispersion)> 
             let rows = table(value, row, columns)?;
             ("index table".to_owned(), Dispersion::Table(rows.into_iter().map(|[nm, n, k]| (nm, n, k)).collect()))
         }
-        _ => return Err(Fault::new(value.at.clone(), format!("`{key}` gives no index"))),
+        _ => return Err(Fault::new(value.at.clone(), format!("`{key}` gives no index")).code(Code::IndexImpossible)),
     };
     if let Some(problem) = law.problem() {
         return Err(Fault::new(value.at.clone(), format!("`{key}`: {problem}")).expected(row.expected()));
@@ -69,7 +71,9 @@ pub fn index(key: &str, value: &Value, nm: f64) -> Result<(String, Dispersion)> 
     let at_nm = law.index(nm);
     if !(at_nm.re >= 1.0 && at_nm.re <= 10.0 && at_nm.im >= 0.0 && at_nm.im.is_finite()) {
         let what = format!("impossible index: `{key}` gives n = {} at {nm} nm", at_nm.re);
-        return Err(Fault::new(value.at.clone(), what).expected("n from 1 to 10 and k >= 0"));
+        return Err(Fault::new(value.at.clone(), what)
+            .expected("n from 1 to 10 and k >= 0")
+            .code(Code::IndexImpossible));
     }
     Ok((name, law))
 }
@@ -99,7 +103,8 @@ pub fn absorption(value: &Value, nm: f64) -> Result<Absorption> {
     let covered = lines.first().is_some_and(|first| first[0] <= nm) && lines.last().is_some_and(|last| nm <= last[0]);
     if !covered {
         return Err(Fault::new(value.at.clone(), format!("`absorption_per_m` does not cover {nm} nm"))
-            .expected("rows on both sides of it"));
+            .expected("rows on both sides of it")
+            .code(Code::TableTooShort));
     }
     Ok(Absorption::Table(lines))
 }
@@ -113,12 +118,15 @@ pub fn priority(value: &Value) -> Result<i32> {
 }
 
 fn row(key: &str, value: &Value) -> Result<&'static Row> {
-    attribute::row(Noun::Medium, key)
-        .ok_or_else(|| Fault::new(value.at.clone(), format!("unknown attribute `{key}` of a medium")))
+    attribute::row(Noun::Medium, key).ok_or_else(|| {
+        Fault::new(value.at.clone(), format!("unknown attribute `{key}` of a medium")).code(Code::AttributeUnknown)
+    })
 }
 
 fn form(value: &Value, row: &Row) -> Box<Fault> {
-    Fault::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind())).expected(row.expected())
+    Fault::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind()))
+        .expected(row.expected())
+        .code(code(row))
 }
 
 /// Up to three coefficients, the rest 0.

@@ -3,9 +3,9 @@
 //! names is allowed.
 
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::scene::ScatterTable;
-use crate::scene::scatter_table::Measurement;
+use crate::scene::scatter_table::{Flaw, Measurement};
 use std::path::Path;
 
 /// The names of the columns.
@@ -60,7 +60,13 @@ pub fn scatter_table(bytes: &[u8], file: &Path, at: &Where) -> Result<ScatterTab
         }
     }
     let name = file.display().to_string();
-    ScatterTable::new(&name, &measured).map_err(|why| wrong(why).expected("a table that scatters at most what arrives"))
+    ScatterTable::new(&name, &measured).map_err(|flaw| {
+        let code = match flaw {
+            Flaw::TooLarge { .. } => None,
+            Flaw::GainsEnergy { .. } => Some(Code::ScatterGainsEnergy),
+        };
+        wrong(flaw.to_string()).expected("a table that scatters at most what arrives").code(code)
+    })
 }
 
 /// Rows (deg, deg, deg, 1/sr) as a grid.

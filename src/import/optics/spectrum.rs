@@ -2,7 +2,7 @@
 
 use super::fields::{not_yet, union};
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
 use crate::scene::{Led, Spectrum};
@@ -48,7 +48,8 @@ fn checked(spectrum: Spectrum, at: &Where) -> Result<Spectrum> {
     match spectrum.problem() {
         None => Ok(spectrum),
         Some(problem) => Err(Fault::new(at.clone(), format!("`spectrum`: {problem}"))
-            .expected("power at some wavelength from 360 to 830 nm")),
+            .expected("power at some wavelength from 360 to 830 nm")
+            .code(Code::SpectrumUnusable)),
     }
 }
 
@@ -64,6 +65,7 @@ pub fn spectrum_table(bytes: &[u8], file: &Path, named: &Where) -> Result<Spectr
     let text = std::str::from_utf8(bytes).map_err(|_| {
         Fault::new(named.clone(), format!("the spectrum {} is not a text", file.display()))
             .expected("lines of a wavelength in nm and a power")
+            .code(Code::SpectrumUnusable)
     })?;
     let mut rows: Vec<(f64, f64)> = Vec::new();
     let mut headed = false;
@@ -83,18 +85,21 @@ pub fn spectrum_table(bytes: &[u8], file: &Path, named: &Where) -> Result<Spectr
             (Some(_) | None, Some(_) | None) => {
                 let shown: String = line.chars().take(60).collect();
                 return Err(Fault::new(at(), format!("`{shown}` is no line of a spectrum"))
-                    .expected("a wavelength in nm and a power >= 0"));
+                    .expected("a wavelength in nm and a power >= 0")
+                    .code(Code::SpectrumUnusable));
             }
         }
         if let [.., (before, _), (nm, _)] = rows.as_slice()
             && before >= nm
         {
-            return Err(
-                Fault::new(at(), format!("the wavelength {nm} nm does not rise")).expected("rising wavelengths")
-            );
+            return Err(Fault::new(at(), format!("the wavelength {nm} nm does not rise"))
+                .expected("rising wavelengths")
+                .code(Code::SpectrumUnusable));
         }
         if rows.len() > MOST_ROWS {
-            return Err(Fault::new(at(), "the spectrum has too many lines").expected(format!("{MOST_ROWS} at most")));
+            return Err(Fault::new(at(), "the spectrum has too many lines")
+                .expected(format!("{MOST_ROWS} at most"))
+                .code(Code::SpectrumUnusable));
         }
     }
     checked(Spectrum::Table(rows), &Where::file(file))

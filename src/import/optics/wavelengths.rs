@@ -5,13 +5,13 @@ use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::{self, Noun};
-use crate::scene::{Note, Severity, Wavelengths};
+use crate::scene::{Note, Wavelengths};
 
 /// `{ mono_nm = 550 }` or `"visible"` (the default, noted).
 pub fn wavelengths(value: Option<&Value>, notes: &mut Vec<Note>) -> Result<Wavelengths> {
     let Some(value) = value else {
         let text = "`wavelengths` is not said: visible".to_owned();
-        notes.push(Note { severity: Severity::Info, at: Where::Nowhere, text });
+        notes.push(Note::info(Where::Nowhere, text));
         return Ok(Wavelengths::Visible);
     };
     let read = union(Noun::Asset, "wavelengths", value)?;

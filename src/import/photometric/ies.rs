@@ -3,10 +3,10 @@
 use super::planes::{Symmetry, expand};
 use super::text::{Lines, Numbers, shown};
 use super::{Files, grid};
-use crate::base::Where;
 use crate::base::fault::Result;
+use crate::base::{Code, Where};
+use crate::scene::Note;
 use crate::scene::profile::{LuminousProfile, ProfileFacts};
-use crate::scene::{Note, Severity};
 use std::path::Path;
 
 /// Metres of a foot, the other unit of LM-63.
@@ -121,7 +121,7 @@ pub fn read(file: &Path, bytes: &[u8], files: Files<'_>, notes: &mut Vec<Note>) 
             rows.push((360.0, first));
             let text = format!("the horizontal angles end at {last}: 360 is taken as 0");
             let at = Where::Line { file: file.to_owned(), line: horizontal_line };
-            notes.push(Note { severity: Severity::Warning, at, text });
+            notes.push(Note::warning(at, text).code(Code::ProfileMalformed));
         }
         let planes = expand(rows, symmetry).ok_or_else(|| at_angles("the horizontal angles do not close".into()))?;
         return grid(file, LuminousProfile::TYPE_C, planes, &vertical, facts)

@@ -11,7 +11,7 @@ mod tests;
 mod text;
 
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::files;
 use crate::scene::Note;
 use crate::scene::profile::{LuminousProfile, ProfileFacts};
@@ -56,8 +56,10 @@ pub fn tilt_file(file: &Path) -> Option<PathBuf> {
 /// The bytes of a regular file of reasonable size.
 fn small(file: &Path, at: &Where) -> Result<Vec<u8>> {
     if let Ok(facts) = std::fs::metadata(file) {
-        let what =
-            |why: String| Fault::new(at.clone(), format!("can't read the light profile {}: {why}", file.display()));
+        let what = |why: String| {
+            Fault::new(at.clone(), format!("can't read the light profile {}: {why}", file.display()))
+                .code(Code::ProfileMissing)
+        };
         if !facts.is_file() {
             return Err(what("it is no regular file".into()));
         }
@@ -65,7 +67,7 @@ fn small(file: &Path, at: &Where) -> Result<Vec<u8>> {
             return Err(what(format!("it has {} bytes", facts.len())).expected(format!("at most {MOST_BYTES}")));
         }
     }
-    files::read(file, at, "light profile")
+    files::read(file, at, "light profile").map_err(|fault| fault.code(Code::ProfileMissing))
 }
 
 /// The grid of planes (deg, candela); none if it is dark or not finite.

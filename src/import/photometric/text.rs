@@ -1,7 +1,7 @@
 //! The text of photometric files: lines of bytes in whatever encoding, and numbers with their lines.
 
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -44,7 +44,7 @@ impl<'a> Lines<'a> {
     }
 
     pub fn fault(&self, line: usize, what: impl Into<String>) -> Box<Fault> {
-        Fault::new(Where::Line { file: self.file.to_owned(), line }, what)
+        Fault::new(Where::Line { file: self.file.to_owned(), line }, what).code(Code::ProfileMalformed)
     }
 }
 

@@ -1,9 +1,9 @@
 //! What a reader has to say, and how much work and memory the files may still ask for.
 
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::gltf::notes::Notes;
-use crate::scene::Severity;
+use crate::scene::{Note, Severity};
 
 /// A few bytes can ask for much: references that multiply, an instancer of instancers, compressed arrays. Everything
 /// that can multiply is charged here before it is made.
@@ -73,5 +73,9 @@ impl Ledger {
     }
     pub fn warn(&mut self, at: Where, text: impl Into<String>) {
         self.notes.add_many(Severity::Warning, at, text, 1);
+    }
+    /// A warning that is about something.
+    pub fn warn_of(&mut self, code: Code, at: Where, text: impl Into<String>) {
+        self.notes.add(Note::warning(at, text).code(code), 1);
     }
 }

@@ -42,7 +42,7 @@ mod tests;
 use super::ReadOptions;
 use super::assembly::Assembly;
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use reader::Reader;
 use std::path::Path;
 
@@ -57,7 +57,9 @@ const STACK_BYTES: usize = 256 << 20;
 /// The root layer cannot be read; a value contradicts itself, with its prim. What composition could not find is a note.
 /// A hostile file gives a fault, too: no panic, no hang, and no more memory than the file can honestly need.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Assembly> {
-    let failed = |error: std::io::Error| Fault::new(Where::file(path), format!("cannot read the asset: {error}"));
+    let failed = |error: std::io::Error| {
+        Fault::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
+    };
     if std::fs::metadata(path).map_err(failed)?.is_dir() {
         return Err(Fault::new(Where::file(path), "this is a folder").expected("a .usda, .usdc or .usdz file"));
     }

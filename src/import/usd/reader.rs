@@ -5,8 +5,8 @@ use super::bound::Bound;
 use super::ledger::Ledger;
 use super::resolver::Opened;
 use super::{hierarchy, implicit, marks, material, mesh, optics, render, stage};
-use crate::base::Where;
 use crate::base::fault::Result;
+use crate::base::{Code, Where};
 use crate::import::assembly::Assembly;
 use openusd::sdf;
 use openusd::usd::{Prim, Stage};
@@ -58,7 +58,11 @@ impl Reader {
         stage::check_layers(stage, moment, assembly, ledger);
         stage::note_errors(stage, moment, ledger);
         if self.assembly.nodes.is_empty() {
-            self.ledger.warn(Where::file(&self.moment.file), "the stage has no prims that are placed anywhere");
+            self.ledger.warn_of(
+                Code::NothingToTrace,
+                Where::file(&self.moment.file),
+                "the stage has no prims that are placed anywhere",
+            );
         }
         let mut dependencies = stage::dependencies(&self.moment.file, &self.opened);
         dependencies.append(&mut self.assembly.dependencies);

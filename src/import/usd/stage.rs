@@ -5,8 +5,9 @@ use super::ledger::Ledger;
 use super::resolver::{Normalising, Opened};
 use super::{sublayers, value};
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::assembly::{Assembly, StageFacts};
+use crate::scene::Note;
 use glam::{DMat3, DVec3};
 use openusd::ar::Resolver;
 use openusd::sdf;
@@ -78,7 +79,7 @@ pub(super) fn measures(stage: &Stage, moment: &Moment, assembly: &mut Assembly, 
             _ => return Err(Fault::new(file(), "`metersPerUnit` is no length").expected("a finite number > 0")),
         },
         None => {
-            ledger.info(file(), "no `metersPerUnit`: 0.01, as USD says");
+            ledger.notes.add(Note::info(file(), "no `metersPerUnit`: 0.01, as USD says").code(Code::UnitUnsaid), 1);
             FALLBACK_UNIT_M
         }
     };

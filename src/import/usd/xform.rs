@@ -3,6 +3,7 @@
 use super::attribute::PrimView;
 use super::ledger::Ledger;
 use super::value;
+use crate::base::Code;
 use crate::base::fault::Result;
 use crate::import::gltf::transform::is_singular;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -66,7 +67,7 @@ pub(super) fn local(view: &PrimView, ledger: &mut Ledger) -> Result<Local> {
             .expected("finite numbers"));
     }
     if is_singular(transform) {
-        ledger.warn(view.at(), "a singular transform: it flattens whatever is below the prim");
+        ledger.warn_of(Code::PartFlattened, view.at(), "a singular transform: it flattens whatever is below the prim");
     }
     Ok(Local { transform, resets })
 }

@@ -3,7 +3,7 @@
 use crate::base::Where;
 use crate::scene::angular::Spread;
 use crate::scene::{
-    Angular, Coating, Emitter, Face, Finish, Part, Polarisation, PolarisedLight, Scene, Shape, Spectrum,
+    Angular, Coating, Emitter, Face, Finish, Part, Polarisation, PolarisedLight, Residual, Scene, Shape, Spectrum,
 };
 use glam::DVec3;
 
@@ -18,6 +18,9 @@ pub struct FaceReport {
     pub unit_m: f64,
     /// What was noted of this face, e.g. how well the shape fits its points.
     pub notes: Vec<String>,
+    /// How well a recovered shape fits its points; `notes` say it in words.
+    #[serde(skip)]
+    pub fit: Option<Residual>,
     pub emitter: Option<EmitterReport>,
     pub slide: Option<SlideReport>,
 }
@@ -55,22 +58,24 @@ pub struct SlideReport {
 
 pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
     let unit_m = part.to_world.matrix3.determinant().abs().cbrt();
-    let mut notes: Vec<Vec<String>> = vec![Vec::new(); part.faces.len()];
+    let mut said: Vec<(Vec<String>, Option<Residual>)> = vec![Default::default(); part.faces.len()];
     for note in &scene.notes {
         if let Where::Part { path, face: Some(face) } = &note.at
             && *path == part.path
-            && let Some(own) = notes.get_mut(*face)
+            && let Some((notes, fit)) = said.get_mut(*face)
         {
-            own.push(note.text.clone());
+            notes.push(note.text.clone());
+            *fit = fit.or(note.residual);
         }
     }
-    let report = |(number, (face, notes)): (usize, (&Face, Vec<String>))| FaceReport {
+    let report = |(number, (face, (notes, fit))): (usize, (&Face, (Vec<String>, Option<Residual>)))| FaceReport {
         number,
         finish: face.finish,
         coating: face.coating.and_then(|id| scene.coatings.get(id.index())).cloned(),
         shape: face.shape.clone(),
         unit_m,
         notes,
+        fit,
         emitter: face.emitter.as_ref().map(|emitter| self::emitter(scene, emitter, area(scene, part, number))),
         slide: face.slide.and_then(|id| scene.slides.get(id.index())).map(|slide| {
             let mean = slide.pixels.iter().map(|s| f64::from(*s)).sum::<f64>() / slide.pixels.len().max(1) as f64;
@@ -86,7 +91,7 @@ pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
             }
         }),
     };
-    part.faces.iter().zip(notes).enumerate().map(report).collect()
+    part.faces.iter().zip(said).enumerate().map(report).collect()
 }
 
 fn emitter(scene: &Scene, emitter: &Emitter, area_m2: f64) -> EmitterReport {

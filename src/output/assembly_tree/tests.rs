@@ -5,7 +5,7 @@ use crate::base::Where;
 use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, SlideId};
 use crate::scene::{
     Absorption, Angular, Coating, Dispersion, Emitter, Face, FaceRange, FilmLayer, Finish, Group, Led, Medium, Mesh,
-    Part, Photometry, Shape, Slide, Spectrum,
+    Part, Photometry, Residual, Shape, Slide, Spectrum,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
@@ -52,7 +52,6 @@ fn scene() -> Scene {
     let mut lens = part("HUD/OPTICS/LENS", 0, 0.0, [cap, face(Finish::Polished)]);
     lens.medium = Some(MediumId(0));
     let slide = Face { slide: Some(SlideId(0)), ..face(Finish::None) };
-    let note = |severity, at, text: &str| Note { severity, at, text: text.into() };
     let fit = Where::Part { path: "HUD/OPTICS/LENS".into(), face: Some(0) };
     Scene {
         name: "tiny".into(),
@@ -115,9 +114,9 @@ fn scene() -> Scene {
             age: 45.0,
         },
         notes: vec![
-            note(Severity::Info, fit, "fitted sphere of radius -50: 9 points miss it by 1 µm rms, 2 µm at most"),
-            note(Severity::Info, Where::Nowhere, "`age` of eye is not said: 45"),
-            note(Severity::Warning, Where::file(std::path::Path::new("a.glb")), "normals repaired"),
+            Note::fitted(fit, "sphere of radius -50", Residual { points: 9, rms_um: 1.0, greatest_um: 2.0 }),
+            Note::info(Where::Nowhere, "`age` of eye is not said: 45"),
+            Note::warning(Where::file(std::path::Path::new("a.glb")), "normals repaired"),
         ],
         hash: String::new(),
     }

@@ -202,9 +202,7 @@ fn body(part: &PartReport, traced_nm: f64) -> (String, Vec<(String, String)>) {
         match lines.get_mut(slot) {
             Some((_, numbers, _)) => numbers.push(face.number),
             None => {
-                let residual = face.notes.iter().find(|note| note.starts_with("fitted "));
-                let fit =
-                    residual.map(|note| format!(" (fit: {})", note.split_once(": ").map_or(note.as_str(), |(_, r)| r)));
+                let fit = face.fit.map(|residual| format!(" (fit: {residual})"));
                 lines.push((text, vec![face.number], fit.unwrap_or_default()));
             }
         }
@@ -289,10 +287,7 @@ fn lamps_and_eye(tree: &AssemblyTree, out: &mut String) {
 /// Fits stand at their faces already.
 fn notes(tree: &AssemblyTree, out: &mut String) {
     let at_a_face = |note: &&Note| {
-        tree.optics.is_some()
-            && note.severity == Severity::Info
-            && matches!(note.at, Where::Part { face: Some(_), .. })
-            && note.text.starts_with("fitted ")
+        tree.optics.is_some() && note.residual.is_some() && matches!(note.at, Where::Part { face: Some(_), .. })
     };
     let rest: Vec<&Note> = tree.notes.iter().filter(|note| !at_a_face(note)).collect();
     if rest.is_empty() {

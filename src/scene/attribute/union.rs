@@ -2,7 +2,7 @@
 
 use super::{Kind, kinds};
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::scene::value::{Data, Value};
 
 /// A value of an attribute with kinds, taken apart.
@@ -66,9 +66,12 @@ pub fn split<'a>(attribute: &str, value: &'a Value) -> Result<Split<'a>> {
 
 /// The fault of a kind that `attribute` doesn't have.
 pub fn unknown(attribute: &str, name: &str, at: &Where) -> Box<Fault> {
+    // Coatings and spectra go by names, the others by words of the vocabulary.
+    let code = if matches!(attribute, "coating" | "spectrum") { Code::NameUnknown } else { Code::AttributeUnknown };
     Fault::new(at.clone(), format!("unknown {attribute} `{name}`"))
         .expected(rendered(attribute))
         .nearest(name, kinds(attribute).map(|kind| kind.name))
+        .code(code)
 }
 
 fn rendered(attribute: &str) -> String {

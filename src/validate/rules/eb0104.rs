@@ -15,7 +15,6 @@ pub const RULE: Rule = Rule {
     why: "Where two media are at one place, the one with the higher `priority` fills it. Without one, the order of the parts in the file decides, and a new export may turn it round.",
     bad: Example::Words("A lens that reaches a tenth of a millimetre into its neighbour, both with priority 0."),
     good: Example::Code("toml", "[[bind]]\npath = \"LENS_03\"\npriority = 1"),
-    claims: &[],
     find: nothing,
     grade: kept,
 };

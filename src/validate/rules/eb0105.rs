@@ -16,7 +16,6 @@ pub const RULE: Rule = Rule {
         "toml",
         "[[bind]]\npath = \"LENS_03\"\npriority = 1          # its coating holds at the cement",
     ),
-    claims: &[],
     find: nothing,
     grade: kept,
 };

@@ -14,7 +14,6 @@ pub const RULE: Rule = Rule {
     why: "No ray of a grid over the field of view meets a face that shines, bends, mirrors, shows or scatters: the eye stands outside of the eyebox, or looks the wrong way. A frame that differs by a turn (`frame`) is the usual cause.",
     bad: Example::Code("toml", "[eye]\nframe = \"asset\"       # glTF's axes; the numbers are the CAD frame's"),
     good: Example::Code("toml", "[eye]\nframe = \"HUD_B\""),
-    claims: &[],
     find: nothing,
     grade: kept,
 };

@@ -22,7 +22,6 @@ pub const RULE: Rule = Rule {
         "toml",
         "[[bind]]\npath = \"LENS_01\"\nglass = \"PMMA\"\n\n[[bind]]\npath = \"LENS_01\"\nfaces = [0, 2]\nfinish = \"polished\"",
     ),
-    claims: &[],
     find: nothing,
     grade: kept,
 };

@@ -45,7 +45,7 @@ pub(crate) mod scenes;
 mod tests;
 
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::scene::Scene;
 use bound::Bounds;
 use glam::{DAffine3, DVec3};
@@ -145,10 +145,13 @@ impl Geometry {
         }
         if placed.is_empty() {
             return Err(Fault::new(Where::Nowhere, "nothing in the scene has a surface that light meets")
-                .expected("at least one face with a finish, an emitter or a slide"));
+                .expected("at least one face with a finish, an emitter or a slide")
+                .code(Code::NothingToTrace));
         }
         if !scene.eye.position.is_finite() {
-            return Err(Fault::new(Where::Nowhere, format!("the eye is at {}", scene.eye.position)));
+            return Err(
+                Fault::new(Where::Nowhere, format!("the eye is at {}", scene.eye.position)).code(Code::EyeImpossible)
+            );
         }
         let spread = placed.iter().fold(Bounds::of([scene.eye.position]), |all, (part, solid)| {
             all.join(solids[*solid].bounds.map(&scene.parts[*part as usize].to_world))

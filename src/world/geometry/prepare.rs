@@ -12,7 +12,7 @@ use super::surface::{Sheet, Surface, Triangle, winding};
 use super::tree::Tree;
 use super::wide::{LEAF_SIZE, Leaf};
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::scene::{FaceRange, Finish, Mesh, Part, Shape};
 use glam::DVec3;
 use std::ops::Range;
@@ -104,7 +104,9 @@ pub fn solid(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Solid>
             | Shape::Toroid { .. }
             | Shape::XyPoly { .. }
             | Shape::Zernike { .. } => exact(shape, own).map_err(|what| {
-                Fault::new(at(), what).expected("the shape of this face in mesh units, or shape mesh")
+                Fault::new(at(), what)
+                    .expected("the shape of this face in mesh units, or shape mesh")
+                    .code(Code::ShapeOffMesh)
             })?,
         };
         boxes.extend(own.iter().map(|t| match &surface {

@@ -12,13 +12,14 @@ use super::attribute::PrimView;
 use super::hierarchy::Above;
 use super::reader::Reader;
 use super::{binding, faces, optics, primvar};
+use crate::base::Code;
 use crate::base::fault::Result;
 use crate::import::assembly::MeshSource;
 use crate::import::gltf::mesh::append;
 use crate::import::gltf::normals::{Settled, are_sound, flat_shaded, settle};
 use crate::import::gltf::primitive::FaceMesh;
 use crate::import::normals::repair;
-use crate::scene::{Mesh, Severity};
+use crate::scene::{Mesh, Note, Severity};
 use cut::Own;
 use vertices::{Data, Scratch};
 
@@ -121,7 +122,7 @@ fn face(
         reader.ledger.notes.add_many(Severity::Warning, view.at(), text, ragged);
     }
     for uv in face.uvs.iter_mut().filter(|uv| !uv.iter().all(|x| x.is_finite())) {
-        reader.ledger.warn(view.at(), "texture coordinates that are not finite: set to 0");
+        reader.ledger.warn_of(Code::DataNotFinite, view.at(), "texture coordinates that are not finite: set to 0");
         *uv = [0.0; 2];
     }
     if !has_normals {
@@ -148,7 +149,7 @@ fn mend(reader: &mut Reader, view: &PrimView, face: &mut FaceMesh, number: usize
     }
     if broken > 0 {
         let text = "a normal that is zero or not finite: computed from the triangles around its vertex";
-        notes.add_many(Severity::Warning, view.at(), text, broken);
+        notes.add(Note::warning(view.at(), text).code(Code::DataNotFinite), broken);
     }
     if are_sound(&face.positions, &face.normals, &face.triangles) {
         return;
@@ -160,10 +161,10 @@ fn mend(reader: &mut Reader, view: &PrimView, face: &mut FaceMesh, number: usize
         let text = format!(
             "{name} face {number}: normals contradict their triangles by up to {worst:.0}°: {flipped} turned round, {replaced} replaced"
         );
-        reader.ledger.warn(view.at(), text);
+        reader.ledger.warn_of(Code::NormalsContradict, view.at(), text);
     }
     if found.inverted {
         let text = "the normals of a face point into the side that its winding calls the inside: kept as they are";
-        reader.ledger.warn(view.at(), text);
+        reader.ledger.warn_of(Code::NormalsInsideOut, view.at(), text);
     }
 }

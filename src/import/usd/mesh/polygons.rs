@@ -4,8 +4,8 @@ use super::super::attribute::PrimView;
 use super::super::primvar::Sizes;
 use super::super::reader::Reader;
 use super::super::value;
-use crate::base::Fault;
 use crate::base::fault::Result;
+use crate::base::{Code, Fault};
 use crate::scene::Severity;
 
 /// Polygons as the file has them, checked.
@@ -152,7 +152,10 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView) -> Result<Option<Polygo
     reader.charge(view.path(), points.len() + entries, 16)?;
     if let Some(bad) = points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
         let [x, y, z] = points.get(bad).copied().unwrap_or_default();
-        return Err(view.fault_in("points", format!("point {bad} is at ({x}, {y}, {z})")).expected("finite points"));
+        return Err(view
+            .fault_in("points", format!("point {bad} is at ({x}, {y}, {z})"))
+            .expected("finite points")
+            .code(Code::DataNotFinite));
     }
     let corners = corners.map_err(|wrong| wrong.fault(view))?;
     if let Some(bad) = corners.outside(points.len()) {

@@ -1,8 +1,8 @@
 //! Attributes → USD properties.
 
 use super::{Entry, Level, NAMESPACE, UNSAID, UsdProperty, UsdValue, entry, keys, whole};
-use crate::base::Fault;
 use crate::base::fault::Result;
+use crate::base::{Code, Fault};
 use crate::scene::attribute::{self, Form, Noun, Row, union};
 use crate::scene::value::{Data, Value};
 
@@ -22,7 +22,8 @@ fn level(level: Level, prefix: &str, table: &Value, out: &mut Vec<UsdProperty>) 
         let Some(entry) = entry(level, key) else {
             return Err(Fault::new(value.at.clone(), format!("unknown attribute `{key}`"))
                 .expected(format!("one of {}", keys(level).join(", ")))
-                .nearest(key, keys(level)));
+                .nearest(key, keys(level))
+                .code(Code::AttributeUnknown));
         };
         match entry {
             Entry::Row(name, row) => put(row, &format!("{prefix}{name}"), value, out)?,
@@ -176,6 +177,7 @@ fn field(noun: Noun, fields: &[&str], key: &str, value: &Value) -> Result<&'stat
         Fault::new(value.at.clone(), format!("unknown attribute `{key}` of {noun}"))
             .expected(format!("one of {}", fields.join(", ")))
             .nearest(key, fields.iter().copied())
+            .code(Code::AttributeUnknown)
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Entry, Level, NAMESPACE, UNSAID, UsdProperty, UsdType, UsdValue, entry, keys, layout, whole};
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::scene::attribute::{self, Form, Noun, Row, kinds};
 use crate::scene::value::{Data, Value};
 use std::cell::Cell;
@@ -58,7 +58,7 @@ impl<'a> Pool<'a> {
         }
         let prefix = name.strip_suffix(bare).unwrap_or("");
         let nearest = crate::base::fault::nearest_name(bare, known.iter().map(String::as_str));
-        let mut fault = Fault::new(at, format!("unknown property `{}`", property.name));
+        let mut fault = Fault::new(at, format!("unknown property `{}`", property.name)).code(Code::AttributeUnknown);
         fault.nearest = nearest.map(|name| format!("{NAMESPACE}{prefix}{name}"));
         Err(fault)
     }
