@@ -83,9 +83,10 @@ pub(super) fn settle(making: &Making<'_>, base: Plan, handicap: &Handicap) -> Pl
         let mut rival = trials.start(making, &plan);
         let compared = trials.compare(making, (&best, held), (&plan, &mut rival), handicap);
         let Some(Compared { ratio, wins, misses }) = compared else { continue };
-        // What rays hardly ever find is far brighter than they tell when they do.
+        // What rays hardly ever find is far brighter than they tell when they do. Where photons find none, there is none.
         let unsure = question == Question::Scattered && open.is_unsure(&best);
-        let wins = wins && !(unsure && misses.is_none() && !rival.surely_sees_scattered());
+        let sure = misses.is_some() || rival.surely_sees_scattered() || held.sees_nothing_scattered();
+        let wins = wins && (sure || !unsure);
         let [of_own, of_other] = [&best, &plan].map(|plan| names(plan, question));
         let found = match misses {
             None => format!("a pilot found {ratio:.2e} times the variance × work for {of_other} as for {of_own}"),

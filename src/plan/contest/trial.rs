@@ -38,12 +38,13 @@ impl Tried {
     /// Whether the light that scatterers get from others or over specular faces stands out of its noise, as it does where it was
     /// found in many passes.
     pub(super) fn surely_sees_scattered(&self) -> bool {
-        let trial = self.fine.as_ref().unwrap_or(&self.rough);
-        let sums = trial
-            .parts
-            .iter()
-            .fold([0.0; 2], |[light, variance], part| [light + part.scattered[0], variance + part.scattered[1]]);
-        sums[0] > SURE * sums[1].sqrt()
+        let [light, variance] = self.fine.as_ref().unwrap_or(&self.rough).scattered();
+        light > SURE * variance.sqrt()
+    }
+
+    /// None of that light came to any pixel.
+    pub(super) fn sees_nothing_scattered(&self) -> bool {
+        std::iter::once(&self.rough).chain(&self.fine).all(|trial| trial.scattered()[0] == 0.0)
     }
 }
 
@@ -214,6 +215,12 @@ impl Trial {
         };
         let parts = self.parts.iter().zip(&other.parts).map(part).collect();
         Trial::new(parts, pixels, passes + other.passes, self.width)
+    }
+
+    /// [`Part::scattered`] of all parts.
+    fn scattered(&self) -> [f64; 2] {
+        let add = |[light, variance]: [f64; 2], part: &Part| [light + part.scattered[0], variance + part.scattered[1]];
+        self.parts.iter().fold([0.0; 2], add)
     }
 
     pub(super) fn variance(&self, pixel: usize, handicap: &Handicap) -> f64 {
