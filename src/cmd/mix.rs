@@ -6,8 +6,11 @@ use std::process::ExitCode;
 use super::{Format, print};
 use crate::base::atomic::check_writable;
 use crate::base::fault::{Fault, Result, Where};
+use crate::film::exr::is_exr;
 use crate::film::frame::Frame;
+use crate::film::still::{Remark, Still};
 use crate::output::exr::{read_exr, write_exr};
+use crate::output::fit::{Fit, Resize, fitted};
 use crate::output::join::join;
 use crate::output::mix::{Mixed, Recipe, Record, add_record, mix};
 use crate::output::plate::place;
@@ -39,9 +42,21 @@ pub struct MixArgs {
     /// Contrast T_white/T_black of the slide, 1 to inf; 300:1 is 300 [default: as rendered]
     #[arg(long, value_name = "C", value_parser = parse_contrast)]
     pub contrast: Option<f64>,
-    /// A picture in cd/m², as large as the frame, to put behind the optics
-    #[arg(long, value_name = "BACKGROUND.exr")]
+    /// A picture to put behind the optics: EXR in cd/m² (or what its whiteLuminance says), or PNG or JPEG in sRGB
+    #[arg(long, value_name = "BACKGROUND.exr|png|jpg")]
     pub plate: Option<PathBuf>,
+    /// The layer of the plate, where it has several
+    #[arg(long, value_name = "LAYER", requires = "plate")]
+    pub plate_layer: Option<String>,
+    /// cd/m² of the plate's value 1 [default: what the file says; 1 for EXR, 80 for PNG and JPEG, as sRGB's display]
+    #[arg(long, value_name = "CD/M2", requires = "plate", value_parser = parse_white)]
+    pub plate_white: Option<f64>,
+    /// How a plate of another size is laid over the frame
+    #[arg(long, value_name = "contain|cover|stretch|centre", requires = "plate", value_parser = parse_fit)]
+    pub fit: Option<Fit>,
+    /// By which filter its pixels are made then
+    #[arg(long, value_name = "area|linear", requires = "fit", value_parser = parse_resize, default_value = "area")]
+    pub resize: Resize,
     /// Find the lamp level: contrast=X of the picture against its background, or leak=hidden
     #[arg(long, value_name = "contrast=X|leak=hidden", value_parser = Goal::parse)]
     pub solve: Option<Goal>,
@@ -60,6 +75,23 @@ fn parse_gain(text: &str) -> std::result::Result<(String, f64), String> {
     Ok((group.trim().to_owned(), gain.trim().parse().map_err(|_| bad())?))
 }
 
+fn parse_fit(text: &str) -> std::result::Result<Fit, String> {
+    let known = Fit::ALL.map(Fit::name);
+    let found = Fit::ALL.into_iter().find(|fit| fit.name() == text);
+    found.ok_or_else(|| format!("`{text}` is no way to fit; write one of {}", known.join(", ")))
+}
+
+fn parse_resize(text: &str) -> std::result::Result<Resize, String> {
+    let known = Resize::ALL.map(Resize::name);
+    let found = Resize::ALL.into_iter().find(|resize| resize.name() == text);
+    found.ok_or_else(|| format!("`{text}` is no filter; write one of {}", known.join(", ")))
+}
+
+fn parse_white(text: &str) -> std::result::Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|white: &f64| *white > 0.0 && white.is_finite());
+    number.ok_or_else(|| format!("`{text}` is no luminance; write cd/m² above 0, e.g. 250"))
+}
+
 fn parse_contrast(text: &str) -> std::result::Result<f64, String> {
     let number = text.trim().strip_suffix(":1").unwrap_or(text.trim());
     number.parse().map_err(|_| format!("`{text}` is no contrast; write e.g. 300, 300:1 or inf"))
@@ -70,6 +102,25 @@ pub fn run(args: &MixArgs) -> Result<ExitCode> {
     let (json, text) = mixed(args)?;
     print(args.format, || text, || json)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Luminance of white on the display that sRGB is made for, cd/m² (IEC 61966-2-1:1999, table 1).
+const SRGB_WHITE: f64 = 80.0;
+
+/// The picture of a plate. Errors: a file that can't be read, or without the layer.
+fn plate_of(path: &Path, layer: Option<&str>) -> Result<Still> {
+    let broken = |what: String| Fault::new(Where::file(path), format!("can't be a plate: {what}"));
+    let bytes = std::fs::read(path).map_err(|error| broken(error.to_string()))?;
+    if is_exr(&bytes) {
+        return Still::of_exr(&bytes, layer).map_err(broken);
+    }
+    if let Some(layer) = layer {
+        return Err(broken(format!("only an EXR has the layer `{layer}`")));
+    }
+    let mut still = Still::of_srgb(&bytes).map_err(|error| broken(error).expected("an EXR, PNG or JPEG file"))?;
+    let text = format!("says no luminance: its white is {SRGB_WHITE} cd/m², or what --plate-white says");
+    still.remarks.push(Remark { warns: false, text });
+    Ok(Still { white_cd_m2: Some(SRGB_WHITE), ..still })
 }
 
 /// Writes the mixture and says what was done, for programs and for people.
@@ -84,15 +135,26 @@ fn mixed(args: &MixArgs) -> Result<(serde_json::Value, String)> {
     let first = args.frames.first().map_or(Path::new(""), PathBuf::as_path);
     let mut frame = join(&frames).map_err(|fault| within(fault, first))?;
     drop(frames);
-    let mut warnings = Vec::new();
+    let (mut warnings, mut notes) = (Vec::new(), Vec::new());
     if let Some(path) = &args.plate {
-        let plate = read_exr(path)?;
-        let (placed, doubled) = place(&frame, &plate).map_err(|fault| within(fault, path))?;
+        let mut plate = plate_of(path, args.plate_layer.as_deref())?;
+        for remark in &plate.remarks {
+            let said = format!("{} {}", path.display(), remark.text);
+            if remark.warns { warnings.push(said) } else { notes.push(said) }
+        }
+        if let Some(fit) = args.fit {
+            plate = fitted(&plate, [frame.width, frame.height], fit, args.resize);
+        }
+        let white = args.plate_white.or(plate.white_cd_m2).unwrap_or(1.0);
+        let (placed, doubled) = place(&frame, &plate, white).map_err(|fault| within(fault, path))?;
         frame = placed;
         // A gain of 0 has answered it.
-        let silenced =
-            |warning: &String| args.gains.iter().any(|(g, gain)| *gain == 0.0 && warning.contains(&format!("`{g}`")));
-        warnings.extend(doubled.filter(|warning| !silenced(warning)));
+        let silenced = |group: &String| args.gains.iter().any(|(own, gain)| *gain == 0.0 && own == group);
+        warnings.extend(
+            doubled
+                .filter(|group| !silenced(group))
+                .map(|group| format!("light of `{group}` still shines behind the plate; --gain {group}=0 removes it")),
+        );
     }
     let mut recipe = Recipe { gains: args.gains.clone(), contrast: args.contrast };
     let (mixed, solved) = recombine(args, &frame, &mut recipe).map_err(|fault| within(fault, first))?;
@@ -118,7 +180,10 @@ fn mixed(args: &MixArgs) -> Result<(serde_json::Value, String)> {
         warnings.extend(write_exr(&args.output, &out)?);
     }
     json["warnings"] = serde_json::json!(warnings);
-    Ok((json, text(args, &record, &warnings)))
+    json["notes"] = serde_json::json!(notes);
+    let told = warnings.iter().map(|warning| format!("warning: {warning}"));
+    let told = told.chain(notes.iter().map(|note| format!("note: {note}"))).collect();
+    Ok((json, text(args, &record, told)))
 }
 
 fn recombine(args: &MixArgs, frame: &Frame, recipe: &mut Recipe) -> Result<(Mixed, Option<Solved>)> {
@@ -138,8 +203,8 @@ fn within(mut fault: Box<Fault>, path: &Path) -> Box<Fault> {
     fault
 }
 
-fn text(args: &MixArgs, record: &Record, warnings: &[String]) -> String {
-    let mut lines: Vec<String> = warnings.iter().map(|warning| format!("warning: {warning}")).collect();
+/// What was done, after the lines that come first.
+fn text(args: &MixArgs, record: &Record, mut lines: Vec<String>) -> String {
     if let Some(solved) = &record.solved {
         let Solved { picture_cd_m2, background_cd_m2, leak_cd_m2, contrast, visibility, leak_spot_cd_m2, .. } = solved;
         lines.push(format!(

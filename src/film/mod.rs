@@ -6,6 +6,7 @@ pub mod blur;
 pub mod columns;
 pub mod detail;
 pub mod diffraction;
+pub mod exr; // a file → a frame
 pub mod finish;
 pub mod frame;
 pub mod guide;
@@ -16,6 +17,7 @@ pub mod plan;
 pub mod pupil;
 pub mod scrambles;
 pub mod sharpness;
+pub mod still; // pictures made elsewhere: skies, slides, plates
 mod tiles; // sums only where there is light
 pub mod totals;
 pub mod train;

@@ -241,10 +241,14 @@ impl Builder<'_> {
     fn dome(&mut self, light: &LightSource, scale: f64, image: Option<&Path>, to_asset: &DAffine3) -> Result<Sky> {
         let group = self.light_group(light, None)?;
         let (mut read, file) = match image {
-            None => (Picture { width: 1, height: 1, pixels: vec![1.0], rgb: None, clipped: 0 }, "uniform".to_owned()),
+            None => (
+                Picture { width: 1, height: 1, pixels: vec![1.0], rgb: None, clipped: 0, remarks: Vec::new() },
+                "uniform".to_owned(),
+            ),
             Some(file) => {
                 let bytes = files::read(file, &light.at, "dome image")?;
-                let read = picture::panorama(&bytes, file, &light.at)?;
+                let mut read = picture::panorama(&bytes, None, file, &light.at)?;
+                self.notes.extend(read.notes(&file.display().to_string(), &light.at));
                 self.files.push(file.to_owned());
                 (read, file.display().to_string())
             }

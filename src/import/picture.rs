@@ -2,6 +2,9 @@
 
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
+use crate::film::exr::is_exr;
+use crate::film::still::{Light, Remark, Still};
+use crate::scene::{Note, Severity};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -16,6 +19,8 @@ pub struct Picture {
     pub rgb: Option<Vec<[f32; 3]>>,
     /// How many pixels have a component below 0: it became 0 and the others were scaled to keep the luminance.
     pub clipped: usize,
+    /// What was made of the file.
+    pub remarks: Vec<Remark>,
 }
 
 /// Luminance of linear Rec.709.
@@ -25,7 +30,7 @@ fn luminance(rgb: [f32; 3]) -> f32 {
 
 impl Picture {
     fn grey(width: usize, height: usize, pixels: Vec<f32>) -> Self {
-        Picture { width, height, pixels, rgb: None, clipped: 0 }
+        Picture { width, height, pixels, rgb: None, clipped: 0, remarks: Vec::new() }
     }
 
     fn coloured(width: usize, height: usize, mut rgb: Vec<[f32; 3]>) -> Self {
@@ -38,19 +43,57 @@ impl Picture {
             *pixel = if whole > 0.0 { inside.map(|c| c * (own / whole)) } else { [0.0; 3] };
         }
         let colour = rgb.iter().any(|[r, g, b]| r != g || g != b);
-        Picture { width, height, pixels, rgb: colour.then_some(rgb), clipped }
+        Picture { width, height, pixels, rgb: colour.then_some(rgb), clipped, remarks: Vec::new() }
+    }
+
+    /// Resampling rings: what it has left below 0 becomes 0, which is said.
+    fn without_negatives(mut self) -> Self {
+        let negative: Vec<usize> = (0..self.pixels.len()).filter(|pixel| self.pixels[*pixel] < 0.0).collect();
+        let Some(lowest) = negative.iter().map(|pixel| self.pixels[*pixel]).reduce(f32::min) else { return self };
+        for pixel in &negative {
+            self.pixels[*pixel] = 0.0;
+            if let Some(rgb) = &mut self.rgb {
+                rgb[*pixel] = [0.0; 3];
+            }
+        }
+        let text = format!(
+            "has a luminance below 0 in {} of its {} pixels, {lowest:e} at the lowest: taken as 0",
+            negative.len(),
+            self.pixels.len()
+        );
+        self.remarks.push(Remark { warns: true, text });
+        self
+    }
+
+    /// The remarks as notes on a picture called so.
+    pub fn notes(&mut self, name: &str, at: &Where) -> Vec<Note> {
+        let note = |remark: Remark| {
+            let severity = if remark.warns { Severity::Warning } else { Severity::Info };
+            Note::new(severity, at.clone(), format!("the picture {name} {}", remark.text))
+        };
+        std::mem::take(&mut self.remarks).into_iter().map(note).collect()
     }
 }
-
-/// More pixels than this are a broken header, not a picture.
-const MAX_PIXELS: usize = 1 << 28;
 
 fn broken(path: &Path, at: &Where, why: impl std::fmt::Display) -> Box<Fault> {
     Fault::new(at.clone(), format!("can't read the picture {}: {why}", path.display()))
 }
 
-/// A slide: grey PNG of 8 or 16 bits, value/max, values taken as linear; colours as their luminance.
-pub fn slide(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
+/// A slide: grey PNG of 8 or 16 bits, value/max, values taken as linear, or an EXR (of which `layer`); colours as their
+/// luminance. Values above 1 let no more through than 1.
+pub fn slide(bytes: &[u8], layer: Option<&str>, path: &Path, at: &Where) -> Result<Picture> {
+    if is_exr(bytes) {
+        let mut picture = checked(exr(bytes, layer, path, at)?.without_negatives(), path, at)?;
+        let above = picture.pixels.iter().filter(|value| **value > 1.0).count();
+        if above > 0 {
+            let text = format!("has {above} pixels above 1, all light: taken as 1");
+            picture.remarks.push(Remark { warns: true, text });
+        }
+        picture.pixels.iter_mut().for_each(|value| *value = value.min(1.0));
+        picture.rgb.iter_mut().flatten().flatten().for_each(|value| *value = value.min(1.0));
+        return Ok(picture);
+    }
+    no_layer(layer, path, at)?;
     let reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png);
     let decoded = reader.decode().map_err(|error| broken(path, at, error).expected("a PNG of 8 or 16 bits"))?;
     if decoded.color().has_alpha() {
@@ -71,11 +114,20 @@ pub fn slide(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
     checked(picture, path, at)
 }
 
-/// A panorama: OpenEXR with channel Y or R, G, B, or Radiance HDR. Values are linear.
-pub fn panorama(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
-    let picture = if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        exr_luminance(bytes, path, at)?
+/// Only EXR files have layers.
+fn no_layer(layer: Option<&str>, path: &Path, at: &Where) -> Result<()> {
+    match layer {
+        None => Ok(()),
+        Some(layer) => Err(broken(path, at, format!("it can't have the layer `{layer}`")).expected("an .exr file")),
+    }
+}
+
+/// A panorama: OpenEXR with channel Y or R, G, B (of `layer`, if one is named), or Radiance HDR. Values are linear.
+pub fn panorama(bytes: &[u8], layer: Option<&str>, path: &Path, at: &Where) -> Result<Picture> {
+    let picture = if is_exr(bytes) {
+        exr(bytes, layer, path, at)?.without_negatives()
     } else if bytes.starts_with(b"#?") {
+        no_layer(layer, path, at)?;
         let reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Hdr);
         let decoded = reader.decode().map_err(|error| broken(path, at, error))?;
         let (width, height) = (decoded.width() as usize, decoded.height() as usize);
@@ -86,42 +138,14 @@ pub fn panorama(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
     checked(picture, path, at)
 }
 
-fn exr_luminance(bytes: &[u8], path: &Path, at: &Where) -> Result<Picture> {
-    use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|error| broken(path, at, error))?;
-    for header in &meta.headers {
-        let (w, h) = (header.layer_size.width(), header.layer_size.height());
-        if w.checked_mul(h).is_none_or(|pixels| pixels > MAX_PIXELS) {
-            return Err(broken(path, at, format!("{w} x {h} pixels are too many")));
-        }
-    }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|error| broken(path, at, error))?;
-    let layer = &image.layer_data;
-    let (width, height) = (layer.size.width(), layer.size.height());
-    let channels = &layer.channel_data.list;
-    let samples = |name: &str| -> Option<Vec<f32>> {
-        let channel = channels.iter().find(|channel| channel.name.to_string() == name)?;
-        let values: Vec<f32> = channel.sample_data.values_as_f32().collect();
-        (values.len() == width * height).then_some(values)
+/// The picture of an EXR file, or of one of its layers.
+fn exr(bytes: &[u8], layer: Option<&str>, path: &Path, at: &Where) -> Result<Picture> {
+    let still = Still::of_exr(bytes, layer).map_err(|error| broken(path, at, error))?;
+    let picture = match still.light {
+        Light::Grey(pixels) => Picture::grey(still.width, still.height, pixels),
+        Light::Rgb(pixels) => Picture::coloured(still.width, still.height, pixels),
     };
-    match (samples("Y"), samples("R"), samples("G"), samples("B")) {
-        (None, Some(r), Some(g), Some(b)) => {
-            let pixels = r.iter().zip(&g).zip(&b).map(|((r, g), b)| [*r, *g, *b]).collect();
-            Ok(Picture::coloured(width, height, pixels))
-        }
-        (Some(y), _, _, _) => Ok(Picture::grey(width, height, y)),
-        (None, _, _, _) => {
-            let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
-            Err(broken(path, at, format!("its channels are {}", names.join(", "))).expected("Y, or R, G and B"))
-        }
-    }
+    Ok(Picture { remarks: still.remarks, ..picture })
 }
 
 fn checked(picture: Picture, path: &Path, at: &Where) -> Result<Picture> {
@@ -162,22 +186,22 @@ mod tests {
     fn slides_are_linear_grey() {
         let (path, at) = here();
         let grey8 = image::GrayImage::from_raw(2, 1, vec![0, 51]).unwrap();
-        assert_eq!(slide(&png(grey8.into()), &path, &at).unwrap().pixels, [0.0, 0.2]);
+        assert_eq!(slide(&png(grey8.into()), None, &path, &at).unwrap().pixels, [0.0, 0.2]);
         let grey16 = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(1, 2, vec![65535, 13107]).unwrap();
-        let picture = slide(&png(grey16.into()), &path, &at).unwrap();
+        let picture = slide(&png(grey16.into()), None, &path, &at).unwrap();
         assert_eq!((picture.width, picture.height, picture.pixels), (1, 2, vec![1.0, 0.2]));
         let colour = image::RgbImage::from_raw(1, 1, vec![0, 255, 0]).unwrap();
-        let read = slide(&png(colour.into()), &path, &at).unwrap();
+        let read = slide(&png(colour.into()), None, &path, &at).unwrap();
         assert!((read.pixels[0] - 0.715_168_7).abs() < 1e-6);
         assert_eq!(read.rgb, Some(vec![[0.0, 1.0, 0.0]]));
         let grey = image::RgbImage::from_raw(1, 1, vec![7, 7, 7]).unwrap();
-        assert_eq!(slide(&png(grey.into()), &path, &at).unwrap().rgb, None);
+        assert_eq!(slide(&png(grey.into()), None, &path, &at).unwrap().rgb, None);
         let alpha = image::RgbaImage::from_raw(1, 1, vec![0, 255, 0, 7]).unwrap();
         assert_eq!(
-            slide(&png(alpha.into()), &path, &at).unwrap_err().to_string(),
+            slide(&png(alpha.into()), None, &path, &at).unwrap_err().to_string(),
             "can't read the picture picture: it has an alpha channel; expected a grey PNG of 8 or 16 bits"
         );
-        assert!(slide(b"not a picture", &path, &at).is_err());
+        assert!(slide(b"not a picture", None, &path, &at).is_err());
     }
 
     #[test]
@@ -187,22 +211,24 @@ mod tests {
         let rgb = SpecificChannels::rgb(|Vec2(x, y)| (x as f32, 1.0, y as f32));
         Image::from_channels((4, 2), rgb).write().to_buffered(&mut bytes).unwrap();
         let bytes = bytes.into_inner();
-        let picture = panorama(&bytes, &path, &at).unwrap();
+        let picture = panorama(&bytes, None, &path, &at).unwrap();
         assert_eq!((picture.width, picture.height), (4, 2));
         assert!((picture.pixels[7] - (3.0 * 0.212_639 + 0.715_168_7 + 0.072_192_3)).abs() < 1e-6);
         assert_eq!(picture.rgb.map(|rgb| rgb[7]), Some([3.0, 1.0, 1.0]));
         for length in 0..bytes.len() {
-            assert!(panorama(&bytes[..length], &path, &at).is_err(), "cut after {length}");
+            assert!(panorama(&bytes[..length], None, &path, &at).is_err(), "cut after {length}");
         }
         let mut negative = Cursor::new(Vec::new());
         let grey = SpecificChannels::build().with_channel("Y").with_pixel_fn(|Vec2(x, _)| (-(x as f32),));
         Image::from_channels((2, 1), grey).write().to_buffered(&mut negative).unwrap();
+        let mut clamped = panorama(&negative.into_inner(), None, &path, &at).unwrap();
+        assert_eq!(clamped.pixels, [0.0, 0.0]);
         assert_eq!(
-            panorama(&negative.into_inner(), &path, &at).unwrap_err().to_string(),
-            "can't read the picture picture: pixel (1, 0) is -1; expected finite values >= 0"
+            clamped.notes("p.exr", &at).into_iter().map(|note| note.text).collect::<Vec<_>>(),
+            ["the picture p.exr has a luminance below 0 in 1 of its 2 pixels, -1e0 at the lowest: taken as 0"]
         );
         assert_eq!(
-            panorama(b"P6", &path, &at).unwrap_err().to_string(),
+            panorama(b"P6", None, &path, &at).unwrap_err().to_string(),
             "can't read the picture picture: it is neither OpenEXR nor Radiance HDR; expected a .exr or .hdr file"
         );
     }

@@ -22,13 +22,15 @@ impl Builder<'_> {
         let value = self.sheet.slides.follow(value)?;
         let spec = optics::slide(value, &mut self.notes)?;
         let file = files::resolve(&spec.image, &spec.image_at);
-        let (width, height, pixels, rgb) = match self.pictures.get(&file) {
+        let key = (file.clone(), spec.layer.clone());
+        let (width, height, pixels, rgb) = match self.pictures.get(&key) {
             Some(known) => known.clone(),
             None => {
                 let bytes = files::read(&file, &spec.image_at, "slide image")
                     .map_err(|fault| fault.code(Code::SlideImageMissing))?;
-                let read = picture::slide(&bytes, &file, &spec.image_at)
+                let mut read = picture::slide(&bytes, spec.layer.as_deref(), &file, &spec.image_at)
                     .map_err(|fault| fault.code(Code::SlideImageMissing))?;
+                self.notes.extend(read.notes(&spec.image, &spec.image_at));
                 if read.rgb.is_some() && !self.coloured() {
                     let text = format!(
                         "the slide image {} has colours; at one wavelength their luminance counts: \
@@ -39,7 +41,7 @@ impl Builder<'_> {
                 }
                 let rgb = read.rgb.filter(|_| self.coloured()).map(Arc::new);
                 let known = (read.width, read.height, Arc::new(read.pixels), rgb);
-                self.pictures.insert(file.clone(), known.clone());
+                self.pictures.insert(key, known.clone());
                 self.files.push(file);
                 known
             }
@@ -100,7 +102,8 @@ impl Builder<'_> {
         let spec = optics::sky(value, &mut self.notes)?;
         let file = files::resolve(&spec.image, &spec.image_at);
         let bytes = files::read(&file, &spec.image_at, "sky image")?;
-        let mut read = picture::panorama(&bytes, &file, &spec.image_at)?;
+        let mut read = picture::panorama(&bytes, spec.layer.as_deref(), &file, &spec.image_at)?;
+        self.notes.extend(read.notes(&spec.image, &spec.image_at));
         self.files.push(file);
         let rgb = self.scaled(&mut read, [spec.scale_cd_m2; 3], &spec.image_at);
         if !finite(&read.pixels, rgb.as_deref()) {

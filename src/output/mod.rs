@@ -7,6 +7,7 @@ pub mod contact_sheet;
 pub mod exr;
 pub mod false_colour;
 pub mod field;
+pub mod fit;
 pub mod geometry;
 pub mod glare;
 pub mod job;

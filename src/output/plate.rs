@@ -1,44 +1,43 @@
 //! An artist's plate behind the optics: its luminance times the frame's `seethrough`.
 
+use super::fit::Fit;
 use super::luminance::Luminance;
 use super::mix::set_layer;
-use super::shares::{PLATE, check_data};
+use super::shares::PLATE;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::Frame;
+use crate::film::still::{Light, Still};
 
 /// Adds the layer `plate` to a frame and its light to `hybrid` and the default image; a plate that is there already is
-/// replaced. Plate and frame may be in different colour spaces; the plate's values are cd/m² (or what its
-/// `whiteLuminance` says).
+/// replaced. The plate's values are cd/m², or `white_cd_m2` for 1.
 ///
-/// Returns a warning where the frame's own background fills all that the plate is seen through.
+/// Returns the light group that fills all that the plate is seen through as well, if one does.
 ///
-/// Errors: another size, a plate without colours or with values that are not finite, a frame without `seethrough`.
-pub fn place(frame: &Frame, plate: &Frame) -> Result<(Frame, Option<String>)> {
+/// Errors: another size, a frame without `seethrough`.
+pub fn place(frame: &Frame, plate: &Still, white_cd_m2: f64) -> Result<(Frame, Option<String>)> {
     if (plate.width, plate.height) != (frame.width, frame.height) {
         let [wide, high] = [plate.width, plate.height];
-        return Err(Fault::new(Where::Nowhere, format!("the plate has {wide} × {high} pixels"))
-            .expected(format!("{} × {}, as the frame has", frame.width, frame.height)));
+        return Err(Fault::new(Where::Nowhere, format!("the plate has {wide} × {high} pixels")).expected(format!(
+            "{} × {}, as the frame has, or --fit with one of {}",
+            frame.width,
+            frame.height,
+            Fit::ALL.map(Fit::name).join(", ")
+        )));
     }
-    check_data(plate)?;
-    let colours =
-        plate.rgb("").ok_or_else(|| Fault::new(Where::Nowhere, "the plate has no channels R, G and B (or Y)"))?;
     let Some(through) = frame.rgb("seethrough") else {
         return Err(Fault::new(Where::Nowhere, "the frame has no layer `seethrough`, which a plate is seen through")
             .expected("a frame rendered without --layers, or with seethrough among them"));
     };
-    let (from, to) = (Luminance::in_frame(plate), Luminance::in_frame(frame));
-    let scale = from.white_cd_m2 / to.white_cd_m2;
+    let to = Luminance::in_frame(frame);
+    let scale = white_cd_m2 / to.white_cd_m2;
     let mut behind: [Vec<f32>; 3] = std::array::from_fn(|_| Vec::with_capacity(through[0].len()));
     for pixel in 0..through[0].len() {
         let at = |data: &[f32]| data.get(pixel).map_or(0.0, |value| f64::from(*value));
-        let colour = colours.map(at);
-        // A luminance alone is a grey of this luminance.
-        let grey = std::ptr::eq(colours[0], colours[1]);
-        let colour = if from.space == to.space && !grey {
-            colour
-        } else {
-            to.space.from_rec709(if grey { colour } else { from.space.to_rec709(colour) })
-        };
+        let colour = to.space.from_rec709(match &plate.light {
+            // A luminance alone is a grey of this luminance.
+            Light::Grey(values) => [at(values); 3],
+            Light::Rgb(values) => values.get(pixel).map_or([0.0; 3], |rgb| rgb.map(f64::from)),
+        });
         for ((behind, colour), through) in behind.iter_mut().zip(colour).zip(through) {
             behind.push((scale * colour * at(through)) as f32);
         }
@@ -72,6 +71,5 @@ fn doubled(frame: &Frame, through: &[f32]) -> Option<String> {
         let lit = picture.map(|[_, g, _]| g.iter().zip(through).filter(|(g, t)| **t > 0.0 && **g > 0.0).count());
         open > 0 && lit.is_some_and(|lit| lit as f64 > 0.95 * open as f64)
     };
-    let group = groups.iter().find(fills)?;
-    Some(format!("light of `{group}` still shines behind the plate; --gain {group}=0 removes it"))
+    groups.iter().find(fills).cloned()
 }

@@ -6,6 +6,7 @@ mod cmf;
 mod grid;
 mod illuminants;
 mod matrices;
+mod spaces; // that files of others name
 mod uplift;
 mod wavelengths;
 
@@ -16,6 +17,7 @@ pub use matrices::{
     ACESCG_TO_REC709, ACESCG_TO_XYZ, AP1_TO_XYZ, BRADFORD_D65_TO_ACES, Matrix, REC709_TO_ACESCG, REC709_TO_XYZ,
     XYZ_TO_ACESCG, XYZ_TO_AP1, XYZ_TO_REC709, apply,
 };
+pub use spaces::{AP1, Chromaticities, FileSpace, REC709, XYZ_D65};
 pub use uplift::{basis, uplift_emission, uplift_reflectance};
 pub use wavelengths::{Lane, density, hero, lanes};
 
@@ -58,6 +60,14 @@ impl ColourSpace {
             ColourSpace::Rec709 => "lin_rec709_scene",
             ColourSpace::AcesCg => "lin_ap1_scene",
             ColourSpace::Xyz => "lin_ciexyzd65_scene",
+        }
+    }
+    /// Its primaries and white: the attribute `chromaticities` of an EXR file.
+    pub fn chromaticities(self) -> &'static Chromaticities {
+        match self {
+            ColourSpace::Rec709 => &REC709,
+            ColourSpace::AcesCg => &AP1,
+            ColourSpace::Xyz => &XYZ_D65,
         }
     }
     /// The space of a file's `colorInteropID`; everything unnamed or unknown is Rec.709.

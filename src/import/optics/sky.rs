@@ -13,6 +13,8 @@ use crate::scene::attribute::Noun;
 pub struct SkySpec {
     pub image: String,
     pub image_at: Where,
+    /// Of an EXR file.
+    pub layer: Option<String>,
     pub scale_cd_m2: f64,
     pub rotation_deg: f64,
     pub group: String,
@@ -26,6 +28,7 @@ pub fn sky(value: &Value, notes: &mut Vec<Note>) -> Result<SkySpec> {
     Ok(SkySpec {
         image: fields.need_text("image")?.to_owned(),
         image_at: fields.value("image").map_or_else(|| value.at.clone(), |value| value.at.clone()),
+        layer: fields.text("layer")?.map(str::to_owned),
         scale_cd_m2: fields.number_or("scale_cd_m2", 1.0, notes)?,
         rotation_deg: fields.number_or("rotation_deg", 0.0, notes)?,
         group: group_name(group, fields.value("group").map_or(&value.at, |value| &value.at))?,

@@ -14,6 +14,8 @@ pub struct SlideSpec {
     /// The file as it is written, and where.
     pub image: String,
     pub image_at: Where,
+    /// Of an EXR file.
+    pub layer: Option<String>,
     pub at: Where,
     pub size: [f64; 2],
     pub u: DVec3,
@@ -37,6 +39,7 @@ pub fn slide(value: &Value, notes: &mut Vec<Note>) -> Result<SlideSpec> {
     Ok(SlideSpec {
         image: fields.need_text("image")?.to_owned(),
         image_at: fields.value("image").map_or_else(|| value.at.clone(), |value| value.at.clone()),
+        layer: fields.text("layer")?.map(str::to_owned),
         at: value.at.clone(),
         size: fields.need_numbers("size")?,
         u,

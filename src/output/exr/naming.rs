@@ -1,15 +1,13 @@
 //! How a frame's layers are called in a file, and which parts of it they are in. In a frame they have their own names:
 //! a prefix is put before them on the way out and taken away on the way in, so that nobody else meets one.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 
 use super::super::compare::is_data;
 use crate::base::fault::{Fault, Result, Where};
+use crate::film::exr::{LAYER_PREFIX, is_matte_name, is_word};
 use crate::film::frame::{Frame, Meta, split_name};
-use crate::film::matte;
 
-/// Metadata: what stands before the name of every layer in the file but the default image.
-pub const LAYER_PREFIX: &str = "layerPrefix";
 /// Metadata: 1 where every layer has a part of its own.
 pub const MULTI_PART: &str = "multiPart";
 /// The part of the default image.
@@ -21,11 +19,6 @@ pub fn parse_prefix(text: &str) -> Result<String, String> {
         return Ok(text.to_owned());
     }
     Err(format!("`{text}` cannot begin a layer's name; write a letter and then letters, digits or `_`, e.g. eb_"))
-}
-
-/// Whether Nuke and Blender take it for a layer's name.
-pub fn is_word(text: &str) -> bool {
-    text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
 /// A channel as it is stored.
@@ -90,29 +83,5 @@ pub fn stored_meta(frame: &Frame, key: &str, value: &Meta) -> Meta {
     match (frame.text(LAYER_PREFIX), value) {
         (Some(prefix), Meta::Text(name)) if is_matte_name(key) => Meta::Text(format!("{prefix}{name}")),
         (_, value) => value.clone(),
-    }
-}
-
-fn is_matte_name(key: &str) -> bool {
-    key.starts_with(matte::KEYS) && key.ends_with("/name")
-}
-
-/// Takes the prefix that the header names from the names of layers that begin with it. A name that would come twice
-/// keeps it.
-pub fn without_prefix(frame: &mut Frame) {
-    let Some(prefix) = frame.text(LAYER_PREFIX).filter(|prefix| is_word(prefix)).map(str::to_owned) else { return };
-    let mut names: HashSet<String> = frame.channels.iter().map(|channel| channel.name.clone()).collect();
-    for channel in frame.channels.iter_mut().filter(|channel| channel.name.contains('.')) {
-        let Some(own) = channel.name.strip_prefix(&prefix) else { continue };
-        if is_word(split_name(own).0) && names.insert(own.to_owned()) {
-            channel.name = own.to_owned();
-        }
-    }
-    for (_, value) in frame.meta.iter_mut().filter(|(key, _)| is_matte_name(key)) {
-        if let Meta::Text(name) = value
-            && let Some(own) = name.strip_prefix(&prefix)
-        {
-            *name = own.to_owned();
-        }
     }
 }

@@ -3,8 +3,8 @@ use std::path::Path;
 
 use ::exr::prelude::*;
 
-use super::read::decode;
 use super::{read_exr, warnings, write_exr};
+use crate::film::exr::decode;
 use crate::film::frame::{Frame, Meta};
 
 /// A generator of test values; any will do (constants of Knuth's MMIX).
@@ -137,7 +137,7 @@ fn a_hostile_prefix_loses_nothing() {
     let plain = bytes_of(&frame);
     let mut back = decode(&plain).unwrap();
     back.meta.insert("layerPrefix".to_owned(), Meta::Text("a_".into()));
-    super::naming::without_prefix(&mut back);
+    crate::film::exr::without_prefix(&mut back);
     assert_eq!(back.layer_names(), ["", "R", "a_", "a_1", "a_R"]);
 }
 

@@ -8,16 +8,20 @@ use std::path::Path;
 use ::exr::block::UncompressedBlock;
 use ::exr::block::writer::ChunksWriter;
 use ::exr::meta::BlockDescription;
-use ::exr::meta::attribute::{AttributeValue, ChannelDescription, IntegerBounds, LineOrder, SampleType, Text};
+use ::exr::meta::attribute::{
+    AttributeValue, ChannelDescription, Chromaticities, IntegerBounds, LineOrder, SampleType, Text,
+};
 use ::exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use ::exr::prelude::{Compression, Vec2};
 
-use super::naming::{self, Part, Stored, is_word};
-use super::{COLOR_INTEROP_ID, DATA, DEFAULT_COLOR, PREFIX, WHITE_LUMINANCE, header};
+use super::naming::{self, Part, Stored};
+use super::{COLOR_INTEROP_ID, DATA, DEFAULT_COLOR, LAYER_PREFIX, PREFIX, WHITE_LUMINANCE, header};
 use crate::base::atomic::write_atomic_by;
+use crate::base::colour::ColourSpace;
 use crate::base::fault::{Fault, Result, Where};
-use crate::film::frame::{Frame, Meta};
-use crate::film::matte;
+use crate::film::exr::is_word;
+use crate::film::frame::{Frame, Meta, split_name};
+use crate::film::{matte, names};
 
 /// Nuke stops at 1023 channels and slows down long before (`design/layers.md`).
 const MANY_CHANNELS: usize = 500;
@@ -120,13 +124,22 @@ fn check_channels(frame: &Frame, parts: &[Part], at: &dyn Fn() -> Where) -> Resu
             return Err(Fault::new(at(), format!("channel `{name}` has {} values", data.len()))
                 .expected(format!("{} × {} = {pixels}", frame.width, frame.height)));
         }
-        if let Some((index, value)) = data.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+        // An error that the passes do not tell is NaN.
+        let unknown = names::is_error(own_layer(frame, name));
+        let bad = |(_, value): &(usize, &f32)| !(value.is_finite() || unknown && value.is_nan());
+        if let Some((index, value)) = data.iter().enumerate().find(bad) {
             let (x, y) = (index % frame.width, index / frame.width);
             return Err(Fault::new(at(), format!("channel `{name}` is {value} at pixel ({x}, {y})"))
                 .expected("a finite value (0 where a ray hits nothing)"));
         }
     }
     Ok(())
+}
+
+/// The layer of a stored channel, without the prefix of the file.
+fn own_layer<'n>(frame: &Frame, name: &'n str) -> &'n str {
+    let layer = split_name(name).0;
+    layer.strip_prefix(frame.text(LAYER_PREFIX).unwrap_or_default()).unwrap_or(layer)
 }
 
 /// Nuke and Blender split names at different dots, so there is at most one; what stands before it must be a name that
@@ -202,8 +215,12 @@ fn encode(
             other,
             ..LayerAttributes::default()
         };
+        let space = ColourSpace::from_interop_id(frame.text(COLOR_INTEROP_ID));
+        let [red, green, blue, white] = space.chromaticities().map(|[x, y]| Vec2(x as f32, y as f32));
+        let mut shared = ImageAttributes::new(IntegerBounds::from_dimensions(size));
+        shared.chromaticities = Some(Chromaticities { red, green, blue, white });
         Header {
-            shared_attributes: ImageAttributes::new(IntegerBounds::from_dimensions(size)),
+            shared_attributes: shared,
             own_attributes: own,
             ..Header::new(text(""), size, part.channels.iter().map(describe).collect())
         }

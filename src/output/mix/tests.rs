@@ -1,5 +1,6 @@
 use super::*;
 use crate::film::frame::Meta;
+use crate::film::still::{Light, Still};
 use crate::output::join::join;
 use crate::output::plate::place;
 
@@ -137,40 +138,50 @@ fn errors_that_are_not_known_are_bounded_or_left_out() {
     assert_eq!(mixed(&frame, &gains(&[("led", 2.0), ("sky", 2.0)])).errors, Errors::Exact);
 }
 
+fn still(width: usize, light: Light) -> Still {
+    Still { width, height: 1, light, white_cd_m2: None, remarks: Vec::new() }
+}
+
 #[test]
 fn a_plate_is_dimmed_by_what_it_is_seen_through() {
-    let mut plate = Frame::new(2, 1);
-    ["R", "G", "B"].iter().zip([1.0, 2.0, 4.0]).for_each(|(c, v)| plate.push(*c, vec![v * 8.0, v * 16.0]));
-    let (placed, warning) = place(&frame(), &plate).unwrap();
-    assert!(warning.unwrap().contains("--gain sky=0"));
+    let plate = still(2, Light::Rgb(vec![[8.0, 16.0, 32.0], [16.0, 32.0, 64.0]]));
+    let (placed, group) = place(&frame(), &plate, 1.0).unwrap();
+    assert_eq!(group.as_deref(), Some("sky"));
     assert_eq!(placed.rgb("plate").unwrap().map(<[f32]>::to_vec), [[4.0, 4.0], [8.0, 8.0], [16.0, 16.0]]);
     assert_eq!(placed.rgb("").unwrap()[2], [71.0 + 16.0, 25.0 + 16.0]);
     // It is a group of its own, and a new plate takes the place of the old one.
     let got = mixed(&placed, &gains(&[("plate", 0.25), ("sky", 0.0)])).frame;
     assert_eq!(got.rgb("").unwrap()[2], [61.0 + 4.0, 5.0 + 4.0]);
-    assert_eq!(place(&placed, &plate).unwrap().0, placed);
-    // In another space, and as a luminance: the same plate.
-    let mut xyz = plate.clone();
-    let space = crate::base::colour::ColourSpace::Xyz;
-    for pixel in 0..2 {
-        let colour = space.from_rec709([0, 1, 2].map(|c| f64::from(plate.channels[c].data[pixel])));
-        (0..3).for_each(|c| xyz.channels[c].data[pixel] = colour[c] as f32);
-    }
-    xyz.meta.insert("colorInteropID".into(), Meta::Text(space.interop_id().into()));
-    let from_xyz = place(&frame(), &xyz).unwrap().0;
-    assert!((from_xyz.rgb("plate").unwrap()[2][1] - 16.0).abs() < 1e-4);
-    let mut grey = Frame::new(2, 1);
-    grey.push("Y", vec![8.0, 16.0]);
-    assert_eq!(red(&place(&frame(), &grey).unwrap().0, "plate"), [4.0, 4.0]);
+    assert_eq!(place(&placed, &plate, 1.0).unwrap().0, placed);
+    // As a luminance, and with a white of its own.
+    let grey = still(2, Light::Grey(vec![8.0, 16.0]));
+    assert_eq!(red(&place(&frame(), &grey, 1.0).unwrap().0, "plate"), [4.0, 4.0]);
+    assert_eq!(red(&place(&frame(), &grey, 80.0).unwrap().0, "plate"), [320.0, 320.0]);
 
-    let fault = |frame: &Frame, plate: &Frame| place(frame, plate).unwrap_err().to_string();
-    assert_eq!(fault(&frame(), &Frame::new(3, 1)), "the plate has 3 × 1 pixels; expected 2 × 1, as the frame has");
-    plate.channels[1].data[1] = f32::NAN;
-    assert!(fault(&frame(), &plate).contains("channel `G` is NaN at pixel (1, 0)"));
-    assert!(fault(&frame(), &Frame::new(2, 1)).contains("no channels R, G and B"));
+    let fault = |frame: &Frame, plate: &Still| place(frame, plate, 1.0).unwrap_err().to_string();
+    assert_eq!(
+        fault(&frame(), &still(3, Light::Grey(vec![1.0; 3]))),
+        "the plate has 3 × 1 pixels; expected 2 × 1, as the frame has, or --fit with one of contain, cover, stretch, centre"
+    );
     let mut bare = frame();
     bare.channels.retain(|channel| channel.layer() != "seethrough");
     assert!(fault(&bare, &grey).contains("no layer `seethrough`"));
+}
+
+/// One pass of rays from the eye tells no error, so no mixture has one either.
+#[test]
+fn unknown_errors_stay_unknown() {
+    let mut frame = with_errors();
+    let unknown = |channel: &&mut crate::film::frame::Channel| crate::film::names::is_error(channel.layer());
+    frame.channels.iter_mut().filter(unknown).for_each(|channel| channel.data = vec![f32::NAN; 2].into());
+    let rendering = Rendering::of(&frame).expect("an unknown error is no damage");
+    for recipe in [gains(&[("led", 2.0)]), Recipe { contrast: Some(2.0), ..Recipe::default() }] {
+        let Mixed { frame, errors, .. } = mix(&rendering, &recipe).unwrap();
+        assert_eq!(errors, Errors::Untold);
+        for layer in ["stderr", "forward_led_stderr", "forward_stderr"] {
+            assert!(red(&frame, layer).iter().all(|sigma| sigma.is_nan()), "{layer}");
+        }
+    }
 }
 
 #[test]

@@ -42,7 +42,8 @@ pub const EMITTER: [&str; 11] = [
     "polarisation",
 ];
 /// The attributes of a slide's table.
-pub const SLIDE: [&str; 9] = ["name", "image", "size", "u", "v", "centre", "transmittance", "contrast", "polarisation"];
+pub const SLIDE: [&str; 10] =
+    ["name", "image", "layer", "size", "u", "v", "centre", "transmittance", "contrast", "polarisation"];
 /// A film of a coating.
 pub const FILM: [&str; 4] = ["n", "k", "material", "thickness_nm"];
 /// A line of a measured coating.
@@ -137,7 +138,8 @@ pub const ROWS: &[Row] = &[
     // A thin transmissive picture on a face.
     new(Slide, "slide", Thing(&SLIDE), "", Any, "{ image, size, u, v, centre, transmittance, contrast }"),
     new(Slide, "name", Text, "", Any, "name of a slide of the asset"),
-    new(Slide, "image", File, "", Any, "picture with linear values, PNG of 8 or 16 bits"),
+    new(Slide, "image", File, "", Any, "picture with linear values, PNG of 8 or 16 bits or EXR"),
+    new(Slide, "layer", Text, "", Any, "layer of an EXR file that has several").or("the default image"),
     new(Slide, "size", Numbers(2), "mesh units", Positive, "width and height of the picture"),
     new(Slide, "u", Numbers(3), "", Any, "direction to the right in the picture, along the face"),
     new(Slide, "v", Numbers(3), "", Any, "direction up in the picture, along the face"),
@@ -149,6 +151,7 @@ pub const ROWS: &[Row] = &[
     new(Slide, "degree", Number, "", Within(0.0, 1.0), "degree of polarisation"),
     // Light from everywhere.
     new(Sky, "image", File, "", Any, "latitude-longitude panorama, EXR or HDR"),
+    new(Sky, "layer", Text, "", Any, "layer of an EXR file that has several").or("the default image"),
     new(Sky, "scale_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "luminance of a pixel of value 1").or("1"),
     new(Sky, "rotation_deg", Number, "deg", Any, "about the frame's +y").or("0"),
     new(Sky, "group", Text, "", Any, "light group").or("sky"),

@@ -14,11 +14,19 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::{Vec2, f16};
 use rayon::prelude::*;
 
-use super::{COLOR_INTEROP_ID, PREFIX, WHITE_LUMINANCE, naming};
+use super::frame::{Channel, Frame, Meta, split_name};
+use super::matte;
+use crate::base::colour::Chromaticities;
 use crate::base::fault::{Fault, Result, Where};
-use crate::film::frame::{Channel, Frame, Meta};
-use crate::film::matte;
 
+/// The attribute that names the colour space of the pictures.
+pub const COLOR_INTEROP_ID: &str = "colorInteropID";
+/// cd/m² of the value (1, 1, 1).
+pub const WHITE_LUMINANCE: &str = "whiteLuminance";
+/// Every other metadata entry `key` is the attribute `eyebox.key`, less those of Cryptomatte.
+pub const PREFIX: &str = "eyebox.";
+/// Metadata: what stands before the name of every layer in the file but the default image.
+pub const LAYER_PREFIX: &str = "layerPrefix";
 /// No file is refused below this many decoded bytes, however short it is.
 const ALWAYS_ALLOWED: usize = 1 << 28;
 /// Deflate cannot expand more than 1032-fold (zlib, "Technical Details"); a header that claims more is not believed.
@@ -46,21 +54,56 @@ pub fn read_exr(path: &Path) -> Result<Frame> {
     decode(&bytes).map_err(|what| Fault::new(at(), what).expected("a complete flat EXR file"))
 }
 
+/// Whether these bytes begin an OpenEXR file.
+pub fn is_exr(bytes: &[u8]) -> bool {
+    bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01])
+}
+
+/// What a file says of its picture as a whole.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct About {
+    /// Left, top, width and height of the display window, in pixels from the top left of the data window, which is the frame.
+    pub display: [i64; 4],
+    pub chromaticities: Option<Chromaticities>,
+}
+
 /// The frame in these bytes, or what is wrong with them.
-pub(super) fn decode(bytes: &[u8]) -> Result<Frame, String> {
+pub fn decode(bytes: &[u8]) -> Result<Frame, String> {
+    decode_all(bytes).map(|(frame, _)| frame)
+}
+
+/// The same with what the file says of it.
+pub fn decode_all(bytes: &[u8]) -> Result<(Frame, About), String> {
     // The decoder checks what it reads, but its own assertions are not ours to rely on: a file must not end the program.
     catch_unwind(AssertUnwindSafe(|| decode_trusting(bytes)))
         .unwrap_or_else(|_| Err("the EXR decoder stumbled over damaged contents".into()))
+}
+
+fn about(header: &Header) -> About {
+    let shared = &header.shared_attributes;
+    let (window, data) = (shared.display_window, header.own_attributes.layer_position);
+    let from = |display: i32, data: i32| i64::from(display) - i64::from(data);
+    let display = [
+        from(window.position.0, data.0),
+        from(window.position.1, data.1),
+        i64::try_from(window.size.0).unwrap_or(i64::MAX),
+        i64::try_from(window.size.1).unwrap_or(i64::MAX),
+    ];
+    let chromaticities = shared
+        .chromaticities
+        .map(|all| [all.red, all.green, all.blue, all.white].map(|Vec2(x, y)| [f64::from(x), f64::from(y)]));
+    About { display, chromaticities }
 }
 
 fn said(error: ::exr::error::Error) -> String {
     format!("cannot be read as EXR: {error}")
 }
 
-fn decode_trusting(bytes: &[u8]) -> Result<Frame, String> {
+fn decode_trusting(bytes: &[u8]) -> Result<(Frame, About), String> {
     let reader = ::exr::block::read(Cursor::new(bytes), false).map_err(said)?;
     let size = check_sizes(reader.headers(), bytes.len())?;
     let mut frame = Frame::new(size.0, size.1);
+    let about = reader.headers().first().map(about).unwrap_or_default();
     frame.meta = reader.headers().first().into_iter().flat_map(metadata).collect();
     let pixels = size.area();
     // The frame's channels are the parts' channels one after the other.
@@ -104,8 +147,8 @@ fn decode_trusting(bytes: &[u8]) -> Result<Frame, String> {
     if covered.iter().any(|covered| *covered != pixels) {
         return Err("a part of the picture is missing".into());
     }
-    naming::without_prefix(&mut frame);
-    Ok(frame)
+    without_prefix(&mut frame);
+    Ok((frame, about))
 }
 
 /// The common size of all parts, if the file can hold as much as its headers claim.
@@ -207,4 +250,34 @@ fn meta(value: &AttributeValue) -> Option<Meta> {
 
 fn string(text: &Text) -> String {
     String::from_utf8_lossy(text.as_slice()).into_owned()
+}
+
+/// Whether Nuke and Blender take it for a layer's name.
+pub fn is_word(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+/// Whether a header's entry is a matte's name.
+pub fn is_matte_name(key: &str) -> bool {
+    key.starts_with(matte::KEYS) && key.ends_with("/name")
+}
+
+/// Takes the prefix that the header names from the names of layers that begin with it. A name that would come twice
+/// keeps it.
+pub fn without_prefix(frame: &mut Frame) {
+    let Some(prefix) = frame.text(LAYER_PREFIX).filter(|prefix| is_word(prefix)).map(str::to_owned) else { return };
+    let mut names: HashSet<String> = frame.channels.iter().map(|channel| channel.name.clone()).collect();
+    for channel in frame.channels.iter_mut().filter(|channel| channel.name.contains('.')) {
+        let Some(own) = channel.name.strip_prefix(&prefix) else { continue };
+        if is_word(split_name(own).0) && names.insert(own.to_owned()) {
+            channel.name = own.to_owned();
+        }
+    }
+    for (_, value) in frame.meta.iter_mut().filter(|(key, _)| is_matte_name(key)) {
+        if let Meta::Text(name) = value
+            && let Some(own) = name.strip_prefix(&prefix)
+        {
+            *name = own.to_owned();
+        }
+    }
 }
