@@ -1,6 +1,7 @@
 //! The good asset has no finding; each planted fault sets off its rule and no other. A rule without a row here fails.
 
 use super::bench::{Bench, IES};
+use eyebox::base::Code;
 use eyebox::check::finding::Level;
 use eyebox::validate::{findings, rules};
 use serde_json::json;
@@ -189,6 +190,8 @@ fn every_rule_is_planted() {
     let names: BTreeSet<&str> = rules::all().map(|rule| rule.name).collect();
     assert_eq!(names.len(), codes.len(), "names are unique");
     assert!(planted.iter().all(|code| rules::find(code).is_some()));
+    let lost: Vec<_> = Code::ALL.iter().filter(|code| rules::find(code.rule()).is_none()).collect();
+    assert!(lost.is_empty(), "no rule has {lost:?}");
 }
 
 /// Faults are found side by side, not one a run.
