@@ -212,6 +212,25 @@ fn several_faults_at_once() {
     );
 }
 
+/// Names of the author's that sound like messages of other rules.
+#[test]
+fn words_of_a_message_decide_nothing() {
+    for words in [
+        "there is no eye",
+        "no optical attributes bind",
+        "is bound twice with the same precedence",
+        "the asset requires an extension that is not known here",
+        "`spectrum`",
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut bench = Bench::new();
+        bench.append(&format!("\n[[bind]]\npath = \"{words}\"\nfinish = \"absorber\"\n"));
+        let found = found(&bench.write(folder.path()));
+        let codes: Vec<&str> = found.iter().map(|(code, _)| *code).collect();
+        assert_eq!(codes, ["EB0602"], "{found:#?}");
+    }
+}
+
 /// A wrong normal on a face that has an exact shape changes no ray.
 #[test]
 fn normals_of_exact_faces_are_a_note() {
