@@ -2,6 +2,7 @@
 
 mod validate {
     mod bench;
+    mod defaults;
     mod mutations;
     mod reports;
 }

@@ -1,170 +1,86 @@
 //! What a fault or a note is about, as data: rules, healing and reports decide by it, never by the words of a message.
 
-/// One thing that can be wrong. It is set where the fault or the note arises; those without one are told apart only by
-/// how far reading had come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Code {
+/// The codes, each with the rule of `validate` whose finding it is.
+macro_rules! codes {
+    ($($(#[$doc:meta])* $name:ident => $rule:literal,)*) => {
+        /// One thing that can be wrong. It is set where the fault or the note arises; those without one are told apart
+        /// only by how far reading had come.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Code {
+            $($(#[$doc])* $name,)*
+        }
+
+        impl Code {
+            pub const ALL: &'static [Code] = &[$(Code::$name),*];
+
+            /// The rule whose finding it is.
+            pub fn rule(self) -> &'static str {
+                match self {
+                    $(Code::$name => $rule,)*
+                }
+            }
+        }
+    };
+}
+
+codes! {
     /// Of the asset's own file, where no more is known.
-    AssetUnreadable,
-    SidecarUnreadable,
-    RequiredExtensionUnknown,
-    ExtensionUnused,
+    AssetUnreadable => "EB0001",
+    SidecarUnreadable => "EB0002",
+    RequiredExtensionUnknown => "EB0003",
+    ExtensionUnused => "EB0004",
     /// Of a warning of the importer, where no more is known.
-    LeftOut,
-    FileMissing,
-    DataNotFinite,
-    ScaleSuspicious,
-    ShapeOffMesh,
-    NormalsContradict,
-    UnevenScale,
-    PartFlattened,
-    NormalsInsideOut,
-    NothingToTrace,
-    UnitUnsaid,
-    IndexMissing,
-    IndexImpossible,
-    IndexExtrapolated,
-    CoatingGainsEnergy,
-    CoatingNotPolished,
-    ScatterGainsEnergy,
-    NamedUnused,
-    NameUnknown,
-    TableTooShort,
-    TransmissionPartial,
-    StrengthMissing,
-    StrengthTwice,
-    ProfileMissing,
-    ProfileMalformed,
-    ProfileBehindFace,
-    LuminanceImplausible,
-    EmitterWithoutArea,
-    GroupUnusable,
-    SpectrumUnusable,
-    SlideWithoutSize,
-    SlideImageMissing,
-    EyeMissing,
-    EyeInSolid,
-    EyeImpossible,
-    PartUnbound,
-    SelectsNothing,
-    AttributeUnknown,
+    LeftOut => "EB0005",
+    FileMissing => "EB0007",
+    DataNotFinite => "EB0008",
+    ScaleSuspicious => "EB0101",
+    ShapeOffMesh => "EB0107",
+    NormalsContradict => "EB0108",
+    UnevenScale => "EB0111",
+    PartFlattened => "EB0112",
+    NormalsInsideOut => "EB0113",
+    NothingToTrace => "EB0114",
+    UnitUnsaid => "EB0115",
+    IndexMissing => "EB0201",
+    IndexImpossible => "EB0202",
+    IndexExtrapolated => "EB0203",
+    CoatingGainsEnergy => "EB0204",
+    CoatingNotPolished => "EB0205",
+    ScatterGainsEnergy => "EB0206",
+    NamedUnused => "EB0207",
+    NameUnknown => "EB0209",
+    TableTooShort => "EB0210",
+    TransmissionPartial => "EB0211",
+    StrengthMissing => "EB0301",
+    StrengthTwice => "EB0302",
+    ProfileMissing => "EB0304",
+    ProfileMalformed => "EB0305",
+    ProfileBehindFace => "EB0306",
+    LuminanceImplausible => "EB0308",
+    EmitterWithoutArea => "EB0309",
+    GroupUnusable => "EB0310",
+    SpectrumUnusable => "EB0311",
+    SlideWithoutSize => "EB0401",
+    SlideImageMissing => "EB0402",
+    EyeMissing => "EB0501",
+    EyeInSolid => "EB0502",
+    EyeImpossible => "EB0503",
+    PartUnbound => "EB0601",
+    SelectsNothing => "EB0602",
+    AttributeUnknown => "EB0603",
     /// By two places of the same right.
-    BoundTwice,
+    BoundTwice => "EB0604",
     /// By one place.
-    SaidTwice,
-    NameAmbiguous,
-    AttributesOnNothing,
+    SaidTwice => "EB0604",
+    NameAmbiguous => "EB0605",
+    AttributesOnNothing => "EB0606",
     /// Of attributes and what they name, where no more is known.
-    ValueImpossible,
+    ValueImpossible => "EB0607",
     /// Of the scene as a whole, where no more is known.
-    SceneRefused,
+    SceneRefused => "EB0608",
 }
 
 impl Code {
-    pub const ALL: [Code; 48] = [
-        Code::AssetUnreadable,
-        Code::SidecarUnreadable,
-        Code::RequiredExtensionUnknown,
-        Code::ExtensionUnused,
-        Code::LeftOut,
-        Code::FileMissing,
-        Code::DataNotFinite,
-        Code::ScaleSuspicious,
-        Code::ShapeOffMesh,
-        Code::NormalsContradict,
-        Code::UnevenScale,
-        Code::PartFlattened,
-        Code::NormalsInsideOut,
-        Code::NothingToTrace,
-        Code::UnitUnsaid,
-        Code::IndexMissing,
-        Code::IndexImpossible,
-        Code::IndexExtrapolated,
-        Code::CoatingGainsEnergy,
-        Code::CoatingNotPolished,
-        Code::ScatterGainsEnergy,
-        Code::NamedUnused,
-        Code::NameUnknown,
-        Code::TableTooShort,
-        Code::TransmissionPartial,
-        Code::StrengthMissing,
-        Code::StrengthTwice,
-        Code::ProfileMissing,
-        Code::ProfileMalformed,
-        Code::ProfileBehindFace,
-        Code::LuminanceImplausible,
-        Code::EmitterWithoutArea,
-        Code::GroupUnusable,
-        Code::SpectrumUnusable,
-        Code::SlideWithoutSize,
-        Code::SlideImageMissing,
-        Code::EyeMissing,
-        Code::EyeInSolid,
-        Code::EyeImpossible,
-        Code::PartUnbound,
-        Code::SelectsNothing,
-        Code::AttributeUnknown,
-        Code::BoundTwice,
-        Code::SaidTwice,
-        Code::NameAmbiguous,
-        Code::AttributesOnNothing,
-        Code::ValueImpossible,
-        Code::SceneRefused,
-    ];
-
-    /// The rule whose finding it is.
-    pub fn rule(self) -> &'static str {
-        match self {
-            Code::AssetUnreadable => "EB0001",
-            Code::SidecarUnreadable => "EB0002",
-            Code::RequiredExtensionUnknown => "EB0003",
-            Code::ExtensionUnused => "EB0004",
-            Code::LeftOut => "EB0005",
-            Code::FileMissing => "EB0007",
-            Code::DataNotFinite => "EB0008",
-            Code::ScaleSuspicious => "EB0101",
-            Code::ShapeOffMesh => "EB0107",
-            Code::NormalsContradict => "EB0108",
-            Code::UnevenScale => "EB0111",
-            Code::PartFlattened => "EB0112",
-            Code::NormalsInsideOut => "EB0113",
-            Code::NothingToTrace => "EB0114",
-            Code::UnitUnsaid => "EB0115",
-            Code::IndexMissing => "EB0201",
-            Code::IndexImpossible => "EB0202",
-            Code::IndexExtrapolated => "EB0203",
-            Code::CoatingGainsEnergy => "EB0204",
-            Code::CoatingNotPolished => "EB0205",
-            Code::ScatterGainsEnergy => "EB0206",
-            Code::NamedUnused => "EB0207",
-            Code::NameUnknown => "EB0209",
-            Code::TableTooShort => "EB0210",
-            Code::TransmissionPartial => "EB0211",
-            Code::StrengthMissing => "EB0301",
-            Code::StrengthTwice => "EB0302",
-            Code::ProfileMissing => "EB0304",
-            Code::ProfileMalformed => "EB0305",
-            Code::ProfileBehindFace => "EB0306",
-            Code::LuminanceImplausible => "EB0308",
-            Code::EmitterWithoutArea => "EB0309",
-            Code::GroupUnusable => "EB0310",
-            Code::SpectrumUnusable => "EB0311",
-            Code::SlideWithoutSize => "EB0401",
-            Code::SlideImageMissing => "EB0402",
-            Code::EyeMissing => "EB0501",
-            Code::EyeInSolid => "EB0502",
-            Code::EyeImpossible => "EB0503",
-            Code::PartUnbound => "EB0601",
-            Code::SelectsNothing => "EB0602",
-            Code::AttributeUnknown => "EB0603",
-            Code::BoundTwice | Code::SaidTwice => "EB0604",
-            Code::NameAmbiguous => "EB0605",
-            Code::AttributesOnNothing => "EB0606",
-            Code::ValueImpossible => "EB0607",
-            Code::SceneRefused => "EB0608",
-        }
-    }
-
     /// Of a file that could not be read: whether it is not there, as far as the system says so.
     pub fn of_reading(error: &std::io::Error) -> Option<Code> {
         (error.kind() == std::io::ErrorKind::NotFound).then_some(Code::FileMissing)

@@ -7,6 +7,7 @@
 use super::finding::{Finding, Level};
 use super::subject::Subject;
 use crate::base::Where;
+use crate::scene::Note;
 
 /// A rule of the registry. See [`RULES`](super::rules::RULES).
 #[derive(Debug)]
@@ -24,8 +25,8 @@ pub struct Rule {
     pub bad: Example,
     pub good: Example,
     pub find: fn(&Subject<'_>) -> Vec<Finding>,
-    /// How grave a finding of the importer is, where that hangs on the scene.
-    pub grade: fn(&Subject<'_>, &Finding) -> Level,
+    /// How grave a note of the importer is, where that hangs on the scene.
+    pub grade: fn(&Self, &Subject<'_>, &Note) -> Level,
 }
 
 /// A piece of an asset.
@@ -43,8 +44,8 @@ pub fn nothing(_: &Subject<'_>) -> Vec<Finding> {
 }
 
 /// The level of the rule.
-pub fn kept(_: &Subject<'_>, finding: &Finding) -> Level {
-    finding.level
+pub fn kept(rule: &Rule, _: &Subject<'_>, _: &Note) -> Level {
+    rule.level
 }
 
 impl Rule {

@@ -21,6 +21,9 @@ pub struct Note {
     /// What it is about, if `validate` is to find it. The words of `text` decide nothing.
     #[serde(skip)]
     pub code: Option<Code>,
+    /// The face of a mesh that it is about, where `at` is no closer than the mesh.
+    #[serde(skip)]
+    pub face: Option<usize>,
     /// How well the surface fits that was recovered from a face's points.
     #[serde(skip)]
     pub residual: Option<Residual>,
@@ -36,7 +39,7 @@ pub struct Residual {
 
 impl Note {
     pub fn new(severity: Severity, at: Where, text: impl Into<String>) -> Self {
-        Note { severity, at, text: text.into(), code: None, residual: None }
+        Note { severity, at, text: text.into(), code: None, face: None, residual: None }
     }
     pub fn info(at: Where, text: impl Into<String>) -> Self {
         Self::new(Severity::Info, at, text)
@@ -47,6 +50,11 @@ impl Note {
     /// Says what it is about.
     pub fn code(mut self, code: impl Into<Option<Code>>) -> Self {
         self.code = code.into();
+        self
+    }
+    /// Says which face of a mesh it is about.
+    pub fn face(mut self, number: usize) -> Self {
+        self.face = Some(number);
         self
     }
     /// That `surface` was fitted to a face.

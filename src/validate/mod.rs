@@ -142,9 +142,9 @@ impl read::Examined {
         }
         let notes = self.scene.as_ref().map_or(&assembly.notes, |scene| &scene.notes);
         for note in notes {
-            let Some((rule, mut finding)) = noted(note) else { continue };
-            finding.level = (rule.grade)(&subject, &finding);
-            found.push(finding);
+            let Some(rule) = rule_of(note) else { continue };
+            let level = (rule.grade)(rule, &subject, note);
+            found.push(Finding { level, ..rule.at(note.at.clone(), note.text.clone()) });
         }
         for rule in crate::check::rules::RULES {
             found.extend((rule.find)(&subject));
@@ -185,14 +185,14 @@ fn refused(refusal: &Refusal) -> Option<Finding> {
     Some(rule.at(fault.at.clone(), text))
 }
 
-/// The finding of a note of the importer. Of those that say nothing of what they are about, only warnings are one.
-fn noted(note: &Note) -> Option<(&'static Rule, Finding)> {
+/// The rule whose finding a note of the importer is. Of those that say nothing of what they are about, only warnings are
+/// one.
+fn rule_of(note: &Note) -> Option<&'static Rule> {
     let code = note.code.or(match note.severity {
         Severity::Warning => Some(Code::LeftOut),
         Severity::Info => None,
     })?;
-    let rule = rules::find(code.rule())?;
-    Some((rule, rule.at(note.at.clone(), note.text.clone())))
+    rules::find(code.rule())
 }
 
 /// Text without control characters, which a hostile name may have.

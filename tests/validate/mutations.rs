@@ -1,6 +1,7 @@
 //! The good asset has no finding; each planted fault sets off its rule and no other. A rule without a row here fails.
 
 use super::bench::{Bench, IES};
+use eyebox::base::Code;
 use eyebox::check::finding::Level;
 use eyebox::validate::{findings, rules};
 use serde_json::json;
@@ -189,6 +190,8 @@ fn every_rule_is_planted() {
     let names: BTreeSet<&str> = rules::all().map(|rule| rule.name).collect();
     assert_eq!(names.len(), codes.len(), "names are unique");
     assert!(planted.iter().all(|code| rules::find(code).is_some()));
+    let lost: Vec<_> = Code::ALL.iter().filter(|code| rules::find(code.rule()).is_none()).collect();
+    assert!(lost.is_empty(), "no rule has {lost:?}");
 }
 
 /// Faults are found side by side, not one a run.
@@ -207,6 +210,25 @@ fn several_faults_at_once() {
         BTreeSet::from(["EB0102", "EB0204", "EB0209", "EB0302", "EB0401", "EB0503", "EB0602"]),
         "{found:#?}"
     );
+}
+
+/// Names of the author's that sound like messages of other rules.
+#[test]
+fn words_of_a_message_decide_nothing() {
+    for words in [
+        "there is no eye",
+        "no optical attributes bind",
+        "is bound twice with the same precedence",
+        "the asset requires an extension that is not known here",
+        "`spectrum`",
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut bench = Bench::new();
+        bench.append(&format!("\n[[bind]]\npath = \"{words}\"\nfinish = \"absorber\"\n"));
+        let found = found(&bench.write(folder.path()));
+        let codes: Vec<&str> = found.iter().map(|(code, _)| *code).collect();
+        assert_eq!(codes, ["EB0602"], "{found:#?}");
+    }
 }
 
 /// A wrong normal on a face that has an exact shape changes no ray.

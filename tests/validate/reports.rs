@@ -228,25 +228,6 @@ fn a_glb_has_offsets_and_a_stage_has_lines() {
     );
 }
 
-/// The samples are what assets should be like.
-#[test]
-fn the_samples_are_clean() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let run = eyebox(
-        root,
-        &[
-            "samples/hud-direct/hud.optics.toml",
-            "samples/hud-direct/hud.usda",
-            "samples/hud-diffuse/hud.optics.toml",
-            "samples/hud-diffuse/hud.usda",
-            "samples/peers/a1/a1.optics.toml",
-            "samples/peers/a2/a2.optics.toml",
-            "samples/peers/b/b.optics.toml",
-        ],
-    );
-    assert_eq!(run.status.code(), Some(0), "{}", text(&run.stdout));
-}
-
 /// Assets cut off, and with bytes changed: findings, never a panic.
 #[test]
 fn broken_assets_are_findings() {

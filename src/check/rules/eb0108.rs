@@ -1,9 +1,10 @@
 //! Vertex normals contradict their triangles.
 
 use crate::base::Where;
-use crate::check::finding::{Finding, Level};
+use crate::check::finding::Level;
 use crate::check::rule::{Example, Rule, nothing};
 use crate::check::subject::{Subject, is_mesh, is_specular};
+use crate::scene::Note;
 
 pub const RULE: Rule = Rule {
     code: "EB0108",
@@ -18,18 +19,16 @@ pub const RULE: Rule = Rule {
 };
 
 /// A face with an exact shape has the shape's normals; a face that doesn't bend light into a picture needs none.
-fn grade(subject: &Subject<'_>, finding: &Finding) -> Level {
-    let number =
-        finding.text.split(" face ").nth(1).and_then(|rest| rest.split(':').next()?.trim().parse::<usize>().ok());
+fn grade(rule: &Rule, subject: &Subject<'_>, note: &Note) -> Level {
     let holds = |at: &Where, mesh: &Where| match (at, mesh) {
         (Where::Pointer { file: a, pointer }, Where::Pointer { file: b, pointer: of }) => {
             a == b && pointer.strip_prefix(of.as_str()).is_some_and(|rest| rest.starts_with("/primitives/"))
         }
         (at, mesh) => at == mesh,
     };
-    let mesh = subject.assembly.meshes.iter().position(|mesh| holds(&finding.at, &mesh.at));
-    let (Some(mesh), Some(number)) = (mesh, number) else { return finding.level };
+    let mesh = subject.assembly.meshes.iter().position(|mesh| holds(&note.at, &mesh.at));
+    let (Some(mesh), Some(number)) = (mesh, note.face) else { return rule.level };
     let parts = subject.scene.parts.iter().filter(|part| part.mesh.index() == mesh);
     let mut faces = parts.filter_map(|part| part.faces.get(number));
-    if faces.all(|face| !is_mesh(face) || !is_specular(face)) { Level::Note } else { finding.level }
+    if faces.all(|face| !is_mesh(face) || !is_specular(face)) { Level::Note } else { rule.level }
 }

@@ -7,6 +7,7 @@ use super::notes::Ledger;
 use crate::base::Code;
 use crate::base::fault::Result;
 use crate::import::normals::repair;
+use crate::scene::Note;
 
 /// The geometry of one face, indices from 0.
 #[derive(Debug, Default)]
@@ -114,7 +115,7 @@ fn mend(face: &mut FaceMesh, at: &At<'_>, name: FaceName<'_>, ledger: &mut Ledge
         let text = format!(
             "{mesh} face {face}: normals contradict their triangles by up to {worst:.0}°: {flipped} turned round, {replaced} replaced"
         );
-        ledger.notes.warn_of(Code::NormalsContradict, at, text);
+        ledger.notes.add(Note::warning(at.place(), text).code(Code::NormalsContradict).face(face), 1);
     }
     if found.inverted {
         let text = "the normals of a face point into the side that its winding calls the inside: kept as they are";

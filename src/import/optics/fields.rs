@@ -233,22 +233,12 @@ fn wrong(value: &Value, row: &Row) -> Box<Fault> {
 
 /// What a value is about that a row can't have; none where that is no more than its being wrong.
 pub fn code(row: &Row) -> Option<Code> {
-    match (row.noun, row.name) {
-        (Noun::Eye, _) => Some(Code::EyeImpossible),
-        (Noun::Medium, "ior") | (Noun::Coating | Noun::Finish, "n") => Some(Code::IndexImpossible),
-        (Noun::Slide, "size") => Some(Code::SlideWithoutSize),
-        (
-            Noun::Medium
-            | Noun::Finish
-            | Noun::Coating
-            | Noun::Shape
-            | Noun::Emitter
-            | Noun::Slide
-            | Noun::Sky
-            | Noun::Sun
-            | Noun::Asset,
-            _,
-        ) => None,
+    match row.noun {
+        Noun::Eye => Some(Code::EyeImpossible),
+        Noun::Medium => (row.name == "ior").then_some(Code::IndexImpossible),
+        Noun::Finish | Noun::Coating => (row.name == "n").then_some(Code::IndexImpossible),
+        Noun::Slide => (row.name == "size").then_some(Code::SlideWithoutSize),
+        Noun::Shape | Noun::Emitter | Noun::Sky | Noun::Sun | Noun::Asset => None,
     }
 }
 

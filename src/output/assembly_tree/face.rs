@@ -56,9 +56,12 @@ pub struct SlideReport {
     pub mean_transmittance: f64,
 }
 
+/// What was noted of a face, and how well its shape fits.
+type Said = (Vec<String>, Option<Residual>);
+
 pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
     let unit_m = part.to_world.matrix3.determinant().abs().cbrt();
-    let mut said: Vec<(Vec<String>, Option<Residual>)> = vec![Default::default(); part.faces.len()];
+    let mut said: Vec<Said> = vec![Said::default(); part.faces.len()];
     for note in &scene.notes {
         if let Where::Part { path, face: Some(face) } = &note.at
             && *path == part.path
@@ -68,7 +71,7 @@ pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
             *fit = fit.or(note.residual);
         }
     }
-    let report = |(number, (face, (notes, fit))): (usize, (&Face, (Vec<String>, Option<Residual>)))| FaceReport {
+    let report = |(number, (face, (notes, fit))): (usize, (&Face, Said))| FaceReport {
         number,
         finish: face.finish,
         coating: face.coating.and_then(|id| scene.coatings.get(id.index())).cloned(),

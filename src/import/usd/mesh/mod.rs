@@ -161,7 +161,8 @@ fn mend(reader: &mut Reader, view: &PrimView, face: &mut FaceMesh, number: usize
         let text = format!(
             "{name} face {number}: normals contradict their triangles by up to {worst:.0}°: {flipped} turned round, {replaced} replaced"
         );
-        reader.ledger.warn_of(Code::NormalsContradict, view.at(), text);
+        let note = Note::warning(view.at(), text).code(Code::NormalsContradict).face(number);
+        reader.ledger.notes.add(note, 1);
     }
     if found.inverted {
         let text = "the normals of a face point into the side that its winding calls the inside: kept as they are";
