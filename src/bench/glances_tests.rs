@@ -3,7 +3,7 @@
 use super::curve::race::Ready;
 use crate::base::stats::{Moments, sidak_z};
 use crate::base::student::as_normal;
-use crate::estimate::manifold::connections::Connections;
+use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::glances::Glances;
 use crate::estimate::manifold::over_film::OverFilm;
 use crate::estimate::manifold::screens::Screens;
@@ -40,7 +40,7 @@ fn tables_reach_to_where_the_display_ends() {
     let [width, height] = SIZE;
     let route = Route::new(&plan, ready.checked.scene().groups.len(), Estimator::Manifold);
     let manifold = |glances: Option<Arc<Glances<Mono>>>| {
-        let none = Arc::new(Connections::default());
+        let none = Arc::new(Bands::default());
         Manifold::new(world, route.clone(), (none, None), (screens.clone(), glances), 1)
     };
     let pass = |manifold: &Manifold<'_, Mono>, pass: u64| {

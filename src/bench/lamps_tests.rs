@@ -4,7 +4,7 @@ use super::curve::race::Ready;
 use super::generate;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::connections::Connections;
+use crate::estimate::manifold::connections::{Connections, index_of};
 use crate::estimate::manifold::solve::Target;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::plan::{Choice, plan};
@@ -57,7 +57,7 @@ fn lamps_at_the_rim_are_connected() {
         let ready = Ready::new(&scene, 0.0).unwrap();
         let plan = plan(&ready.checked, &ready.world, Choice::Auto);
         let optics = Mono::<f64>::optics(&ready.world, 0, 0);
-        let connections = Connections::new(&ready.world, &optics, &plan.connections);
+        let connections = Connections::new(&ready.world, &index_of(&optics), &plan.connections);
         for pixel in pixels {
             let [all, owned] = light(&ready.world, &optics, &connections, pixel);
             assert!(all > 0.0 && owned >= 0.98 * all, "seed {seed}, pixel {pixel:?}: {owned} of {all}");

@@ -9,7 +9,7 @@ use crate::base::chain::Step;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::stats::Moments;
-use crate::estimate::manifold::connections::Connections;
+use crate::estimate::manifold::connections::{Connections, index_of};
 use crate::estimate::run::{Limits, begin};
 use crate::film::plan::{Estimator, Plan, Verdict};
 use crate::film::train::Connection;
@@ -144,7 +144,7 @@ fn what_is_left_is_what_is_not_connected() {
     let pilot = forward(&ready.world, &plan, 1, &|| false);
     let optics = <Mono as Mode>::optics(&ready.world, 0, 0);
     let share = |of: &[Connection]| {
-        let connections = Arc::new(Connections::new::<Mono>(&ready.world, &optics, of));
+        let connections = Arc::new(Connections::new(&ready.world, &index_of(&optics), of));
         left(&ready.world, &plan, 1, &pilot, connections, &|| false)
     };
     assert!(share(&plan.connections) < 1e-3);

@@ -4,7 +4,7 @@ use super::curve::picture::Picture;
 use super::curve::race::Ready;
 use super::generate;
 use crate::base::rng::{Rng, Stream};
-use crate::estimate::manifold::connections::{Connections, Entry};
+use crate::estimate::manifold::connections::{Connections, Entry, index_of};
 use crate::estimate::manifold::rims::Rims;
 use crate::estimate::manifold::solve::Target;
 use crate::estimate::run::begin;
@@ -55,7 +55,7 @@ fn compare(scene: &Scene) -> Compared {
     let world = &ready.world;
     let plan = plan(&ready.checked, world, Choice::Auto);
     let optics = Mono::<f64>::optics(world, 0, 0);
-    let connections = Connections::new(world, &optics, &plan.connections);
+    let connections = Connections::new(world, &index_of(&optics), &plan.connections);
     let joined = Joined { world, optics: &optics, connections: &connections };
     let (mut out, mut squares, mut places) = (Compared::default(), [0.0; 2], 0.0);
     for [x, y] in [[29, 4], [0, 16], [31, 13], [2, 21]] {
@@ -140,7 +140,7 @@ fn weighted_points_make_up_the_lamp() {
     let world = &ready.world;
     let plan = plan(&ready.checked, world, Choice::Auto);
     let optics = Mono::<f64>::optics(world, 0, 0);
-    let connections = Connections::new(world, &optics, &plan.connections);
+    let connections = Connections::new(world, &index_of(&optics), &plan.connections);
     let mut aimed = 0;
     for [x, y] in [[29, 4], [0, 16], [31, 13], [2, 21], [16, 12], [30, 5]] {
         let film = world.eye.film_of(x, y, [0.3, 0.6]);
@@ -176,7 +176,7 @@ fn rims_are_joined_more_often() {
     let ready = Ready::new(&scene, 0.0).unwrap();
     let plan = plan(&ready.checked, &ready.world, Choice::Auto);
     let optics = Mono::<f64>::optics(&ready.world, 0, 0);
-    let connections = Connections::new(&ready.world, &optics, &plan.connections);
+    let connections = Connections::new(&ready.world, &index_of(&optics), &plan.connections);
     let rims = Rims::new(&ready.world, &connections);
     let times = |x: u64, y: u64| rims.times(x + 32 * y);
     assert_eq!([times(16, 12), times(10, 8), times(20, 15)], [1; 3]);
@@ -232,7 +232,7 @@ fn rims_are_as_bright_as_by_light_tracing() {
     let (connections, auto) = of(Choice::Auto, 64);
     let (_, light) = of(Choice::Only(Estimator::Forward), 192);
     let optics = Mono::<f64>::optics(world, 0, 0);
-    let rims = Rims::new(world, &Connections::new(world, &optics, &connections));
+    let rims = Rims::new(world, &Connections::new(world, &index_of(&optics), &connections));
     let rim: Vec<usize> = (0..32 * 24).filter(|pixel| rims.times(*pixel as u64) > 2).collect();
     let sums = |runs: &[Vec<f64>]| {
         let sums: Vec<f64> = runs.iter().map(|run| rim.iter().map(|pixel| run[*pixel]).sum()).collect();

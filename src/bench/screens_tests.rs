@@ -2,7 +2,7 @@
 
 use super::curve::race::Ready;
 use super::generate;
-use crate::estimate::manifold::connections::Connections;
+use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::screens::Screens;
 use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::route::Route;
@@ -33,7 +33,7 @@ fn finer_maps_bring_the_same_light_for_less_work() {
     let run = |screens: Arc<Screens<Mono>>| {
         let route = Route::new(&plan, ready.checked.scene().groups.len(), Estimator::Manifold);
         let mut film = Film::new(32, 24, route.planes.clone(), components::<Mono>(), Sampling::PerPass);
-        let none = Arc::new(Connections::default());
+        let none = Arc::new(Bands::default());
         let ledger = Manifold::new(world, route, (none, None), (screens, None), 1).run(&mut film, 0, 1);
         let light: Vec<f64> = (0..32 * 24).map(|pixel| film.mean(pixel, 0).value).collect();
         (light, ledger.work)

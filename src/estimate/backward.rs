@@ -9,7 +9,7 @@ mod trial;
 use super::ShouldStop;
 use super::even::Even;
 use super::ledger::{Ledger, cost};
-use super::manifold::connections::Connections;
+use super::manifold::bands::Bands;
 use super::panes::Scattered;
 use super::pick_up::Shining;
 use super::pixel::Pixel;
@@ -93,7 +93,7 @@ impl<'w, M: Mode> Backward<'w, M> {
 
     /// Looks for what these connections leave to rays from the eye, too, at this share of the pixels in a pass.
     #[must_use]
-    pub fn beside(mut self, connections: Arc<Connections>, share: f64) -> Self {
+    pub fn beside(mut self, connections: Arc<Bands>, share: f64) -> Self {
         // Of the pixels that are looked at anyway.
         let share = (share / self.share).min(1.0);
         self.vision.iter_mut().for_each(|vision| vision.beside(connections.clone(), share));

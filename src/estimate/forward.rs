@@ -5,6 +5,7 @@
 use super::ShouldStop;
 use super::emission::{Emission, Origin, Shots, Starts, Visitor};
 use super::ledger::Ledger;
+use super::manifold::bands::Bands;
 use super::manifold::connections::{Connections, Rest};
 use super::manifold::solve::Target;
 use super::route::Route;
@@ -37,7 +38,7 @@ pub struct Forward<'w, M: Mode> {
     emission: Emission,
     paths: u64,
     /// What of the paths is not ours.
-    connections: Arc<Connections>,
+    connections: Arc<Bands>,
     seed: u64,
     starts: Starts,
 }
@@ -71,7 +72,7 @@ impl<'w, M: Mode> Forward<'w, M> {
         groups: usize,
         paths: u64,
         guide: Option<&Guide>,
-        connections: Arc<Connections>,
+        connections: Arc<Bands>,
         seed: u64,
     ) -> Self {
         let emission = Emission::new(world, &route, groups, guide);
@@ -149,7 +150,8 @@ impl<'w, M: Mode> Forward<'w, M> {
     }
 
     fn arrivals<'r>(&'r self, optics: &'r Optics<M>) -> Arrivals<'r, M> {
-        Arrivals { route: &self.route, optics, connections: &self.connections, splats: Vec::new(), first: 0, work: 0 }
+        let connections = self.connections.of(optics);
+        Arrivals { route: &self.route, optics, connections, splats: Vec::new(), first: 0, work: 0 }
     }
 }
 

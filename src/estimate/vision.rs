@@ -7,7 +7,7 @@
 //! what the solver leaves of trains that paths from the lamps were not seen to arrive by.
 
 use super::ledger::Ledger;
-use super::manifold::connections::Connections;
+use super::manifold::bands::Bands;
 use super::manifold::solve::Target;
 use super::pixel::Pixel;
 use super::route::Route;
@@ -89,7 +89,7 @@ pub struct Vision<'w> {
 /// What specular connection leaves to rays from the eye.
 struct Unknown {
     /// What it does not leave.
-    connections: Arc<Connections>,
+    connections: Arc<Bands>,
     /// Of the pixels that a pass looks at for that.
     share: f64,
 }
@@ -149,7 +149,7 @@ impl<'w> Vision<'w> {
     }
 
     /// Looks for what these connections don't know, too, at this share of the pixels in a pass.
-    pub fn beside(&mut self, connections: Arc<Connections>, share: f64) {
+    pub fn beside(&mut self, connections: Arc<Bands>, share: f64) {
         self.unknown = (!connections.is_empty()).then_some(Unknown { connections, share });
     }
 
@@ -236,7 +236,7 @@ impl<'w> Vision<'w> {
         let Some((unknown, chain)) = self.unknown.as_ref().zip(walker.chain()) else { return false };
         let target = Target::new(vertex.hit.point, vertex.hit.normal);
         let tracing = (self.world, walker.optics);
-        unknown.connections.leaves_to_eye(tracing, &chain.reversed(), (lamp, &target), places, work)
+        unknown.connections.of(walker.optics).leaves_to_eye(tracing, &chain.reversed(), (lamp, &target), places, work)
     }
 
     /// `places`: where the path started in the picture and the pupil. `least`: below this chance decides between the ways on.

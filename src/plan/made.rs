@@ -5,7 +5,7 @@ use super::branching::{self, Branches};
 use super::glints;
 use super::pilot::{self, ForwardPilot, SEED};
 use crate::estimate::ShouldStop;
-use crate::estimate::manifold::connections::Connections;
+use crate::estimate::manifold::connections::{Connections, index_of};
 use crate::estimate::manifold::grid::Grid;
 use crate::estimate::manifold::screens::Screens;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
@@ -57,7 +57,7 @@ impl Made {
     /// The connections of a plan.
     pub fn connections(&self, world: &World, plan: &Plan) -> Arc<Connections> {
         known(&self.connections, (plan.connections.clone(), Grid::of(world)), |(connections, _)| {
-            Arc::new(Connections::new(world, &Mono::<f64>::optics(world, SEED, 0), connections))
+            Arc::new(Connections::new(world, &index_of(&Mono::<f64>::optics(world, SEED, 0)), connections))
         })
     }
 

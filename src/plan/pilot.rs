@@ -11,6 +11,7 @@ use crate::base::ids::GroupId;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::Starts;
 use crate::estimate::forward::Forward;
+use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::connections::Connections;
 use crate::estimate::route::Route;
 use crate::film::guide::{Even, Guide, Point, Sample};
@@ -207,6 +208,7 @@ pub fn left(
     stop: &ShouldStop<'_>,
 ) -> f64 {
     let route = Route::new(plan, groups, Estimator::Forward);
+    let connections = Arc::new(Bands::from(connections));
     let forward = Forward::<Mono>::new(world, route, groups, LEFT, Some(&pilot.guide), connections, SEED);
     let forward = forward.starting(Starts::OfPass);
     let sums = |samples: &mut dyn Iterator<Item = (usize, f64)>| {

@@ -91,6 +91,12 @@ pub enum Planted {
 }
 
 impl World {
+    /// Refractive index of what fills each part at a wavelength in nm; of air for those that are not filled.
+    pub fn indices_at(&self, nm: f64) -> Vec<f64> {
+        let index = |medium: &Option<Medium>| medium.as_ref().map_or(1.0, |medium| medium.index.index(nm).re);
+        self.media_of_parts.iter().map(index).collect()
+    }
+
     /// Builds the tables for a scene. Errors: geometry that cannot be traced, a zero-area emitter, an eye inside glass.
     pub fn freeze(scene: &Scene) -> Result<World> {
         let wavelength_nm = scene.wavelengths.traced_nm();

@@ -124,6 +124,12 @@ impl SlideMap {
         self.pixels.get(self.pixel(local)?).map(|s| f64::from(*s))
     }
 
+    /// How far a point lies from the picture's rim, as a share of the longer side; inside and outside alike.
+    pub fn to_rim(&self, local: DVec3) -> f64 {
+        let beyond = |axis: DVec3| (axis.dot(local - self.centre).abs() - 0.5) / axis.length();
+        beyond(self.across).max(beyond(self.down)).abs() / self.size()
+    }
+
     /// s for red, green and blue.
     pub fn rgb(&self, local: DVec3) -> Option<[f64; 3]> {
         let index = self.pixel(local)?;

@@ -55,15 +55,14 @@ pub struct Connections {
 }
 
 impl Connections {
-    /// Solves for the starts, at the wavelengths of `optics`.
-    pub fn new<M: Mode>(world: &World, optics: &Optics<M>, connections: &[Connection]) -> Connections {
+    /// Solves for the starts. `index`: of what fills a part's space, or of air.
+    pub fn new(world: &World, index: &impl Fn(Option<u32>) -> f64, connections: &[Connection]) -> Connections {
         if connections.is_empty() {
             return Connections::default();
         }
         let grid = Grid::of(world);
         let mut out =
             Connections { grid: Some(grid), by_cell: vec![Vec::new(); grid.cells()], ..Connections::default() };
-        let index = index_of(optics);
         for connection in connections {
             let known = out.known.entry(connection.train.chain().reversed()).or_insert(out.trains.len());
             let train = *known;
@@ -74,7 +73,7 @@ impl Connections {
             }
             out.reached[train] &= connection.reached;
             out.shares[train] = out.shares[train].max(connection.share);
-            let builder = Builder { world, index: &index, train: &connection.train };
+            let builder = Builder { world, index, train: &connection.train };
             for starts in builder.starts(connection) {
                 let entry = out.entries.len() as u32;
                 (0..grid.cells()).filter(|cell| starts.has(*cell)).for_each(|cell| out.by_cell[cell].push(entry));

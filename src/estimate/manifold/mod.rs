@@ -1,5 +1,6 @@
 //! Specular connection: paths whose ends are chosen and whose specular faces between them are solved for.
 
+pub mod bands; // of wavelengths
 pub mod bundle;
 pub mod connections;
 pub mod face_map;

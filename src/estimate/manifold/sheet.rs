@@ -14,7 +14,7 @@ use glam::{DMat2, DVec2};
 use std::collections::VecDeque;
 
 /// Sheets of one train and lamp; further branches stay with the estimator that owns the rest.
-const MOST_SHEETS: usize = 4;
+pub(super) const MOST_SHEETS: usize = 4;
 /// How far from its middle, in radii of the pupil, the solver looks for solutions.
 const FAR: f64 = 1.05;
 /// A train with less of its group's light than this is joined with points from all over its lamps: to look where they are seen

@@ -12,6 +12,7 @@ use super::connections::Connections;
 use super::nodes::Spot;
 use super::over_film::OverFilm;
 use super::screens::{Crossing, SLIDES};
+use super::sheet::MOST_SHEETS;
 use crate::base::lpe::Told;
 use crate::base::path::Trail;
 use crate::film::accumulate::Light;
@@ -65,6 +66,9 @@ struct Use {
     share: f64,
     /// Which sixteen nodes there are, see [`Nodes::spot_by`].
     aside: [i8; 2],
+    /// So near to the rim of a slide's picture, as a share of its size, the solved connection is always looked at: there it may
+    /// well find nothing where the table says light, and a difference taken now and then would be light below 0.
+    rim: f64,
 }
 /// Those of all [`Connections`], in the order of their entries.
 #[derive(Debug)]
@@ -98,24 +102,34 @@ impl<M: Mode> Tables<M> {
         self.tables.get(entry).map_or(1.0, |table| table.uses[spot.cell].share)
     }
 
-    /// What the branches of an entry bring; `off`: place on the lamp from its middle, m.
-    pub(super) fn brought<'t>(
-        &'t self,
-        (world, optics): (&'t World, &'t Optics<M>),
-        entry: usize,
-        spot: &Spot,
-        off: DVec2,
-    ) -> impl Iterator<Item = Brought<M>> + use<'t, M> {
-        let known = self.tables.get(entry).and_then(|table| {
-            let spot = self.over.nodes.aside(*spot, table.uses[spot.cell].aside)?;
-            Some((table, spot))
-        });
-        let branches =
-            known.into_iter().flat_map(|(table, spot)| table.branches.iter().map(move |nodes| (nodes, spot)));
-        branches.filter_map(move |(nodes, spot)| {
-            let (brought, slides) = blend(nodes, &spot, off)?;
-            through_slides(world, optics, brought, &slides)
-        })
+    /// What the branches of an entry bring, before slides; and whether that is at the rim of a slide's picture. `off`: place
+    /// on the lamp from its middle, m.
+    pub(super) fn read(&self, world: &World, entry: usize, spot: &Spot, off: DVec2) -> Read<M> {
+        let mut read = Read { branches: ArrayVec::new(), at_rim: false };
+        let Some(table) = self.tables.get(entry) else { return read };
+        let Use { aside, rim, .. } = table.uses[spot.cell];
+        let Some(spot) = self.over.nodes.aside(*spot, aside) else { return read };
+        for nodes in &table.branches {
+            let Some((brought, slides)) = blend(nodes, &spot, off) else { continue };
+            read.at_rim |= slides.iter().any(|(slide, at)| world.slides[*slide].to_rim(*at) <= rim);
+            if read.branches.try_push((brought, slides)).is_err() {
+                break;
+            }
+        }
+        read
+    }
+}
+
+/// What a table says of a place.
+pub(super) struct Read<M: Mode> {
+    branches: ArrayVec<(Brought<M>, Places), MOST_SHEETS>,
+    pub(super) at_rim: bool,
+}
+
+impl<M: Mode> Read<M> {
+    /// What comes through the slides.
+    pub(super) fn brought(self, world: &World, optics: &Optics<M>) -> impl Iterator<Item = Brought<M>> {
+        self.branches.into_iter().filter_map(move |(brought, slides)| through_slides(world, optics, brought, &slides))
     }
 }
 

@@ -6,6 +6,7 @@
 //! which the integrand is smooth but for the slide's picture.
 //! Most of it is read from [`Tables`], whose errors a few solutions make good.
 
+use super::bands::Bands;
 use super::connections::{Connections, Entry};
 use super::glances::Glances;
 use super::look;
@@ -35,7 +36,7 @@ pub struct Manifold<'w, M: Mode> {
     mode: PhantomData<M>,
     pub(super) world: &'w World,
     pub(super) route: Route,
-    connections: Arc<Connections>,
+    connections: Arc<Bands>,
     tables: Option<Tables<M>>,
     rims: Rims,
     pub(super) glances: Option<Arc<Glances<M>>>,
@@ -47,11 +48,11 @@ impl<'w, M: Mode> Manifold<'w, M> {
     pub fn new(
         world: &'w World,
         route: Route,
-        (connections, tables): (Arc<Connections>, Option<Tables<M>>),
+        (connections, tables): (Arc<Bands>, Option<Tables<M>>),
         (screens, glances): (Arc<Screens<M>>, Option<Arc<Glances<M>>>),
         seed: u64,
     ) -> Self {
-        let rims = Rims::new(world, &connections);
+        let rims = Rims::new(world, connections.middle());
         Manifold { mode: PhantomData, world, route, connections, tables, rims, glances, screens, seed }
     }
 
@@ -125,20 +126,26 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let film = self.world.eye.film_of(pixel.x, pixel.y, [at[0], at[1]]);
         let mut choices = pixel.rng(self.seed, Stream::ConnectionChoice);
         let spot = self.tables.as_ref().and_then(|tables| Some((tables, tables.spot(film)?)));
-        for (index, entry) in self.connections.at(film) {
+        let connections = self.connections.of(optics);
+        for (index, entry) in connections.at(film) {
             let Some(lamp) = self.world.lamps.get(entry.starts.lamp) else { continue };
             let share = spot.as_ref().map_or(1.0, |(tables, spot)| tables.share(index, spot));
-            let chance = self.connections.chance(entry) * share;
-            let solved = chance >= 1.0 || choices.uniform() < chance;
             let (point, density) = entry.starts.aim(lamp, film, self.world.eye.pupil_radius_m(), [at[2], at[3]]);
             let weight = 1.0 / (density * times);
+            let middle = entry.starts.middle();
+            let off = middle.local(point.position - middle.point);
+            // Where a table is of no use it need not be read.
+            let read = spot.as_ref().filter(|_| share < 1.0);
+            let read = read.map(|(tables, spot)| tables.read(self.world, index, spot, off));
+            let share = if read.as_ref().is_some_and(|read| read.at_rim) { 1.0 } else { share };
+            let chance = connections.chance(entry) * share;
+            let solved = chance >= 1.0 || choices.uniform() < chance;
             ledger.work += cost::READ;
-            // What the table says, less what stands for it where the solver is asked.
+            // What the table says, less what stands for it where the solver is asked. Where that is always, no table is needed:
+            // a faint train is left out now and then, with its table.
             let control = if solved { 1.0 - 1.0 / chance } else { 1.0 };
-            if let Some((tables, spot)) = spot.as_ref().filter(|_| control != 0.0) {
-                let middle = entry.starts.middle();
-                let off = middle.local(point.position - middle.point);
-                for brought in tables.brought((self.world, optics), index, spot, off) {
+            if let Some(read) = read.filter(|_| control != 0.0) {
+                for brought in read.brought(self.world, optics) {
                     let inside = brought.pupil.length() <= self.world.eye.pupil_radius_m();
                     let share = self.route.from_eye(lamp.group, brought.trail).filter(|_| inside);
                     let Some(share) = share else { continue };
@@ -152,12 +159,12 @@ impl<'w, M: Mode> Manifold<'w, M> {
             }
             let target = Target::new(point.position, point.normal);
             roots.clear();
-            let solved = self.connections.roots((self.world, optics), entry, film, &target, roots);
-            ledger.work += cost::SOLVED * solved * self.connections.trains[entry.train].0.len() as u64;
+            let solved = connections.roots((self.world, optics), entry, film, &target, roots);
+            ledger.work += cost::SOLVED * solved * connections.trains[entry.train].0.len() as u64;
             for root in roots.iter().filter(|root| root.u.length() <= self.world.eye.pupil_radius_m()) {
                 ledger.paths += 1;
                 let area_m2 = lamp.area_m2 * weight / chance;
-                let brought = self.connect((optics, entry), film, root, area_m2, pixel, out, scratch);
+                let brought = self.connect((optics, (connections, entry)), film, root, area_m2, pixel, out, scratch);
                 ledger.emitted += brought;
                 ledger.arrived += brought;
             }
@@ -168,7 +175,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
     #[allow(clippy::too_many_arguments)]
     fn connect(
         &self,
-        (optics, entry): (&Optics<M>, &Entry),
+        (optics, (connections, entry)): (&Optics<M>, (&Connections, &Entry)),
         film: DVec2,
         root: &Root,
         area_m2: f64,
@@ -181,7 +188,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         // Roulette comes only to the longest trains.
         let rng = pixel.rng(self.seed, Stream::Connection);
         let mut walker = Walker::new((self.world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
-        let train = &self.connections.trains[entry.train];
+        let train = &connections.trains[entry.train];
         let links = train.0.iter().map(|lens| lens.link);
         let Some(seen) = walker.follow_to(links, entry.starts.lamp, ledger, |_, _, _| {}) else { return 0.0 };
         let Some(share) = self.route.from_eye(seen.lamp.group, walker.trail) else { return 0.0 };

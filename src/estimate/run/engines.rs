@@ -4,6 +4,7 @@ use super::{Films, Start, Tracing};
 use crate::estimate::backward::Backward;
 use crate::estimate::forward::Forward;
 use crate::estimate::ledger::Ledger;
+use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::connections::Connections;
 use crate::estimate::manifold::glances::Glances;
 use crate::estimate::manifold::over_film::OverFilm;
@@ -136,6 +137,7 @@ pub fn begin_trial<'w>(
     (connections, screens): (Arc<Connections>, Screens<Mono>),
 ) -> Box<dyn Tracing + 'w> {
     let optics = Mono::<f64>::optics(world, seed, 0);
+    let connections = Arc::new(Bands::from(connections));
     let kept = Kept::new((world, &optics), connections, screens, OverFilm::coarse(world, longer));
     begin_with::<Mono<f64>>(world, plan, groups, size, seed, kept)
 }
@@ -148,7 +150,7 @@ fn begin_in<'w, M: Mode + 'w>(
     seed: u64,
 ) -> Box<dyn Tracing + 'w> {
     let optics = M::optics(world, seed, 0);
-    let connections = Arc::new(Connections::new(world, &optics, &plan.connections));
+    let connections = Arc::new(Bands::new(world, &optics, &plan.connections));
     let screens = Screens::new(world, &optics, &plan.screens);
     let kept = Kept::new((world, &optics), connections, screens, OverFilm::new(world));
     begin_with::<M>(world, plan, groups, size, seed, kept)
@@ -156,7 +158,7 @@ fn begin_in<'w, M: Mode + 'w>(
 
 /// What specular connection knows before the first pass.
 struct Kept<M: Mode> {
-    connections: Arc<Connections>,
+    connections: Arc<Bands>,
     tables: Option<Tables<M>>,
     screens: Arc<Screens<M>>,
     glances: Option<Arc<Glances<M>>>,
@@ -166,12 +168,12 @@ impl<M: Mode> Kept<M> {
     /// `over`: the grid of tables over the picture, if they pay.
     fn new(
         (world, optics): (&World, &Optics<M>),
-        connections: Arc<Connections>,
+        connections: Arc<Bands>,
         screens: Screens<M>,
         over: Option<OverFilm>,
     ) -> Self {
         Kept {
-            tables: over.and_then(|over| Tables::new(world, optics, &connections, over)),
+            tables: over.and_then(|over| Tables::new(world, optics, connections.of(optics), over)),
             glances: over.and_then(|over| Glances::new(world, optics, &screens, over)).map(Arc::new),
             screens: Arc::new(screens),
             connections,

@@ -27,6 +27,9 @@ const POOR: f64 = 0.01;
 const SHARP: f64 = 100.0;
 /// How far from a lamp's middle tables are tried and differences taken, in radii: within a square lamp.
 const ASIDE: f64 = 0.6;
+/// So near to the rim of a slide's picture, in pixels, and in errors of the places that a trial has shown, tables are not used.
+const RIM_PIXELS: f64 = 0.25;
+const RIM_ERRORS: f64 = 4.0;
 /// Nodes that are added beyond a slide's edge, so that the cells across it have all sixteen.
 const BEYOND: usize = 2;
 /// Solutions farther than this from the pupil's middle, in radii, are of no use to a table.
@@ -61,7 +64,7 @@ impl<M: Mode> Maker<'_, M> {
                 nodes
             })
             .collect();
-        let mut uses = vec![Use { share: 1.0, aside: [0; 2] }; tables.over.nodes.number()];
+        let mut uses = vec![Use { share: 1.0, aside: [0; 2], rim: 0.0 }; tables.over.nodes.number()];
         for cell in tables.over.nodes.cells() {
             uses[cell] = self.use_of(tables, entry, &branches, cell);
         }
@@ -158,10 +161,26 @@ impl<M: Mode> Maker<'_, M> {
             whole.then_some((aside, spot))
         });
         let off = known.and_then(|(aside, spot)| Some((aside, self.error(tables.over.film(at), entry, &lit, &spot)?)));
-        off.map_or(Use { share: 1.0, aside: [0; 2] }, |(aside, off)| Use {
+        let rim = RIM_PIXELS * self.by_pixel(tables, &lit, &corners);
+        off.map_or(Use { share: 1.0, aside: [0; 2], rim }, |(aside, off)| Use {
             share: (off / POOR).clamp(LEAST, 1.0),
             aside,
+            rim: rim.max(RIM_ERRORS * off / SHARP),
         })
+    }
+
+    /// How far places on slides are from one pixel to the next, as a share of the slide's size: the most of a cell.
+    fn by_pixel(&self, tables: &Tables<M>, branches: &[&Vec<Option<Node<M>>>], corners: &[usize]) -> f64 {
+        let of_branch = |nodes: &&Vec<Option<Node<M>>>| {
+            let known: Vec<&Node<M>> = corners.iter().filter_map(|node| nodes[*node].as_ref()).collect();
+            let pairs = known.iter().enumerate().flat_map(|(k, a)| known[..k].iter().map(move |b| (*a, *b)));
+            let apart = |(a, b): (&Node<M>, &Node<M>)| {
+                let both = a.slides.iter().zip(&b.slides).filter(|(a, b)| a.slide == b.slide);
+                both.map(|(a, b)| a.local.distance(b.local) / self.world.slides[a.slide].size()).fold(0.0, f64::max)
+            };
+            pairs.map(apart).fold(0.0, f64::max)
+        };
+        branches.iter().map(of_branch).fold(0.0, f64::max) / tables.over.pixels
     }
 
     /// By how much what these branches say of a place in the picture is off, by solutions for two points of the lamp; none

@@ -1,0 +1,67 @@
+//! Connections for each pass: where passes have wavelengths of their own, glass bends each of them differently, so starts
+//! that were solved for at one wavelength lead the solver astray at others.
+
+use super::connections::{Connections, index_of};
+use crate::base::colour::hero;
+use crate::film::train::Connection;
+use crate::world::World;
+use crate::world::mode::{Mode, wavelengths_change};
+use crate::world::optics::Optics;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Bands that the range of wavelengths is parted into, with as many passes in each.
+const BANDS: usize = 12;
+
+/// The connections of a plan, by the wavelength that decides where paths go.
+#[derive(Debug, Clone)]
+pub struct Bands {
+    /// Each with the wavelength in nm up to which it is used, rising.
+    sets: Vec<(f64, Arc<Connections>)>,
+}
+
+impl Default for Bands {
+    fn default() -> Self {
+        Bands::from(Arc::default())
+    }
+}
+
+/// The same for all wavelengths.
+impl From<Arc<Connections>> for Bands {
+    fn from(all: Arc<Connections>) -> Self {
+        Bands { sets: vec![(f64::INFINITY, all)] }
+    }
+}
+
+impl Bands {
+    /// Solves for the starts of each band, or at the wavelengths of `optics` where all passes have those.
+    pub fn new<M: Mode>(world: &World, optics: &Optics<M>, connections: &[Connection]) -> Bands {
+        if !wavelengths_change::<M>() || connections.is_empty() {
+            return Bands::from(Arc::new(Connections::new(world, &index_of(optics), connections)));
+        }
+        let at = |share: f64| hero(share, 0, 1).0;
+        let set = |band: usize| {
+            let indices = world.indices_at(at((band as f64 + 0.5) / BANDS as f64));
+            let index = |part: Option<u32>| part.map_or(1.0, |part| indices[part as usize]);
+            let last = band + 1 == BANDS;
+            let up_to = if last { f64::INFINITY } else { at((band + 1) as f64 / BANDS as f64) };
+            (up_to, Arc::new(Connections::new(world, &index, connections)))
+        };
+        Bands { sets: (0..BANDS).into_par_iter().map(set).collect() }
+    }
+
+    /// Those for the wavelengths of a pass.
+    pub fn of<M: Mode>(&self, optics: &Optics<M>) -> &Connections {
+        let at = self.sets.partition_point(|(up_to, _)| *up_to <= optics.nm(0)).min(self.sets.len() - 1);
+        &self.sets[at].1
+    }
+
+    /// Those in the middle: for what has to be the same in all passes.
+    pub fn middle(&self) -> &Connections {
+        &self.sets[self.sets.len() / 2].1
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.sets.iter().all(|(_, connections)| connections.is_empty())
+    }
+}
