@@ -4,7 +4,7 @@
 use super::attribute::{PrimView, resolved};
 use super::marks::{Marks, refined};
 use super::reader::Reader;
-use super::{shape, value};
+use super::{normalise, shape, value};
 use crate::base::fault::Result;
 use crate::base::units::luminance;
 use crate::import::assembly::{LightForm, LightSource, Node};
@@ -327,7 +327,7 @@ pub(super) fn file(view: &PrimView, name: &str) -> Result<Option<PathBuf>> {
             let below = home.and_then(|home| Some(found.strip_prefix(home).ok()?.to_owned()));
             below.map_or_else(|| found.to_owned(), |rest| folder.join(rest))
         }
-        None => folder.join(path.as_str()),
+        None => folder.join(&*normalise::meant(path.as_str())),
     }))
 }
 

@@ -40,6 +40,21 @@ fn euler_angles_turn_about_the_first_axis_first() {
     near(yzx.transform_vector3(DVec3::Z), [cos, 0.0, sin]);
 }
 
+/// usd-core 26.11 skips an entry that names no attribute, and so neither resets nor moves here.
+#[test]
+fn a_reset_with_an_op_in_one_entry_is_left_out() {
+    let op = "    double3 xformOp:translate = (1, 2, 3)\n    uniform token[] xformOpOrder";
+    let body = |order: &str| {
+        format!("def Xform \"A\" {{\n{op} = [\"xformOp:translate\"]\n  def Xform \"B\" {{\n{op} = [{order}]\n}}\n}}\n")
+    };
+    let found = assembly(&body("\"!resetXformStack!xformOp:translate\""));
+    near(found.nodes[1].to_world.translation, [1.0, 2.0, 3.0]);
+    assert!(notes(&found).contains("stands alone"), "{}", notes(&found));
+    let found = assembly(&body("\"!resetXformStack!\", \"xformOp:translate\""));
+    near(found.nodes[1].to_world.translation, [1.0, 2.0, 3.0]);
+    assert!(!notes(&found).contains("stands alone"), "{}", notes(&found));
+}
+
 #[test]
 fn pivots_and_inverses_cancel() {
     let ops = "    double3 xformOp:translate:pivot = (1, 0, 0)\n    double xformOp:rotateY = 180";
