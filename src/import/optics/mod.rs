@@ -20,7 +20,7 @@ pub use emitter::{ATTRIBUTES as EMITTER, EmitterSpec, STRENGTHS, Spreading, Stre
 pub use eye::{EyeSpec, Pose, eye};
 pub use fields::{Fields, Union, not_yet, number, stray, union};
 pub use finish::{FinishSpec, finish};
-pub use medium::{absorption, entries as medium_entries, index, priority};
+pub use medium::{absorption, entries as medium_entries, index, law, possible, priority};
 pub use scatter_table::scatter_table;
 pub use shape::{ShapeSpec, shape};
 pub use sky::{SkySpec, sky};
