@@ -27,6 +27,8 @@ codes! {
     /// Of the asset's own file, where no more is known.
     AssetUnreadable => "EB0001",
     SidecarUnreadable => "EB0002",
+    /// Of a later version of the vocabulary.
+    SchemaNewer => "EB0607",
     RequiredExtensionUnknown => "EB0003",
     ExtensionUnused => "EB0004",
     /// Of a warning of the importer, where no more is known.

@@ -39,6 +39,38 @@ fn split(path: &Path) -> Option<(&Path, Vec<&str>)> {
     (closed == entries.len() && is_package).then(|| (Path::new(package), entries))
 }
 
+/// The package with its names marked as UTF-8, if they are and are not marked: USD's own writer leaves the mark out, and
+/// readers of ZIP files then take the first layer's name for code page 437 and do not find it. The layout: PKWARE,
+/// APPNOTE.TXT 6.3, 4.3.12 (a header of the directory), 4.3.16 (its end), 4.4.4 (bit 11).
+pub fn with_names_in_utf8(package: &[u8]) -> Option<Vec<u8>> {
+    let word = |at: usize| Some(u16::from_le_bytes(package.get(at..at.checked_add(2)?)?.try_into().ok()?));
+    let long = |at: usize| Some(u32::from_le_bytes(package.get(at..at.checked_add(4)?)?.try_into().ok()?));
+    // The end of the directory, with a comment of at most 65,535 bytes behind it.
+    let tail = package.len().saturating_sub(22 + usize::from(u16::MAX));
+    let end = tail + package.get(tail..)?.windows(4).rposition(|four| four == b"PK\x05\x06")?;
+    let (entries, mut at) = (word(end + 10)?, usize::try_from(long(end + 16)?).ok()?);
+    let mut marks = Vec::new();
+    for _ in 0..entries {
+        if package.get(at..at.checked_add(4)?)? != b"PK\x01\x02" {
+            break;
+        }
+        let lengths = [word(at + 28)?, word(at + 30)?, word(at + 32)?].map(usize::from);
+        let name = package.get(at + 46..at.checked_add(46 + lengths[0])?)?;
+        if !name.is_ascii() && std::str::from_utf8(name).is_ok() && package.get(at + 9)? & 8 == 0 {
+            marks.push(at + 9);
+        }
+        at = at.checked_add(46 + lengths.iter().sum::<usize>())?;
+    }
+    if marks.is_empty() {
+        return None;
+    }
+    let mut named = package.to_vec();
+    for mark in marks {
+        *named.get_mut(mark)? |= 8;
+    }
+    Some(named)
+}
+
 fn archive(package: &Path) -> Result<Archive> {
     // A device or a pipe has no end.
     if !std::fs::metadata(package)?.is_file() {

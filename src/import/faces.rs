@@ -14,6 +14,22 @@ use crate::scene::{Absorption, Face, Finish, Medium, Note, Part, Shape, Spectrum
 use glam::DAffine3;
 use std::path::Path;
 
+/// Whether light gets from outside of a face to what is behind it, so that the medium there counts.
+fn lets_in(face: &Face) -> bool {
+    match face.finish {
+        Finish::None
+        | Finish::Polished
+        | Finish::Rough { .. }
+        | Finish::Measured { .. }
+        | Finish::Polariser { .. }
+        | Finish::Retarder { .. } => true,
+        Finish::Lambert { transmittance, .. }
+        | Finish::Gauss { transmittance, .. }
+        | Finish::CosM { transmittance, .. } => transmittance > 0.0,
+        Finish::MirrorMetal { .. } | Finish::MirrorIdeal { .. } | Finish::Abg { .. } | Finish::Absorber => false,
+    }
+}
+
 impl Builder<'_> {
     pub(super) fn part(&mut self, part: &Candidate, bound: &PartBound) -> Result<Part> {
         let to_world = self.assembly.nodes.get(part.node).map_or(DAffine3::IDENTITY, |node| node.to_world);
@@ -27,18 +43,33 @@ impl Builder<'_> {
             path: part.path.clone(),
             mesh: MeshId::from_index(part.mesh),
             to_world: place::in_metres(&to_world, self.unit_m, &self.assembly.axes),
-            medium: self.medium(&bound.part)?,
+            medium: self.medium(&bound.part, faces.iter().any(lets_in))?,
             priority: priority.unwrap_or(0),
             faces,
         })
     }
 
-    fn medium(&mut self, slots: &Slots) -> Result<Option<MediumId>> {
+    /// The medium of a part; `lit`: light gets into it. An index that nothing asks for may be an impossible one:
+    /// KHR_materials_ior allows any from 1 up, and who writes 1000 for a paint means that it reflects.
+    fn medium(&mut self, slots: &Slots, lit: bool) -> Result<Option<MediumId>> {
         let nm = self.wavelengths.traced_nm();
         let index = slots.get(Slot::Index).filter(|won| won.entry.key != "medium");
         let absorption = slots.get(Slot::Absorption).map(|won| optics::absorption(&won.entry.value, nm)).transpose()?;
         let Some(won) = index else { return Ok(None) };
-        let (own, index) = optics::index(&won.entry.key, &won.entry.value, nm)?;
+        let (own, index) = optics::law(&won.entry.key, &won.entry.value)?;
+        if let Err(fault) = optics::possible(&won.entry.key, &won.entry.value, &index, nm) {
+            // Below 1, or with gain, it is wrong whoever asks.
+            let at_nm = index.index(nm);
+            if lit || !(at_nm.re >= 1.0 && at_nm.im >= 0.0) {
+                return Err(fault);
+            }
+            let text = format!("{}: not used, as no face of the part lets light in", fault.what);
+            let note = Note::info(fault.at.clone(), text);
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+            return Ok(None);
+        }
         if won.entry.key == "glass" {
             self.extrapolated(&won.entry.value);
         }

@@ -64,6 +64,10 @@ pub fn mapped(material: &Material, notes: &mut Vec<Note>) -> Result<Vec<(String,
             [r, g, b] => [*r, *g, *b].map(|c| c.min(1.0)),
             _ => [1.0; 3],
         };
+        if luminance(rgb) <= 0.0 && clear.is_none() {
+            note(Note::warning(value.at.clone(), "attenuates to black, and transmits nothing: not used"));
+            return Ok(all);
+        }
         if luminance(rgb) <= 0.0 {
             return Err(Fault::new(value.at.clone(), format!("material `{}` attenuates to black", material.name))
                 .expected("an attenuation colour above 0, or an absorbing finish"));

@@ -8,73 +8,125 @@ use crate::scene::{Note, Severity};
 use serde_json::Value as Json;
 use std::collections::HashMap;
 
-/// Read by this reader.
-const USED: [&str; 15] = [
-    "EYEBOX_optics",
-    "KHR_materials_ior",
-    "KHR_materials_dispersion",
-    "KHR_materials_transmission",
-    "KHR_materials_volume",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_iridescence",
-    "KHR_materials_diffuse_transmission",
-    "KHR_lights_punctual",
-    "EXT_lights_ies",
-    "KHR_mesh_quantization",
-    "EXT_mesh_gpu_instancing",
-    DRACO,
-    MESHOPT,
-    MESHOPT_KHR,
-];
-
-/// About textures (which are not used), metadata or playback.
-const NO_BEARING: [&str; 11] = [
-    "KHR_texture_basisu",
-    "KHR_texture_transform",
-    "EXT_texture_webp",
-    "EXT_texture_avif",
-    "MSFT_texture_dds",
-    "KHR_xmp",
-    "KHR_xmp_json_ld",
-    "KHR_animation_pointer",
-    "EXT_mesh_features",
-    "EXT_mesh_manifold",
-    "EXT_structural_metadata",
-];
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
 /// The same under its later name, with codecs added.
 pub(super) const MESHOPT_KHR: &str = "KHR_meshopt_compression";
+pub(super) const VISIBILITY: &str = "KHR_node_visibility";
 
-/// They change what is seen, and are not used.
-const BEARING: [&str; 12] = [
-    "EXT_lights_image_based",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_subsurface",
-    "KHR_materials_unlit",
-    "KHR_materials_variants",
-    "KHR_materials_volume_scatter",
-    "KHR_node_visibility",
-    "MSFT_lod",
-];
+/// What becomes of an extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Standing {
+    /// Read and applied.
+    Applied,
+    /// About textures (which are not used), metadata or playback: nothing of light is lost without it.
+    NoBearing,
+    /// Changes what is seen and is not applied: said where it is there, refused where the asset requires it.
+    Refused,
+}
+
+/// All extensions that are known.
+const KNOWN: [(&str, Standing); 36] = {
+    use Standing::{Applied, NoBearing, Refused};
+    [
+        ("EYEBOX_optics", Applied),
+        ("KHR_materials_ior", Applied),
+        ("KHR_materials_dispersion", Applied),
+        ("KHR_materials_transmission", Applied),
+        ("KHR_materials_volume", Applied),
+        ("KHR_materials_emissive_strength", Applied),
+        ("KHR_materials_iridescence", Applied),
+        ("KHR_materials_diffuse_transmission", Applied),
+        ("KHR_lights_punctual", Applied),
+        ("EXT_lights_ies", Applied),
+        ("KHR_mesh_quantization", Applied),
+        ("EXT_mesh_gpu_instancing", Applied),
+        (DRACO, Applied),
+        (MESHOPT, Applied),
+        (MESHOPT_KHR, Applied),
+        (VISIBILITY, Applied),
+        ("KHR_xmp", NoBearing),
+        ("KHR_xmp_json_ld", NoBearing),
+        ("KHR_animation_pointer", NoBearing),
+        ("KHR_interactivity", NoBearing),
+        ("KHR_node_hoverability", NoBearing),
+        ("KHR_node_selectability", NoBearing),
+        ("EXT_mesh_features", NoBearing),
+        ("EXT_mesh_manifold", NoBearing),
+        ("EXT_structural_metadata", NoBearing),
+        // The default materials hold for who does not choose another variant.
+        ("KHR_materials_variants", NoBearing),
+        ("EXT_lights_image_based", Refused),
+        ("KHR_materials_anisotropy", Refused),
+        ("KHR_materials_clearcoat", Refused),
+        ("KHR_materials_pbrSpecularGlossiness", Refused),
+        ("KHR_materials_sheen", Refused),
+        ("KHR_materials_specular", Refused),
+        ("KHR_materials_subsurface", Refused),
+        ("KHR_materials_unlit", Refused),
+        ("KHR_materials_volume_scatter", Refused),
+        ("MSFT_lod", Refused),
+    ]
+};
+
+/// None for an extension that is not known. Whatever is about textures has no bearing, from whichever vendor: the second
+/// word of a name says what it is about (glTF 2.0, extension naming).
+fn standing(name: &str) -> Option<Standing> {
+    let known = KNOWN.iter().find(|(own, _)| *own == name).map(|(_, standing)| *standing);
+    known.or_else(|| (name.split('_').nth(1) == Some("texture")).then_some(Standing::NoBearing))
+}
 
 /// Refuses what the asset says it cannot be read without.
 ///
 /// # Errors
-/// A required extension that is not known.
+/// A required extension that is not known, or known and not applied though it bears on light.
 pub(super) fn check_required(root: &At<'_>) -> Result<()> {
     for at in root.list("extensionsRequired")? {
         let name = at.text()?;
-        if !USED.contains(&name) && !NO_BEARING.contains(&name) && !BEARING.contains(&name) {
-            let fault = at.fault("the asset requires an extension that is not known here");
-            return Err(fault.nearest(name, USED.into_iter().chain(BEARING)).code(Code::RequiredExtensionUnknown));
+        match standing(name) {
+            Some(Standing::Applied | Standing::NoBearing) => {}
+            Some(Standing::Refused) => {
+                let what = format!("the asset requires `{name}`, which bears on light and is not applied here");
+                return Err(at
+                    .fault(what)
+                    .expected("an asset that can be read without it")
+                    .code(Code::RequiredExtensionUnknown));
+            }
+            None => {
+                let fault = at.fault("the asset requires an extension that is not known here");
+                return Err(fault
+                    .nearest(name, KNOWN.iter().map(|(own, _)| *own))
+                    .code(Code::RequiredExtensionUnknown));
+            }
         }
     }
     Ok(())
+}
+
+/// Whether `KHR_node_visibility` hides a node, and with it whatever is below: meshes and lights, but not cameras.
+///
+/// # Errors
+/// A `visible` that is neither true nor false.
+pub(super) fn hides(node: &At<'_>) -> Result<bool> {
+    let Some(extension) = node.extension(VISIBILITY)? else { return Ok(false) };
+    let visible = extension.get("visible")?.map_or(Ok(true), |visible| visible.flag())?;
+    Ok(!visible)
+}
+
+/// A note if an animation switches the visibility of nodes.
+fn note_switched(root: &At<'_>, notes: &mut Notes) {
+    let channels = root.json.get("animations").and_then(Json::as_array).into_iter().flatten();
+    let channels = channels.filter_map(|animation| animation.get("channels")?.as_array()).flatten();
+    let pointers = channels.filter_map(|channel| {
+        channel.get("target")?.get("extensions")?.get("KHR_animation_pointer")?.get("pointer")?.as_str()
+    });
+    let end = format!("/extensions/{VISIBILITY}/visible");
+    let count = pointers.filter(|pointer| pointer.ends_with(&end)).count();
+    if count > 0 {
+        let at = Where::Pointer { file: root.file.to_owned(), pointer: "/animations".to_owned() };
+        let text = "an animation shows or hides nodes: `visible` holds as it is written";
+        notes.add_many(Severity::Warning, at, text, count);
+    }
 }
 
 /// One note per extension that is there and not used, with its count and its first place.
@@ -91,17 +143,20 @@ pub(super) fn note_unused(root: &At<'_>, notes: &mut Notes) -> Result<()> {
             let text = "`KHR_texture_transform` moves nothing: textures are not used";
             notes.add_many(Severity::Info, at, text, count);
             continue;
-        } else if BEARING.contains(&name) {
-            format!("`{name}` bears on what is seen but is not used")
-        } else if USED.contains(&name) || NO_BEARING.contains(&name) {
-            continue;
         } else {
-            let near = nearest_name(name, ["EYEBOX_optics"]);
-            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-            format!("the extension `{}` is not known and was ignored{near}", name.escape_debug())
+            match standing(name) {
+                Some(Standing::Refused) => format!("`{name}` bears on what is seen but is not used"),
+                Some(Standing::Applied | Standing::NoBearing) => continue,
+                None => {
+                    let near = nearest_name(name, ["EYEBOX_optics"]);
+                    let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+                    format!("the extension `{}` is not known and was ignored{near}", name.escape_debug())
+                }
+            }
         };
         notes.add(Note::warning(at, text).code(Code::ExtensionUnused), count);
     }
+    note_switched(root, notes);
     if let Some(animation) = root.list("animations")?.first() {
         notes.info(animation, "animations are ignored: nodes stand as they are written");
     }

@@ -2,6 +2,7 @@
 
 use super::accessor::{Component, Document};
 use super::at::At;
+use super::features;
 use super::hierarchy::{self, Tree};
 use super::light;
 use super::notes::Ledger;
@@ -15,19 +16,26 @@ use std::mem::size_of;
 /// Fills `assembly.nodes`, `assembly.cameras` and `assembly.lights`, depth first in the order of the file.
 pub(super) fn read(document: &Document<'_>, assembly: &mut Assembly, ledger: &mut Ledger) -> Result<()> {
     let Tree { nodes, children, mut roots } = hierarchy::read(document)?;
+    let mut all_hidden = false;
     if let [root] = roots.as_slice()
         && let Some((axes, unit_m)) = nodes.get(*root).map_or(Ok(None), |at| world::read(at))?
     {
         (assembly.axes, assembly.unit_m) = (axes, unit_m);
+        all_hidden = nodes.get(*root).map_or(Ok(false), features::hides)?;
         roots = children.get(*root).cloned().unwrap_or_default();
     }
-    // (node, index of its parent in `assembly.nodes`); the last is taken first.
-    let mut stack: Vec<(usize, Option<usize>)> = roots.iter().rev().map(|&root| (root, None)).collect();
-    while let Some((index, parent)) = stack.pop() {
+    // (node, index of its parent in `assembly.nodes`, whether something above hides it); the last is taken first.
+    let mut stack: Vec<(usize, Option<usize>, bool)> =
+        roots.iter().rev().map(|&root| (root, None, all_hidden)).collect();
+    while let Some((index, parent, above_hidden)) = stack.pop() {
         let at = &nodes[index];
         let place = assembly.nodes.len();
-        one(document, at, index, parent, assembly, ledger)?;
-        stack.extend(children[index].iter().rev().map(|&child| (child, Some(place))));
+        let hidden = above_hidden || features::hides(at)?;
+        if hidden && !above_hidden {
+            ledger.notes.info(at, "hidden by `KHR_node_visibility`, with meshes and lights below it: left out");
+        }
+        one(document, at, index, (parent, hidden), assembly, ledger)?;
+        stack.extend(children[index].iter().rev().map(|&child| (child, Some(place), hidden)));
     }
     if assembly.nodes.is_empty() {
         ledger.notes.warn_of(Code::NothingToTrace, &document.root, "the scene has no nodes");
@@ -35,12 +43,12 @@ pub(super) fn read(document: &Document<'_>, assembly: &mut Assembly, ledger: &mu
     Ok(())
 }
 
-/// Appends the node, and after it the instances that it stands for.
+/// Appends the node, and after it the instances that it stands for. One that is hidden keeps its place and its camera.
 fn one(
     document: &Document<'_>,
     at: &At<'_>,
     index: usize,
-    parent: Option<usize>,
+    (parent, hidden): (Option<usize>, bool),
     assembly: &mut Assembly,
     ledger: &mut Ledger,
 ) -> Result<()> {
@@ -55,7 +63,7 @@ fn one(
     };
     let local = transform::local(at, &mut ledger.notes)?;
     let to_world = world(frame * local)?;
-    let mesh = match at.get("mesh")? {
+    let mesh = match at.get("mesh")?.filter(|_| !hidden) {
         Some(reference) => Some(reference.index(assembly.meshes.len(), "mesh")?),
         None => None,
     };
@@ -65,8 +73,12 @@ fn one(
     if let Some(reference) = at.get("camera")? {
         assembly.cameras.push(camera(document, &reference, &name, to_world)?);
     }
-    assembly.lights.extend(light::read(document, at, assembly.nodes.len(), &name, ledger)?);
-    let attributes = at.optics(&mut ledger.budget)?;
+    let attributes = if hidden {
+        None
+    } else {
+        assembly.lights.extend(light::read(document, at, assembly.nodes.len(), &name, ledger)?);
+        at.optics(&mut ledger.budget)?
+    };
     let node = Node { path: below(&name), name, parent, local, to_world, mesh, attributes, at: at.place() };
     let Some(instancing) = at.extension("EXT_mesh_gpu_instancing")?.filter(|_| mesh.is_some()) else {
         assembly.nodes.push(node);
@@ -155,9 +167,9 @@ fn camera(document: &Document<'_>, reference: &At<'_>, node: &str, to_world: DAf
                 Some(field) => return Err(field.fault("aspect ratio out of range").expected("more than 0")),
                 None => None,
             };
-            Ok(Camera { name, to_world, yfov: Some(yfov), aspect })
+            Ok(Camera { name, to_world, yfov: Some(yfov), aspect, pupil: None, focus: None })
         }
-        "orthographic" => Ok(Camera { name, to_world, yfov: None, aspect: None }),
+        "orthographic" => Ok(Camera { name, to_world, yfov: None, aspect: None, pupil: None, focus: None }),
         other => Err(kind
             .fault("unknown camera type")
             .expected("perspective or orthographic")

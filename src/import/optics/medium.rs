@@ -18,9 +18,26 @@ pub(super) fn catalogue(name: &str, at: &Where) -> Result<(String, Dispersion)> 
     }
 }
 
-/// The index that the attribute `key` (`ior`, `glass`, …) gives, with a name for the medium. It must be a possible one at
-/// the traced wavelength `nm`: n from 1 to 10 (the longest-known transparent solids end at 5), no gain.
+/// As [`law`], with an index that is [`possible`] at the traced wavelength `nm`.
 pub fn index(key: &str, value: &Value, nm: f64) -> Result<(String, Dispersion)> {
+    let (name, law) = law(key, value)?;
+    possible(key, value, &law, nm)?;
+    Ok((name, law))
+}
+
+/// Whether light can be traced through a medium of this law at `nm`: n from 1 to 10 (the longest-known transparent solids
+/// end at 5), no gain.
+pub fn possible(key: &str, value: &Value, law: &Dispersion, nm: f64) -> Result<()> {
+    let at_nm = law.index(nm);
+    if at_nm.re >= 1.0 && at_nm.re <= 10.0 && at_nm.im >= 0.0 && at_nm.im.is_finite() {
+        return Ok(());
+    }
+    let what = format!("impossible index: `{key}` gives n = {} at {nm} nm", at_nm.re);
+    Err(Fault::new(value.at.clone(), what).expected("n from 1 to 10 and k >= 0").code(Code::IndexImpossible))
+}
+
+/// The law of the index that the attribute `key` (`ior`, `glass`, …) gives, with a name for the medium.
+pub fn law(key: &str, value: &Value) -> Result<(String, Dispersion)> {
     let row = row(key, value)?;
     let (name, law) = match key {
         "ior" => {
@@ -67,13 +84,6 @@ pub fn index(key: &str, value: &Value, nm: f64) -> Result<(String, Dispersion)> 
     };
     if let Some(problem) = law.problem() {
         return Err(Fault::new(value.at.clone(), format!("`{key}`: {problem}")).expected(row.expected()));
-    }
-    let at_nm = law.index(nm);
-    if !(at_nm.re >= 1.0 && at_nm.re <= 10.0 && at_nm.im >= 0.0 && at_nm.im.is_finite()) {
-        let what = format!("impossible index: `{key}` gives n = {} at {nm} nm", at_nm.re);
-        return Err(Fault::new(value.at.clone(), what)
-            .expected("n from 1 to 10 and k >= 0")
-            .code(Code::IndexImpossible));
     }
     Ok((name, law))
 }

@@ -2,7 +2,7 @@
 
 use super::fields::{not_yet, number, union};
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Code, Fault, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::{self, Noun};
 use crate::scene::{Note, Wavelengths};
@@ -39,7 +39,8 @@ pub fn version(table: &Value, name: &str) -> Result<()> {
         Some(1.0) => Ok(()),
         Some(newer) if newer > 1.0 => {
             Err(Fault::new(value.at.clone(), format!("{name} {newer} is newer than this program"))
-                .expected(format!("{name} = 1")))
+                .expected(format!("{name} = 1"))
+                .code(Code::SchemaNewer))
         }
         Some(_) | None => {
             Err(Fault::new(value.at.clone(), format!("`{name}` is {value}")).expected(format!("{name} = 1")))

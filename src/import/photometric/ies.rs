@@ -1,7 +1,7 @@
 //! IES LM-63: ANSI/IES LM-63-2002 and -2019, IESNA LM-63-1995 and -1991, IES LM-63-1986.
 
 use super::planes::{Symmetry, expand};
-use super::text::{Lines, Numbers, shown};
+use super::text::{self, Lines, Numbers, shown};
 use super::{Files, grid};
 use crate::base::fault::Result;
 use crate::base::{Code, Where};
@@ -19,19 +19,33 @@ pub fn read(file: &Path, bytes: &[u8], files: Files<'_>, notes: &mut Vec<Note>) 
     let mut facts = ProfileFacts { format: "IES LM-63-1986".to_owned(), ..ProfileFacts::default() };
     let mut with_lamp_factor = true;
     let (mut last, mut tilt) = (0, None);
+    // The first line that is not blank may name the edition; 1986 has no such line.
+    let (mut first, mut unnamed) = (true, None);
     for (line, text) in rest.by_ref() {
         last = line;
         let text = text.trim();
-        if let Some(value) = text.get(..5).filter(|head| head.eq_ignore_ascii_case("TILT=")).and(text.get(5..)) {
-            tilt = Some(value.trim().to_owned());
+        if let Some(value) = text::tilt(text) {
+            tilt = Some(value.to_owned());
             break;
         }
-        if line == 1
-            && let Some(year) = year(text)
-        {
-            facts.format = format!("IES LM-63-{year}");
-            with_lamp_factor = matches!(year, "1986" | "1991");
-            continue;
+        if first && !text.is_empty() {
+            first = false;
+            match edition(text) {
+                Header::Edition(year) => {
+                    facts.format = format!("IES LM-63-{year}");
+                    with_lamp_factor = matches!(year, "1986" | "1991");
+                    continue;
+                }
+                Header::Unknown(year) => {
+                    facts.format = format!("IES LM-63-{year}");
+                    with_lamp_factor = matches!(year, "1986" | "1991");
+                    let header = shown(text);
+                    let text = format!("`{header}` names no edition that is known: read as LM-63-{year}");
+                    let at = Where::Line { file: file.to_owned(), line };
+                    notes.push(Note::warning(at, text));
+                }
+                Header::Label => unnamed = Some(line),
+            }
         }
         keyword(text, &mut facts.keywords);
     }
@@ -78,6 +92,13 @@ pub fn read(file: &Path, bytes: &[u8], files: Files<'_>, notes: &mut Vec<Note>) 
     numbers.number("input watts")?;
     if with_lamp_factor && third <= 0.0 {
         return Err(numbers.fault(format!("the ballast-lamp factor is {third}")).expected("a number > 0"));
+    }
+    if let Some(line) = unnamed
+        && third != 1.0
+    {
+        let text = format!("no edition is named: read as LM-63-1986, in which the ballast-lamp factor {third} counts");
+        let at = Where::Line { file: file.to_owned(), line };
+        notes.push(Note::warning(at, text));
     }
     facts.scale = multiplier * ballast * upright * if with_lamp_factor { third } else { 1.0 };
 
@@ -188,23 +209,38 @@ fn symmetry(angles: &[f64]) -> Option<Symmetry> {
     }
 }
 
-/// The year of a header line.
-fn year(text: &str) -> Option<&'static str> {
-    let text = text.to_ascii_uppercase();
-    [
-        ("IESNA91", "1991"),
-        ("IESNA:LM-63-1991", "1991"),
-        ("IESNA:LM-63-1995", "1995"),
-        ("IESNA:LM-63-2002", "2002"),
-        ("IES:LM-63-2002", "2002"),
-        ("IES:LM-63-2019", "2019"),
-        ("IESNA:LM-63-2019", "2019"),
-        ("IESNA:LM-63-1986", "1986"),
-        ("IESNA86", "1986"),
-    ]
-    .into_iter()
-    .find(|(header, _)| text.starts_with(header))
-    .map(|(_, year)| year)
+/// What the first line of a file is.
+enum Header {
+    /// The year of an edition that it names.
+    Edition(&'static str),
+    /// It looks like the name of an edition, but of none that is known; with the year of the edition to read it as.
+    Unknown(&'static str),
+    /// A label, as in 1986.
+    Label,
+}
+
+/// The years of the editions.
+const EDITIONS: [&str; 5] = ["1986", "1991", "1995", "2002", "2019"];
+
+/// The edition that a line names, in whatever case and with whatever punctuation: `IESNA:LM-63-2002`, `IESNA91`,
+/// `IES: lm-63-2019`, `ANSI/IES LM-63-19`. A year between two editions holds for the earlier.
+fn edition(text: &str) -> Header {
+    let letters: String =
+        text.chars().filter(char::is_ascii_alphanumeric).map(|letter| letter.to_ascii_uppercase()).collect();
+    let own = letters.strip_prefix("ANSI").unwrap_or(&letters);
+    let Some(rest) = own.strip_prefix("IESNA").or_else(|| own.strip_prefix("IES")) else { return Header::Label };
+    let standard = rest.strip_prefix("LM63");
+    let digits = standard.unwrap_or(rest);
+    let number = digits.get(..digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len())).unwrap_or("");
+    let year = match (number.len(), number.parse::<u32>()) {
+        (4, Ok(year)) => year,
+        (2, Ok(year)) => year + if year < 80 { 2000 } else { 1900 },
+        // LM-63 without a year is not known; `IES` with other words is a label.
+        (_, Ok(_) | Err(_)) if standard.is_some() => return Header::Unknown("2019"),
+        (_, Ok(_) | Err(_)) => return Header::Label,
+    };
+    let known = EDITIONS.iter().rfind(|own| own.parse().is_ok_and(|own: u32| own <= year)).copied().unwrap_or("1986");
+    if known.parse() == Ok(year) { Header::Edition(known) } else { Header::Unknown(known) }
 }
 
 /// `[KEY] value`; `[MORE]` goes on with the one before; lines without a keyword, as in 1986, are labels.

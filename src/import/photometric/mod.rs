@@ -48,7 +48,7 @@ pub fn parse(file: &Path, bytes: &[u8], files: Files<'_>, notes: &mut Vec<Note>)
 pub fn tilt_file(file: &Path) -> Option<PathBuf> {
     let bytes = small(file, &Where::Nowhere).ok()?;
     let lines = text::Lines::new(file, &bytes);
-    let name = lines.iter().find_map(|(_, line)| Some(line.trim().strip_prefix("TILT=")?.trim().to_owned()))?;
+    let name = lines.iter().find_map(|(_, line)| text::tilt(line).map(str::to_owned))?;
     let own = !name.is_empty() && !["NONE", "INCLUDE"].contains(&name.to_ascii_uppercase().as_str());
     own.then(|| file.parent().unwrap_or(Path::new("")).join(name))
 }

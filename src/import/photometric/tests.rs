@@ -51,6 +51,59 @@ fn good_files_have_the_flux_peak_and_probes_of_the_oracle() {
     assert_eq!(seen, 12);
 }
 
+/// Spellings met in public bug reports, with the flux of `tests/data/ies_quirks/README`.
+#[test]
+fn files_as_the_wild_has_them_have_their_flux() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/ies_quirks");
+    let table = std::fs::read_to_string(folder.join("README")).unwrap();
+    let mut seen = 0;
+    for (name, rest) in table.lines().filter_map(|line| line.split_once(": ")) {
+        let want = rest.split_once("-> flux ").unwrap().1.strip_suffix(" lm").unwrap();
+        let mut notes = Vec::new();
+        let read = profile(&folder.join(name), &Where::Nowhere, &mut notes);
+        match want.parse::<f64>() {
+            // The table has two digits.
+            Ok(want) => {
+                let flux = read.unwrap_or_else(|fault| panic!("{name}: {fault}")).flux_lm();
+                assert!((flux - want).abs() < 0.006, "{name}: {flux}, not {want}");
+            }
+            Err(_) => assert!(read.is_err(), "{name} was read"),
+        }
+        seen += 1;
+    }
+    assert_eq!(seen, 23);
+}
+
+#[test]
+fn headers_name_their_edition_or_a_note_says_which_is_taken() {
+    let read = |header: &str| {
+        let text = format!("{header}\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 0.5 10\n0 45 90\n0\n100 50 0\n");
+        let mut notes = Vec::new();
+        let read = parse(Path::new("a.ies"), text.as_bytes(), &small, &mut notes).unwrap();
+        (read.facts.format, read.facts.scale, notes.iter().map(|note| note.text.clone()).collect::<Vec<_>>().join("; "))
+    };
+    for (header, year, scale) in [
+        ("IESNA86", "1986", 0.5),
+        ("iesna91", "1991", 0.5),
+        ("IESNA:LM-63-1995", "1995", 1.0),
+        ("  IESNA : LM - 63 - 2002", "2002", 1.0),
+        ("\n\nIES LM-63-2002", "2002", 1.0),
+        ("ANSI/IES LM-63-19", "2019", 1.0),
+    ] {
+        assert_eq!(read(header), (format!("IES LM-63-{year}"), scale, String::new()), "{header}");
+    }
+    for (header, year, scale) in
+        [("IESNA:LM-63-2008", "2002", 1.0), ("IES:LM-63", "2019", 1.0), ("IESNA90", "1986", 0.5)]
+    {
+        let (format, own, notes) = read(header);
+        assert_eq!((format, own), (format!("IES LM-63-{year}"), scale), "{header}");
+        assert!(notes.ends_with(&format!("names no edition that is known: read as LM-63-{year}")), "{notes}");
+    }
+    let (format, scale, notes) = read("IES test report 7");
+    assert_eq!((format.as_str(), scale), ("IES LM-63-1986", 0.5));
+    assert_eq!(notes, "no edition is named: read as LM-63-1986, in which the ballast-lamp factor 0.5 counts");
+}
+
 #[test]
 fn bad_files_are_refused_by_their_line() {
     let good = table("expected_good.json");

@@ -170,6 +170,12 @@ impl<'a, I: Iterator<Item = (usize, &'a str)> + Clone> Numbers<'a, I> {
     }
 }
 
+/// What follows `TILT=`, in whatever case and with blanks about the sign; none on other lines.
+pub fn tilt(line: &str) -> Option<&str> {
+    let (name, value) = line.split_once('=')?;
+    name.trim().eq_ignore_ascii_case("TILT").then(|| value.trim())
+}
+
 /// A finite number; photometric files write them in many ways, but not as `nan` or `inf`.
 pub fn parse(token: &str) -> Option<f64> {
     token.parse::<f64>().ok().filter(|number| number.is_finite())

@@ -594,3 +594,21 @@ fn an_up_along_look_gets_a_direction_that_can_be_used() {
         assert!(built_on(assembly(&["LENS"]), &text(advice), &[]).is_ok(), "{fault}");
     }
 }
+
+/// KHR_materials_ior allows any index from 1 up: it is refused where light gets into the part, and there alone.
+#[test]
+fn an_index_that_no_light_asks_for_may_be_impossible() {
+    let ior = |finish: &str| super::built(&format!("[[bind]]\npath = \"LENS\"\nior = 1000\nfinish = {finish}\n"), &[]);
+    for finish in
+        ["\"absorber\"", "{ kind = \"lambert\", reflectance = 0.5 }", "{ kind = \"mirror\", reflectance = 0.9 }"]
+    {
+        let built = ior(finish).unwrap_or_else(|fault| panic!("{finish}: {fault}"));
+        assert!(built.scene.parts.iter().all(|part| part.medium.is_none()), "{finish}");
+        let said: Vec<_> =
+            built.scene.notes.iter().filter(|note| note.text.contains("n = 1000 at 550 nm: not used")).collect();
+        assert_eq!(said.len(), 1, "{finish}");
+    }
+    for finish in ["\"polished\"", "{ kind = \"lambert\", reflectance = 0.5, transmittance = 0.1 }"] {
+        assert!(ior(finish).is_err_and(|fault| fault.to_string().contains("impossible index")), "{finish}");
+    }
+}

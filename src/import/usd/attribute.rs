@@ -1,5 +1,6 @@
 //! A prim as the other modules see it: authored values at the chosen time, and a place for messages.
 
+use super::ledger::Ledger;
 use super::value;
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
@@ -150,6 +151,15 @@ impl PrimView {
     }
     pub fn token(&self, name: &str) -> Result<Option<String>> {
         self.read(name, "a token", |value| value::text(&value).map(str::to_owned))
+    }
+    /// A token of UsdGeomImageable. A value of another type is none, as in USD, where the schema says the type; with a note.
+    pub fn token_of_schema(&self, name: &str, ledger: &mut Ledger) -> Result<Option<String>> {
+        let Some(found) = self.get(name)? else { return Ok(None) };
+        let token = value::text(&found).map(str::to_owned);
+        if token.is_none() {
+            ledger.warn(self.at_property(name), format!("`{name}` is no token: not said, as in USD"));
+        }
+        Ok(token)
     }
     pub fn tokens(&self, name: &str) -> Result<Option<Vec<String>>> {
         self.read(name, "a list of tokens", value::texts)

@@ -23,6 +23,10 @@ pub(super) fn check(whole: &SharedBuffer) -> Result<(), String> {
     let mut from = 0;
     while let Some(found) = find(bytes.get(from..).unwrap_or_default()) {
         let own = bytes.get(from + found..).unwrap_or_default();
+        // In a package the name may be part of other data; its layers are looked at one by one.
+        if from + found == 0 {
+            is_read(own)?;
+        }
         let file =
             Crate { bytes: own, most: (own.len() as u64).saturating_mul(PER_BYTE).saturating_add(LEAST).min(MOST) };
         file.sections()?;
@@ -33,6 +37,22 @@ pub(super) fn check(whole: &SharedBuffer) -> Result<(), String> {
         from += found + MAGIC.len();
     }
     Ok(())
+}
+
+/// The first version with compressed tables, which the library reads from.
+const OLDEST: [u8; 3] = [0, 4, 0];
+
+/// Refuses versions that the library would call damaged.
+fn is_read(bytes: &[u8]) -> Result<(), String> {
+    match bytes.get(MAGIC.len()..MAGIC.len() + OLDEST.len()) {
+        Some(own @ [major, minor, patch]) if *own < OLDEST[..] => {
+            let [a, b, c] = OLDEST;
+            Err(format!(
+                "a crate file of version {major}.{minor}.{patch}: expected {a}.{b}.{c} or later; usdcat writes it anew"
+            ))
+        }
+        Some(_) | None => Ok(()),
+    }
 }
 
 fn find(bytes: &[u8]) -> Option<usize> {
@@ -144,5 +164,7 @@ mod tests {
         let package = [b"PK\x03\x04".as_slice(), &file(b"FIELDS\0\0", 1 << 30)].concat();
         assert!(check(package).unwrap_err().contains("FIELDS"));
         assert_eq!(check(b"PXR-USDC".to_vec()), Ok(()));
+        let old = check([MAGIC, &[0, 0, 1, 0, 0]].concat()).unwrap_err();
+        assert!(old.starts_with("a crate file of version 0.0.1: expected 0.4.0 or later"), "{old}");
     }
 }

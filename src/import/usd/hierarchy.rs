@@ -131,10 +131,10 @@ pub(super) fn prim(reader: &mut Reader, prim: Prim, above: &Above) -> Result<()>
     }
     // Prims without a type are not UsdGeomImageable: visibility and purpose say nothing there.
     let is_imageable = !type_name.is_empty();
-    if is_imageable && view.token("visibility")?.as_deref() == Some("invisible") {
+    if is_imageable && view.token_of_schema("visibility", ledger)?.as_deref() == Some("invisible") {
         return material::meet_below(reader, &view, above.depth);
     }
-    let purpose = if is_imageable { view.token("purpose")? } else { None };
+    let purpose = if is_imageable { view.token_of_schema("purpose", ledger)? } else { None };
     let shown = match purpose.as_deref() {
         None => above.handed.shown,
         Some("default" | "render") => true,

@@ -4,7 +4,7 @@
 use super::attribute::{PrimView, resolved};
 use super::marks::{Marks, refined};
 use super::reader::Reader;
-use super::{shape, value};
+use super::{normalise, shape, value};
 use crate::base::fault::Result;
 use crate::base::units::luminance;
 use crate::import::assembly::{LightForm, LightSource, Node};
@@ -56,6 +56,12 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView, node: usize, type_name:
         Some(profile) if !profile.normalize => as_measured(form, profile.factor),
         Some(_) | None => form,
     };
+    // A profile that is not normalised says how strong the point is, whatever its radius.
+    if let LightForm::Point { intensity_cd: 0.0, .. } = form
+        && strength > 0.0
+    {
+        reader.ledger.warn(view.at(), "a point without `normalize` has no light");
+    }
     shape::unused(reader, view, &form)?;
     reader.charge(view.path(), 1, size_of::<LightSource>() + 2 * view.path().as_str().len())?;
     let color = marks.triple("color").map_or(color, |exact| {
@@ -263,9 +269,6 @@ impl Lit<'_> {
             reader.ledger.warn(self.view.at(), "a light that overflows: left out");
             return Ok(None);
         }
-        if shown == 0.0 {
-            reader.ledger.warn(self.view.at(), "a point without `normalize` has no light");
-        }
         let intensity_cd = refined(self.marks.number("intensity_cd"), intensity);
         Ok(Some(LightForm::Point { intensity_cd, cone: shape::cone(self.view, self.marks)? }))
     }
@@ -324,7 +327,7 @@ pub(super) fn file(view: &PrimView, name: &str) -> Result<Option<PathBuf>> {
             let below = home.and_then(|home| Some(found.strip_prefix(home).ok()?.to_owned()));
             below.map_or_else(|| found.to_owned(), |rest| folder.join(rest))
         }
-        None => folder.join(path.as_str()),
+        None => folder.join(&*normalise::meant(path.as_str())),
     }))
 }
 

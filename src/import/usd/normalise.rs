@@ -1,8 +1,19 @@
 //! Text layers as usd-core accepts them, in the form that the library's parser accepts. Tried with usd-core 26.11:
 //! `.5` and `5.`; `5.0` and `1e3` for integers (cut towards 0); `True`, `yes`, numbers and texts for booleans; `"x.png"`
-//! for asset paths, `<path>` for tokens and strings; `//` and `/* */` for comments; `config` before a type. Lines stay lines, so that messages name the right ones.
+//! for asset paths, `<path>` for tokens and strings; `//` and `/* */` for comments; `config` before a type; quotes that
+//! are escaped in texts of three quotes, `\@@@` in paths of three signs; numbers and texts for the flags of a prim. Lines
+//! stay lines, so that messages name the right ones.
 
 use std::borrow::Cow;
+
+/// Stands for three signs within a path of three signs, which the parser has no words for: a code point that no text has
+/// (Unicode, noncharacters). [`meant`] takes it back.
+const SIGNS: char = '\u{fdd0}';
+
+/// The path that the layer's author wrote.
+pub(super) fn meant(path: &str) -> Cow<'_, str> {
+    if path.contains(SIGNS) { Cow::Owned(path.replace(SIGNS, "@@@")) } else { Cow::Borrowed(path) }
+}
 
 /// Brackets within brackets; a text that goes deeper is no layer of anybody's.
 const MOST_DEEP: usize = 1000;
@@ -27,6 +38,8 @@ pub(super) fn layer(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
 enum Kind {
     Integer,
     Bool,
+    /// A flag of a prim or property, as metadata: its parser wants the word.
+    Flag,
     Asset,
     Text,
 }
@@ -39,6 +52,11 @@ fn kind(type_name: &[u8]) -> Option<Kind> {
         b"token" | b"string" => Some(Kind::Text),
         _ => None,
     }
+}
+
+/// The flags among metadata.
+fn flag(field: &[u8]) -> Option<Kind> {
+    matches!(field, b"active" | b"instanceable" | b"hidden").then_some(Kind::Flag)
 }
 
 struct Scan<'a> {
@@ -56,6 +74,8 @@ impl Scan<'_> {
         let mut declared: Option<Kind> = None;
         let mut values: Option<(Kind, usize, bool)> = None;
         let (mut depth, mut line, mut may_be_value) = (0usize, 1usize, false);
+        // The brackets that are open: fields of metadata lie directly in round ones.
+        let mut open: Vec<u8> = Vec::new();
         while let Some(&byte) = self.bytes.get(self.at) {
             let start = self.at;
             match byte {
@@ -93,17 +113,16 @@ impl Scan<'_> {
                     line += self.lines(start);
                     match values {
                         Some((Kind::Asset, ..)) => self.asset(start, text),
-                        Some((Kind::Bool, ..)) => self.boolean(start, text),
-                        Some((Kind::Integer | Kind::Text, ..)) | None => {}
+                        Some((Kind::Bool | Kind::Flag, ..)) => self.boolean(start, text),
+                        Some((Kind::Integer | Kind::Text, ..)) | None => self.quotes(start, byte),
                     }
                     may_be_value = false;
                 }
                 b'@' => {
-                    let triple = self.bytes.get(start..start + 3) == Some(b"@@@");
-                    if triple {
-                        self.skip_to(3, b"@@@")
+                    if self.bytes.get(start..start + 3) == Some(b"@@@") {
+                        self.path_of_three_signs();
                     } else {
-                        self.skip_to(1, b"@")
+                        self.skip_to(1, b"@");
                     }
                     line += self.lines(start);
                     may_be_value = false;
@@ -122,6 +141,7 @@ impl Scan<'_> {
                         values = None;
                     }
                     depth += 1;
+                    open.push(byte);
                     if depth > MOST_DEEP {
                         return Err(format!("line {line}: brackets nested more than {MOST_DEEP} deep"));
                     }
@@ -134,6 +154,7 @@ impl Scan<'_> {
                 }
                 b')' | b']' | b'}' => {
                     depth = depth.saturating_sub(1);
+                    open.pop();
                     self.at += 1;
                     may_be_value = false;
                     if values.is_some_and(|(_, base, _)| depth < base) {
@@ -164,9 +185,10 @@ impl Scan<'_> {
                         continue;
                     }
                     if values.is_none() {
-                        declared = kind(word).or(declared).filter(|_| !word.ends_with(b".connect"));
+                        let field = if open.last() == Some(&b'(') { flag(word) } else { None };
+                        declared = field.or(kind(word)).or(declared).filter(|_| !word.ends_with(b".connect"));
                     }
-                    let in_bool = matches!(values, Some((Kind::Bool, ..)));
+                    let in_bool = matches!(values, Some((Kind::Bool | Kind::Flag, ..)));
                     // Outside declared booleans only what is no other word of the language.
                     if may_be_value && (in_bool || matches!(word, b"True" | b"False" | b"TRUE" | b"FALSE")) {
                         self.boolean(start, word.to_vec());
@@ -243,10 +265,73 @@ impl Scan<'_> {
         self.copied = self.at;
     }
 
+    /// A quoted path between signs, which know no escapes.
     fn asset(&mut self, start: usize, text: Vec<u8>) {
-        // An escape or an `@` inside would not mean the same between signs.
-        if !text.iter().any(|byte| matches!(byte, b'@' | b'\\' | b'\n')) {
-            self.replace(start, &[b"@", text.as_slice(), b"@"].concat());
+        let mut plain = Vec::with_capacity(text.len());
+        let mut rest = text.iter();
+        while let Some(&byte) = rest.next() {
+            let byte = if byte == b'\\' { rest.next().copied().unwrap_or(byte) } else { byte };
+            plain.push(byte);
+        }
+        // `\n`, `\x41` and the like have no place in paths; `\\`, `\"` and `\'` have.
+        let is_plain = text.windows(2).all(|pair| pair.first() != Some(&b'\\') || !is_code(pair.get(1)));
+        if !is_plain || plain.contains(&b'\n') || plain.windows(3).any(|three| three == b"@@@") {
+            return;
+        }
+        let signs: &[u8] = if plain.contains(&b'@') { b"@@@" } else { b"@" };
+        // A path that ends with a sign would be one with what closes it.
+        if plain.last() != Some(&b'@') {
+            self.replace(start, &[signs, plain.as_slice(), signs].concat());
+        }
+    }
+
+    /// In a text of three quotes the parser takes an escaped quote for the end if two others follow: quotes by number.
+    fn quotes(&mut self, start: usize, quote: u8) {
+        let text = self.bytes.get(start..self.at).unwrap_or_default();
+        let escaped = |pair: &[u8]| pair == [b'\\', quote];
+        if !text.starts_with(&[quote; 3]) || text.len() < 6 || !text.windows(2).any(escaped) {
+            return;
+        }
+        let mut plain = Vec::with_capacity(text.len() + 8);
+        let mut rest = text.iter();
+        while let Some(&byte) = rest.next() {
+            match (byte, rest.as_slice().first()) {
+                (b'\\', Some(&next)) => {
+                    rest.next();
+                    if next == quote {
+                        plain.extend_from_slice(format!("\\x{quote:02x}").as_bytes());
+                    } else {
+                        plain.extend_from_slice(&[byte, next]);
+                    }
+                }
+                (_, Some(_) | None) => plain.push(byte),
+            }
+        }
+        self.replace(start, &plain);
+    }
+
+    /// Over a path of three signs. `\@@@` in it stands for three signs.
+    fn path_of_three_signs(&mut self) {
+        let start = self.at;
+        let mut plain: Vec<u8> = b"@@@".to_vec();
+        self.at += 3;
+        let mut is_escaped = false;
+        while let Some(&byte) = self.bytes.get(self.at) {
+            let rest = self.bytes.get(self.at..).unwrap_or_default();
+            if rest.starts_with(b"\\@@@") {
+                plain.extend_from_slice(SIGNS.encode_utf8(&mut [0; 4]).as_bytes());
+                (self.at, is_escaped) = (self.at + 4, true);
+            } else if rest.starts_with(b"@@@") {
+                self.at += 3;
+                if is_escaped {
+                    plain.extend_from_slice(b"@@@");
+                    self.replace(start, &plain);
+                }
+                return;
+            } else {
+                plain.push(byte);
+                self.at += 1;
+            }
         }
     }
 
@@ -317,13 +402,15 @@ impl Scan<'_> {
                     return;
                 }
             }
-            Some(Kind::Bool) if !self.is_time() && !matches!(text, "0" | "1") => {
+            Some(own @ (Kind::Bool | Kind::Flag))
+                if !self.is_time() && (own == Kind::Flag || !matches!(text, "0" | "1")) =>
+            {
                 if let Ok(number) = text.parse::<f64>() {
                     self.replace(start, if number == 0.0 { b"false" } else { b"true" });
                     return;
                 }
             }
-            Some(Kind::Integer | Kind::Bool | Kind::Asset | Kind::Text) | None => {}
+            Some(Kind::Integer | Kind::Bool | Kind::Flag | Kind::Asset | Kind::Text) | None => {}
         }
         if has_dot && (whole == first || fraction_digits == 0) {
             let part = |range: std::ops::Range<usize>| self.bytes.get(range).unwrap_or_default();
@@ -346,4 +433,9 @@ impl Scan<'_> {
         let rest = self.bytes.get(self.at..).unwrap_or_default();
         rest.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b':')
     }
+}
+
+/// Whether a letter after a backslash makes it another character than itself (`TfEscapeString` of OpenUSD).
+fn is_code(letter: Option<&u8>) -> bool {
+    letter.is_some_and(|letter| matches!(letter, b'a' | b'b' | b'f' | b'n' | b'r' | b't' | b'v' | b'x' | b'0'..=b'7'))
 }

@@ -76,7 +76,7 @@ fn convert(value: sdf::Value, file: &Path) -> Option<UsdValue> {
         V::StringVec(x) => UsdValue::Tokens(x),
         V::AssetPath(path) => UsdValue::Asset(match path.resolved_path().filter(|path| !path.is_empty()) {
             Some(found) => slashed(&relative(&folder_of(file), Path::new(found))),
-            None => path.as_str().to_owned(),
+            None => super::normalise::meant(path.as_str()).into_owned(),
         }),
         _ => return None,
     })

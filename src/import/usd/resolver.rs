@@ -104,7 +104,8 @@ impl Resolver for Normalising {
     fn open_asset(&self, resolved: &ResolvedPath) -> Result<Box<dyn Asset>> {
         let buffer = self.raw(resolved)?;
         if buffer.starts_with(b"PXR-USDC") || buffer.starts_with(b"PK") {
-            let view = buffer.into_shared();
+            let named = package::with_names_in_utf8(&buffer);
+            let view = named.map_or(buffer, AssetBuffer::from).into_shared();
             guard::check(&view).map_err(|what| Error::new(ErrorKind::InvalidData, what))?;
             return Ok(Box::new(Cursor::new(AssetBuffer::Shared(view))));
         }
@@ -119,14 +120,14 @@ impl Resolver for Normalising {
     }
 
     fn create_identifier(&self, asset_path: &str, anchor: Option<&ResolvedPath>) -> String {
-        self.inner.create_identifier(asset_path, anchor)
+        self.inner.create_identifier(&normalise::meant(asset_path), anchor)
     }
     /// A package whose first file is a package stands for that one, as in usd-core.
     fn resolve(&self, asset_path: &str) -> Option<ResolvedPath> {
         if asset_path.matches('[').count() > package::MOST_NESTED {
             return None;
         }
-        let mut found = self.inner.resolve(asset_path)?;
+        let mut found = self.inner.resolve(&normalise::meant(asset_path))?;
         for _ in 0..package::MOST_NESTED {
             let Some(inner) = self.first_package(&found) else { return Some(found) };
             let path = found.to_string_lossy();

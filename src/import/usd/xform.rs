@@ -56,6 +56,10 @@ pub(super) fn local(view: &PrimView, ledger: &mut Ledger) -> Result<Local> {
         if name == RESET {
             resets = true;
             ops.clear();
+        } else if name.starts_with(RESET) {
+            // Only the word alone resets.
+            let text = format!("`{name}` is no transform op: left out, as USD does; `{RESET}` stands alone");
+            ledger.warn(view.at_property("xformOpOrder"), text);
         } else if let Some(op) = read(view, name, ledger)? {
             ops.push(op);
         }

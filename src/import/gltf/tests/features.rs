@@ -381,6 +381,51 @@ fn what_bears_on_light_and_is_not_used_is_said_once_per_kind() {
     }
 }
 
+/// KHR_node_visibility: a node is seen if it and all above it are visible; cameras stay. The same whether the asset
+/// requires the extension or only uses it.
+#[test]
+fn hidden_nodes_have_no_meshes_and_lights() {
+    let mut builder = Builder::square();
+    builder.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } });
+    builder.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 0.5 } }));
+    let visible = |visible: bool| json!({ "KHR_node_visibility": { "visible": visible } });
+    builder.json["nodes"] = json!([
+        { "name": "hidden", "mesh": 0, "children": [1, 2], "extensions": visible(false) },
+        { "name": "below", "mesh": 0, "camera": 0, "extensions": visible(true) },
+        { "name": "lamp", "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+        { "name": "seen", "mesh": 0, "extensions": { "KHR_node_visibility": {} } },
+    ]);
+    let pointer = json!({ "pointer": "/nodes/0/extensions/KHR_node_visibility/visible" });
+    let target = json!({ "path": "pointer", "extensions": { "KHR_animation_pointer": pointer } });
+    for required in [json!([]), json!(["KHR_node_visibility"])] {
+        builder.json["extensionsRequired"] = required;
+        builder.json["animations"] = json!([]);
+        let found = builder.read().unwrap();
+        let meshes: Vec<_> = found.nodes.iter().map(|node| (node.name.as_str(), node.mesh.is_some())).collect();
+        assert_eq!(meshes, [("hidden", false), ("below", false), ("lamp", false), ("seen", true)]);
+        assert_eq!((found.cameras.len(), found.lights.len()), (1, 0));
+        assert!(has_note(&found, "hidden by `KHR_node_visibility`") && !has_note(&found, "shows or hides"));
+        builder.json["animations"] = json!([{ "channels": [{ "sampler": 0, "target": target }], "samplers": [] }]);
+        assert!(has_note(&builder.read().unwrap(), "an animation shows or hides nodes"));
+    }
+    builder.json["nodes"][0]["extensions"]["KHR_node_visibility"]["visible"] = json!(0);
+    assert!(builder.read().is_err());
+}
+
+#[test]
+fn what_an_asset_requires_is_applied_or_refused_unless_light_does_without() {
+    let mut builder = Builder::square();
+    for name in ["KHR_texture_basisu", "NV_texture_of_tomorrow", "KHR_xmp_json_ld", "KHR_materials_variants"] {
+        builder.json["extensionsRequired"] = json!([name]);
+        assert!(builder.read().is_ok(), "{name}");
+    }
+    for name in ["KHR_materials_clearcoat", "EXT_lights_image_based", "MSFT_lod"] {
+        builder.json["extensionsRequired"] = json!([name]);
+        let fault = builder.read().unwrap_err().to_string();
+        assert!(fault.contains(&format!("requires `{name}`, which bears on light")), "{fault}");
+    }
+}
+
 #[test]
 fn cameras_look_along_minus_z_of_their_node() {
     let mut builder = Builder::square();

@@ -68,6 +68,22 @@ fn points_are_small_spheres() {
     close(inner, PI / 12.0);
 }
 
+/// A profile that is not normalised says how strong a point is; without one, a point of radius 0 is dark.
+#[test]
+fn points_of_no_radius_shine_by_their_profile() {
+    let profile = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/ies_quirks/bom.ies");
+    let point = "bool treatAsPoint = 1\nfloat inputs:radius = 0\n";
+    let measured = format!("{point}asset inputs:shaping:ies:file = @{profile}@\n");
+    let found = light("SphereLight", &measured);
+    assert!(!notes(&found).contains("has no light"), "{}", notes(&found));
+    let LightForm::Point { intensity_cd, .. } = found.lights[0].form else { panic!() };
+    close(intensity_cd, 1.0);
+    for dark in [point, &format!("{measured}bool inputs:shaping:ies:normalize = 1\n")] {
+        let found = light("SphereLight", dark);
+        assert!(notes(&found).contains("a point without `normalize` has no light"), "{}", notes(&found));
+    }
+}
+
 #[test]
 fn distant_lights_are_in_lux() {
     let LightForm::Distant { illuminance_lx, angle } = form("DistantLight", "bool inputs:normalize = 1") else {

@@ -90,3 +90,28 @@ fn pictures_in_packages_are_named_by_their_entry() {
     let all = crate::import::dependencies(&folder.path().join("root.usda"), &ReadOptions { frame: Some(1.0) }).unwrap();
     assert!(all.iter().any(|one| one.file == folder.path().join("maps/wood.png") && !one.used && one.there));
 }
+
+/// usd-core writes names in UTF-8 without the mark that says so.
+#[test]
+fn names_need_no_mark() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = format!("{HEAD}def Xform \"P\" {{ def Sphere \"S\" {{ }} }}\n");
+    let marked = pack(&[("größe-レンズ.usda", root.as_bytes())]);
+    let mut plain = marked.clone();
+    for start in [&b"PK\x01\x02"[..], b"PK\x03\x04"] {
+        let at = plain.windows(4).position(|four| four == start).unwrap();
+        let flags = at + if start[2] == 1 { 9 } else { 7 };
+        assert_eq!(plain[flags] & 8, 8);
+        plain[flags] &= !8;
+    }
+    for (name, bytes) in [("marked.usdz", &marked), ("plain.usdz", &plain)] {
+        let file = folder.path().join(name);
+        std::fs::write(&file, bytes).unwrap();
+        let found = read(&file, &ReadOptions::default()).unwrap_or_else(|fault| panic!("{fault}"));
+        assert_eq!(paths(&found), ["P", "P/S"], "{name}");
+    }
+    assert_eq!(package::with_names_in_utf8(&marked), None);
+    for length in 0..plain.len() {
+        let _ = package::with_names_in_utf8(&plain[..length]);
+    }
+}

@@ -40,6 +40,21 @@ fn euler_angles_turn_about_the_first_axis_first() {
     near(yzx.transform_vector3(DVec3::Z), [cos, 0.0, sin]);
 }
 
+/// usd-core 26.11 skips an entry that names no attribute, and so neither resets nor moves here.
+#[test]
+fn a_reset_with_an_op_in_one_entry_is_left_out() {
+    let op = "    double3 xformOp:translate = (1, 2, 3)\n    uniform token[] xformOpOrder";
+    let body = |order: &str| {
+        format!("def Xform \"A\" {{\n{op} = [\"xformOp:translate\"]\n  def Xform \"B\" {{\n{op} = [{order}]\n}}\n}}\n")
+    };
+    let found = assembly(&body("\"!resetXformStack!xformOp:translate\""));
+    near(found.nodes[1].to_world.translation, [1.0, 2.0, 3.0]);
+    assert!(notes(&found).contains("stands alone"), "{}", notes(&found));
+    let found = assembly(&body("\"!resetXformStack!\", \"xformOp:translate\""));
+    near(found.nodes[1].to_world.translation, [1.0, 2.0, 3.0]);
+    assert!(!notes(&found).contains("stands alone"), "{}", notes(&found));
+}
+
 #[test]
 fn pivots_and_inverses_cancel() {
     let ops = "    double3 xformOp:translate:pivot = (1, 0, 0)\n    double xformOp:rotateY = 180";
@@ -106,4 +121,23 @@ fn faults_name_the_op() {
     assert!(text.contains("a.usda</A.xformOp:rotateX>: a value of another type; expected a number"), "{text}");
     let missing = assembly("def Xform \"A\" {\n    uniform token[] xformOpOrder = [\"xformOp:rotateX\"]\n}");
     assert!(notes(&missing).contains("has no value"), "{}", notes(&missing));
+}
+
+/// UsdGeomCamera: 50 tenths of a centimetre at f/2 are an aperture of 25 mm; the sharp distance is in scene units.
+#[test]
+fn lenses_of_cameras_in_centimetres_and_metres() {
+    for (unit, focal, focus) in [(0.01, 50.0, 100.0), (1.0, 0.5, 1.0)] {
+        let body = |lens: &str| {
+            format!(
+                "(\n metersPerUnit = {unit}\n)\ndef Camera \"C\" {{\nfloat focalLength = {focal}\nfloat horizontalAperture = 36\n{lens}\n}}\n"
+            )
+        };
+        let found = assembly(&body(&format!("float fStop = 2\nfloat focusDistance = {focus}")));
+        let camera = &found.cameras[0];
+        let metres = [camera.pupil, camera.focus].map(|length| length.unwrap() * found.unit_m);
+        assert!((metres[0] - 0.025).abs() < 1e-12 && (metres[1] - 1.0).abs() < 1e-12, "{metres:?}");
+        // The fallbacks say nothing.
+        let camera = &assembly(&body("float fStop = 0\nfloat focusDistance = 0")).cameras[0];
+        assert_eq!((camera.pupil, camera.focus), (None, None));
+    }
 }
