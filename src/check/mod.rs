@@ -128,7 +128,8 @@ fn check_groups(scene: &Scene) -> Result<()> {
         Some(Clash { layer, causes: [one, other] }) => {
             let text = format!("the layer `{layer}` would be {one} and {other}");
             Err(Fault::new(Where::Option("light groups".to_owned()), text)
-                .expected("another name for one of the groups"))
+                .expected("another name for one of the groups")
+                .code(Code::GroupUnusable))
         }
     }
 }
