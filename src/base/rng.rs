@@ -37,6 +37,8 @@ pub enum Stream {
     PhotonBoxes,
     /// Of the pixels that a witness looks at, and of how many times.
     Witness,
+    /// Of the frames of a sequence, whose seeds it makes.
+    Frame,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

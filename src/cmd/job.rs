@@ -1,7 +1,7 @@
 //! `eyebox job`: a rendering for a farm.
 
+use super::frames::{Frames, Pattern, named, parse_frames};
 use super::render_args::RenderArgs;
-use super::sequence::{Frames, parse_frames};
 use super::{Format, print};
 use crate::base::atomic::write_atomic;
 use crate::base::{Fault, Result, Where};
@@ -29,7 +29,7 @@ pub struct JobArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
     shards: u64,
     /// Time codes of a USD asset: A-B, or A-BxS for every S-th.
-    #[arg(long, value_name = "A-B[xS]", value_parser = parse_frames, allow_hyphen_values = true)]
+    #[arg(long, value_name = "A-B[xS],…", value_parser = parse_frames, allow_hyphen_values = true)]
     frames: Option<Frames>,
     /// The template to write: YAML, or JSON if the name says so.
     #[arg(short = 'o', long = "job", value_name = "JOB.yaml")]
@@ -92,12 +92,14 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
     let output = if output.components().count() == 1 { parent(&args.job).join(output) } else { output };
     // A template without a place for the frame's digits would write all frames to one file.
     let text = output.to_string_lossy();
-    if text.contains('#') != args.frames.is_some() {
+    if Pattern::has_place(&output) != args.frames.is_some() {
         let what = format!("`{text}` and the frames do not fit each other");
         return Err(Fault::new(Where::Option("--output".to_owned()), what)
             .expected("hud.####.exr with --frames, hud.exr without"));
     }
-    super::sequence::named(&output, args.frames.map(|_| 0.0))?;
+    named(&output, args.frames.as_ref().map(|_| 0.0))?;
+    // Names of shards are made of it, so there is one way to write it.
+    let output = if args.frames.is_some() { Pattern::of(&output)?.hashed() } else { output };
     let output = absolute(&output)?;
     let mut plan_options = Vec::new();
     let mut option = |name: &str, value: &Option<String>| {
@@ -131,7 +133,10 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
         shards: args.shards,
         samples: args.samples,
         seed: args.seed,
-        frames: args.frames.map(Frames::range),
+        frames: args
+            .frames
+            .as_ref()
+            .map(|frames| frames.ranges().iter().map(|range| (range.first, range.last, range.step)).collect()),
         plan_options,
         render_options: args.render.clone(),
         checkpoint_s: 60,
@@ -139,7 +144,7 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
     let template = job.template();
     let text = if ends("json") { format!("{template:#}\n") } else { yaml(&template) };
     write_atomic(&args.job, text.as_bytes())?;
-    let tasks = args.frames.map_or(1, Frames::count);
+    let tasks = args.frames.as_ref().map_or(1, Frames::count);
     let places = [("Asset", &job.asset, &asset), ("AssetFolder", &job.asset_folder, &folder)];
     let output_folder = parent(&output);
     let places = places.into_iter().chain([("OutputFolder", &job.output_folder, &output_folder)]);

@@ -39,7 +39,7 @@ pub struct MergeArgs {
 
 /// Runs the command.
 pub fn run(args: &MergeArgs) -> Result<ExitCode> {
-    let output = super::sequence::named(&args.output, args.frame)?;
+    let output = super::frames::named(&args.output, args.frame)?;
     check_writable(&output)?;
     let merged = merge(&args.shards, args.partial)?;
     let finishing = &merged.head.finishing;

@@ -20,6 +20,7 @@ mod completions;
 mod convert;
 mod diff;
 mod ending;
+mod frames;
 mod init;
 mod inspect;
 mod job;

@@ -2,10 +2,11 @@
 
 use super::chains::Chains;
 use super::ending::{Ending, ending, stated};
+use super::frames::named;
 use super::print;
 use super::progress::{Progress, Signals};
 use super::render_args::RenderArgs;
-use super::sequence::{self, named};
+use super::sequence;
 use super::shards::{Saver, checkpoint_of, resume};
 use super::witnessed::{Seen, Watched, traced};
 use crate::base::atomic::check_writable;
@@ -43,7 +44,7 @@ use std::time::Instant;
 /// Runs the command.
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let signals = Signals::install();
-    match args.frames {
+    match &args.frames {
         Some(frames) => sequence::run(args, frames, &signals),
         None => Ok(match one(args, &signals, true)? {
             Ended::Met => ExitCode::SUCCESS,
@@ -142,7 +143,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         world: &world,
         groups,
         size,
-        seed: args.seed,
+        seed: args.seed_of_passes(),
         watch: (!args.no_witness).then_some(guide),
         may_change: ours && args.shard.is_none() && args.checkpoint.is_none(),
     };
@@ -185,7 +186,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     pool.install(|| mattes::add(&mut frame, &scene, &world, &mattes));
     frame.meta.insert(COLOR_INTEROP_ID.to_owned(), Meta::Text(args.color.space().interop_id().to_owned()));
     frame.meta.insert("planHash".to_owned(), Meta::Text(frozen.hash));
-    add_meta(&mut frame, &scene, &plan, &outcome, args.seed, &finished.splits);
+    add_meta(&mut frame, &scene, &plan, &outcome, args.seed_of_passes(), &finished.splits);
     add_sharpness(&mut frame, &sharpness);
     add_witness(&mut frame, judgement.as_ref(), !args.no_witness, &ending.lines);
     if args.convergence {
@@ -283,7 +284,7 @@ fn summary(
             "output": args.output,
             "scene": scene.name,
             "scene_hash": scene.hash,
-            "seed": args.seed,
+            "seed": args.seed_of_passes(),
             "passes": outcome.films.passes,
             "seconds": outcome.elapsed.as_secs_f64(),
             "stop": outcome.stop,

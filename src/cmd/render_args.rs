@@ -1,11 +1,12 @@
 //! What `eyebox render` can be asked for.
 
 use super::Format;
+use super::frames::{Frames, parse_frames};
 use super::progress::ProgressArg;
-use super::sequence::{Frames, parse_frames};
 use super::shards::parse_shard;
 use super::source::Source;
 use crate::base::colour::ColourSpace;
+use crate::base::rng::{Rng, Stream};
 use crate::estimate::aov;
 use crate::estimate::finishing::{Finishing, Wanted};
 use crate::estimate::run::Limits;
@@ -14,7 +15,7 @@ use crate::estimate::wish::Named;
 use crate::film::aov::Aov;
 use crate::film::detail::ErrorDetail;
 use crate::film::plan::Estimator;
-use crate::output::exr::parse_prefix;
+use crate::output::exr::{Packing, parse_prefix};
 use crate::plan::frozen::Frozen;
 use crate::plan::{Choice, Polarisation};
 use crate::scene::Scene;
@@ -113,6 +114,13 @@ pub struct RenderArgs {
     /// Give every layer a part of its own in the EXR, the default image the first. (Natron and Fusion read one part better.)
     #[arg(long)]
     pub multi_part: bool,
+    /// Store the pictures as half floats, of 11 bits; data, identities and what is too bright for them stay whole.
+    #[arg(long)]
+    pub half: bool,
+    /// How the EXR is compressed: zip (16 lines at a time), zips (line by line), piz (small for noisy pictures), none, or
+    /// dwaa (small, with loss; with --multi-part, where data are spared) [default: zip]
+    #[arg(long, value_name = "zip|zips|piz|none|dwaa", value_parser = Packing::parse)]
+    pub compression: Option<Packing>,
     /// Spread the light as the lit part of the pupil does by diffraction. Without this the picture is geometric; the limit
     /// is in the header either way.
     #[arg(long)]
@@ -126,9 +134,9 @@ pub struct RenderArgs {
     pub chains: Vec<String>,
     #[command(flatten)]
     pub source: Source,
-    /// One file for each of these whole time codes, each imported by itself; limits hold for each. A frame that fails is
+    /// One file for each of these whole time codes (1-24, 1-24x2, 1,3,5), each with noise of its own and imported by itself; limits hold for each. A frame that fails is
     /// reported and the others go on (exit code 2). Ctrl-C keeps what is done and does not write the frame under way.
-    #[arg(long, value_name = "A-B[xS]", value_parser = parse_frames, allow_hyphen_values = true, conflicts_with = "frame")]
+    #[arg(long, value_name = "A-B[xS],…", value_parser = parse_frames, allow_hyphen_values = true, conflicts_with = "frame")]
     pub frames: Option<Frames>,
     /// Leave out frames whose file is there.
     #[arg(long, requires = "frames")]
@@ -269,6 +277,15 @@ impl RenderArgs {
         RenderArgs { output, source, frames: None, ..self.clone() }
     }
 
+    /// The seed of the passes: that of `--seed`, and at a time code one that hangs on both, or a sequence would move under a
+    /// still pattern of noise. 53 bits, which every reader of JSON keeps.
+    pub fn seed_of_passes(&self) -> u64 {
+        match self.source.frame {
+            None => self.seed,
+            Some(frame) => Rng::new(self.seed, Stream::Frame, frame.to_bits(), 0).next_u64() >> 11,
+        }
+    }
+
     /// Standard errors of layers are kept if they are asked for, be it by name.
     pub fn errors(&self, named: &[Named]) -> ErrorDetail {
         let errors = ["_stderr", "_covariance", "_variance"];
@@ -292,6 +309,8 @@ impl RenderArgs {
             variance,
             prefix: self.layer_prefix.clone(),
             multi_part: self.multi_part,
+            half: self.half,
+            compression: self.compression.map(|packing| packing.name().to_owned()),
         }
     }
 
@@ -314,7 +333,7 @@ impl RenderArgs {
             parts: scene.parts.len(),
             plan: serde_json::json!(frozen),
             plan_hash: frozen.hash.clone(),
-            seed: self.seed,
+            seed: self.seed_of_passes(),
             eye: serde_json::json!(scene.eye),
             of: self.shard,
             total,
@@ -333,7 +352,7 @@ impl RenderArgs {
         if head.scene != scene.hash || head.eye != serde_json::json!(scene.eye) {
             return differs("the scene");
         }
-        if head.seed != self.seed {
+        if head.seed != self.seed_of_passes() {
             return differs("the seed");
         }
         if head.of != self.shard || (self.shard.is_some() && head.total != self.limits().passes) {

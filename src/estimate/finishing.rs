@@ -15,7 +15,7 @@ use crate::film::frame::{Channel, Frame, Meta};
 use crate::film::layer::Layer;
 use crate::film::plan::Plan;
 use crate::film::variance;
-use crate::output::exr::{LAYER_PREFIX, MULTI_PART};
+use crate::output::exr::{COMPRESSION, HALF, LAYER_PREFIX, MULTI_PART};
 use crate::scene::Scene;
 use std::collections::HashSet;
 
@@ -44,6 +44,12 @@ pub struct Wanted {
     pub variance: bool,
     pub prefix: Option<String>,
     pub multi_part: bool,
+    /// Pictures as half floats.
+    #[serde(default)]
+    pub half: bool,
+    /// The name of a [`Packing`](crate::output::exr::Packing), if another than the usual.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compression: Option<String>,
 }
 
 impl Finishing {
@@ -92,6 +98,8 @@ impl Wanted {
         frame.meta.extend(said);
         frame.meta.extend(self.prefix.iter().map(|prefix| (LAYER_PREFIX.to_owned(), Meta::Text(prefix.clone()))));
         frame.meta.extend(self.multi_part.then(|| (MULTI_PART.to_owned(), Meta::Integer(1))));
+        frame.meta.extend(self.half.then(|| (HALF.to_owned(), Meta::Integer(1))));
+        frame.meta.extend(self.compression.iter().map(|name| (COMPRESSION.to_owned(), Meta::Text(name.clone()))));
     }
 }
 

@@ -104,6 +104,9 @@ fn decode_trusting(bytes: &[u8]) -> Result<(Frame, About), String> {
     let size = check_sizes(reader.headers(), bytes.len())?;
     let mut frame = Frame::new(size.0, size.1);
     let about = reader.headers().first().map(about).unwrap_or_default();
+    let channels = reader.headers().iter().flat_map(|header| &header.channels.list);
+    let half = channels.into_iter().any(|channel| channel.sample_type == SampleType::F16);
+    frame.half = half || reader.headers().iter().any(|header| header.compression.may_loose_data());
     frame.meta = reader.headers().first().into_iter().flat_map(metadata).collect();
     let pixels = size.area();
     // The frame's channels are the parts' channels one after the other.

@@ -103,6 +103,8 @@ pub struct Frame {
     pub height: usize,
     pub channels: Vec<Channel>,
     pub meta: BTreeMap<String, Meta>,
+    /// Read from half floats, or from what was compressed with loss: values have 11 bits, so that sums of layers are not the stored sums to more than that.
+    pub half: bool,
 }
 
 impl Frame {

@@ -6,10 +6,12 @@
 
 mod header;
 mod naming;
+mod packing;
 mod write;
 
 pub use crate::film::exr::{COLOR_INTEROP_ID, LAYER_PREFIX, PREFIX, WHITE_LUMINANCE, read_exr};
-pub use naming::{MULTI_PART, parse_prefix};
+pub use naming::{COMPRESSION, HALF, MULTI_PART, parse_prefix};
+pub use packing::Packing;
 pub use write::{warnings, write_exr};
 
 /// Linear Rec. 709 / D65: the colour space when a frame names none.

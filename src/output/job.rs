@@ -20,8 +20,8 @@ pub struct Job {
     pub shards: u64,
     pub samples: u64,
     pub seed: u64,
-    /// First, last, step; none: one picture without a time code.
-    pub frames: Option<(i64, i64, u64)>,
+    /// First, last, step of each range; none: one picture without a time code.
+    pub frames: Option<Vec<(i64, i64, u64)>>,
     /// Options of `plan` and `render`.
     pub plan_options: Vec<String>,
     /// Options of `render` alone.
@@ -33,7 +33,7 @@ pub struct Job {
 impl Job {
     /// The template.
     pub fn template(&self) -> Value {
-        let frame: Vec<String> = match self.frames {
+        let frame: Vec<String> = match &self.frames {
             Some(_) => ["--frame", "{{Task.Param.Frame}}"].map(str::to_owned).into(),
             None => Vec::new(),
         };
@@ -121,9 +121,15 @@ impl Job {
             json!({ "name": "Seed", "type": "INT", "minValue": 0, "default": self.seed, "description": "Seed of the random numbers." }),
             json!({ "name": "Eyebox", "type": "STRING", "default": "eyebox", "description": "The program on the worker." }),
         ];
-        if let Some((first, last, step)) = self.frames {
-            let range = if step == 1 { format!("{first}-{last}") } else { format!("{first}-{last}:{step}") };
-            all.push(json!({ "name": "Frames", "type": "STRING", "default": range, "description": "Time codes: A-B or A-B:STEP." }));
+        if let Some(frames) = &self.frames {
+            let range = |(first, last, step): &(i64, i64, u64)| match (first == last, step) {
+                (true, _) => first.to_string(),
+                (false, 1) => format!("{first}-{last}"),
+                (false, step) => format!("{first}-{last}:{step}"),
+            };
+            let ranges = frames.iter().map(range).collect::<Vec<_>>().join(",");
+            all.push(json!({ "name": "Frames", "type": "STRING", "default": ranges,
+                "description": "Time codes: A-B or A-B:STEP, several with commas between them." }));
         }
         Value::from(all)
     }
@@ -133,7 +139,7 @@ impl Job {
         // `hud.v1.####.exr` and `hud.v2.####.exr` may lie in one folder.
         let name = self.output.rsplit_once('.').map_or(self.output.as_str(), |(stem, _)| stem);
         let stem = name.replace('#', "").trim_end_matches(['.', '_', '-']).to_owned();
-        match self.frames {
+        match &self.frames {
             Some(_) => format!("{{{{Param.OutputFolder}}}}/{stem}.{{{{Task.Param.Frame}}}}.{kind}"),
             None => format!("{{{{Param.OutputFolder}}}}/{stem}.{kind}"),
         }
@@ -200,7 +206,7 @@ fn below(value: &Value, depth: usize, out: &mut String) {
 mod tests {
     use super::*;
 
-    fn job(frames: Option<(i64, i64, u64)>) -> Job {
+    fn job(frames: Option<Vec<(i64, i64, u64)>>) -> Job {
         Job {
             name: "hud".to_owned(),
             asset: Some("a/hud.usda".to_owned()),
@@ -219,7 +225,7 @@ mod tests {
 
     #[test]
     fn steps_follow_each_other_and_name_every_shard() {
-        let template = job(Some((1, 9, 2))).template();
+        let template = job(Some(vec![(1, 9, 2), (12, 12, 1)])).template();
         let steps = template["steps"].as_array().unwrap();
         let names: Vec<_> = steps.iter().map(|step| step["name"].as_str().unwrap()).collect();
         assert_eq!(names, ["Plan", "Render", "Merge"]);
@@ -227,7 +233,7 @@ mod tests {
         let merge = steps[2]["script"]["actions"]["onRun"]["args"].to_string();
         (1..=3).for_each(|k| assert!(merge.contains(&format!("shard-{k}-of-3.exr")), "{merge}"));
         let frames = template["parameterDefinitions"].as_array().unwrap().last().unwrap().clone();
-        assert_eq!(frames["default"], "1-9:2");
+        assert_eq!(frames["default"], "1-9:2,12");
         assert!(template["parameterDefinitions"][2].get("default").is_none());
         assert_eq!(template["parameterDefinitions"][1]["default"], "a");
         let still = job(None).template().to_string();

@@ -1,11 +1,13 @@
 //! A rendering as the shares that it is the sum of: one per layer and light group, with what tells its dependence on the
 //! slide's contrast and its standard error. Names and formulas: `docs/layers.md`.
 
+use super::compare::is_data;
 use super::luminance::Luminance;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::aov;
 use crate::film::frame::Frame;
 use crate::film::layer::Layer;
+use crate::film::matte::Matte;
 use crate::film::names;
 
 /// Three channels of a layer, `width × height` each, in the frame's colour space, cd/m².
@@ -15,6 +17,8 @@ pub type Picture<'f> = [&'f [f32]; 3];
 pub const PLATE: &str = "plate";
 /// A sum of stored layers may miss the stored sum by this share of its peak: f32 sums of a few terms.
 const SUM_TOLERANCE: f64 = 1e-5;
+/// The same where values were stored as half floats, of 11 bits: four terms of a split.
+const HALF_SUM_TOLERANCE: f64 = 4.0 / 2048.0;
 /// Suffixes of the corrections for light that crosses the slide more than once, in their order.
 const CROSSES: [&str; 3] = ["_cross", "_cross2", "_cross3"];
 
@@ -85,7 +89,7 @@ impl<'f> Rendering<'f> {
             let Some(picture) = frame.rgb(&name) else { return Ok(None) };
             let split = Split::of(frame, &name);
             if let (Some(split), Some(contrast)) = (&split, contrast) {
-                split.check(&name, contrast, picture)?;
+                split.check(&name, contrast, picture, tolerance(frame))?;
             }
             let refused = |(of, by, _): &&(String, String, String)| of == layer && by == group;
             Ok(Some(Share {
@@ -136,7 +140,7 @@ impl<'f> Rendering<'f> {
         };
         for layer in Layer::SUM_ORDER.map(Layer::name) {
             let Some(picture) = frame.rgb(layer) else { continue };
-            if !adds_up(picture, self.of_layer(layer).map(|share| share.picture)) {
+            if !adds_up(picture, self.of_layer(layer).map(|share| share.picture), tolerance(frame)) {
                 let there: Vec<&str> = self.of_layer(layer).map(|share| share.group.as_str()).collect();
                 let missing = self.groups.iter().filter(|group| *group != PLATE && !there.contains(&group.as_str()));
                 let missing: Vec<String> = missing.map(|group| format!("`{layer}_{group}`")).collect();
@@ -147,7 +151,7 @@ impl<'f> Rendering<'f> {
         let Some(picture) = frame.rgb("") else {
             return Err(Fault::new(Where::Nowhere, "the frame has no default image").expected("channels R, G and B"));
         };
-        if !adds_up(picture, self.shares.iter().map(|share| share.picture)) {
+        if !adds_up(picture, self.shares.iter().map(|share| share.picture), tolerance(frame)) {
             let missing = Layer::SUM_ORDER.map(Layer::name).into_iter().filter(|layer| frame.rgb(layer).is_none());
             let missing: Vec<String> = missing.map(|layer| format!("`{layer}_GROUP`")).collect();
             let missing = if missing.is_empty() { "the default image".to_owned() } else { missing.join(" or ") };
@@ -191,11 +195,11 @@ impl<'f> Split<'f> {
     }
 
     /// The split at the rendered contrast is the share as it was rendered.
-    fn check(&self, name: &str, contrast: f64, picture: Picture) -> Result<()> {
+    fn check(&self, name: &str, contrast: f64, picture: Picture, tolerance: f64) -> Result<()> {
         for (channel, stored) in picture.into_iter().enumerate() {
             let peak = peak(stored).max(peak(self.open[channel]));
             let miss = |(pixel, stored): (usize, &f32)| {
-                (self.value(contrast, channel, pixel) - f64::from(*stored)).abs() > SUM_TOLERANCE * peak
+                (self.value(contrast, channel, pixel) - f64::from(*stored)).abs() > tolerance * peak
             };
             if stored.iter().enumerate().any(miss) {
                 return Err(Fault::new(
@@ -246,7 +250,10 @@ pub fn check_data(frame: &Frame) -> Result<()> {
         }
         // An unknown error is NaN.
         let unknown = names::is_error(channel.layer());
-        let bad = |value: &f32| !(value.is_finite() || unknown && value.is_nan());
+        // What is nowhere is infinitely far, as other programs write it: that says nothing of light.
+        let data = is_data(channel.layer()) || is_data(name) || Matte::of_layer(channel.layer()).is_some();
+        let free = data && channel.layer() != "seethrough";
+        let bad = |value: &f32| !(value.is_finite() || free || unknown && value.is_nan());
         if let Some(pixel) = channel.data.iter().position(bad) {
             let (x, y) = (pixel % frame.width, pixel / frame.width);
             let value = channel.data.get(pixel).copied().unwrap_or(f32::NAN);
@@ -255,6 +262,11 @@ pub fn check_data(frame: &Frame) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// By what share of the peak a sum of stored layers may miss the stored sum.
+fn tolerance(frame: &Frame) -> f64 {
+    if frame.half { HALF_SUM_TOLERANCE } else { SUM_TOLERANCE }
 }
 
 /// A variance that rounding has made negative is none; one that is unknown (NaN) stays so.
@@ -267,13 +279,13 @@ fn peak(data: &[f32]) -> f64 {
 }
 
 /// Whether pictures add up to another, as far as f32 can tell.
-fn adds_up<'f>(sum: Picture<'f>, terms: impl Iterator<Item = Picture<'f>>) -> bool {
+fn adds_up<'f>(sum: Picture<'f>, terms: impl Iterator<Item = Picture<'f>>, tolerance: f64) -> bool {
     let terms: Vec<Picture> = terms.collect();
     (0..3).all(|channel| {
         let largest = terms.iter().fold(peak(sum[channel]), |largest, term| largest.max(peak(term[channel])));
         sum[channel].iter().enumerate().all(|(pixel, want)| {
             let got: f64 = terms.iter().filter_map(|term| term[channel].get(pixel)).map(|v| f64::from(*v)).sum();
-            (got - f64::from(*want)).abs() <= SUM_TOLERANCE * largest
+            (got - f64::from(*want)).abs() <= tolerance * largest
         })
     })
 }

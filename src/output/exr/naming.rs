@@ -7,7 +7,13 @@ use super::super::compare::is_data;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::exr::{LAYER_PREFIX, is_matte_name, is_word};
 use crate::film::frame::{Frame, Meta, split_name};
+use crate::film::matte::Matte;
+use crate::film::names;
 
+/// Metadata: 1 where pictures are to be stored as half floats.
+pub const HALF: &str = "halfFloat";
+/// Metadata: the name of a [`Packing`](super::packing::Packing).
+pub const COMPRESSION: &str = "compression";
 /// Metadata: 1 where every layer has a part of its own.
 pub const MULTI_PART: &str = "multiPart";
 /// The part of the default image.
@@ -25,6 +31,8 @@ pub fn parse_prefix(text: &str) -> Result<String, String> {
 pub struct Stored<'f> {
     pub name: String,
     pub data: &'f [f32],
+    /// Its numbers are no picture, whatever it is called in the file: a half would damage them.
+    pub exact: bool,
 }
 
 /// A part of a file.
@@ -64,7 +72,8 @@ pub fn parts<'f>(frame: &'f Frame, at: &dyn Fn() -> Where) -> Result<Vec<Part<'f
             data: !own.is_empty() && (is_data(own) || frame.rgb(own).is_none()),
         });
         let name = if layer.is_empty() { channel.name.clone() } else { format!("{prefix}{}", channel.name) };
-        part.channels.push(Stored { name, data: &channel.data });
+        let exact = is_data(layer) || names::is_error(layer) || Matte::of_layer(layer).is_some();
+        part.channels.push(Stored { name, data: &channel.data, exact });
     }
     let mut first = FIRST_PART.to_owned();
     while parts.values().any(|part| part.name.as_ref() == Some(&first)) {

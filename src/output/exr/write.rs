@@ -12,10 +12,13 @@ use ::exr::meta::attribute::{
     AttributeValue, ChannelDescription, Chromaticities, IntegerBounds, LineOrder, SampleType, Text,
 };
 use ::exr::meta::header::{Header, ImageAttributes, LayerAttributes};
-use ::exr::prelude::{Compression, Vec2};
+use ::exr::prelude::{Vec2, f16};
 
 use super::naming::{self, Part, Stored};
-use super::{COLOR_INTEROP_ID, DATA, DEFAULT_COLOR, LAYER_PREFIX, PREFIX, WHITE_LUMINANCE, header};
+use super::packing::{sample_type, too_bright};
+use super::{
+    COLOR_INTEROP_ID, COMPRESSION, DATA, DEFAULT_COLOR, LAYER_PREFIX, PREFIX, Packing, WHITE_LUMINANCE, header,
+};
 use crate::base::atomic::write_atomic_by;
 use crate::base::colour::ColourSpace;
 use crate::base::fault::{Fault, Result, Where};
@@ -39,6 +42,7 @@ const SHORT_NAME: usize = 31;
 /// Metadata: `colorInteropID` (text, default `lin_rec709_scene`) and `whiteLuminance` (number, default 1: values are
 /// cd/m²) and Cryptomatte's (`cryptomatte/…`) under their own names, every other entry `key` as `eyebox.key`: text as `string`, numbers as `double`,
 /// integers as `int`, or as `string` when they need more than 32 bits ([`Frame::integer`] reads both back).
+/// `halfFloat` = 1 stores pictures as halves where these hold them, and `compression` names a [`Packing`].
 ///
 /// Returns [`warnings`].
 ///
@@ -65,7 +69,11 @@ pub fn write_exr(path: &Path, frame: &Frame) -> Result<Vec<String>> {
         drop(buffered);
         put_in_order(file, long_names)
     })?;
-    Ok(warnings(frame))
+    let bright = too_bright(frame, &parts).into_iter().map(|layer| {
+        let name = if layer.is_empty() { "the default image".to_owned() } else { format!("the layer `{layer}`") };
+        format!("{name} is brighter than half floats hold (65504): it has whole ones")
+    });
+    Ok(warnings(frame).into_iter().chain(bright).collect())
 }
 
 /// Puts the headers at the beginning of a file in order.
@@ -106,6 +114,11 @@ fn check_channels(frame: &Frame, parts: &[Part], at: &dyn Fn() -> Where) -> Resu
         Fault::new(at(), format!("a frame of {} × {} pixels cannot be written", frame.width, frame.height))
             .expected("at least one pixel")
     })?;
+    let lossy = frame.text(COMPRESSION).and_then(|name| Packing::parse(name).ok()).filter(|packing| packing.is_lossy());
+    if let (Some(packing), [Part { name: None, .. }]) = (lossy, parts) {
+        let text = format!("the compression {} would damage data that are in one part with pictures", packing.name());
+        return Err(Fault::new(at(), text).expected("--multi-part with it"));
+    }
     if parts.is_empty() {
         return Err(Fault::new(at(), "the frame has no channel").expected("at least one"));
     }
@@ -118,7 +131,7 @@ fn check_channels(frame: &Frame, parts: &[Part], at: &dyn Fn() -> Where) -> Resu
             }
         }
     }
-    for Stored { name, data } in parts.iter().flat_map(|part| &part.channels) {
+    for Stored { name, data, .. } in parts.iter().flat_map(|part| &part.channels) {
         check_name(name, at)?;
         if data.len() != pixels {
             return Err(Fault::new(at(), format!("channel `{name}` has {} values", data.len()))
@@ -187,6 +200,13 @@ fn attributes(frame: &Frame, at: &dyn Fn() -> Where) -> Result<HashMap<String, A
     Ok(attributes)
 }
 
+fn put<const N: usize>(line: &mut [u8], samples: &[f32], bytes: impl Fn(f32) -> [u8; N]) {
+    let (to, _) = line.as_chunks_mut::<N>();
+    for (to, sample) in to.iter_mut().zip(samples) {
+        *to = bytes(*sample);
+    }
+}
+
 /// UTF-8 bytes as they are: the crate's own conversion is Latin-1 and refuses `²`'s neighbours.
 fn text(value: &str) -> Text {
     Text::from_slice_unchecked(value.as_bytes())
@@ -199,8 +219,11 @@ fn encode(
     attributes: &HashMap<String, AttributeValue>,
 ) -> ::exr::error::UnitResult {
     let size = Vec2(frame.width, frame.height);
+    let named = frame.text(COMPRESSION).and_then(|name| Packing::parse(name).ok());
+    let compression = named.unwrap_or_default();
     let header = |(index, part): (usize, &Part)| {
-        let describe = |channel: &Stored| ChannelDescription::new(text(&channel.name), SampleType::F32, false);
+        let describe =
+            |channel: &Stored| ChannelDescription::new(text(&channel.name), sample_type(frame, part, channel), false);
         // The first part says everything, the others only what kind of numbers they hold.
         let other = if index == 0 {
             attributes.iter().map(|(name, value)| (text(name), value.clone())).collect()
@@ -224,7 +247,7 @@ fn encode(
             own_attributes: own,
             ..Header::new(text(""), size, part.channels.iter().map(describe).collect())
         }
-        .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_encoding(compression.of_part(part), BlockDescription::ScanLines, LineOrder::Increasing)
     };
 
     ::exr::block::write(file, parts.iter().enumerate().map(header).collect(), true, |meta, writer| {
@@ -236,8 +259,10 @@ fn encode(
                 let start = y * frame.width + x;
                 let end = start + line.location.sample_count;
                 let samples = channels.get(line.location.channel).and_then(|channel| channel.data.get(start..end));
-                for (to, sample) in line.value.chunks_exact_mut(size_of::<f32>()).zip(samples.unwrap_or(&[])) {
-                    to.copy_from_slice(&sample.to_ne_bytes());
+                let samples = samples.unwrap_or(&[]);
+                match header.channels.list[line.location.channel].sample_type {
+                    SampleType::F16 => put(line.value, samples, |sample| f16::from_f32(sample).to_ne_bytes()),
+                    SampleType::F32 | SampleType::U32 => put(line.value, samples, f32::to_ne_bytes),
                 }
             });
             (number, block)
