@@ -393,6 +393,8 @@ fn asset(lights: Vec<(&str, LightForm)>) -> Assembly {
             to_world: DAffine3::IDENTITY,
             yfov: Some(0.5),
             aspect: Some(1.0),
+            pupil: None,
+            focus: None,
         }],
         ..Assembly::default()
     }

@@ -2,7 +2,7 @@
 
 use super::assembly::{Assembly, Camera};
 use super::fit::{self, Fitted};
-use super::optics::{self, Pose};
+use super::optics::{self, Lens, Pose};
 use super::select;
 use super::value::{Data, Value};
 use crate::base::fault::Result;
@@ -60,7 +60,11 @@ pub fn eye(assembly: &Assembly, value: Option<&Value>, unit_m: f64, notes: &mut 
         (None, Some(_)) => &empty,
         (None, None) => return Ok(None),
     };
-    let spec = optics::eye(value, notes)?;
+    let lens = camera.map_or(Lens::default(), |camera| Lens {
+        pupil_diameter_m: camera.pupil.map(|pupil| pupil * unit_m),
+        focus_distance_m: camera.focus.map(|focus| focus * unit_m),
+    });
+    let spec = optics::eye(value, lens, notes)?;
     // A camera gives what the eye leaves open only if the eye says nothing of where it stands.
     let camera = camera.filter(|_| spec.pose.is_none());
     let resolution = match (spec.resolution, camera.and_then(|camera| camera.aspect)) {

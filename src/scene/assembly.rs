@@ -130,6 +130,9 @@ pub struct Camera {
     /// Full vertical field of view, radians; none for an orthographic camera (which we cannot use).
     pub yfov: Option<f64>,
     pub aspect: Option<f64>,
+    /// Diameter of its aperture and distance that is sharp, in asset units, if it says them.
+    pub pupil: Option<f64>,
+    pub focus: Option<f64>,
 }
 
 /// A light that the format has as such (KHR_lights_punctual, UsdLux). Lengths in asset units, in the light's own axes;

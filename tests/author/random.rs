@@ -126,7 +126,7 @@ prop_compose! {
             mesh(seed, &corners, count, rows)
         }).collect();
         let last = all.nodes.len() - 1;
-        all.cameras.push(Camera { name: "C".into(), to_world: all.nodes[last].to_world, yfov: Some(yfov), aspect });
+        all.cameras.push(Camera { name: "C".into(), to_world: all.nodes[last].to_world, yfov: Some(yfov), aspect, pupil: None, focus: None });
         all.lights.push(LightSource {
             name: "L".into(), node: last, form: LightForm::Point { intensity_cd: strength, cone: None },
             color: [1.0; 3], kelvin: None, profile: None, attributes: None, at: Where::Nowhere,

@@ -165,6 +165,14 @@ pub(super) fn cameras(writing: &Writing<'_>, siblings: &mut Siblings, prims: &mu
                 prim.push(Property::new("focalLength", Datum::Float(focal)));
                 prim.push(Property::new("horizontalAperture", Datum::Float(wide as f32)));
                 prim.push(Property::new("verticalAperture", Datum::Float(tall as f32)));
+                if let Some(pupil) = camera.pupil {
+                    prim.marks.push(("pupil", Datum::Double(pupil)));
+                    prim.push(Property::new("fStop", Datum::Float((f64::from(focal) / 10.0 / pupil) as f32)));
+                }
+                if let Some(focus) = camera.focus {
+                    prim.marks.push(("focus", Datum::Double(focus)));
+                    prim.push(Property::new("focusDistance", Datum::Float(focus as f32)));
+                }
             }
             None => prim.push(Property::new("projection", Datum::Token("orthographic".to_owned()))),
         }

@@ -69,7 +69,14 @@ fn one_of_everything() -> Assembly {
         attributes: None,
         at: Where::Nowhere,
     });
-    a.cameras.push(Camera { name: "Auge".into(), to_world: turned, yfov: Some(0.3), aspect: Some(2.0) });
+    a.cameras.push(Camera {
+        name: "Auge".into(),
+        to_world: turned,
+        yfov: Some(0.3),
+        aspect: Some(2.0),
+        pupil: Some(0.25),
+        focus: Some(8.0),
+    });
     a
 }
 

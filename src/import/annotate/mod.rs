@@ -166,7 +166,7 @@ fn checked(sheet: &Sheet, bound: &[PartBound]) -> Result<()> {
         optics::sun(sun, &mut notes)?;
     }
     if let Some(eye) = &sheet.eye {
-        optics::eye(eye, &mut notes)?;
+        optics::eye(eye, optics::Lens::default(), &mut notes)?;
     }
     for slots in bound.iter().flat_map(|part| std::iter::once(&part.part).chain(&part.faces)) {
         for won in slots.all().filter(|won| won.rank > Rank::NodeFaces || won.rank == Rank::Default) {

@@ -166,9 +166,9 @@ fn camera(document: &Document<'_>, reference: &At<'_>, node: &str, to_world: DAf
                 Some(field) => return Err(field.fault("aspect ratio out of range").expected("more than 0")),
                 None => None,
             };
-            Ok(Camera { name, to_world, yfov: Some(yfov), aspect })
+            Ok(Camera { name, to_world, yfov: Some(yfov), aspect, pupil: None, focus: None })
         }
-        "orthographic" => Ok(Camera { name, to_world, yfov: None, aspect: None }),
+        "orthographic" => Ok(Camera { name, to_world, yfov: None, aspect: None, pupil: None, focus: None }),
         other => Err(kind
             .fault("unknown camera type")
             .expected("perspective or orthographic")

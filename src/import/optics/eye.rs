@@ -33,7 +33,15 @@ pub struct EyeSpec {
     pub age: f64,
 }
 
-pub fn eye(value: &Value, notes: &mut Vec<Note>) -> Result<EyeSpec> {
+/// What a camera of the asset says of its lens, in metres.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Lens {
+    pub pupil_diameter_m: Option<f64>,
+    pub focus_distance_m: Option<f64>,
+}
+
+/// `lens`: of the camera that stands for the eye if it does not say where it is.
+pub fn eye(value: &Value, lens: Lens, notes: &mut Vec<Note>) -> Result<EyeSpec> {
     let fields = Fields::of(Noun::Eye, "eye", value, &[])?;
     let pose = if ["position", "look", "up", "frame"].iter().any(|name| fields.has(name)) {
         let (look, up) = (fields.need_direction("look")?, fields.need_direction("up")?);
@@ -62,6 +70,7 @@ pub fn eye(value: &Value, notes: &mut Vec<Note>) -> Result<EyeSpec> {
     if let Some(value) = fields.value("pupil_diameter").filter(|value| value.text() == Some("auto")) {
         return Err(not_yet(&value.at, "`pupil_diameter` \"auto\" (from adaptation)"));
     }
+    let lens = if pose.is_none() { lens } else { Lens::default() };
     let mut or = |given: Option<f64>, name: &str, default: f64| {
         given.unwrap_or_else(|| {
             notes.push(fields.defaulted(name));
@@ -81,8 +90,12 @@ pub fn eye(value: &Value, notes: &mut Vec<Note>) -> Result<EyeSpec> {
     Ok(EyeSpec {
         at: value.at.clone(),
         pose,
-        pupil_diameter_m: or(fields.length_m("pupil_diameter")?, "pupil_diameter", 4e-3),
-        focus_distance_m: or(fields.length_m("focus_distance")?, "focus_distance", f64::INFINITY),
+        pupil_diameter_m: or(fields.length_m("pupil_diameter")?.or(lens.pupil_diameter_m), "pupil_diameter", 4e-3),
+        focus_distance_m: or(
+            fields.length_m("focus_distance")?.or(lens.focus_distance_m),
+            "focus_distance",
+            f64::INFINITY,
+        ),
         fov_deg: fields.number("fov_deg")?,
         resolution,
         age: or(fields.number("age")?, "age", 45.0),

@@ -17,7 +17,7 @@ mod wavelengths;
 
 pub use coating::{coating, unknown as unknown_coating};
 pub use emitter::{ATTRIBUTES as EMITTER, EmitterSpec, STRENGTHS, Spreading, Strength, emitter, group_name};
-pub use eye::{EyeSpec, Pose, eye};
+pub use eye::{EyeSpec, Lens, Pose, eye};
 pub use fields::{Fields, Union, not_yet, number, stray, union};
 pub use finish::{FinishSpec, finish};
 pub use medium::{absorption, entries as medium_entries, index, law, possible, priority};

@@ -60,13 +60,20 @@ fn a_camera_serves_when_the_eye_says_nothing_of_its_place() {
             DMat3::from_rotation_y(std::f64::consts::FRAC_PI_2),
             DVec3::new(0.0, 0.0, 3.0),
         );
-        asset.cameras.push(Camera { name: "CAM".into(), to_world, yfov: Some(0.5), aspect: Some(1.5) });
+        asset.cameras.push(Camera {
+            name: "CAM".into(),
+            to_world,
+            yfov: Some(0.5),
+            aspect: Some(1.5),
+            pupil: None,
+            focus: Some(250.0),
+        });
         asset
     };
     let bare = "schema = 1\nunit = 0.01\n[default]\nfinish = \"absorber\"\n";
     let eye = built_on(with_camera(), bare, &["eye.pupil_diameter=0 mm"]).unwrap().scene.eye;
     assert!(near(eye.position, DVec3::new(0.0, 0.0, 0.03)) && near(eye.look, DVec3::NEG_X) && near(eye.up, DVec3::Y));
-    assert_eq!((eye.resolution, eye.pupil_diameter_m), ([360, 240], 0.0));
+    assert_eq!((eye.resolution, eye.pupil_diameter_m, eye.focus_distance_m), ([360, 240], 0.0, 2.5));
     assert!(((eye.fov_deg.to_radians() / 2.0).tan() - 1.5 * 0.25f64.tan()).abs() < 1e-12);
     assert_eq!(built_on(with_camera(), BASE, &[]).unwrap().scene.eye.fov_deg, 12.0);
     assert_eq!(

@@ -49,7 +49,7 @@ fn read(key: &str, value: &Value) -> Result<String> {
         "slide" => format!("{:?}", optics::slide(value, notes)?),
         "sky" => format!("{:?}", optics::sky(value, notes)?),
         "sun" => format!("{:?}", optics::sun(value, notes)?),
-        "eye" => format!("{:?}", optics::eye(value, notes)?),
+        "eye" => format!("{:?}", optics::eye(value, optics::Lens::default(), notes)?),
         "wavelengths" => format!("{:?}", optics::wavelengths(Some(value), notes)?),
         "unit" => format!("{:?}", optics::unit(value)?),
         "absorption_per_m" => format!("{:?}", optics::absorption(value, 550.0)?),

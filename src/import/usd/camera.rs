@@ -11,6 +11,8 @@ use glam::DAffine3;
 const FOCAL_LENGTH: f64 = 50.0;
 const HORIZONTAL: f64 = 20.955;
 const VERTICAL: f64 = 15.2908;
+/// Scene units of a unit of focal length.
+const TENTH: f64 = 0.1;
 
 /// # Errors
 /// Apertures or a focal length that are not > 0.
@@ -26,7 +28,7 @@ pub(super) fn read(view: &PrimView, to_world: DAffine3, ledger: &mut Ledger) -> 
     let name = marks.text("name").unwrap_or(view.name()).to_owned();
     if view.token("projection")?.as_deref() == Some("orthographic") {
         ledger.warn(view.at(), "an orthographic camera is no eye: not used");
-        return Ok(Camera { name, to_world, yfov: None, aspect: None });
+        return Ok(Camera { name, to_world, yfov: None, aspect: None, pupil: None, focus: None });
     }
     let (width, height) = (positive("horizontalAperture", HORIZONTAL)?, positive("verticalAperture", VERTICAL)?);
     let focal = positive("focalLength", FOCAL_LENGTH)?;
@@ -35,9 +37,16 @@ pub(super) fn read(view: &PrimView, to_world: DAffine3, ledger: &mut Ledger) -> 
             ledger.warn(view.at_property(offset), "a shifted aperture is not used");
         }
     }
-    if view.number("fStop")?.is_some_and(|x| x > 0.0) {
-        ledger.info(view.at_property("fStop"), "fStop is not used: the eye's pupil is said by `pupil_diameter`");
-    }
-    let yfov = refined(marks.number("yfov"), 2.0 * (0.5 * height / focal).atan());
-    Ok(Camera { name, to_world, yfov: Some(yfov), aspect: Some(refined(marks.number("aspect"), width / height)) })
+    // 0, the fallback of both, says nothing: no depth of field, no distance that is sharp.
+    let said = |name: &str| -> Result<Option<f64>> { Ok(view.length(name)?.filter(|x| *x > 0.0)) };
+    // f-number: focal length by diameter. A tenth: see above.
+    let pupil = said("fStop")?.map(|number| focal * TENTH / number);
+    Ok(Camera {
+        name,
+        to_world,
+        yfov: Some(refined(marks.number("yfov"), 2.0 * (0.5 * height / focal).atan())),
+        aspect: Some(refined(marks.number("aspect"), width / height)),
+        pupil: pupil.map(|pupil| refined(marks.number("pupil"), pupil)),
+        focus: said("focusDistance")?.map(|focus| refined(marks.number("focus"), focus)),
+    })
 }

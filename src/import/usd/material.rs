@@ -144,7 +144,7 @@ fn textures(reader: &mut Reader, view: &PrimView, depth: usize) -> Result<()> {
 fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
     reader.charge(view.path(), 1, size_of::<Material>() + 2 * view.path().as_str().len())?;
     let marks = Marks::of(view)?;
-    let mut known = false;
+    let (mut known, mut glass) = (false, None);
     let (mut mapped, mut looks) = (Vec::new(), Vec::new());
     // MaterialX can say more than the universal surface.
     for context in ["outputs:mtlx:surface", "outputs:surface"] {
@@ -154,6 +154,7 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
             (mapped, looks) = (found.mapped, found.looks);
             // Our own writer's surface: the marks have its numbers exactly.
             known = !found.preview;
+            glass = found.glass;
             break;
         }
     }
@@ -172,10 +173,15 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
     if let Some(name) = view.property_names().iter().find(other) {
         reader.ledger.info(view.at_property(name), "a surface for another renderer alone is not used");
     }
+    let attributes = optics::material(reader, view)?;
+    if let Some(at) = glass.filter(|_| attributes.as_ref().is_none_or(|own| own.get("finish").is_none())) {
+        let text = "an `opacity` below 1 with an `ior` is how others write glass, and is not used yet: say `polished`";
+        reader.ledger.warn(at, text);
+    }
     Ok(Material {
         name: marks.text("name").unwrap_or(view.name()).to_owned(),
         mapped,
-        attributes: optics::material(reader, view)?,
+        attributes,
         looks,
         at: view.at(),
     })

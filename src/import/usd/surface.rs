@@ -22,6 +22,8 @@ pub(super) struct Surface {
     pub looks: Vec<Row>,
     /// A UsdPreviewSurface.
     pub preview: bool,
+    /// Where a UsdPreviewSurface says that it is not opaque, if it has an index, too: how others write glass.
+    pub glass: Option<Where>,
 }
 
 /// Reads a surface shader; `None` for a kind that is not known.
@@ -49,6 +51,15 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView) -> Result<Option<Surfac
         "UsdPreviewSurface" | "ND_UsdPreviewSurface_surfaceshader" => Some(preview(&mut inputs)?),
         name if name.contains("open_pbr_surface") => Some(layered(&mut inputs, &OPEN_PBR)?),
         name if name.contains("standard_surface") => Some(layered(&mut inputs, &STANDARD)?),
+        name if name.contains("gltf_pbr") => {
+            // Until it is read: what makes it glass, or a lamp, must not be lost without a word.
+            for input in ["transmission", "emissive_strength", "iridescence"] {
+                inputs
+                    .lost(input, "of a surface of MaterialX' glTF model is not used yet: say its finish and medium")?;
+            }
+            inputs.reader.ledger.info(view.at(), format!("surface shaders of the kind `{name}` are not used"));
+            None
+        }
         "" => {
             inputs.reader.ledger.info(view.at(), "a surface shader without `info:id` is not used");
             None
@@ -109,15 +120,26 @@ impl Inputs<'_> {
     }
     /// What is there, not black, and of no meaning here.
     fn note(&mut self, name: &str, why: &str) -> Result<()> {
-        let Some((found, at)) = self.get(name)? else { return Ok(()) };
+        if let Some(at) = self.lit(name)? {
+            self.reader.ledger.info(at, format!("`{name}` of a surface {why}"));
+        }
+        Ok(())
+    }
+    /// What is there, not black, bears on light and is not used.
+    fn lost(&mut self, name: &str, why: &str) -> Result<()> {
+        if let Some(at) = self.lit(name)? {
+            self.reader.ledger.warn(at, format!("`{name}` {why}"));
+        }
+        Ok(())
+    }
+    /// Where an input is said that is not black.
+    fn lit(&mut self, name: &str) -> Result<Option<Where>> {
+        let Some((found, at)) = self.get(name)? else { return Ok(None) };
         let dark = match value::triple(&found) {
             Some(lanes) => lanes == [0.0; 3],
             None => value::number(&found) == Some(0.0),
         };
-        if !dark {
-            self.reader.ledger.info(at, format!("`{name}` of a surface {why}"));
-        }
-        Ok(())
+        Ok((!dark).then_some(at))
     }
 }
 
@@ -143,6 +165,12 @@ fn preview(inputs: &mut Inputs<'_>) -> Result<Surface> {
             out.looks.push(row(name, Data::Number(x), &at));
         }
     }
+    let clear = |(name, value): &&Row| name == "opacity" && value.number().is_some_and(|opacity| opacity < 1.0);
+    if let Some((_, value)) = out.looks.iter().find(clear)
+        && out.mapped.iter().any(|(name, _)| name == "ior")
+    {
+        out.glass = Some(value.at.clone());
+    }
     inputs.note("emissiveColor", "has no unit: it is no light here, say `emitter` for that")?;
     inputs.note("clearcoat", "is not used")?;
     Ok(out)
@@ -156,6 +184,8 @@ struct Model {
     color: &'static str,
     weight: &'static str,
     metallic: &'static str,
+    /// `specular_roughness` where it is not said.
+    roughness: f64,
     film_ior: &'static str,
     /// The index of the film where it is not said.
     film_default: f64,
@@ -174,6 +204,7 @@ const OPEN_PBR: Model = Model {
     color: "base_color",
     weight: "base_weight",
     metallic: "base_metalness",
+    roughness: 0.3,
     film_ior: "thin_film_ior",
     film_default: 1.4,
     film_nm: 1000.0,
@@ -188,6 +219,7 @@ const STANDARD: Model = Model {
     color: "base_color",
     weight: "base",
     metallic: "metalness",
+    roughness: 0.2,
     film_ior: "thin_film_IOR",
     film_default: 1.5,
     film_nm: 1.0,
@@ -203,9 +235,12 @@ fn layered(inputs: &mut Inputs<'_>, model: &Model) -> Result<Surface> {
     let through = inputs.number(model.transmission, 0.0, 1.0)?;
     if let Some((share, at)) = through.as_ref().filter(|(share, _)| *share > 0.0) {
         out.mapped.push(row("transmission", Data::Number(*share), at));
-        if !inputs.flag(model.thin)? {
+        rough(inputs, model, at)?;
+        let solid = !inputs.flag(model.thin)?;
+        if solid {
             volume(inputs, at, &mut out)?;
         }
+        tint(inputs, solid)?;
     }
     dispersion(inputs, model, &mut out)?;
     film(inputs, model, &mut out)?;
@@ -259,6 +294,28 @@ fn volume(inputs: &mut Inputs<'_>, at: &Where, out: &mut Surface) -> Result<()> 
         out.mapped.push(color_row("attenuation_color", color, &color_at));
     } else {
         inputs.ignored("transmission_color", color_at);
+    }
+    Ok(())
+}
+
+/// What transmits is polished here, whatever its roughness, which both models have above 0 where they do not say it.
+fn rough(inputs: &mut Inputs<'_>, model: &Model, transmits: &Where) -> Result<()> {
+    let (roughness, at) =
+        inputs.number("specular_roughness", 0.0, 1.0)?.unwrap_or_else(|| (model.roughness, transmits.clone()));
+    if roughness > 0.0 {
+        let text = format!("`specular_roughness` {roughness} of a surface that transmits is not used yet: polished");
+        inputs.reader.ledger.warn(at, text);
+    }
+    Ok(())
+}
+
+/// At a depth of 0, and on thin walls, `transmission_color` tints each surface, and not the solid.
+fn tint(inputs: &mut Inputs<'_>, solid: bool) -> Result<()> {
+    let depth = inputs.number("transmission_depth", 0.0, f64::MAX)?.map_or(0.0, |(depth, _)| depth);
+    let Some((color, at)) = inputs.color("transmission_color")? else { return Ok(()) };
+    if color != [1.0; 3] && !(solid && depth > 0.0) {
+        let text = "a `transmission_color` that tints surfaces (`transmission_depth` 0 or thin walls) is not used yet";
+        inputs.reader.ledger.warn(at, text);
     }
     Ok(())
 }

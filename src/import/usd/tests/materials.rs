@@ -226,6 +226,50 @@ fn layered_surfaces_are_optics() {
     assert!(notes(&found).contains("`emission` of a surface has no unit"));
 }
 
+/// What makes a surface glass elsewhere, and is not read yet, is said by a warning of its own.
+#[test]
+fn glass_of_others_is_not_lost_without_a_word() {
+    let preview = "float inputs:opacity = 0\nfloat inputs:ior = 1.5";
+    let clear = "float inputs:transmission_weight = 1\nfloat inputs:specular_roughness = 0\n";
+    let tint = "color3f inputs:transmission_color = (0.5, 0.5, 0.5)\nfloat inputs:transmission_depth";
+    let open_pbr = "ND_open_pbr_surface_surfaceshader";
+    for (kind, inputs, want) in [
+        ("UsdPreviewSurface", preview, Some("is how others write glass")),
+        ("UsdPreviewSurface", "float inputs:opacity = 1\nfloat inputs:ior = 1.5", None),
+        (
+            "ND_gltf_pbr_surfaceshader",
+            "float inputs:transmission = 1",
+            Some("`transmission` of a surface of MaterialX' glTF"),
+        ),
+        ("ND_gltf_pbr_surfaceshader", "float inputs:transmission = 0", None),
+        (open_pbr, clear, None),
+        (
+            open_pbr,
+            "float inputs:transmission_weight = 1",
+            Some("`specular_roughness` 0.3 of a surface that transmits"),
+        ),
+        (
+            "ND_standard_surface_surfaceshader",
+            "float inputs:transmission = 1",
+            Some("`specular_roughness` 0.2 of a surface"),
+        ),
+        (open_pbr, &format!("{clear}{tint} = 0"), Some("a `transmission_color` that tints surfaces")),
+        (open_pbr, &format!("{clear}{tint} = 2"), None),
+        (open_pbr, &format!("{clear}bool inputs:geometry_thin_walled = 1\n{tint} = 2"), Some("that tints surfaces")),
+    ] {
+        let found = surface(kind, inputs);
+        // Nothing stands on this stage but the material.
+        let of_material = |note: &&crate::scene::Note| {
+            note.severity == crate::scene::Severity::Warning && !note.text.contains("no prims that are placed")
+        };
+        let warnings: Vec<_> = found.notes.iter().filter(of_material).collect();
+        match want {
+            Some(want) => assert!(warnings.len() == 1 && warnings[0].text.contains(want), "{inputs}: {warnings:?}"),
+            None => assert!(warnings.is_empty(), "{inputs}: {warnings:?}"),
+        }
+    }
+}
+
 #[test]
 fn connections_are_followed_through_graphs() {
     let text = r#"

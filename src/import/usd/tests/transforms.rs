@@ -122,3 +122,22 @@ fn faults_name_the_op() {
     let missing = assembly("def Xform \"A\" {\n    uniform token[] xformOpOrder = [\"xformOp:rotateX\"]\n}");
     assert!(notes(&missing).contains("has no value"), "{}", notes(&missing));
 }
+
+/// UsdGeomCamera: 50 tenths of a centimetre at f/2 are an aperture of 25 mm; the sharp distance is in scene units.
+#[test]
+fn lenses_of_cameras_in_centimetres_and_metres() {
+    for (unit, focal, focus) in [(0.01, 50.0, 100.0), (1.0, 0.5, 1.0)] {
+        let body = |lens: &str| {
+            format!(
+                "(\n metersPerUnit = {unit}\n)\ndef Camera \"C\" {{\nfloat focalLength = {focal}\nfloat horizontalAperture = 36\n{lens}\n}}\n"
+            )
+        };
+        let found = assembly(&body(&format!("float fStop = 2\nfloat focusDistance = {focus}")));
+        let camera = &found.cameras[0];
+        let metres = [camera.pupil, camera.focus].map(|length| length.unwrap() * found.unit_m);
+        assert!((metres[0] - 0.025).abs() < 1e-12 && (metres[1] - 1.0).abs() < 1e-12, "{metres:?}");
+        // The fallbacks say nothing.
+        let camera = &assembly(&body("float fStop = 0\nfloat focusDistance = 0")).cameras[0];
+        assert_eq!((camera.pupil, camera.focus), (None, None));
+    }
+}
