@@ -3,7 +3,7 @@
 use crate::base::weld::{rounding, weld};
 use crate::scene::{FaceRange, Mesh, Scene};
 use glam::DVec3;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Edges of a mesh, vertices at one place taken as one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -18,10 +18,23 @@ pub fn edges(mesh: &Mesh) -> Edges {
     // Faces are rounded apart from each other, each by up to a rounding.
     let place = weld(&mesh.positions, 4.0 * rounding(&mesh.positions));
     let mut count = HashMap::<[usize; 2], usize>::new();
+    // One that lies there twice closes what it closes once.
+    let mut seen = HashSet::new();
     for triangle in &mesh.triangles {
         let places = triangle.map(|vertex| place.get(vertex as usize).copied());
         let [Some(a), Some(b), Some(c)] = places else { continue };
         if a == b || b == c || c == a {
+            continue;
+        }
+        // From its least corner on: the same triangle, the same way round.
+        let least = if a < b && a < c {
+            [a, b, c]
+        } else if b < c {
+            [b, c, a]
+        } else {
+            [c, a, b]
+        };
+        if !seen.insert(least) {
             continue;
         }
         for [from, to] in [[a, b], [b, c], [c, a]] {
@@ -115,6 +128,10 @@ mod tests {
         let mesh = tetrahedron();
         assert_eq!(edges(&mesh), Edges { all: 6, open: 0 });
         assert!((volume(&mesh) - 1.0 / 6.0).abs() < 1e-15);
+        // A triangle that lies there twice, from another corner on.
+        let mut doubled = tetrahedron();
+        doubled.triangles.push([1, 0, 2]);
+        assert_eq!(edges(&doubled), Edges { all: 6, open: 0 });
         let mut turned = tetrahedron();
         turned.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
         assert!((volume(&turned) + 1.0 / 6.0).abs() < 1e-15);

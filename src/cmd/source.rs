@@ -2,6 +2,7 @@
 
 use crate::base::Result;
 use crate::check::facets;
+use crate::check::rules::eb0103;
 use crate::import::{Built, ImportOptions, ReadOptions, Set, import};
 use clap::Args;
 use std::path::PathBuf;
@@ -20,10 +21,11 @@ pub struct Source {
 }
 
 impl Source {
-    /// The asset with its optics, changed as asked, and with a warning for each face whose facets an eye will see. Faults: of a `--set` that cannot be read, and those of [`import`].
+    /// The asset with its optics, changed as asked, and with a warning for each face whose facets an eye will see and each solid that is inside out. Faults: of a `--set` that cannot be read, and those of [`import`].
     pub fn import(&self) -> Result<Built> {
         let mut built = import(&self.asset, &ImportOptions { sets: sets(&self.sets)?, frame: self.frame })?;
         built.scene.notes.extend(facets::warnings(&built.scene));
+        built.scene.notes.extend(eb0103::warnings(&built.scene));
         Ok(built)
     }
 
@@ -65,5 +67,41 @@ mod tests {
         let fault = of(&[sample, "--set", "eye.fov_deg"]).import().unwrap_err().to_string();
         assert!(fault.contains("--set"), "{fault}");
         assert!(Line::try_parse_from(["eyebox", sample, "--frame", "inf"]).is_err());
+    }
+}
+
+#[cfg(test)]
+mod turned_tests {
+    use crate::check::rules::eb0103;
+    use crate::import::testing::assembly;
+    use crate::import::{Assembly, build, toml};
+    use crate::scene::Scene;
+    use std::path::Path;
+
+    const GLASS: &str = "schema = 1
+wavelengths = { mono_nm = 550 }
+[eye]
+position = [\"0 mm\", \"0 mm\", \"0 mm\"]
+look = [0, 0, -1]
+up = [0, 1, 0]
+fov_deg = 12
+[default]
+finish = \"polished\"
+ior = 1.5
+";
+
+    fn built(assembly: Assembly) -> Scene {
+        let sheet = toml::parse(GLASS, Path::new("a.optics.toml")).unwrap();
+        build(assembly, Some(&sheet), &[]).unwrap().scene
+    }
+
+    /// A box of glass is said to be inside out if its triangles are turned round, and only then.
+    #[test]
+    fn a_solid_that_is_inside_out_is_said_before_it_is_traced() {
+        assert_eq!(eb0103::warnings(&built(assembly(&["LENS"]))), []);
+        let mut turned = assembly(&["LENS"]);
+        turned.meshes[0].mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
+        let found = eb0103::warnings(&built(turned));
+        assert!(found.len() == 1 && found[0].text.contains("they look inwards"), "{found:?}");
     }
 }

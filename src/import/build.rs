@@ -4,7 +4,7 @@ use super::assembly::{Assembly, LayerWish};
 use super::bind::bind;
 use super::explain::Explained;
 use super::files;
-use super::gltf::looks_like_millimetres;
+use super::gltf::{large_by_its_unit, looks_like_millimetres};
 use super::optics;
 use super::place;
 use super::select::{Candidate, candidates, listed};
@@ -61,6 +61,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
             let unit = optics::unit(value)?;
             let text = format!("unit {unit} m replaces the {} m that the asset declares", assembly.unit_m);
             notes.push(Note { severity: Severity::Info, at: value.at.clone(), text });
+            notes.extend(large_by_its_unit(&assembly, unit, value.at.clone()));
             unit
         }
         None => {

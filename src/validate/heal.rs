@@ -16,6 +16,10 @@ pub fn heal(assembly: &mut Assembly, sheet: &mut Option<Value>, fault: &Fault) -
     if fault.what.contains("no optical attributes bind") || fault.what.contains("no finish binds") {
         return cover(assembly, sheet);
     }
+    if fault.what.contains("is newer than this program") {
+        // What else it says may mean something else by then.
+        return false;
+    }
     if fault.what.contains("there is no eye") {
         return give_eye(assembly, sheet);
     }
@@ -132,6 +136,8 @@ fn in_sheet(sheet: &mut Value, at: &Where, drop: bool) -> bool {
             Some(eye) => *value = eye,
             None => return false,
         },
+        // Without it, it would be missing next.
+        ("schema", _, _) => value.data = Data::Number(1.0),
         _ => std::mem::drop(entries.remove(index)),
     }
     true
@@ -205,6 +211,7 @@ fn in_asset(assembly: &mut Assembly, at: &Where, drop: bool) -> bool {
                 Some(eye) => *value = eye,
                 None => return false,
             },
+            ("version", _) => value.data = Data::Number(1.0),
             _ => std::mem::drop(entries.remove(index)),
         }
         return true;

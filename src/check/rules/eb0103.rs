@@ -1,10 +1,11 @@
 //! A solid is inside out.
 
+use crate::base::Where;
 use crate::check::finding::{Finding, Level};
 use crate::check::geometry;
 use crate::check::rule::{Example, Rule, kept};
 use crate::check::subject::{Subject, is_solid};
-use crate::scene::Part;
+use crate::scene::{Note, Part, Scene, Severity};
 use std::collections::HashMap;
 
 pub const RULE: Rule = Rule {
@@ -21,15 +22,32 @@ pub const RULE: Rule = Rule {
 };
 
 fn find(subject: &Subject<'_>) -> Vec<Finding> {
+    let all = inverted(subject.scene).into_iter();
+    all.map(|(part, text)| RULE.at(subject.part(&part.path, None), text)).collect()
+}
+
+/// Each solid that is inside out, with what is to be said of it.
+fn inverted(scene: &Scene) -> Vec<(&Part, String)> {
     // Once per mesh: many parts may share one.
     let mut known = HashMap::new();
-    let inverted = |part: &Part| {
-        let mesh = subject.scene.mesh(part.mesh);
+    let mut turned = |part: &Part| {
+        let mesh = scene.mesh(part.mesh);
         // Of an open or crossed solid the sign says nothing.
         let (edges, volume) =
             *known.entry(part.mesh.index()).or_insert_with(|| (geometry::edges(mesh), geometry::volume(mesh)));
         let text = format!("its triangles enclose {volume:.3e} cubic mesh units: they look inwards");
-        (edges.open == 0 && volume < 0.0).then(|| RULE.at(subject.part(&part.path, None), text))
+        (edges.open == 0 && volume < 0.0).then_some(text)
     };
-    subject.scene.parts.iter().filter(|part| is_solid(part)).filter_map(inverted).collect()
+    let solids = scene.parts.iter().filter(|part| is_solid(part));
+    solids.filter_map(|part| Some((part, turned(part)?))).collect()
+}
+
+/// A warning for each solid that is inside out: in its picture air is glass and glass is air.
+pub fn warnings(scene: &Scene) -> Vec<Note> {
+    let note = |(part, text): (&Part, String)| Note {
+        severity: Severity::Warning,
+        at: Where::Part { path: part.path.clone(), face: None },
+        text: format!("{text}, so that glass is air and air is glass"),
+    };
+    inverted(scene).into_iter().map(note).collect()
 }

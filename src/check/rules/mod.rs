@@ -11,7 +11,7 @@ mod eb0007;
 mod eb0008;
 mod eb0101;
 mod eb0102;
-mod eb0103;
+pub mod eb0103;
 mod eb0106;
 mod eb0107;
 mod eb0108;

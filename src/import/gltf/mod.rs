@@ -117,8 +117,26 @@ const LARGE_PART_M: f64 = 5.0;
 
 /// A note if the asset, taken in metres, looks like one that a CAD kernel wrote in millimetres without saying so: it is
 /// larger than 20 m, and a quarter of its parts are larger than 5 m each (a street that a display is looked at in is large, too, but
-/// most things in it are not). To be dropped where the sidecar sets `unit`.
+/// most things in it are not). Where the sidecar sets `unit`: [`large_by_its_unit`].
 pub fn looks_like_millimetres(assembly: &Assembly) -> Option<Note> {
+    let extent = too_large(assembly, assembly.unit_m)?;
+    let text = format!(
+        "largest extent {extent:.0} m: this looks like millimetres; set `unit = 0.001` in the sidecar (or `unit = 1` if it is right)"
+    );
+    Some(Note { severity: Severity::Warning, at: Where::file(&assembly.file), text })
+}
+
+/// A note if the asset is as large in a unit that somebody said, at `at`: a unit can be wrong on purpose, too, and light
+/// falls with its square.
+pub fn large_by_its_unit(assembly: &Assembly, unit_m: f64, at: Where) -> Option<Note> {
+    let extent = too_large(assembly, unit_m)?;
+    let text =
+        format!("largest extent {extent:.0} m by `unit` = {unit_m}: this looks like millimetres in a wrong unit");
+    Some(Note { severity: Severity::Warning, at, text })
+}
+
+/// The largest extent, m, if most things are larger than optical parts are.
+fn too_large(assembly: &Assembly, unit_m: f64) -> Option<f64> {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let mut sizes = Vec::new();
     let boxes: Vec<Option<(DVec3, DVec3)>> =
@@ -132,19 +150,13 @@ pub fn looks_like_millimetres(assembly: &Assembly) -> Option<Note> {
             let point = node.to_world.transform_point3(local);
             (part_low, part_high) = (part_low.min(point), part_high.max(point));
         }
-        sizes.push((part_high - part_low).max_element() * assembly.unit_m);
+        sizes.push((part_high - part_low).max_element() * unit_m);
         (low, high) = (low.min(part_low), high.max(part_high));
     }
-    let extent = (high - low).max_element() * assembly.unit_m;
+    let extent = (high - low).max_element() * unit_m;
     sizes.sort_by(f64::total_cmp);
     let upper_quartile = sizes.get(sizes.len() * 3 / 4).copied()?;
-    (extent > LARGE_ASSEMBLY_M && extent.is_finite() && upper_quartile > LARGE_PART_M).then(|| Note {
-        severity: Severity::Warning,
-        at: Where::file(&assembly.file),
-        text: format!(
-            "largest extent {extent:.0} m: this looks like millimetres; set `unit = 0.001` in the sidecar (or `unit = 1` if it is right)"
-        ),
-    })
+    (extent > LARGE_ASSEMBLY_M && extent.is_finite() && upper_quartile > LARGE_PART_M).then_some(extent)
 }
 
 /// The corners of the smallest box around some points.

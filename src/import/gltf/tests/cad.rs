@@ -189,6 +189,10 @@ fn millimetres_are_noticed() {
         let mut assembly = read(Path::new(file)).unwrap();
         let note = looks_like_millimetres(&assembly).unwrap();
         assert!(note.text.contains(extent) && note.text.contains("unit = 0.001"), "{}", note.text);
+        let at = crate::base::Where::Nowhere;
+        let said = crate::import::gltf::large_by_its_unit(&assembly, 1.0, at.clone()).unwrap();
+        assert!(said.text.contains(extent) && said.text.contains("in a wrong unit"), "{}", said.text);
+        assert_eq!(crate::import::gltf::large_by_its_unit(&assembly, 0.001, at), None);
         assembly.unit_m = 0.001;
         assert_eq!(looks_like_millimetres(&assembly), None);
     }
