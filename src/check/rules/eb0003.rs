@@ -11,7 +11,7 @@ pub const RULE: Rule = Rule {
     why: "`extensionsRequired` says that the asset means something else to who leaves the extension out.",
     bad: Example::Code("json", r#""extensionsRequired": ["ACME_curved_space"]"#),
     good: Example::Code("json", r#""extensionsUsed": ["ACME_curved_space"]"#),
-    claims: &["the asset requires an extension that is not known here"],
+    claims: &["the asset requires an extension that is not known here", "the asset requires `…`, which bears on light"],
     find: nothing,
     grade: kept,
 };

@@ -24,6 +24,7 @@ glass = "N-BK7""#,
     ),
     claims: &[
         "a polished face needs a medium on its part",
+        "warning …a thin wall that transmits",
         "a rough face needs a medium on its part",
         "this medium has no index",
     ],

@@ -25,7 +25,14 @@ pub const RULE: Rule = Rule {
 0
 8 5 2"#,
     ),
-    claims: &["build .ies:", "build .ldt:", "build .eul:", "warning …the horizontal angles end at"],
+    claims: &[
+        "build .ies:",
+        "build .ldt:",
+        "build .eul:",
+        "warning …the horizontal angles end at",
+        "warning …names no edition that is known",
+        "warning …no edition is named",
+    ],
     find: nothing,
     grade: kept,
 };
