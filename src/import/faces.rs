@@ -38,15 +38,34 @@ impl Builder<'_> {
         for (number, slots) in bound.faces.iter().enumerate() {
             faces.push(self.face(part, number, slots, &to_world)?);
         }
+        let medium = self.medium(&bound.part, faces.iter().any(lets_in))?;
+        if medium.is_none() {
+            faces.iter_mut().zip(&bound.faces).for_each(|(face, slots)| self.thin_wall(face, slots));
+        }
         Ok(Part {
             name: part.name.clone(),
             path: part.path.clone(),
             mesh: MeshId::from_index(part.mesh),
             to_world: place::in_metres(&to_world, self.unit_m, &self.assembly.axes),
-            medium: self.medium(&bound.part, faces.iter().any(lets_in))?,
+            medium,
             priority: priority.unwrap_or(0),
             faces,
         })
+    }
+
+    /// A face that a format calls clear (KHR_materials_transmission) without saying what is behind it is a thin wall: light
+    /// goes through it unbent. One that a person calls polished lacks its medium.
+    fn thin_wall(&mut self, face: &mut Face, slots: &Slots) {
+        let Some(won) = slots.get(Slot::Finish).filter(|won| won.rank == Rank::Mapped) else { return };
+        if face.finish != Finish::Polished {
+            return;
+        }
+        (face.finish, face.coating) = (Finish::None, None);
+        let text = "a thin wall that transmits (no volume, no index) lets all light through here: it reflects none";
+        let note = Note::warning(won.entry.value.at.clone(), text).code(Code::IndexMissing);
+        if !self.notes.contains(&note) {
+            self.notes.push(note);
+        }
     }
 
     /// The medium of a part; `lit`: light gets into it. An index that nothing asks for may be an impossible one:

@@ -48,7 +48,7 @@ impl<'a> Buffers<'a> {
             let source = match at.get("uri")? {
                 Some(uri) => {
                     let text = uri.text()?;
-                    match text.strip_prefix("data:") {
+                    match data_scheme(text) {
                         Some(rest) => Source::Data(uri, rest),
                         None => {
                             let path = resolve(&uri, text)?;
@@ -117,16 +117,35 @@ enum Source<'a> {
     File(At<'a>, PathBuf),
 }
 
-/// The path of a relative URI reference, percent-decoded (RFC 3986), beside the asset.
+/// What follows `data:`, in whatever case (RFC 3986, section 3.1).
+pub(super) fn data_scheme(uri: &str) -> Option<&str> {
+    let (head, rest) = uri.split_at_checked(5)?;
+    head.eq_ignore_ascii_case("data:").then_some(rest)
+}
+
+/// The path of a relative URI reference, percent-decoded (RFC 3986), beside the asset. Where no such file is there, and one
+/// of the name that its writer may have meant is, that one: the name as it is written (`10%.bin`, `a?.bin`), without what
+/// follows a `?` or `#`, with `\` between folders.
 pub(super) fn resolve(uri: &At<'_>, text: &str) -> Result<PathBuf> {
     let scheme = text.split(['/', '?', '#']).next().is_some_and(|head| head.contains(':'));
     if text.is_empty() || scheme || text.starts_with('/') {
         return Err(uri.fault("this URI cannot be read").expected("a data: URI or a path relative to the asset"));
     }
     let wrong = || uri.fault("broken percent-encoding in the URI").expected("%XX with two hexadecimal digits, UTF-8");
-    let relative = String::from_utf8(unescape(text).ok_or_else(wrong)?).map_err(|_| wrong())?;
     let folder = uri.file.parent().map(PathBuf::from).unwrap_or_default();
-    Ok(folder.join(relative.trim_start_matches('/')))
+    let decoded = |text: &str| String::from_utf8(unescape(text)?).ok();
+    let beside = |relative: &str| folder.join(relative.trim_start_matches('/'));
+    let proper = decoded(text).map(|relative| beside(&relative));
+    if let Some(path) = proper.as_ref().filter(|path| path.exists()) {
+        return Ok(path.clone());
+    }
+    let bare = text.split(['?', '#']).next().unwrap_or(text);
+    let slashed = decoded(text).map(|relative| relative.replace('\\', "/"));
+    // Nobody writes a way out of the folder by mistake.
+    let slashed = slashed.filter(|relative| relative.split('/').all(|step| step != ".."));
+    let others = [Some(text.to_owned()), decoded(bare), slashed];
+    let meant = others.into_iter().flatten().filter(|name| !name.is_empty()).map(|name| beside(&name));
+    meant.into_iter().find(|path| path.is_file()).or(proper).ok_or_else(wrong)
 }
 
 /// At most `most` bytes of a regular file. (Opening a pipe would wait for ever, a device has no end.)
@@ -147,7 +166,9 @@ fn read(uri: &At<'_>, path: &std::path::Path, most: usize) -> Result<Vec<u8>> {
 pub(super) fn data_uri(uri: &At<'_>, rest: &str) -> Result<Vec<u8>> {
     let form = || uri.fault("this data: URI cannot be read").expected("data:application/octet-stream;base64,…");
     let (head, body) = rest.split_once(',').ok_or_else(form)?;
-    if head.ends_with(";base64") {
+    // Words of media types are the same in whatever case (RFC 2045, section 2).
+    let end = head.len().checked_sub(";base64".len()).and_then(|from| head.get(from..));
+    if end.is_some_and(|end| end.eq_ignore_ascii_case(";base64")) {
         return base64(body).ok_or_else(|| uri.fault("broken base64 in the data: URI"));
     }
     unescape(body).ok_or_else(form)
@@ -222,6 +243,41 @@ mod tests {
         let at = At::root(std::path::Path::new("a.gltf"), &json);
         assert_eq!(data_uri(&at, "application/gltf-buffer,0%00%fFa").unwrap(), [b'0', 0, 255, b'a']);
         assert!(data_uri(&at, "application/gltf-buffer").is_err() && data_uri(&at, ",%0").is_err());
+    }
+
+    #[test]
+    fn schemes_and_encodings_in_capitals() {
+        let json = serde_json::Value::Null;
+        let at = At::root(std::path::Path::new("a.gltf"), &json);
+        let rest = data_scheme("DATA:application/octet-stream;BASE64,Zm9v").unwrap();
+        assert_eq!(data_uri(&at, rest).unwrap(), b"foo");
+        assert_eq!(data_uri(&at, "base64,Zm9v").unwrap(), b"Zm9v");
+        assert_eq!((data_scheme("dat"), data_scheme("data.bin")), (None, None));
+    }
+
+    /// Names as exporters write them; each finds its file, and the proper reading is the first.
+    #[test]
+    fn names_that_are_no_proper_uris_find_their_file() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("sub")).unwrap();
+        let json = serde_json::Value::Null;
+        let asset = folder.path().join("a.gltf");
+        let at = At::root(&asset, &json);
+        for name in ["example 10%.bin", "sub/a.bin", "e.bin", "f?1.bin", "g h.bin", "g%20h.bin"] {
+            std::fs::write(folder.path().join(name), name).unwrap();
+        }
+        for (uri, name) in [
+            ("example 10%.bin", "example 10%.bin"),
+            ("sub\\a.bin", "sub/a.bin"),
+            ("sub%5Ca.bin", "sub/a.bin"),
+            ("e.bin?v=3", "e.bin"),
+            ("e.bin#x", "e.bin"),
+            ("f?1.bin", "f?1.bin"),
+            ("g%20h.bin", "g h.bin"),
+        ] {
+            assert_eq!(std::fs::read_to_string(resolve(&at, uri).unwrap()).unwrap(), name, "{uri}");
+        }
+        assert!(resolve(&at, "11%.bin").is_err());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The files that a glTF asset names: buffers, textures, light profiles, and what its optical attributes ask for.
 
 use super::at::At;
-use super::buffers::resolve;
+use super::buffers::{data_scheme, resolve};
 use super::container;
 use super::notes::{Budget, Notes};
 use crate::base::fault::Result;
@@ -38,7 +38,7 @@ pub fn dependencies(path: &Path, all: &mut Vec<Dependency>) -> Result<()> {
 /// The `uri` of this object, unless it is a `data:` URI.
 fn file(at: &At<'_>, role: &str, all: &mut Vec<Dependency>) -> Result<()> {
     if let Some(uri) = at.get("uri")?
-        && !uri.text()?.starts_with("data:")
+        && data_scheme(uri.text()?).is_none()
     {
         profile(resolve(&uri, uri.text()?)?, role, uri.place(), all);
     }

@@ -52,7 +52,7 @@ pub(super) fn read(
         let light = find(document, IES, &reference)?;
         let (strength, color) = colour(&use_at, "multiplier", ledger)?;
         let source = match (light.get("uri")?, light.get("bufferView")?) {
-            (Some(uri), _) => match uri.text()?.strip_prefix("data:") {
+            (Some(uri), _) => match buffers::data_scheme(uri.text()?) {
                 Some(rest) => ProfileSource::Embedded(Arc::new(buffers::data_uri(&uri, rest)?)),
                 None => ProfileSource::File(buffers::resolve(&uri, uri.text()?)?),
             },

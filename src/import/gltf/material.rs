@@ -97,6 +97,12 @@ pub(super) fn read(at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<Mat
                 let rgb = ("rgb".to_owned(), Value::new(Data::List(lanes.to_vec()), field.place()));
                 entry("emitter.spectrum", Data::Table(vec![rgb]), &field);
             }
+            if let Some(both) = at.get("doubleSided")?
+                && both.flag()?
+            {
+                let text = "`doubleSided` is not used for what shines: it shines from its front alone";
+                ledger.notes.warn(&both, text);
+            }
             if let Some(texture) = at.get("emissiveTexture")? {
                 ledger.notes.warn(&texture, "`emissiveTexture` is ignored: the luminance is that of a white texture");
             }

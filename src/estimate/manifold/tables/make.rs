@@ -30,6 +30,8 @@ const ASIDE: f64 = 0.6;
 /// So near to the rim of a slide's picture, in pixels, and in errors of the places that a trial has shown, tables are not used.
 const RIM_PIXELS: f64 = 0.25;
 const RIM_ERRORS: f64 = 4.0;
+/// Where a cell at the end of the light is tried beside its middle, in cells from there.
+const QUARTERS: [[f64; 2]; 4] = [[-0.4, -0.4], [0.4, -0.4], [-0.4, 0.4], [0.4, 0.4]];
 /// Nodes that are added beyond a slide's edge, so that the cells across it have all sixteen.
 const BEYOND: usize = 2;
 /// Solutions farther than this from the pupil's middle, in radii, are of no use to a table.
@@ -57,16 +59,17 @@ impl<M: Mode> Maker<'_, M> {
             let film = tables.over.film(tables.over.nodes.at_node(node));
             self.node(entry, film, entry.starts.start(branch, film)?)
         };
-        let branches: Vec<Vec<Option<Node<M>>>> = (0..entry.starts.branches())
-            .map(|branch| {
-                let mut nodes: Vec<_> = (0..tables.over.nodes.number()).map(|at| node(branch, at)).collect();
-                (0..BEYOND).for_each(|_| self.complete(tables, &mut nodes));
-                nodes
-            })
+        let mut branches: Vec<Vec<Option<Node<M>>>> = (0..entry.starts.branches())
+            .map(|branch| (0..tables.over.nodes.number()).map(|at| node(branch, at)).collect())
             .collect();
+        let solved = |at: usize| branches.iter().any(|nodes: &Vec<Option<Node<M>>>| nodes[at].is_some());
+        let solved: Vec<bool> = (0..tables.over.nodes.number()).map(solved).collect();
+        for nodes in &mut branches {
+            (0..BEYOND).for_each(|_| self.complete(tables, nodes));
+        }
         let mut uses = vec![Use { share: 1.0, aside: [0; 2], rim: 0.0 }; tables.over.nodes.number()];
         for cell in tables.over.nodes.cells() {
-            uses[cell] = self.use_of(tables, entry, &branches, cell);
+            uses[cell] = self.use_of(tables, entry, (&branches, &solved), cell);
         }
         Table { branches, uses }
     }
@@ -150,7 +153,14 @@ impl<M: Mode> Maker<'_, M> {
     }
 
     /// How a cell is to be used. Where no branch has a node at its corners the table says nothing, and little is expected.
-    fn use_of(&self, tables: &Tables<M>, entry: &Entry, branches: &[Vec<Option<Node<M>>>], cell: usize) -> Use {
+    /// `solved`: the nodes with a solution, none of those that were added beyond them.
+    fn use_of(
+        &self,
+        tables: &Tables<M>,
+        entry: &Entry,
+        (branches, solved): (&[Vec<Option<Node<M>>>], &[bool]),
+        cell: usize,
+    ) -> Use {
         let corners = tables.over.nodes.corners(cell);
         let lit = |nodes: &&Vec<Option<Node<M>>>| corners.iter().any(|node| nodes[*node].is_some());
         let lit: Vec<&Vec<Option<Node<M>>>> = branches.iter().filter(lit).collect();
@@ -161,6 +171,16 @@ impl<M: Mode> Maker<'_, M> {
             whole.then_some((aside, spot))
         });
         let off = known.and_then(|(aside, spot)| Some((aside, self.error(tables.over.film(at), entry, &lit, &spot)?)));
+        // Where light ends near a cell it may end within it, beside its middle.
+        let off = off.filter(|(aside, _)| {
+            let inner = known.is_some_and(|(_, spot)| *aside == [0; 2] && spot.nodes().all(|(node, _)| solved[node]));
+            inner
+                || QUARTERS.into_iter().all(|[x, y]| {
+                    let spot = tables.over.nodes.spot_by(at + DVec2::new(x, y), *aside);
+                    let tried = |spot| self.error(tables.over.film(at + DVec2::new(x, y)), entry, &lit, &spot);
+                    spot.and_then(tried).is_some()
+                })
+        });
         let rim = RIM_PIXELS * self.by_pixel(tables, &lit, &corners);
         off.map_or(Use { share: 1.0, aside: [0; 2], rim }, |(aside, off)| Use {
             share: (off / POOR).clamp(LEAST, 1.0),
