@@ -258,7 +258,8 @@ fn measured_faces_light_a_screen() {
         let mut lamp = face(Finish::Absorber);
         let group = add_group(&mut s, "light");
         let angular = Angular::Profile { profile: ProfileId(0), c0: DVec3::X };
-        lamp.emitter = Some(Emitter { group, photometry, angular, spectrum: None, polarisation: None });
+        lamp.emitter =
+            Some(Emitter { group, photometry, angular, spectrum: None, polarisation: None, both_sides: false });
         // Faces down: u × v = −z.
         let down = quad(DVec3::ZERO, DVec3::Y * side / 2.0, DVec3::X * side / 2.0);
         let place = DVec3::new(-0.15, 0.05, height);

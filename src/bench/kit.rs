@@ -60,7 +60,8 @@ pub fn polished(shape: Shape) -> Face {
 /// Takes everything and shines in front with this luminance, cd/m².
 pub fn shining(group: GroupId, luminance: f64) -> Face {
     let photometry = Photometry::LuminanceCdM2(luminance);
-    let emitter = Emitter { group, photometry, angular: Angular::Lambert, spectrum: None, polarisation: None };
+    let emitter =
+        Emitter { group, photometry, angular: Angular::Lambert, spectrum: None, polarisation: None, both_sides: false };
     Face { emitter: Some(emitter), ..face(Finish::Absorber) }
 }
 

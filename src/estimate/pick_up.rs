@@ -64,10 +64,15 @@ impl<'w, M: Mode> Walker<'w, M> {
     /// The lamp at `vertex` that shines along the path towards the eye.
     pub fn lamp_at(&self, vertex: &Vertex) -> Option<Shining<'w>> {
         let (site, world) = (vertex.hit.site, self.world);
-        let index = world.lamps.of_face(site.part as usize, site.face as usize)?;
+        let front = world.lamps.of_face(site.part as usize, site.face as usize)?;
+        let towards = -self.ray.dir.dot(vertex.hit.normal);
+        let (index, normal) = match world.lamps.back_of(front) {
+            Some(back) if towards < 0.0 => (back, -vertex.hit.normal),
+            Some(_) | None => (front, vertex.hit.normal),
+        };
         let lamp = &world.lamps.all()[index];
-        let cos = -self.ray.dir.dot(vertex.hit.normal);
-        let luminance = lamp.luminance_along(vertex.hit.normal, -self.ray.dir);
+        let cos = -self.ray.dir.dot(normal);
+        let luminance = lamp.luminance_along(normal, -self.ray.dir);
         (luminance > 0.0).then_some(Shining { lamp, index, cos, luminance })
     }
 }

@@ -174,7 +174,14 @@ impl Builder<'_> {
                 (photometry, Angular::Profile { profile: self.profile(profile), c0: DVec3::X })
             }
         };
-        let emitter = Emitter { group, photometry, angular, spectrum: self.light_spectrum(light)?, polarisation: None };
+        let emitter = Emitter {
+            group,
+            photometry,
+            angular,
+            spectrum: self.light_spectrum(light)?,
+            polarisation: None,
+            both_sides: false,
+        };
         let face =
             Face { finish: Finish::Absorber, coating: None, shape: Shape::Mesh, emitter: Some(emitter), slide: None };
         let node = self.assembly.nodes.get(light.node).map_or("", |node| node.path.as_str());

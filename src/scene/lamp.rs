@@ -51,6 +51,8 @@ pub struct PolarisedLight {
 pub struct Emitter {
     pub group: GroupId,
     pub photometry: Photometry,
+    /// It shines from the back of the face as from its front, which share a flux.
+    pub both_sides: bool,
     pub angular: Angular,
     /// None if it isn't said: D65. It resolves ([`Spectrum::problem`] is none).
     pub spectrum: Option<Spectrum>,

@@ -20,6 +20,8 @@ pub struct Lamp {
     /// Index of the part and of its face.
     pub part: usize,
     pub face: usize,
+    /// Of a face that shines from both sides, this is the back.
+    pub back: bool,
     pub group: GroupId,
     /// Area of the face's triangles, m².
     pub area_m2: f64,
@@ -59,11 +61,19 @@ pub struct LampPoint {
 }
 
 impl Lamp {
-    fn build(scene: &Scene, part: usize, face: usize, emitter: &Emitter, to_world: DAffine3) -> Result<Lamp> {
+    /// `side`: 1 for the front, −1 for the back.
+    fn build(
+        scene: &Scene,
+        (part, face): (usize, usize),
+        emitter: &Emitter,
+        to_world: DAffine3,
+        side: f64,
+    ) -> Result<Lamp> {
         let owner = &scene.parts[part];
         let at = || Where::Part { path: owner.path.clone(), face: Some(face) };
-        let triangles = world_triangles(scene, owner, face, to_world)
+        let mut triangles = world_triangles(scene, owner, face, to_world)
             .ok_or_else(|| Fault::new(at(), "an emitting face refers to triangles or vertices that its mesh lacks"))?;
+        triangles.iter_mut().for_each(|triangle| triangle.normal *= side);
         let areas = triangles.iter().map(|t| 0.5 * t.edges[0].cross(t.edges[1]).length());
         let by_area = Cdf::new(areas).ok_or_else(|| {
             Fault::new(at(), "an emitting face has no area")
@@ -107,7 +117,15 @@ impl Lamp {
         };
         let dark = || Fault::new(at(), "the emitter's angular distribution is unknown");
         let spread = emitter.angular.spread(&scene.profiles).ok_or_else(dark)?;
-        let unit_cd = emitter.unit_cd(&spread, area_m2);
+        // Both sides share a flux.
+        let share = match emitter.photometry {
+            Photometry::FluxLm(_) if emitter.both_sides => 0.5,
+            Photometry::FluxLm(_)
+            | Photometry::LuminanceCdM2(_)
+            | Photometry::IntensityCd(_)
+            | Photometry::AsMeasured => 1.0,
+        };
+        let unit_cd = share * emitter.unit_cd(&spread, area_m2);
         let (flux_lm, intensity_cd) = (unit_cd * beam.whole(), unit_cd * spread.normal);
         let brightest = unit_cd * spread.peak / area_m2;
         if !(value >= 0.0 && unit_cd >= 0.0 && flux_lm.is_finite() && brightest.is_finite()) {
@@ -130,6 +148,7 @@ impl Lamp {
         Ok(Lamp {
             part,
             face,
+            back: side < 0.0,
             group,
             area_m2,
             flux_lm,
@@ -256,7 +275,11 @@ impl Lamps {
                 let Some(emitter) = &optics.emitter else { continue };
                 of_face.resize(face + 1, None);
                 of_face[face] = u32::try_from(out.lamps.len()).ok();
-                out.lamps.push(Lamp::build(scene, index, face, emitter, part_to_world(index))?);
+                // The back follows its front.
+                let sides: &[f64] = if emitter.both_sides { &[1.0, -1.0] } else { &[1.0] };
+                for side in sides {
+                    out.lamps.push(Lamp::build(scene, (index, face), emitter, part_to_world(index), *side)?);
+                }
             }
             out.of_face.push(of_face);
         }
@@ -273,7 +296,12 @@ impl Lamps {
     pub fn get(&self, index: usize) -> Option<&Lamp> {
         self.lamps.get(index)
     }
-    /// The lamp that a face of a part is.
+    /// The lamp that is the back of a face whose front is this one.
+    pub fn back_of(&self, front: usize) -> Option<usize> {
+        let back = front.checked_add(1)?;
+        self.lamps.get(back).is_some_and(|lamp| lamp.back).then_some(back)
+    }
+    /// The lamp that a face of a part is, or that its front is.
     pub fn of_face(&self, part: usize, face: usize) -> Option<usize> {
         (*self.of_face.get(part)?.get(face)?).map(|index| index as usize)
     }

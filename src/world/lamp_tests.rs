@@ -27,7 +27,14 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
             finish: Finish::Absorber,
             coating: None,
             shape: Shape::Mesh,
-            emitter: Some(Emitter { group: GroupId(0), photometry, angular, spectrum: None, polarisation: None }),
+            emitter: Some(Emitter {
+                group: GroupId(0),
+                photometry,
+                angular,
+                spectrum: None,
+                polarisation: None,
+                both_sides: false,
+            }),
             slide: None,
         }],
     };

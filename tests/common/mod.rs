@@ -153,7 +153,14 @@ pub fn uniform_sky(scene: &mut Scene, luminance: f32) {
 
 pub fn lamp(group: GroupId, luminance: f64) -> Option<Emitter> {
     let photometry = Photometry::LuminanceCdM2(luminance);
-    Some(Emitter { group, photometry, angular: Angular::Lambert, spectrum: None, polarisation: None })
+    Some(Emitter {
+        group,
+        photometry,
+        angular: Angular::Lambert,
+        spectrum: None,
+        polarisation: None,
+        both_sides: false,
+    })
 }
 
 /// A slide with a picture of 16 × 16 values without a pattern.

@@ -22,7 +22,8 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         faces: vec![FaceRange { first: 0, count: triangles.len() as u32 }],
         ..Mesh::default()
     };
-    let emitter = Some(Emitter { group: GroupId(0), photometry, angular, spectrum: None, polarisation: None });
+    let emitter =
+        Some(Emitter { group: GroupId(0), photometry, angular, spectrum: None, polarisation: None, both_sides: false });
     let part = Part {
         name: "lamp".into(),
         path: "lamp".into(),

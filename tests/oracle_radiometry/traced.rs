@@ -102,15 +102,28 @@ fn integrating_spheres() {
         let group = add_group(&mut s, "source");
         let mut ball = face(Finish::Lambert { reflectance: 1.0, transmittance: 0.0 });
         let photometry = Photometry::FluxLm(flux);
-        ball.emitter =
-            Some(Emitter { group, photometry, angular: Angular::Lambert, spectrum: None, polarisation: None });
+        ball.emitter = Some(Emitter {
+            group,
+            photometry,
+            angular: Angular::Lambert,
+            spectrum: None,
+            polarisation: None,
+            both_sides: false,
+        });
         add_part(&mut s, "source", sphere_mesh(5e-4, 24, 48), DVec3::ZERO, None, vec![ball]);
         let got = luminance(&s, BACKWARD, 512, 16);
         assert_traced(&format!("{} centre", case["id"]), got, number(&r["L_wall_centre_source"]), 2e-3);
         // A narrow beam on the wall, the wall seen elsewhere: light scattered twice or more, gathered from photons.
         let mut s = integrating_sphere(rho, port);
         let group = add_group(&mut s, "beam");
-        let beam = Emitter { group, photometry, angular: Angular::CosN { n: 1e4 }, spectrum: None, polarisation: None };
+        let beam = Emitter {
+            group,
+            photometry,
+            angular: Angular::CosN { n: 1e4 },
+            spectrum: None,
+            polarisation: None,
+            both_sides: false,
+        };
         let half = 1e-4;
         panel(&mut s, DVec3::new(-0.05, 0.0, 0.0), [DVec3::Z * half, DVec3::Y * half], beam);
         // Few pixels: the first radius is their distance, and a gathering over half the sphere's radius is still exact.
@@ -264,8 +277,14 @@ fn chain_of_an_idealised_hud() {
             sheet(&mut s, "slide", DVec3::new(0.0, place, -0.4), half.map(|a| a * 1.01), slide);
         }
         let photometry = Photometry::FluxLm(number(&p["flux_lm"]) * number(&p["eta_coll"]));
-        let parallel =
-            Emitter { group, photometry, angular: Angular::CosN { n: 1e7 }, spectrum: None, polarisation: None };
+        let parallel = Emitter {
+            group,
+            photometry,
+            angular: Angular::CosN { n: 1e7 },
+            spectrum: None,
+            polarisation: None,
+            both_sides: false,
+        };
         panel(&mut s, DVec3::new(0.0, 0.415, -0.4), half, parallel);
         for (value, key) in [(1.0, "L_virtual"), (0.0, "L_black")] {
             s.slides[1].pixels = Arc::new(vec![value]);

@@ -80,7 +80,10 @@ pub fn lobe(dice: &mut Dice) -> Angular {
 
 pub fn lamp(group: GroupId, luminance: f64, angular: Angular) -> Face {
     let photometry = Photometry::LuminanceCdM2(luminance);
-    Face { emitter: Some(Emitter { group, photometry, angular, spectrum: None, polarisation: None }), ..black() }
+    Face {
+        emitter: Some(Emitter { group, photometry, angular, spectrum: None, polarisation: None, both_sides: false }),
+        ..black()
+    }
 }
 
 /// A picture of square pixels: bars, a sparse symbol or a ramp.

@@ -100,8 +100,7 @@ pub(super) fn read(at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<Mat
             if let Some(both) = at.get("doubleSided")?
                 && both.flag()?
             {
-                let text = "`doubleSided` is not used for what shines: it shines from its front alone";
-                ledger.notes.warn(&both, text);
+                entry("emitter.sides", Data::Text("both".to_owned()), &both);
             }
             if let Some(texture) = at.get("emissiveTexture")? {
                 ledger.notes.warn(&texture, "`emissiveTexture` is ignored: the luminance is that of a white texture");

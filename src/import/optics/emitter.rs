@@ -14,6 +14,7 @@ use glam::DVec3;
 pub struct EmitterSpec {
     pub group: String,
     pub strength: Strength,
+    pub both_sides: bool,
     pub angular: Spreading,
     pub spectrum: Option<SpectrumSpec>,
     /// Unit, in the part's axes.
@@ -104,7 +105,11 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
         }
         None => None,
     };
-    Ok(EmitterSpec { group, strength, angular, spectrum, u: fields.direction("u")?, polarisation })
+    let both_sides = match fields.text("sides")? {
+        None | Some("front") => false,
+        Some(_) => true,
+    };
+    Ok(EmitterSpec { group, strength, both_sides, angular, spectrum, u: fields.direction("u")?, polarisation })
 }
 
 fn angular(value: &Value) -> Result<Spreading> {

@@ -45,6 +45,7 @@ fn scene() -> Scene {
         angular: Angular::Lambert,
         spectrum: Some(Spectrum::Led(Led::B1)),
         polarisation: None,
+        both_sides: false,
     };
     let led = || [face(Finish::Absorber), Face { emitter: Some(emitter.clone()), ..face(Finish::Absorber) }];
     let shape = Shape::Sphere { vertex: DVec3::ZERO, axis: DVec3::Z, radius: -50.0 };
@@ -191,6 +192,7 @@ fn cosine_powers_and_the_three_photometries_agree() {
             angular: Angular::CosN { n: 3.0 },
             spectrum: None,
             polarisation: None,
+            both_sides: false,
         });
         let (flux, along) = luminance(&scene);
         assert!((flux / std::f64::consts::PI - 1.0).abs() < 1e-9 && (along / 2e6 - 1.0).abs() < 1e-9, "{flux} {along}");

@@ -28,7 +28,7 @@ const MOST_LUMINANCE: Range = Within(0.0, 1e15);
 pub const MEDIUM: [&str; 9] =
     ["name", "ior", "glass", "sellmeier", "cauchy", "abbe", "index_table", "absorption_per_m", "priority"];
 /// The attributes of an emitter's table.
-pub const EMITTER: [&str; 11] = [
+pub const EMITTER: [&str; 12] = [
     "name",
     "group",
     "flux_lm",
@@ -36,6 +36,7 @@ pub const EMITTER: [&str; 11] = [
     "intensity_cd",
     "illuminance_lx",
     "radiant_flux_w",
+    "sides",
     "angular",
     "spectrum",
     "u",
@@ -126,6 +127,7 @@ pub const ROWS: &[Row] = &[
     new(Emitter, "n", Number, "", Within(0.0, 1e8), "exponent of cosⁿ"),
     new(Emitter, "fwhm_deg", Number, "deg", Between(0.0, 180.0), "full width at half maximum of the intensity"),
     new(Emitter, "file", File, "", Any, "luminous intensity distribution, IES LM-63 (.ies) or EULUMDAT (.ldt); its direction (0, 0) is the face's normal, its plane C0 lies along u, and C turns counter-clockwise as seen from behind the face; what it has behind the face is left out"),
+    new(Emitter, "sides", Word(&["front", "both"]), "", Any, "which sides of the face shine; both share its flux, and each has its luminance").or("front"),
     new(Emitter, "spectrum", Form::Kind, "", Any, "colour of the light, from 360 to 830 nm").or("D65"),
     new(Emitter, "cct", Number, "K", Within(1000.0, 25_000.0), "correlated colour temperature: a black body below 4000 K, CIE daylight from there on"),
     new(Emitter, "rgb", Numbers(3), "", AtLeast(0.0), "linear Rec.709, of which only the hue and saturation count"),

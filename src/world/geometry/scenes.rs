@@ -162,6 +162,7 @@ pub fn emitter() -> Emitter {
         angular: Angular::Lambert,
         spectrum: None,
         polarisation: None,
+        both_sides: false,
     }
 }
 
