@@ -291,6 +291,46 @@ fn measured_faces_light_a_screen() {
     }
 }
 
+/// A sheet that shines from both sides, with its front away from the screen: each side has the luminance, or half of the flux.
+#[test]
+fn a_sheet_shines_from_its_back() {
+    let (side, height, luminance_cd_m2) = (0.004, 0.5, 2e5);
+    let flux = 2.0 * PI * luminance_cd_m2 * side * side;
+    for (photometry, choice) in [
+        (Photometry::LuminanceCdM2(luminance_cd_m2), BACKWARD),
+        (Photometry::FluxLm(flux), BACKWARD),
+        (Photometry::FluxLm(flux), FORWARD),
+    ] {
+        let mut s = screen(if choice == FORWARD { 0.2 } else { 0.0 });
+        s.eye.fov_deg = 30.0;
+        let mut lamp = face(Finish::Absorber);
+        let group = add_group(&mut s, "light");
+        let angular = Angular::Lambert;
+        let light = Emitter { group, photometry, angular, spectrum: None, polarisation: None, both_sides: true };
+        lamp.emitter = Some(light);
+        let up = quad(DVec3::ZERO, DVec3::X * side / 2.0, DVec3::Y * side / 2.0);
+        let place = DVec3::new(-0.15, 0.05, height);
+        add_part(&mut s, "lamp", mesh(&[up]), place, None, vec![lamp]);
+        let (got, sigma) = luminance(&s, choice, if choice == FORWARD { 300 } else { 1000 });
+        // The mean of E over the square that is seen.
+        let half = (s.eye.fov_deg / 2.0).to_radians().tan();
+        let right = s.eye.look.cross(s.eye.up).normalize();
+        let above = right.cross(s.eye.look);
+        let (mut e, n) = (0.0, 40);
+        for k in 0..n * n {
+            let [x, y] = [k % n, k / n].map(|k| (2.0 * (f64::from(k) + 0.5) / f64::from(n) - 1.0) * half);
+            let dir = s.eye.look + right * x + above * y;
+            let point = s.eye.position - dir * (s.eye.position.z / dir.z);
+            let away = point - place;
+            let cos = -away.normalize().z;
+            e += luminance_cd_m2 * side * side * cos * cos / away.length_squared() / f64::from(n * n);
+        }
+        let want = RHO * e / PI;
+        println!("{photometry:?}: {got} ± {sigma}, want {want}");
+        assert!(sigma < 0.02 * want && (got - want).abs() < 4.0 * sigma + 2e-3 * want, "{got} ± {sigma}, want {want}");
+    }
+}
+
 /// A profile on a light of the asset: its candela times the factor; with `normalize` the light keeps its flux.
 #[test]
 fn profiles_of_an_assets_lights() {

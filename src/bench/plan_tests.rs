@@ -274,3 +274,29 @@ fn a_mirror_in_plain_sight_is_not_missed() {
     let share: f64 = plan.connections.iter().filter(back).map(|connection| connection.share).sum();
     assert!(share > 0.5, "{:?}", plan.connections);
 }
+
+/// In colour each pass bends light by a wavelength of its own: connection has nearly all of the light of its trains at each of
+/// them, not at that of the first pass alone.
+#[test]
+fn connection_has_the_light_of_every_wavelength() {
+    let mut scene = generate::scene(42);
+    scene.wavelengths = crate::scene::Wavelengths::Visible;
+    let ready = Ready::new(&scene, 0.0).unwrap();
+    let plan = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
+    assert!(matches!(plan.mode.spectral, crate::film::plan::Spectral::Hero), "lenses disperse");
+    let mut tracing = crate::estimate::run::begin(&ready.world, &plan, 1, scene.eye.resolution, 3);
+    tracing.step(32);
+    let films = tracing.films();
+    let blue = |of: &dyn Fn(Estimator) -> bool| -> f64 {
+        let own = films.films.iter().filter(|(estimator, ..)| of(*estimator));
+        let sum = |film: &crate::film::accumulate::Film| -> f64 {
+            let planes = || 0..film.planes.len();
+            let pixel =
+                |at| planes().map(|p| film.mean_entries(at, p).nth(2).map_or(0.0, |light| light.value)).sum::<f64>();
+            (0..film.width * film.height).map(pixel).sum()
+        };
+        own.map(|(_, film, _)| sum(film)).sum()
+    };
+    let (all, connected) = (blue(&|_| true), blue(&|estimator| estimator == Estimator::Manifold));
+    assert!(connected > 0.9 * all, "connection has {connected} of {all} of the blue light");
+}

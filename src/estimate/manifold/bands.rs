@@ -65,3 +65,22 @@ impl Bands {
         self.sets.iter().all(|(_, connections)| connections.is_empty())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each wavelength has one set, and passes come to all of them alike.
+    #[test]
+    fn bands_part_the_range_evenly() {
+        let at = |share: f64| hero(share, 0, 1).0;
+        let edges: Vec<f64> = (1..BANDS).map(|band| at(band as f64 / BANDS as f64)).collect();
+        assert!(edges.windows(2).all(|pair| pair[0] < pair[1]), "{edges:?}");
+        let mut counts = [0u32; BANDS];
+        for pass in 0..12_000 {
+            let nm = at((f64::from(pass) + 0.5) / 12_000.0);
+            counts[edges.partition_point(|edge| *edge <= nm)] += 1;
+        }
+        assert!(counts.iter().all(|count| count.abs_diff(1000) <= 2), "{counts:?}");
+    }
+}

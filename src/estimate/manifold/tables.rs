@@ -69,6 +69,8 @@ struct Use {
     /// So near to the rim of a slide's picture, as a share of its size, the solved connection is always looked at: there it may
     /// well find nothing where the table says light, and a difference taken now and then would be light below 0.
     rim: f64,
+    /// The same of the pupil, as a share of its radius.
+    pupil_rim: f64,
 }
 /// Those of all [`Connections`], in the order of their entries.
 #[derive(Debug)]
@@ -107,10 +109,12 @@ impl<M: Mode> Tables<M> {
     pub(super) fn read(&self, world: &World, entry: usize, spot: &Spot, off: DVec2) -> Read<M> {
         let mut read = Read { branches: ArrayVec::new(), at_rim: false };
         let Some(table) = self.tables.get(entry) else { return read };
-        let Use { aside, rim, .. } = table.uses[spot.cell];
+        let Use { aside, rim, pupil_rim, .. } = table.uses[spot.cell];
+        let radius = world.eye.pupil_radius_m();
         let Some(spot) = self.over.nodes.aside(*spot, aside) else { return read };
         for nodes in &table.branches {
             let Some((brought, slides)) = blend(nodes, &spot, off) else { continue };
+            read.at_rim |= (brought.pupil.length() - radius).abs() <= pupil_rim * radius;
             read.at_rim |= slides.iter().any(|(slide, at)| world.slides[*slide].to_rim(*at) <= rim);
             if read.branches.try_push((brought, slides)).is_err() {
                 break;

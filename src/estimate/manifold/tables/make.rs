@@ -30,6 +30,8 @@ const ASIDE: f64 = 0.6;
 /// So near to the rim of a slide's picture, in pixels, and in errors of the places that a trial has shown, tables are not used.
 const RIM_PIXELS: f64 = 0.25;
 const RIM_ERRORS: f64 = 4.0;
+/// The same of the pupil's rim, in its radii, at the least.
+const PUPIL_RIM: f64 = 0.01;
 /// Where a cell at the end of the light is tried beside its middle, in cells from there.
 const QUARTERS: [[f64; 2]; 4] = [[-0.4, -0.4], [0.4, -0.4], [-0.4, 0.4], [0.4, 0.4]];
 /// Nodes that are added beyond a slide's edge, so that the cells across it have all sixteen.
@@ -67,7 +69,7 @@ impl<M: Mode> Maker<'_, M> {
         for nodes in &mut branches {
             (0..BEYOND).for_each(|_| self.complete(tables, nodes));
         }
-        let mut uses = vec![Use { share: 1.0, aside: [0; 2], rim: 0.0 }; tables.over.nodes.number()];
+        let mut uses = vec![Use { share: 1.0, aside: [0; 2], rim: 0.0, pupil_rim: 0.0 }; tables.over.nodes.number()];
         for cell in tables.over.nodes.cells() {
             uses[cell] = self.use_of(tables, entry, (&branches, &solved), cell);
         }
@@ -182,10 +184,11 @@ impl<M: Mode> Maker<'_, M> {
                 })
         });
         let rim = RIM_PIXELS * self.by_pixel(tables, &lit, &corners);
-        off.map_or(Use { share: 1.0, aside: [0; 2], rim }, |(aside, off)| Use {
+        off.map_or(Use { share: 1.0, aside: [0; 2], rim, pupil_rim: 0.0 }, |(aside, off)| Use {
             share: (off / POOR).clamp(LEAST, 1.0),
             aside,
             rim: rim.max(RIM_ERRORS * off / SHARP),
+            pupil_rim: (RIM_ERRORS * off).max(PUPIL_RIM),
         })
     }
 
