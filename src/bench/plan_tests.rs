@@ -281,6 +281,9 @@ fn a_mirror_in_plain_sight_is_not_missed() {
 fn connection_has_the_light_of_every_wavelength() {
     let mut scene = generate::scene(42);
     scene.wavelengths = crate::scene::Wavelengths::Visible;
+    for medium in &mut scene.media {
+        medium.index = crate::scene::Dispersion::Abbe { n_d: medium.index.index(587.6).re, v_d: 40.0 };
+    }
     let ready = Ready::new(&scene, 0.0).unwrap();
     let plan = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
     assert!(matches!(plan.mode.spectral, crate::film::plan::Spectral::Hero), "lenses disperse");

@@ -73,10 +73,10 @@ fn of_groups<'g>(groups: impl Iterator<Item = &'g str> + Clone) -> (BTreeMap<Str
         add(format!("{layer}_variance"), format!("the variance of the layer `{layer}`"));
         for group in groups.clone() {
             let share = format!("{layer}_{group}");
+            add(share.clone(), format!("the light of group `{group}`"));
             for (suffix, what) in OF_SHARE {
                 add(format!("{share}{suffix}"), format!("the light of group `{group}`, {what}"));
             }
-            add(share, format!("the light of group `{group}`"));
         }
     }
     (all, clash)

@@ -17,7 +17,7 @@ pub use matrices::{
     ACESCG_TO_REC709, ACESCG_TO_XYZ, AP1_TO_XYZ, BRADFORD_D65_TO_ACES, Matrix, REC709_TO_ACESCG, REC709_TO_XYZ,
     XYZ_TO_ACESCG, XYZ_TO_AP1, XYZ_TO_REC709, apply,
 };
-pub use spaces::{AP1, Chromaticities, FileSpace, REC709, XYZ_D65};
+pub use spaces::{AP1, Chromaticities, FileSpace, REC709, XYZ};
 pub use uplift::{basis, uplift_emission, uplift_reflectance};
 pub use wavelengths::{Lane, density, hero, lanes};
 
@@ -67,7 +67,7 @@ impl ColourSpace {
         match self {
             ColourSpace::Rec709 => &REC709,
             ColourSpace::AcesCg => &AP1,
-            ColourSpace::Xyz => &XYZ_D65,
+            ColourSpace::Xyz => &XYZ,
         }
     }
     /// The space of a file's `colorInteropID`; everything unnamed or unknown is Rec.709.

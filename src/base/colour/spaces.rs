@@ -13,8 +13,8 @@ const ACES_WHITE: [f64; 2] = [0.32168, 0.33767];
 pub const REC709: Chromaticities = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], D65];
 /// Academy S-2014-004, AP1.
 pub const AP1: Chromaticities = [[0.713, 0.293], [0.165, 0.830], [0.128, 0.044], ACES_WHITE];
-/// CIE XYZ as primaries with the white of D65 (Color Interop Forum recommendation, 2024: `lin_ciexyzd65_scene`).
-pub const XYZ_D65: Chromaticities = [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], D65];
+/// CIE XYZ as primaries: equal numbers are the white of equal energy, whatever white a picture has.
+pub const XYZ: Chromaticities = [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [1.0 / 3.0, 1.0 / 3.0]];
 /// By the middle part of a `colorInteropID` (Color Interop Forum recommendation, 2024): SMPTE ST 2065-1 (AP0), SMPTE EG
 /// 432-1 (P3), ITU-R BT.2020-2, Adobe RGB (1998) color image encoding.
 const PRIMARIES: [(&str, Chromaticities); 7] = [
@@ -24,7 +24,7 @@ const PRIMARIES: [(&str, Chromaticities); 7] = [
     ("p3d65", [[0.680, 0.320], [0.265, 0.690], [0.150, 0.060], D65]),
     ("rec2020", [[0.708, 0.292], [0.170, 0.797], [0.131, 0.046], D65]),
     ("adobergb", [[0.64, 0.33], [0.21, 0.71], [0.15, 0.06], D65]),
-    ("ciexyzd65", XYZ_D65),
+    ("ciexyzd65", XYZ),
 ];
 /// Chromaticities in files have three or four digits.
 const SAME: f64 = 5e-4;
@@ -75,7 +75,14 @@ impl FileSpace {
         let known = PRIMARIES.iter().map(|(_, known)| known);
         let nearest = known.into_iter().find(|known| known.iter().zip(chromaticities).all(|(a, b)| near(a, b)));
         let exact = nearest.unwrap_or(chromaticities);
-        let to_rec709 = if *exact == REC709 { None } else { Some(to_rec709(exact)?) };
+        let to_rec709 = if *exact == REC709 {
+            None
+        } else if *exact == XYZ {
+            // The picture's white is that of D65, as XYZ has no other.
+            Some(XYZ_TO_REC709)
+        } else {
+            Some(to_rec709(exact)?)
+        };
         Some(FileSpace { transfer: Transfer::Linear, to_rec709 })
     }
 
@@ -88,8 +95,8 @@ impl FileSpace {
         };
         let [r, g, b] = linear;
         match &self.to_rec709 {
-            // Grey is grey in every space.
-            Some(matrix) if r != g || g != b => apply(matrix, linear),
+            // Grey is grey in every space of red, green and blue.
+            Some(matrix) if r != g || g != b || *matrix == XYZ_TO_REC709 => apply(matrix, linear),
             Some(_) | None => linear,
         }
     }

@@ -145,7 +145,7 @@ fn unknown_keys_and_names() {
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", flux_lum = 0.45 }\n",
             &[],
-            "hud.optics.toml:12: unknown attribute `flux_lum` of emitter; expected one of name, group, flux_lm, luminance_cd_m2, intensity_cd, illuminance_lx, radiant_flux_w, angular, spectrum, u, polarisation; did you mean `flux_lm`?",
+            "hud.optics.toml:12: unknown attribute `flux_lum` of emitter; expected one of name, group, flux_lm, luminance_cd_m2, intensity_cd, illuminance_lx, radiant_flux_w, angular, sides, spectrum, u, polarisation; did you mean `flux_lm`?",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nshape = { kind = \"sfere\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 5 }\n",
@@ -155,7 +155,7 @@ fn unknown_keys_and_names() {
         (
             "[sky]\nimage = \"x.exr\"\nscale = 3\n",
             &[],
-            "hud.optics.toml:12: unknown attribute `scale` of sky; expected one of image, scale_cd_m2, rotation_deg, group, frame; did you mean `scale_cd_m2`?",
+            "hud.optics.toml:12: unknown attribute `scale` of sky; expected one of image, layer, scale_cd_m2, rotation_deg, group, frame; did you mean `scale_cd_m2`?",
         ),
     ]);
 }

@@ -88,7 +88,7 @@ fn intervals_are_those_of_the_errors() {
     frame.channels.retain(|channel| channel.layer() != "stderr" && channel.layer() != "forward_led_open_stderr");
     assert!(of(&frame).interval.is_none() && of(&frame).note.contains("no `stderr`"));
     let found = measure(&frame, &Target::default()).unwrap();
-    assert!(named(&found, "white").note.contains("render with --stderr layers"));
+    assert!(named(&found, "white").note.contains("with --stderr layers"));
 }
 
 #[test]

@@ -89,10 +89,10 @@ fn the_data_are_those_of_the_frame() {
 fn hostile_names_stay_texts() {
     let made = page(&named(&frame())).unwrap();
     assert!(!made.html.contains("<img"));
-    assert!(made.unmixed.unwrap().contains("CryptoPart00.R"), "a NaN is a reason not to mix, not a fault of the page");
+    assert_eq!(made.unmixed, None, "what a matte holds says nothing of light");
     let data = data_of(&made.html);
     assert!(data["layers"].as_array().unwrap().iter().all(|layer| layer["name"] != "CryptoPart00"));
-    assert!(data["shares"].as_array().unwrap().is_empty());
+    assert!(!data["shares"].as_array().unwrap().is_empty());
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn frames_without_much() {
     let mut bare = Frame::new(2, 1);
     bare.push("Z", vec![1.0, f32::INFINITY]);
     let made = page(&named(&bare)).unwrap();
-    assert!(made.unmixed.unwrap().contains("is inf at pixel (1, 0)"));
+    assert!(made.unmixed.unwrap().contains("no list of light groups"));
     let mut torn = bare.clone();
     torn.push("A", vec![1.0]);
     assert!(page(&named(&torn)).unwrap_err().to_string().contains("expected 2 × 1"));
