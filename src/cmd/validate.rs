@@ -2,6 +2,7 @@
 
 use super::print_text;
 use super::printer::print_coloured;
+use super::threads::Threads;
 use crate::base::{Fault, Result, Where};
 use crate::validate::config::Config;
 use crate::validate::report::{Style, render};
@@ -48,6 +49,8 @@ pub struct ValidateArgs {
     /// Print the page of a rule, by its code or name.
     #[arg(long, value_name = "CODE", conflicts_with = "assets")]
     explain: Option<String>,
+    #[command(flatten)]
+    threads: Threads,
 }
 
 /// Runs the command.
@@ -67,7 +70,7 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode> {
         (None, Some(path)) => baseline::read(path)?,
         (Some(_), _) | (None, None) => BTreeSet::new(),
     };
-    let report = validate(&args.assets, &config, &known)?;
+    let report = args.threads.within(|| validate(&args.assets, &config, &known))?;
     if let Some(path) = &args.write_baseline {
         baseline::write(path, &report)?;
     }
