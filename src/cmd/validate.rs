@@ -23,12 +23,14 @@ known.
 Examples:
   eyebox validate hud.optics.toml
   eyebox validate assets/*.glb --format sarif > eyebox.sarif
+  eyebox validate assets/                     (every sidecar in it, and every asset that no sidecar names)
   eyebox validate hud.usda --format github
   eyebox validate hud.optics.toml --write-baseline eyebox-baseline.json
   eyebox validate hud.optics.toml --baseline eyebox-baseline.json
   eyebox validate --explain EB0102")]
 pub struct ValidateArgs {
-    /// Sidecars (*.optics.toml) or assets (.glb, .gltf, .usda, .usdc, .usdz).
+    /// Sidecars (*.optics.toml), assets (.glb, .gltf, .usda, .usdc, .usdz), or folders: all sidecars in them, and all assets
+    /// that none of these names.
     #[arg(required_unless_present = "explain", value_name = "ASSET")]
     assets: Vec<PathBuf>,
     /// How the findings are printed.

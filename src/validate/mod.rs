@@ -6,6 +6,7 @@
 pub mod baseline; // findings that are known
 pub mod config; // eyebox.toml
 pub mod fingerprint; // what makes a finding the same one tomorrow
+pub mod folder; // what a folder stands for
 mod heal; // going on past a fault
 pub mod locate; // lines and columns
 pub mod page; // the documentation of a rule
@@ -63,15 +64,16 @@ impl Report {
     }
 }
 
-/// Validates `assets`. `known`: fingerprints of the baseline.
+/// Validates `assets`, files and folders of them. `known`: fingerprints of the baseline.
 ///
 /// # Errors
-/// An asset that is not there or no regular file. Whatever is wrong inside one is a finding.
+/// An asset that is not there or no regular file, a folder without assets. Whatever is wrong inside one is a finding.
 pub fn validate(assets: &[PathBuf], config: &Config, known: &BTreeSet<String>) -> Result<Report> {
-    for asset in assets {
+    let assets = folder::expand(assets)?;
+    for asset in &assets {
         read::check_there(asset)?;
     }
-    let mut report = Report { assets: assets.to_vec(), ..Report::default() };
+    let mut report = Report { assets: assets.clone(), ..Report::default() };
     for (index, asset) in assets.iter().enumerate() {
         for mut finding in located(asset, config) {
             finding.asset = index;

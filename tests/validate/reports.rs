@@ -83,7 +83,11 @@ fn exit_codes() {
     assert_eq!(code(&["bench.optics.toml"]), Some(1));
     assert_eq!(code(&["bench.optics.toml", "--exit-zero"]), Some(0));
     assert_eq!(code(&["nothing.glb"]), Some(2));
-    assert_eq!(code(&["."]), Some(2));
+    assert_eq!(code(&["."]), Some(1), "the folder's sidecar, once");
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    let none = eyebox(folder.path(), &["empty"]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(text(&none.stderr).contains("no asset and no sidecar in this folder"), "{}", text(&none.stderr));
     assert_eq!(code(&[]), Some(2));
     assert_eq!(code(&["bench.optics.toml", "--format", "pdf"]), Some(2));
     assert_eq!(code(&["--explain", "EB9999"]), Some(2));
