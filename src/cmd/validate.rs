@@ -8,7 +8,6 @@ use crate::validate::config::Config;
 use crate::validate::report::{Style, render};
 use crate::validate::{baseline, page, rules, validate};
 use clap::Args;
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -70,7 +69,7 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode> {
     let config = args.config.as_ref().map_or_else(Config::beside, |path| Config::read(path))?;
     let known = match (&args.write_baseline, args.baseline.as_ref().or(config.baseline.as_ref())) {
         (None, Some(path)) => baseline::read(path)?,
-        (Some(_), _) | (None, None) => BTreeSet::new(),
+        (Some(_), _) | (None, None) => baseline::Known::default(),
     };
     let report = args.threads.within(|| validate(&args.assets, &config, &known))?;
     if let Some(path) = &args.write_baseline {

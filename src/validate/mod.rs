@@ -21,6 +21,7 @@ use crate::check::rule::Rule;
 use crate::check::subject::{Refusal, Stage, Subject};
 use crate::scene::{Note, Severity};
 use crate::world::World;
+use baseline::Known;
 use config::Config;
 use locate::{Locator, Place};
 use std::collections::BTreeSet;
@@ -64,11 +65,11 @@ impl Report {
     }
 }
 
-/// Validates `assets`, files and folders of them. `known`: fingerprints of the baseline.
+/// Validates `assets`, files and folders of them. `known`: what the baseline knows.
 ///
 /// # Errors
 /// An asset that is not there or no regular file, a folder without assets. Whatever is wrong inside one is a finding.
-pub fn validate(assets: &[PathBuf], config: &Config, known: &BTreeSet<String>) -> Result<Report> {
+pub fn validate(assets: &[PathBuf], config: &Config, known: &Known) -> Result<Report> {
     let assets = folder::expand(assets)?;
     for asset in &assets {
         read::check_there(asset)?;
@@ -85,7 +86,8 @@ pub fn validate(assets: &[PathBuf], config: &Config, known: &BTreeSet<String>) -
         }
     }
     let before = report.findings.len();
-    report.findings.retain(|finding| !known.contains(&finding.fingerprint));
+    let mut new = known.unknown(&report.findings).into_iter();
+    report.findings.retain(|_| new.next().unwrap_or(true));
     report.known = before - report.findings.len();
     if let Some(most) = config.max_findings {
         report.cut = report.findings.len().saturating_sub(most);
