@@ -427,3 +427,25 @@ fn the_program_writes_rays_and_layers() {
         assert!(out.status.code() == Some(2) && text.contains(said) && text.trim_end().lines().count() == 1, "{text}");
     }
 }
+
+/// `--threads` of every command that traces: its output is the same to the byte.
+#[test]
+fn no_command_says_something_else_on_other_threads() {
+    let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/samples/hud-direct/hud.optics.toml");
+    for words in [
+        &["paths", sample, "--paths", "2048"][..],
+        &["rays", sample, "--format", "json"],
+        &["plan", sample, "--resolution", "32x16"],
+        &["scan", sample, "--eyebox", "2x1", "--points", "3x3", "--samples", "1", "--resolution", "16x8", "--quiet"],
+        &["validate", sample],
+    ] {
+        let said = |threads: &str| {
+            let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_eyebox"));
+            let output = command.args(words).args(["--threads", threads]).output().expect("the program runs");
+            assert!(output.status.code().is_some_and(|code| code < 2), "{words:?}: {output:?}");
+            output.stdout
+        };
+        let one = said("1");
+        assert!(!one.is_empty() && one == said("3"), "{words:?}");
+    }
+}

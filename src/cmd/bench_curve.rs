@@ -4,6 +4,7 @@ use super::print_text;
 use super::progress::Signals;
 use super::render_args::parse_resolution;
 use super::source::sets;
+use super::threads::pool;
 use crate::base::atomic::{check_writable, write_atomic};
 use crate::base::{Fault, Result, Where};
 use crate::bench::curve::asset::{Form, Task, measure};
@@ -91,8 +92,7 @@ impl CurveArgs {
     }
 
     pub fn pool(&self) -> Result<rayon::ThreadPool> {
-        let built = rayon::ThreadPoolBuilder::new().num_threads(usize::from(self.threads)).build();
-        built.map_err(|error| Fault::new(Where::Option("--threads".to_owned()), error.to_string()))
+        pool(Some(self.threads))
     }
 
     fn source(&self) -> Result<Source> {

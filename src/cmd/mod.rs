@@ -40,6 +40,7 @@ mod scan;
 mod sequence;
 mod shards;
 mod source;
+mod threads;
 mod validate;
 mod view;
 mod witnessed;

@@ -1,6 +1,7 @@
 //! `eyebox paths`: by which parts light gets to the eye, and how much of it.
 
 use super::source::Source;
+use super::threads::Threads;
 use super::{Format, print};
 use crate::base::Result;
 use crate::check::check;
@@ -21,7 +22,7 @@ A ghost meets the parts of the main path alone and shows the same; stray light c
 Examples:
   eyebox paths samples/hud-direct/hud.optics.toml
   eyebox paths hud.optics.toml --least 1e-4 --format json
-  eyebox paths hud.optics.toml --set 'COMBINER.coating=none' --paths 65536
+  eyebox paths hud.optics.toml --set 'COMBINER.coating=none' --paths 65536 --threads 4
   eyebox render hud.optics.toml -o hud.exr --chain ghost=2")]
 pub struct PathsArgs {
     /// Leave out ways with less of all light than this.
@@ -32,6 +33,8 @@ pub struct PathsArgs {
     paths: u64,
     #[command(flatten)]
     source: Source,
+    #[command(flatten)]
+    threads: Threads,
     /// Trace the polarisation of light: where a pilot finds that it matters, always, or never.
     #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
     polarisation: super::render_args::PolarisationArg,
@@ -49,6 +52,10 @@ fn share(text: &str) -> std::result::Result<f64, String> {
 
 /// Runs the command.
 pub fn run(args: &PathsArgs) -> Result<ExitCode> {
+    args.threads.within(|| traced(args))
+}
+
+fn traced(args: &PathsArgs) -> Result<ExitCode> {
     let Built { scene, .. } = args.source.import()?;
     let checked = check(&scene)?;
     let world = World::freeze(&scene)?;

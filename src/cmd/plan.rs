@@ -2,6 +2,7 @@
 
 use super::render_args::{EstimatorArg, PolarisationArg, parse_resolution};
 use super::source::Source;
+use super::threads::Threads;
 use super::{Format, print};
 use crate::base::atomic::write_atomic;
 use crate::base::{Fault, Result, Where};
@@ -46,6 +47,8 @@ pub struct PlanArgs {
     resolution: Option<[usize; 2]>,
     #[command(flatten)]
     source: Source,
+    #[command(flatten)]
+    threads: Threads,
     /// How the result is printed.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -53,6 +56,10 @@ pub struct PlanArgs {
 
 /// Runs the command.
 pub fn run(args: &PlanArgs) -> Result<ExitCode> {
+    args.threads.within(|| traced(args))
+}
+
+fn traced(args: &PlanArgs) -> Result<ExitCode> {
     let mut scene = args.source.import()?.scene;
     if let Some(resolution) = args.resolution {
         scene.eye.resolution = resolution;

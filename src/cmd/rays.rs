@@ -1,6 +1,7 @@
 //! `eyebox rays`: some light paths as lines for a viewer, and what became of all of them.
 
 use super::source::Source;
+use super::threads::Threads;
 use super::{Format, print};
 use crate::base::atomic::check_writable;
 use crate::base::{Fault, Result, Where};
@@ -48,6 +49,8 @@ pub struct RaysArgs {
     seed: u64,
     #[command(flatten)]
     source: Source,
+    #[command(flatten)]
+    threads: Threads,
     /// How the table is printed.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -72,6 +75,10 @@ fn parse_pixel(text: &str) -> std::result::Result<[usize; 2], String> {
 
 /// Runs the command.
 pub fn run(args: &RaysArgs) -> Result<ExitCode> {
+    args.threads.within(|| traced(args))
+}
+
+fn traced(args: &RaysArgs) -> Result<ExitCode> {
     if let Some(output) = &args.output {
         if !["glb", "usda"].contains(&rays::extension(output).as_str()) {
             return Err(rays::unknown(output));

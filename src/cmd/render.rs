@@ -69,10 +69,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     let start = Instant::now();
     let args = &RenderArgs { output: named(&args.output, args.source.frame)?, ..args.clone() };
     check_destination(&args.output)?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.map_or(0, usize::from))
-        .build()
-        .map_err(|error| Fault::new(Where::Option("--threads".to_owned()), error.to_string()))?;
+    let pool = args.threads.pool()?;
     let Built { mut scene, layers: wishes, .. } = args.source.import()?;
     // The path table has the asset's own resolution, so that its numbers are those of `eyebox paths`.
     let own = scene.eye.resolution;

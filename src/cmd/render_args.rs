@@ -5,6 +5,7 @@ use super::frames::{Frames, parse_frames};
 use super::progress::ProgressArg;
 use super::shards::parse_shard;
 use super::source::Source;
+use super::threads::Threads;
 use crate::base::colour::ColourSpace;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::aov;
@@ -82,9 +83,8 @@ pub struct RenderArgs {
     /// Go on from OUT.checkpoint.exr if it is there. --time counts from this start on.
     #[arg(long, requires = "checkpoint")]
     pub resume: bool,
-    /// Threads; all cores by default.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
+    #[command(flatten)]
+    pub threads: Threads,
     /// Width and height in pixels, instead of the eye's.
     #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
     pub resolution: Option<[usize; 2]>,

@@ -3,6 +3,7 @@
 use super::progress::Signals;
 use super::render_args::{PolarisationArg, parse_resolution};
 use super::source::Source;
+use super::threads::Threads;
 use super::{Format, print};
 use crate::base::atomic::{check_writable, write_atomic};
 use crate::base::{Fault, Result, Where};
@@ -28,7 +29,7 @@ cannot be seen from a position is said so; a picture without light from some pos
 Examples:
   eyebox scan hud.optics.toml --eyebox 5x3
   eyebox scan hud.optics.toml --eyebox 9x5 --width 130 --height 50 -o eyebox.csv
-  eyebox scan hud.optics.toml --eyebox 3x3 --no-luminance --format json")]
+  eyebox scan hud.optics.toml --eyebox 3x3 --no-luminance --format json --threads 4")]
 pub struct ScanArgs {
     /// Columns and rows of eye positions.
     #[arg(long, value_name = "NxM", value_parser = parse_grid)]
@@ -66,6 +67,8 @@ pub struct ScanArgs {
     seed: u64,
     #[command(flatten)]
     source: Source,
+    #[command(flatten)]
+    threads: Threads,
     /// Write the table to this file: .csv (a line per position) or .json (with every point of the picture).
     #[arg(short, long, value_name = "OUT.csv|json")]
     output: Option<PathBuf>,
@@ -83,6 +86,10 @@ fn parse_grid(text: &str) -> std::result::Result<[usize; 2], String> {
 
 /// Runs the command.
 pub fn run(args: &ScanArgs) -> Result<ExitCode> {
+    args.threads.within(|| traced(args))
+}
+
+fn traced(args: &ScanArgs) -> Result<ExitCode> {
     let written = args.output.as_deref().map(table_of).transpose()?;
     let signals = Signals::install();
     let scene = args.source.import()?.scene;

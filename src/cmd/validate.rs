@@ -2,12 +2,12 @@
 
 use super::print_text;
 use super::printer::print_coloured;
+use super::threads::Threads;
 use crate::base::{Fault, Result, Where};
 use crate::validate::config::Config;
 use crate::validate::report::{Style, render};
 use crate::validate::{baseline, page, rules, validate};
 use clap::Args;
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -22,12 +22,14 @@ known.
 Examples:
   eyebox validate hud.optics.toml
   eyebox validate assets/*.glb --format sarif > eyebox.sarif
+  eyebox validate assets/                     (every sidecar in it, and every asset that no sidecar names)
   eyebox validate hud.usda --format github
   eyebox validate hud.optics.toml --write-baseline eyebox-baseline.json
   eyebox validate hud.optics.toml --baseline eyebox-baseline.json
   eyebox validate --explain EB0102")]
 pub struct ValidateArgs {
-    /// Sidecars (*.optics.toml) or assets (.glb, .gltf, .usda, .usdc, .usdz).
+    /// Sidecars (*.optics.toml), assets (.glb, .gltf, .usda, .usdc, .usdz), or folders: all sidecars in them, and all assets
+    /// that none of these names.
     #[arg(required_unless_present = "explain", value_name = "ASSET")]
     assets: Vec<PathBuf>,
     /// How the findings are printed.
@@ -48,6 +50,8 @@ pub struct ValidateArgs {
     /// Print the page of a rule, by its code or name.
     #[arg(long, value_name = "CODE", conflicts_with = "assets")]
     explain: Option<String>,
+    #[command(flatten)]
+    threads: Threads,
 }
 
 /// Runs the command.
@@ -65,9 +69,9 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode> {
     let config = args.config.as_ref().map_or_else(Config::beside, |path| Config::read(path))?;
     let known = match (&args.write_baseline, args.baseline.as_ref().or(config.baseline.as_ref())) {
         (None, Some(path)) => baseline::read(path)?,
-        (Some(_), _) | (None, None) => BTreeSet::new(),
+        (Some(_), _) | (None, None) => baseline::Known::default(),
     };
-    let report = validate(&args.assets, &config, &known)?;
+    let report = args.threads.within(|| validate(&args.assets, &config, &known))?;
     if let Some(path) = &args.write_baseline {
         baseline::write(path, &report)?;
     }

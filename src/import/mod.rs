@@ -8,7 +8,7 @@ mod carried; // what the asset says of itself
 pub mod deps; // the files that an asset needs
 pub mod explain; // which line won
 mod faces; // parts and their faces from attributes
-mod files;
+pub(crate) mod files;
 pub mod fit; // exact surfaces from the points of a CAD face
 pub mod gltf; // .gltf and .glb
 pub mod json; // attributes that travel inside JSON

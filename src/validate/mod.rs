@@ -6,6 +6,7 @@
 pub mod baseline; // findings that are known
 pub mod config; // eyebox.toml
 pub mod fingerprint; // what makes a finding the same one tomorrow
+pub mod folder; // what a folder stands for
 mod heal; // going on past a fault
 pub mod locate; // lines and columns
 pub mod page; // the documentation of a rule
@@ -20,6 +21,7 @@ use crate::check::rule::Rule;
 use crate::check::subject::{Refusal, Stage, Subject};
 use crate::scene::{Note, Severity};
 use crate::world::World;
+use baseline::Known;
 use config::Config;
 use locate::{Locator, Place};
 use std::collections::BTreeSet;
@@ -63,15 +65,16 @@ impl Report {
     }
 }
 
-/// Validates `assets`. `known`: fingerprints of the baseline.
+/// Validates `assets`, files and folders of them. `known`: what the baseline knows.
 ///
 /// # Errors
-/// An asset that is not there or no regular file. Whatever is wrong inside one is a finding.
-pub fn validate(assets: &[PathBuf], config: &Config, known: &BTreeSet<String>) -> Result<Report> {
-    for asset in assets {
+/// An asset that is not there or no regular file, a folder without assets. Whatever is wrong inside one is a finding.
+pub fn validate(assets: &[PathBuf], config: &Config, known: &Known) -> Result<Report> {
+    let assets = folder::expand(assets)?;
+    for asset in &assets {
         read::check_there(asset)?;
     }
-    let mut report = Report { assets: assets.to_vec(), ..Report::default() };
+    let mut report = Report { assets: assets.clone(), ..Report::default() };
     for (index, asset) in assets.iter().enumerate() {
         for mut finding in located(asset, config) {
             finding.asset = index;
@@ -83,7 +86,8 @@ pub fn validate(assets: &[PathBuf], config: &Config, known: &BTreeSet<String>) -
         }
     }
     let before = report.findings.len();
-    report.findings.retain(|finding| !known.contains(&finding.fingerprint));
+    let mut new = known.unknown(&report.findings).into_iter();
+    report.findings.retain(|_| new.next().unwrap_or(true));
     report.known = before - report.findings.len();
     if let Some(most) = config.max_findings {
         report.cut = report.findings.len().saturating_sub(most);

@@ -83,7 +83,11 @@ fn exit_codes() {
     assert_eq!(code(&["bench.optics.toml"]), Some(1));
     assert_eq!(code(&["bench.optics.toml", "--exit-zero"]), Some(0));
     assert_eq!(code(&["nothing.glb"]), Some(2));
-    assert_eq!(code(&["."]), Some(2));
+    assert_eq!(code(&["."]), Some(1), "the folder's sidecar, once");
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    let none = eyebox(folder.path(), &["empty"]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(text(&none.stderr).contains("no asset and no sidecar in this folder"), "{}", text(&none.stderr));
     assert_eq!(code(&[]), Some(2));
     assert_eq!(code(&["bench.optics.toml", "--format", "pdf"]), Some(2));
     assert_eq!(code(&["--explain", "EB9999"]), Some(2));
@@ -123,6 +127,15 @@ fn configuration_and_baseline() {
     let wrote = eyebox(folder.path(), &["bench.optics.toml", "--write-baseline", "known.json"]);
     assert_eq!((wrote.status.code(), text(&wrote.stderr)), (Some(0), ""));
     assert_eq!(count(&["--baseline", "known.json"]), (Some(0), vec![]));
+    // From another working directory it knows the same, and it says so when it is written there.
+    std::fs::create_dir(folder.path().join("below")).unwrap();
+    let below = folder.path().join("below");
+    let away = eyebox(&below, &["../bench.optics.toml", "--baseline", "../known.json"]);
+    assert_eq!(away.status.code(), Some(0), "{}", text(&away.stdout));
+    let again = eyebox(&below, &["../bench.optics.toml", "--write-baseline", "../again.json"]);
+    assert_eq!((again.status.code(), text(&again.stderr)), (Some(0), ""));
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert_eq!(read("again.json"), read("known.json"));
     // Lines above change nothing, a new fault does.
     let sheet = folder.path().join("bench.optics.toml");
     let written = std::fs::read_to_string(&sheet).unwrap();
@@ -149,8 +162,11 @@ fn sarif_is_what_the_standard_asks() {
     let results = run["results"].as_array().unwrap();
     assert_eq!(results.len(), 3);
     for rule in rules {
-        let uri = rule["helpUri"].as_str().unwrap();
-        assert!(uri.starts_with("https://") && uri.contains(rule["id"].as_str().unwrap()), "{uri}");
+        match option_env!("EYEBOX_DOCS_URL") {
+            Some(docs) => assert_eq!(rule["helpUri"], format!("{docs}/rules/{}.md", rule["id"].as_str().unwrap())),
+            None => assert!(rule.get("helpUri").is_none(), "an address that nobody gave: {rule}"),
+        }
+        assert!(rule["help"]["markdown"].as_str().is_some_and(|page| page.contains(rule["id"].as_str().unwrap())));
         for key in ["shortDescription", "fullDescription", "help"] {
             assert!(rule[key]["text"].as_str().is_some_and(|text| text.ends_with(['.', '\n'])), "{key} of {rule}");
         }

@@ -6,12 +6,9 @@ use crate::validate::locate::Place;
 use crate::validate::{Located, Report, page, rules};
 use serde_json::{Value, json};
 
-/// Where the rules' pages are to be read; whoever publishes them sets it when building. `.example` is reserved (RFC 2606):
-/// until then every rule carries its whole page as `help`.
-const DOCS: &str = match option_env!("EYEBOX_DOCS_URL") {
-    Some(address) => address,
-    None => "https://eyebox.example/docs",
-};
+/// Where the rules' pages are to be read; whoever publishes them sets it when building. Without it no address is given:
+/// `informationUri` (§3.19.7) and `helpUri` (§3.49.12) are optional, and every rule carries its whole page as `help`.
+const DOCS: Option<&str> = option_env!("EYEBOX_DOCS_URL");
 const SCHEMA: &str = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
 /// The folder that addresses are relative to.
 const ROOT: &str = "SRCROOT";
@@ -19,7 +16,7 @@ const ROOT: &str = "SRCROOT";
 pub fn render(report: &Report) -> String {
     let all: Vec<&Rule> = rules::all().collect();
     let result = |finding: &Located| result(finding, &all);
-    let log = json!({
+    let mut log = json!({
         "$schema": SCHEMA,
         "version": "2.1.0",
         "runs": [{
@@ -27,7 +24,6 @@ pub fn render(report: &Report) -> String {
                 "name": "eyebox",
                 "version": env!("CARGO_PKG_VERSION"),
                 "semanticVersion": env!("CARGO_PKG_VERSION"),
-                "informationUri": DOCS,
                 "rules": all.iter().map(|rule| descriptor(rule)).collect::<Vec<_>>(),
             }},
             "automationDetails": { "id": "eyebox-validate/" },
@@ -36,22 +32,28 @@ pub fn render(report: &Report) -> String {
             "results": report.findings.iter().map(result).collect::<Vec<_>>(),
         }],
     });
+    if let Some(docs) = DOCS {
+        log["runs"][0]["tool"]["driver"]["informationUri"] = docs.into();
+    }
     // Texts and numbers always serialize.
     serde_json::to_string_pretty(&log).unwrap_or_default() + "\n"
 }
 
 fn descriptor(rule: &Rule) -> Value {
     let page = page::page(rule);
-    json!({
+    let mut out = json!({
         "id": rule.code,
         "name": pascal(rule.name),
         "shortDescription": { "text": format!("{}.", rule.title) },
         "fullDescription": { "text": rule.why },
         "help": { "text": page, "markdown": page },
-        "helpUri": format!("{DOCS}/rules/{}.md", rule.code),
         "defaultConfiguration": { "level": rule.level.name() },
         "properties": { "tags": ["optics"], "precision": "high", "problem.severity": severity(rule) },
-    })
+    });
+    if let Some(docs) = DOCS {
+        out["helpUri"] = format!("{docs}/rules/{}.md", rule.code).into();
+    }
+    out
 }
 
 /// GitHub's words.
