@@ -115,20 +115,27 @@ fn deviations(args: &DiffArgs, found: &Deviations) -> String {
 }
 
 fn text(args: &DiffArgs, found: &Comparison) -> String {
-    let mut lines: Vec<String> = Vec::new();
+    let (a, b) = (args.a.display(), name_of_b(args));
+    let verdict = if found.different { "different" } else { "the same" };
+    let blocks = if found.block > 1 { format!(", in blocks of {0} × {0} pixels", found.block) } else { String::new() };
+    // What decided, first.
+    let differ = found.layers.iter().filter(|layer| layer.verdict == Verdict::Different);
+    let differ: Vec<String> = differ.map(|layer| format!("{} ({})", named(&layer.layer), layer.because)).collect();
+    let differ = if differ.is_empty() { String::new() } else { format!(": {}", differ.join(", ")) };
+    let mut lines = vec![format!("{a} and {b}: {verdict} at {} sigma{blocks}{differ}", found.sigma)];
     lines.extend(found.notes.iter().map(|note| format!("note: {note}")));
     lines.extend(found.incomparable.iter().map(|why| format!("not comparable: {why}")));
     lines.extend(found.only_in.iter().map(|(layer, which)| format!("{layer}: only in {which}")));
     lines.extend(found.layers.iter().map(layer));
-    let (a, b) = (args.a.display(), name_of_b(args));
-    let verdict = if found.different { "different" } else { "the same" };
-    let blocks = if found.block > 1 { format!(", in blocks of {0} × {0} pixels", found.block) } else { String::new() };
-    lines.push(format!("{a} and {b}: {verdict} at {} sigma{blocks}", found.sigma));
     lines.join("\n")
 }
 
+fn named(layer: &str) -> &str {
+    if layer.is_empty() { "(default)" } else { layer }
+}
+
 fn layer(of: &LayerDifference) -> String {
-    let name = if of.layer.is_empty() { "(default)" } else { &of.layer };
+    let name = named(&of.layer);
     let verdict = match of.verdict {
         Verdict::Identical => return format!("{name}: identical"),
         Verdict::Same => "same",

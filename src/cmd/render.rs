@@ -262,14 +262,14 @@ fn summary(
     sharpness: &Sharpness,
     (ending, judgement): (&Ending, Option<&Judgement>),
 ) -> Result<()> {
+    // What a pipe of the result should not hold, and nobody who looks at it should miss.
+    let of_scene = scene.notes.iter().filter(|note| note.severity == Severity::Warning);
+    of_scene.for_each(|note| tell!("warning: {}: {}", note.at, note.text));
+    ending.warnings.iter().for_each(|warning| tell!("warning: {warning}"));
     let text = || {
-        let warnings_of_scene = scene.notes.iter().filter(|note| note.severity == Severity::Warning);
-        let mut lines: Vec<String> =
-            warnings_of_scene.map(|note| format!("warning: {}: {}", note.at, note.text)).collect();
-        lines.extend(plan_lines(scene, plan));
+        let mut lines = plan_lines(scene, plan);
         lines.extend(sharpness.lines());
         lines.extend(ending.lines.iter().cloned());
-        lines.extend(ending.warnings.iter().map(|warning| format!("warning: {warning}")));
         let error = stated(error, outcome.films.passes);
         let seconds = outcome.elapsed.as_secs_f64();
         let passes = outcome.films.passes;
