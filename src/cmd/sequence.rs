@@ -12,7 +12,7 @@ use std::process::ExitCode;
 /// ends the sequence: frames that are done stay, the one under way is not written.
 pub fn run(args: &RenderArgs, frames: &Frames, signals: &Signals) -> Result<ExitCode> {
     let pattern = Pattern::of(args.output())?;
-    if let Some(note) = still(args, &frames, &pattern) {
+    if let Some(note) = still(args, frames, &pattern) {
         tell!("note: {note}");
     }
     let (mut failed, mut unmet) = (0u64, 0u64);

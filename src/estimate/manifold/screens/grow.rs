@@ -29,7 +29,7 @@ const BESIDE: f64 = 0.1;
 
 /// What filling a face's table has come to.
 pub(super) enum Filled<M: Mode> {
-    Lit(Lit<M>),
+    Lit(Box<Lit<M>>),
     /// There are solutions, but of lamps whose middle does not stand for them: more cells would not change that.
     LampsTooLarge,
     /// Nothing was found between these nodes.
@@ -39,7 +39,7 @@ pub(super) enum Filled<M: Mode> {
 impl<M: Mode> Filled<M> {
     pub(super) fn lit(self) -> Option<Lit<M>> {
         match self {
-            Filled::Lit(lit) => Some(lit),
+            Filled::Lit(lit) => Some(*lit),
             Filled::LampsTooLarge | Filled::Nothing => None,
         }
     }
@@ -82,7 +82,7 @@ impl<M: Mode> Lit<M> {
         let too_large = entries.iter().any(|(_, too_large)| *too_large);
         lit.entries = entries.into_iter().map(|(entry, _)| entry).filter(|entry| !entry.sheets.is_empty()).collect();
         match (lit.entries.is_empty(), too_large) {
-            (false, _) => Filled::Lit(lit),
+            (false, _) => Filled::Lit(Box::new(lit)),
             (true, true) => Filled::LampsTooLarge,
             (true, false) => Filled::Nothing,
         }

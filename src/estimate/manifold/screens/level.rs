@@ -56,7 +56,7 @@ fn first_lit<M: Mode>(
 ) -> Option<(usize, Lit<M>)> {
     let first = levels.next()?;
     match fill(first) {
-        Filled::Lit(lit) => return Some((first, lit)),
+        Filled::Lit(lit) => return Some((first, *lit)),
         Filled::LampsTooLarge => return None,
         Filled::Nothing => {}
     }

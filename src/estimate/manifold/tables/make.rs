@@ -49,6 +49,9 @@ struct Found<M: Mode> {
     slides: Places,
 }
 
+/// A branch's nodes over the picture.
+type Nodes<M> = Vec<Option<Node<M>>>;
+
 pub(super) struct Maker<'m, M: Mode> {
     pub(super) world: &'m World,
     pub(super) optics: &'m Optics<M>,
@@ -160,7 +163,7 @@ impl<M: Mode> Maker<'_, M> {
         &self,
         tables: &Tables<M>,
         entry: &Entry,
-        (branches, solved): (&[Vec<Option<Node<M>>>], &[bool]),
+        (branches, solved): (&[Nodes<M>], &[bool]),
         cell: usize,
     ) -> Use {
         let corners = tables.over.nodes.corners(cell);
