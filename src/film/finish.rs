@@ -275,7 +275,6 @@ fn in_space(space: ColourSpace, rgb: Coloured) -> Coloured {
 }
 
 fn first_invalid(channel: &Channel) -> Option<String> {
-    let unknown = names::is_error(channel.layer());
-    let pixel = channel.data.iter().position(|v| !(v.is_finite() || unknown && v.is_nan()))?;
+    let pixel = channel.data.iter().position(|value| !names::may_hold(channel.layer(), *value))?;
     Some(format!("{} at pixel number {pixel}", channel.name))
 }

@@ -28,6 +28,11 @@ pub fn is_error(layer: &str) -> bool {
     layer == "stderr" || ["_stderr", "_variance", "_covariance"].iter().any(|suffix| layer.ends_with(suffix))
 }
 
+/// Whether a layer may hold a value: a finite one, or one that is unknown where it tells errors.
+pub fn may_hold(layer: &str, value: f32) -> bool {
+    value.is_finite() || value.is_nan() && is_error(layer)
+}
+
 /// Two things that would be written under one name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Clash {

@@ -248,12 +248,10 @@ pub fn check_data(frame: &Frame) -> Result<()> {
             return Err(Fault::new(Where::Nowhere, format!("channel `{name}` has {} values", channel.data.len()))
                 .expected(format!("{} × {}", frame.width, frame.height)));
         }
-        // An unknown error is NaN.
-        let unknown = names::is_error(channel.layer());
         // What is nowhere is infinitely far, as other programs write it: that says nothing of light.
         let data = is_data(channel.layer()) || is_data(name) || Matte::of_layer(channel.layer()).is_some();
         let free = data && channel.layer() != "seethrough";
-        let bad = |value: &f32| !(value.is_finite() || free || unknown && value.is_nan());
+        let bad = |value: &f32| !(free || names::may_hold(channel.layer(), *value));
         if let Some(pixel) = channel.data.iter().position(bad) {
             let (x, y) = (pixel % frame.width, pixel / frame.width);
             let value = channel.data.get(pixel).copied().unwrap_or(f32::NAN);

@@ -72,6 +72,12 @@ struct Use {
     /// The same of the pupil, as a share of its radius.
     pupil_rim: f64,
 }
+
+impl Use {
+    /// The table is of no use: every connection is solved for.
+    const SOLVED: Use = Use { share: 1.0, aside: [0; 2], rim: 0.0, pupil_rim: 0.0 };
+}
+
 /// Those of all [`Connections`], in the order of their entries.
 #[derive(Debug)]
 pub struct Tables<M: Mode> {

@@ -137,9 +137,8 @@ fn check_channels(frame: &Frame, parts: &[Part], at: &dyn Fn() -> Where) -> Resu
             return Err(Fault::new(at(), format!("channel `{name}` has {} values", data.len()))
                 .expected(format!("{} × {} = {pixels}", frame.width, frame.height)));
         }
-        // An error that the passes do not tell is NaN.
-        let unknown = names::is_error(own_layer(frame, name));
-        let bad = |(_, value): &(usize, &f32)| !(value.is_finite() || unknown && value.is_nan());
+        let layer = own_layer(frame, name);
+        let bad = |(_, value): &(usize, &f32)| !names::may_hold(layer, **value);
         if let Some((index, value)) = data.iter().enumerate().find(bad) {
             let (x, y) = (index % frame.width, index / frame.width);
             return Err(Fault::new(at(), format!("channel `{name}` is {value} at pixel ({x}, {y})"))

@@ -64,15 +64,15 @@ impl<M: Mode> Maker<'_, M> {
             let film = tables.over.film(tables.over.nodes.at_node(node));
             self.node(entry, film, entry.starts.start(branch, film)?)
         };
-        let mut branches: Vec<Vec<Option<Node<M>>>> = (0..entry.starts.branches())
+        let mut branches: Vec<Nodes<M>> = (0..entry.starts.branches())
             .map(|branch| (0..tables.over.nodes.number()).map(|at| node(branch, at)).collect())
             .collect();
-        let solved = |at: usize| branches.iter().any(|nodes: &Vec<Option<Node<M>>>| nodes[at].is_some());
+        let solved = |at: usize| branches.iter().any(|nodes: &Nodes<M>| nodes[at].is_some());
         let solved: Vec<bool> = (0..tables.over.nodes.number()).map(solved).collect();
         for nodes in &mut branches {
             (0..BEYOND).for_each(|_| self.complete(tables, nodes));
         }
-        let mut uses = vec![Use { share: 1.0, aside: [0; 2], rim: 0.0, pupil_rim: 0.0 }; tables.over.nodes.number()];
+        let mut uses = vec![Use::SOLVED; tables.over.nodes.number()];
         for cell in tables.over.nodes.cells() {
             uses[cell] = self.use_of(tables, entry, (&branches, &solved), cell);
         }
@@ -167,8 +167,8 @@ impl<M: Mode> Maker<'_, M> {
         cell: usize,
     ) -> Use {
         let corners = tables.over.nodes.corners(cell);
-        let lit = |nodes: &&Vec<Option<Node<M>>>| corners.iter().any(|node| nodes[*node].is_some());
-        let lit: Vec<&Vec<Option<Node<M>>>> = branches.iter().filter(lit).collect();
+        let lit = |nodes: &&Nodes<M>| corners.iter().any(|node| nodes[*node].is_some());
+        let lit: Vec<&Nodes<M>> = branches.iter().filter(lit).collect();
         let at = tables.over.nodes.at_node(cell) + 0.5;
         let known = SIDES.into_iter().find_map(|aside| {
             let spot = tables.over.nodes.spot_by(at, aside)?;
@@ -186,18 +186,17 @@ impl<M: Mode> Maker<'_, M> {
                     spot.and_then(tried).is_some()
                 })
         });
-        let rim = RIM_PIXELS * self.by_pixel(tables, &lit, &corners);
-        off.map_or(Use { share: 1.0, aside: [0; 2], rim, pupil_rim: 0.0 }, |(aside, off)| Use {
+        off.map_or(Use::SOLVED, |(aside, off)| Use {
             share: (off / POOR).clamp(LEAST, 1.0),
             aside,
-            rim: rim.max(RIM_ERRORS * off / SHARP),
+            rim: (RIM_PIXELS * self.by_pixel(tables, &lit, &corners)).max(RIM_ERRORS * off / SHARP),
             pupil_rim: (RIM_ERRORS * off).max(PUPIL_RIM),
         })
     }
 
     /// How far places on slides are from one pixel to the next, as a share of the slide's size: the most of a cell.
-    fn by_pixel(&self, tables: &Tables<M>, branches: &[&Vec<Option<Node<M>>>], corners: &[usize]) -> f64 {
-        let of_branch = |nodes: &&Vec<Option<Node<M>>>| {
+    fn by_pixel(&self, tables: &Tables<M>, branches: &[&Nodes<M>], corners: &[usize]) -> f64 {
+        let of_branch = |nodes: &&Nodes<M>| {
             let known: Vec<&Node<M>> = corners.iter().filter_map(|node| nodes[*node].as_ref()).collect();
             let pairs = known.iter().enumerate().flat_map(|(k, a)| known[..k].iter().map(move |b| (*a, *b)));
             let apart = |(a, b): (&Node<M>, &Node<M>)| {
@@ -211,7 +210,7 @@ impl<M: Mode> Maker<'_, M> {
 
     /// By how much what these branches say of a place in the picture is off, by solutions for two points of the lamp; none
     /// where one of both is missing.
-    fn error(&self, film: DVec2, entry: &Entry, branches: &[&Vec<Option<Node<M>>>], spot: &Spot) -> Option<f64> {
+    fn error(&self, film: DVec2, entry: &Entry, branches: &[&Nodes<M>], spot: &Spot) -> Option<f64> {
         let size = entry.starts.size();
         let mut worst = 0f64;
         for nodes in branches {
