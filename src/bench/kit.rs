@@ -202,9 +202,10 @@ pub fn panel(scene: &mut Scene, luminance: f64, corners: Vec<DVec3>) -> usize {
     add(scene, mesh(&[corners]), DAffine3::IDENTITY, None, vec![shining(group, luminance)])
 }
 
-/// A sky of these pixels, cd/m².
+/// A sky of these pixels, cd/m², in the place of the one that was there.
 pub fn sky(scene: &mut Scene, width: usize, height: usize, luminance: Vec<f32>) {
-    let group = group(scene, "sky");
+    let before = scene.sky.take().map(|sky| sky.group);
+    let group = before.unwrap_or_else(|| group(scene, "sky"));
     let (luminance, file) = (Arc::new(luminance), "made in code".to_owned());
     scene.sky = Some(Sky { group, width, height, luminance, rgb: None, to_world: DMat3::IDENTITY, file });
 }
