@@ -69,6 +69,10 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     let start = Instant::now();
     let args = &RenderArgs { output: named(&args.output, args.source.frame)?, ..args.clone() };
     check_destination(&args.output)?;
+    if let Some(packing) = args.compression {
+        let at = || Where::Option(format!("--compression {}", packing.name()));
+        packing.spares_data(args.multi_part).map_err(|text| Fault::new(at(), text).expected("--multi-part with it"))?;
+    }
     let pool = args.threads.pool()?;
     let Built { mut scene, layers: wishes, .. } = args.source.import()?;
     // The path table has the asset's own resolution, so that its numbers are those of `eyebox paths`.

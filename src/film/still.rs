@@ -85,7 +85,12 @@ impl Still {
 
     /// A PNG or JPEG, whose values are taken as sRGB. Errors: what is wrong with the file.
     pub fn of_srgb(bytes: &[u8]) -> Result<Still, String> {
-        let decoded = image::load_from_memory(bytes).map_err(|error| error.to_string())?;
+        // Other formats that the decoder knows, Radiance HDR among them, hold linear values.
+        let format = image::guess_format(bytes).map_err(|error| error.to_string())?;
+        if !matches!(format, image::ImageFormat::Png | image::ImageFormat::Jpeg) {
+            return Err(format!("it is {}", format.extensions_str().first().unwrap_or(&"of another format")));
+        }
+        let decoded = image::load_from_memory_with_format(bytes, format).map_err(|error| error.to_string())?;
         let (width, height) = (decoded.width() as usize, decoded.height() as usize);
         let linear =
             |pixel: &image::Rgb<f32>| FileSpace::SRGB.to_rec709(pixel.0.map(f64::from)).map(|value| value as f32);
@@ -112,7 +117,8 @@ fn colours<'f>(frame: &'f Frame, layer: &str) -> Option<[&'f [f32]; 3]> {
 fn chosen(frame: &Frame, asked: Option<&str>, remarks: &mut Vec<Remark>) -> Result<String, String> {
     let pictures: Vec<&str> = frame.layer_names().into_iter().filter(|name| colours(frame, name).is_some()).collect();
     let named = || {
-        let all: Vec<String> = pictures.iter().map(|name| format!("`{name}`")).collect();
+        let called = |name: &&str| if name.is_empty() { "the default image".to_owned() } else { format!("`{name}`") };
+        let all: Vec<String> = pictures.iter().map(called).collect();
         if all.is_empty() {
             let channels: Vec<&str> = frame.channels.iter().map(|channel| channel.name.as_str()).collect();
             format!("its channels are {}; expected Y, or R, G and B", channels.join(", "))
@@ -234,4 +240,26 @@ impl Window {
 fn inside(first: i64, n: usize, data: usize) -> Option<usize> {
     let at = first.checked_add(i64::try_from(n).ok()?)?;
     usize::try_from(at).ok().filter(|at| *at < data)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A picture of linear values is not read as if it were encoded, and what is cut off is no picture.
+    #[test]
+    fn only_what_is_encoded_is_taken_as_srgb() {
+        let hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
+        assert_eq!(Still::of_srgb(hdr), Err("it is hdr".to_owned()));
+        let mut png = std::io::Cursor::new(Vec::new());
+        image::RgbImage::from_raw(1, 1, vec![188, 255, 0])
+            .unwrap()
+            .write_to(&mut png, image::ImageFormat::Png)
+            .unwrap();
+        let png = png.into_inner();
+        let Light::Rgb(light) = Still::of_srgb(&png).expect("a PNG").light else { panic!("colours") };
+        // IEC 61966-2-1: 188/255 is 0.502886 of white.
+        assert!((light[0][0] - 0.502_886).abs() < 1e-5 && light[0][1..] == [1.0, 0.0], "{light:?}");
+        assert!((0..png.len() - 12).all(|length| Still::of_srgb(&png[..length]).is_err()));
+    }
 }

@@ -44,11 +44,19 @@ impl Packing {
     }
 
     /// Whether numbers change.
-    pub fn is_lossy(self) -> bool {
+    fn is_lossy(self) -> bool {
         match self {
             Packing::Zip | Packing::Zips | Packing::Piz | Packing::Uncompressed => false,
             Packing::Dwaa => true,
         }
+    }
+
+    /// Errors: numbers change, and data have no part of their own (`parted`) that could keep theirs.
+    pub fn spares_data(self, parted: bool) -> Result<(), String> {
+        if parted || !self.is_lossy() {
+            return Ok(());
+        }
+        Err(format!("the compression {} would damage data that are in one part with pictures", self.name()))
     }
 
     /// Of a part.

@@ -114,10 +114,8 @@ fn check_channels(frame: &Frame, parts: &[Part], at: &dyn Fn() -> Where) -> Resu
         Fault::new(at(), format!("a frame of {} × {} pixels cannot be written", frame.width, frame.height))
             .expected("at least one pixel")
     })?;
-    let lossy = frame.text(COMPRESSION).and_then(|name| Packing::parse(name).ok()).filter(|packing| packing.is_lossy());
-    if let (Some(packing), [Part { name: None, .. }]) = (lossy, parts) {
-        let text = format!("the compression {} would damage data that are in one part with pictures", packing.name());
-        return Err(Fault::new(at(), text).expected("--multi-part with it"));
+    if let (Some(packing), [Part { name: None, .. }]) = (packing_of(frame), parts) {
+        packing.spares_data(false).map_err(|text| Fault::new(at(), text).expected("--multi-part with it"))?;
     }
     if parts.is_empty() {
         return Err(Fault::new(at(), "the frame has no channel").expected("at least one"));
@@ -146,6 +144,11 @@ fn check_channels(frame: &Frame, parts: &[Part], at: &dyn Fn() -> Where) -> Resu
         }
     }
     Ok(())
+}
+
+/// The compression that a frame asks for.
+fn packing_of(frame: &Frame) -> Option<Packing> {
+    frame.text(COMPRESSION).and_then(|name| Packing::parse(name).ok())
 }
 
 /// The layer of a stored channel, without the prefix of the file.
@@ -218,8 +221,7 @@ fn encode(
     attributes: &HashMap<String, AttributeValue>,
 ) -> ::exr::error::UnitResult {
     let size = Vec2(frame.width, frame.height);
-    let named = frame.text(COMPRESSION).and_then(|name| Packing::parse(name).ok());
-    let compression = named.unwrap_or_default();
+    let compression = packing_of(frame).unwrap_or_default();
     let header = |(index, part): (usize, &Part)| {
         let describe =
             |channel: &Stored| ChannelDescription::new(text(&channel.name), sample_type(frame, part, channel), false);
