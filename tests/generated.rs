@@ -6,6 +6,7 @@ use eyebox::bench::curve::picture::Picture;
 use eyebox::bench::curve::race::Ready;
 use eyebox::bench::generate::{Families, Family, scene, scene_of};
 use eyebox::check::finding::{Finding, Level};
+use eyebox::check::geometry::EdgesOfMeshes;
 use eyebox::check::rules::RULES;
 use eyebox::check::subject::Subject;
 use eyebox::estimate::run::begin;
@@ -27,7 +28,15 @@ fn assemblies() -> Vec<Family> {
 /// What all rules find in a scene that was made in code, those that trace included.
 fn findings(scene: &Scene, ready: &Ready<'_>) -> Vec<Finding> {
     let (file, assembly) = (Path::new("made in code"), Assembly::default());
-    let subject = Subject { file, assembly: &assembly, sheet: None, scene, whole: true, needed: &[] };
+    let subject = Subject {
+        file,
+        assembly: &assembly,
+        sheet: None,
+        scene,
+        whole: true,
+        needed: &[],
+        edges: &EdgesOfMeshes::default(),
+    };
     let frozen = Frozen { subject: &subject, checked: &ready.checked, world: &ready.world };
     let looked = RULES.iter().flat_map(|rule| (rule.find)(&subject));
     looked.chain(TRACED.iter().flat_map(|traced| (traced.find)(&frozen))).collect()

@@ -1,8 +1,10 @@
 //! What rules measure on meshes. Indices out of range say nothing; no measure panics.
 
+use crate::base::ids::MeshId;
 use crate::base::weld::{rounding, weld};
 use crate::scene::{FaceRange, Mesh, Scene};
 use glam::DVec3;
+use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 
 /// Edges of a mesh, vertices at one place taken as one.
@@ -11,6 +13,19 @@ pub struct Edges {
     pub all: usize,
     /// With an odd number of triangles: something ends there.
     pub open: usize,
+    /// Triangles that lie where another does, the same way round.
+    pub doubled: usize,
+}
+
+/// The edges of each mesh of a scene, counted when first asked for.
+#[derive(Debug, Default)]
+pub struct EdgesOfMeshes(RefCell<HashMap<MeshId, Edges>>);
+
+impl EdgesOfMeshes {
+    /// Of a mesh of the scene.
+    pub fn of(&self, scene: &Scene, mesh: MeshId) -> Edges {
+        *self.0.borrow_mut().entry(mesh).or_insert_with(|| edges(scene.mesh(mesh)))
+    }
 }
 
 /// Counts edges. Triangles that collapse have none.
@@ -20,6 +35,7 @@ pub fn edges(mesh: &Mesh) -> Edges {
     let mut count = HashMap::<[usize; 2], usize>::new();
     // One that lies there twice closes what it closes once.
     let mut seen = HashSet::new();
+    let mut doubled = 0;
     for triangle in &mesh.triangles {
         let places = triangle.map(|vertex| place.get(vertex as usize).copied());
         let [Some(a), Some(b), Some(c)] = places else { continue };
@@ -35,13 +51,14 @@ pub fn edges(mesh: &Mesh) -> Edges {
             [c, a, b]
         };
         if !seen.insert(least) {
+            doubled += 1;
             continue;
         }
         for [from, to] in [[a, b], [b, c], [c, a]] {
             *count.entry([from.min(to), from.max(to)]).or_default() += 1;
         }
     }
-    Edges { all: count.len(), open: count.values().filter(|count| **count % 2 == 1).count() }
+    Edges { all: count.len(), open: count.values().filter(|count| **count % 2 == 1).count(), doubled }
 }
 
 pub(super) fn corners(mesh: &Mesh, [a, b, c]: [u32; 3]) -> Option<[DVec3; 3]> {
@@ -126,18 +143,18 @@ mod tests {
     #[test]
     fn a_closed_solid_has_a_volume_and_no_open_edge() {
         let mesh = tetrahedron();
-        assert_eq!(edges(&mesh), Edges { all: 6, open: 0 });
+        assert_eq!(edges(&mesh), Edges { all: 6, ..Edges::default() });
         assert!((volume(&mesh) - 1.0 / 6.0).abs() < 1e-15);
         // A triangle that lies there twice, from another corner on.
         let mut doubled = tetrahedron();
         doubled.triangles.push([1, 0, 2]);
-        assert_eq!(edges(&doubled), Edges { all: 6, open: 0 });
+        assert_eq!(edges(&doubled), Edges { all: 6, open: 0, doubled: 1 });
         let mut turned = tetrahedron();
         turned.triangles.iter_mut().for_each(|triangle| triangle.swap(0, 1));
         assert!((volume(&turned) + 1.0 / 6.0).abs() < 1e-15);
         let mut open = tetrahedron();
         open.triangles.pop();
-        assert_eq!(edges(&open), Edges { all: 6, open: 3 });
+        assert_eq!(edges(&open), Edges { all: 6, open: 3, doubled: 0 });
     }
 
     #[test]

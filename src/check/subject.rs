@@ -1,5 +1,6 @@
 //! What rules look at.
 
+use super::geometry::EdgesOfMeshes;
 use crate::base::{Code, Fault, Where};
 use crate::scene::assembly::Assembly;
 use crate::scene::value::Value;
@@ -19,6 +20,7 @@ pub struct Subject<'a> {
     /// Nothing was faulty: the scene is the one that `render` would have.
     pub whole: bool,
     pub needed: &'a [Needed],
+    pub edges: &'a EdgesOfMeshes,
 }
 
 /// A file that the asset names.

@@ -17,6 +17,7 @@ pub mod rules; // the registry of all rules
 use crate::base::relative::{relative, slashed};
 use crate::base::{Code, Result};
 use crate::check::finding::{Finding, Level};
+use crate::check::geometry::EdgesOfMeshes;
 use crate::check::rule::Rule;
 use crate::check::subject::{Refusal, Stage, Subject};
 use crate::scene::{Note, Severity};
@@ -140,6 +141,7 @@ impl read::Examined {
             scene: self.scene.as_ref().unwrap_or(&nothing),
             whole: self.scene.is_some() && self.refusals.is_empty(),
             needed: &self.needed,
+            edges: &EdgesOfMeshes::default(),
         };
         for refusal in &self.refusals {
             found.extend(refused(refusal));

@@ -50,6 +50,11 @@ const PLANTS: &[(&str, Plant)] = &[
     ("EB0112", |b| b.node("STOP")["scale"] = json!([1, 1, 0])),
     ("EB0113", |b| b.floats("LENS", 2, "NORMAL", |_, x| -x)),
     ("EB0114", |b| b.gltf["scenes"][0]["nodes"] = json!([])),
+    ("EB0116", |b| {
+        let indices = b.data("LED", 5, "indices");
+        let (first, second) = indices.split_at_mut(indices.len() / 2);
+        second.copy_from_slice(first);
+    }),
     ("EB0201", |b| b.swap("[[bind]]\npath = \"PLATE_B\"\nglass = \"PMMA\"\n", "")),
     ("EB0202", |b| b.swap("glass = \"PMMA\"", "ior = 0.67")),
     ("EB0203", |b| b.swap("mono_nm = 550", "mono_nm = 420")),

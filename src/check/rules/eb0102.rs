@@ -1,11 +1,9 @@
 //! A solid with a medium is not closed.
 
 use crate::check::finding::{Finding, Level};
-use crate::check::geometry;
 use crate::check::rule::{Example, Rule, kept};
 use crate::check::subject::{Subject, is_solid};
 use crate::scene::Part;
-use std::collections::HashMap;
 
 pub const RULE: Rule = Rule {
     code: "EB0102",
@@ -20,10 +18,8 @@ pub const RULE: Rule = Rule {
 };
 
 fn find(subject: &Subject<'_>) -> Vec<Finding> {
-    // Once per mesh: many parts may share one.
-    let mut known = HashMap::new();
     let open = |part: &Part| {
-        let edges = *known.entry(part.mesh.index()).or_insert_with(|| geometry::edges(subject.scene.mesh(part.mesh)));
+        let edges = subject.edges.of(subject.scene, part.mesh);
         let text = format!("{} of {} edges have one triangle only: the solid is open", edges.open, edges.all);
         (edges.open > 0).then(|| RULE.at(subject.part(&part.path, None), text))
     };

@@ -22,6 +22,7 @@ mod eb0112;
 mod eb0113;
 mod eb0114;
 mod eb0115;
+mod eb0116;
 mod eb0201;
 mod eb0202;
 mod eb0203;
@@ -85,6 +86,7 @@ pub const RULES: &[&Rule] = &[
     &eb0113::RULE,
     &eb0114::RULE,
     &eb0115::RULE,
+    &eb0116::RULE,
     &eb0201::RULE,
     &eb0202::RULE,
     &eb0203::RULE,
