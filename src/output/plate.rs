@@ -3,8 +3,9 @@
 use super::fit::Fit;
 use super::luminance::Luminance;
 use super::mix::set_layer;
-use super::shares::PLATE;
+use super::shares::{PLATE, groups_of};
 use crate::base::fault::{Fault, Result, Where};
+use crate::film::aov;
 use crate::film::frame::Frame;
 use crate::film::still::{Light, Still};
 
@@ -13,7 +14,7 @@ use crate::film::still::{Light, Still};
 ///
 /// Returns the light group that fills all that the plate is seen through as well, if one does.
 ///
-/// Errors: another size, a frame without `seethrough`.
+/// Errors: another size, a frame without `seethrough`, one that calls something else `plate`.
 pub fn place(frame: &Frame, plate: &Still, white_cd_m2: f64) -> Result<(Frame, Option<String>)> {
     if (plate.width, plate.height) != (frame.width, frame.height) {
         let [wide, high] = [plate.width, plate.height];
@@ -23,6 +24,10 @@ pub fn place(frame: &Frame, plate: &Still, white_cd_m2: f64) -> Result<(Frame, O
             frame.height,
             Fit::ALL.map(Fit::name).join(", ")
         )));
+    }
+    if let Some(cause) = named_alike(frame) {
+        let what = format!("`{PLATE}` would be the layer of --plate and {cause}");
+        return Err(Fault::new(Where::Nowhere, what).expected("another name for the asset's own, and a new rendering"));
     }
     let Some(through) = frame.rgb("seethrough") else {
         return Err(Fault::new(Where::Nowhere, "the frame has no layer `seethrough`, which a plate is seen through")
@@ -62,9 +67,17 @@ pub fn place(frame: &Frame, plate: &Still, white_cd_m2: f64) -> Result<(Frame, O
     Ok((out, doubled(frame, through[0])))
 }
 
+/// What else of a frame has the plate's name.
+fn named_alike(frame: &Frame) -> Option<&'static str> {
+    if groups_of(frame).is_ok_and(|groups| groups.iter().any(|group| group == PLATE)) {
+        return Some("a light group of the frame");
+    }
+    aov::listed(frame).iter().any(|aov| aov.name == PLATE).then_some("a layer that the asset asks for")
+}
+
 /// Light that the eye traces directly and that is nearly everywhere where the plate can be seen is a sky.
 fn doubled(frame: &Frame, through: &[f32]) -> Option<String> {
-    let groups = super::shares::groups_of(frame).ok()?;
+    let groups = groups_of(frame).ok()?;
     let open = through.iter().filter(|share| **share > 0.0).count();
     let fills = |group: &&String| {
         let picture = frame.rgb(&format!("direct_{group}"));

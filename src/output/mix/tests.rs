@@ -159,6 +159,13 @@ fn a_plate_is_dimmed_by_what_it_is_seen_through() {
     assert_eq!(red(&place(&frame(), &grey, 80.0).unwrap().0, "plate"), [320.0, 320.0]);
 
     let fault = |frame: &Frame, plate: &Still| place(frame, plate, 1.0).unwrap_err().to_string();
+    let mut alike = frame();
+    alike.meta.insert("groups".into(), Meta::Text("[\"led\",\"plate\"]".into()));
+    assert_eq!(
+        fault(&alike, &plate),
+        "`plate` would be the layer of --plate and a light group of the frame; expected another name for the asset's own, \
+         and a new rendering"
+    );
     assert_eq!(
         fault(&frame(), &still(3, Light::Grey(vec![1.0; 3]))),
         "the plate has 3 × 1 pixels; expected 2 × 1, as the frame has, or --fit with one of contain, cover, stretch, centre"
