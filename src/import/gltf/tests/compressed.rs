@@ -1,8 +1,8 @@
 //! Geometry that is packed by the libraries' own encoders and must come back.
 
 use crate::import::gltf::testing::Builder;
-use ::meshopt::encoding as codec;
 use draco_core as draco;
+use meshoptimizer_rs::{Workspace, codec};
 use serde_json::json;
 
 /// A grid of 9 × 9 vertices over the unit square, bent by x²/4: positions, normals of the plane, indices.
@@ -29,15 +29,23 @@ fn extension(
     } })
 }
 
+/// Vertices of `stride` bytes, packed.
+fn vertices<T: Copy, const N: usize>(values: &[T], bytes: fn(T) -> [u8; N], stride: usize) -> Vec<u8> {
+    let plain: Vec<u8> = values.iter().flat_map(|value| bytes(*value)).collect();
+    let (count, level) = (plain.len() / stride, codec::VertexEncoding::DEFAULT);
+    codec::encode_vertex_buffer(&plain, count, stride, level, &mut Workspace::default()).unwrap()
+}
+
 /// The grid with all of its views compressed; the buffer that they stand for has no bytes.
 fn meshopt_asset(name: &str) -> Builder {
     let (positions, indices) = grid();
     let mut builder = Builder::new();
-    let packed = codec::encode_vertex_buffer(&positions).unwrap();
+    let packed = vertices(positions.as_flattened(), f32::to_le_bytes, 12);
     // Normals of the octahedral filter: +z is (0, 0, 127, 0) after decoding.
     let normals = vec![[0i8, 0, 127, 0]; positions.len()];
-    let normals = codec::encode_vertex_buffer(&normals).unwrap();
-    let corners = codec::encode_index_buffer(&indices, positions.len()).unwrap();
+    let normals = vertices(normals.as_flattened(), i8::to_le_bytes, 4);
+    let corners =
+        codec::encode_index_buffer(&indices, codec::IndexEncoding::DEFAULT, &mut Workspace::default()).unwrap();
     for (bytes, stride, count, mode, filter) in [
         (&packed, 12, 81, "ATTRIBUTES", "NONE"),
         (&normals, 4, 81, "ATTRIBUTES", "OCTAHEDRAL"),
@@ -106,13 +114,29 @@ fn meshopt_streams_come_back_exactly() {
     }
 }
 
+/// Streams of the C++ library that defines the format come back as that decodes them, bit for bit.
 #[test]
-fn filters_are_undone() {
-    // An exponent of −2 and a mantissa of 3: 3 · 2⁻² (EXT_meshopt_compression, exponential filter).
-    let exponent = [u32::from_le_bytes([3, 0, 0, 0xFE]); 1];
-    let mut lanes = [exponent];
-    codec::decode_filter_exp(&mut lanes);
-    assert_eq!(f32::from_bits(lanes[0][0]), 0.75);
+fn streams_of_the_reference_library() {
+    let bytes = |hex: &serde_json::Value| -> Vec<u8> {
+        let hex = hex.as_str().unwrap().as_bytes();
+        hex.as_chunks::<2>()
+            .0
+            .iter()
+            .map(|pair| u8::from_str_radix(str::from_utf8(pair).unwrap(), 16).unwrap())
+            .collect()
+    };
+    let table: serde_json::Value =
+        serde_json::from_str(include_str!("../../../../tests/data/meshopt_streams.json")).unwrap();
+    let streams = table["streams"].as_array().unwrap();
+    assert!(streams.len() > 10);
+    for row in streams {
+        let size = |key: &str| row[key].as_u64().unwrap() as usize;
+        let mode = codec::Mode::parse(row["mode"].as_str().unwrap()).unwrap();
+        let filter = codec::Filter::parse(row["filter"].as_str().unwrap()).unwrap();
+        let (count, stride, stream) = (size("count"), size("byteStride"), bytes(&row["stream"]));
+        let plain = codec::decode_buffer_view(mode, filter, count, stride, &stream, &mut Workspace::default());
+        assert_eq!(plain.as_ref(), Ok(&bytes(&row["plain"])), "{}", row["what"]);
+    }
 }
 
 #[test]
