@@ -155,7 +155,7 @@ impl Case {
             name: self.name.clone(),
             unit_m: 1.0,
             wavelengths: eyebox::scene::Wavelengths::Mono { nm: 555.0 },
-            meshes: vec![mesh],
+            meshes: vec![mesh.into()],
             parts: vec![part],
             media: vec![],
             coatings: vec![],

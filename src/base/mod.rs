@@ -17,6 +17,7 @@ pub mod package;
 pub mod path;
 pub mod relative;
 pub mod rng;
+pub mod shared; // what copies share until they change it
 pub mod sobol;
 pub mod stats;
 pub mod student;
@@ -29,3 +30,4 @@ pub mod weld; // which vertices are one point
 pub use code::Code;
 pub use complex::Complex;
 pub use fault::{Fault, Result, Where, nearest_name};
+pub use shared::Shared;

@@ -1,5 +1,6 @@
 //! Small scenes made in code.
 
+use crate::base::Shared;
 use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId};
 use crate::scene::{
     Absorption, Angular, Coating, CoatingLaw, Dispersion, Emitter, Eye, Face, FaceRange, FilmLayer, Finish, Group,
@@ -177,10 +178,16 @@ pub fn ball(radius: f64) -> Shape {
 }
 
 /// Adds a part at `to_world`, filled with a medium of this index if there is one.
-pub fn add(scene: &mut Scene, mesh: Mesh, to_world: DAffine3, index: Option<f64>, faces: Vec<Face>) -> usize {
+pub fn add(
+    scene: &mut Scene,
+    mesh: impl Into<Shared<Mesh>>,
+    to_world: DAffine3,
+    index: Option<f64>,
+    faces: Vec<Face>,
+) -> usize {
     let name = format!("part{}", scene.parts.len());
     let id = MeshId::from_index(scene.meshes.len());
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     let medium = index.map(|n| {
         let (name, index) = (format!("n={n}"), Dispersion::Constant(n));
         scene.media.push(Medium { name, index, absorption: Absorption::NONE });

@@ -111,7 +111,7 @@ pub fn extent_along(mesh: &Mesh, face: usize, along: [DVec3; 2]) -> Option<[f64;
 /// Largest extent of all parts in the world, by their boxes, m; 0 without parts.
 pub fn extent_m(scene: &Scene) -> f64 {
     // Once per mesh: many parts may share one.
-    let boxes: Vec<[DVec3; 2]> = scene.meshes.iter().map(bounds).collect();
+    let boxes: Vec<[DVec3; 2]> = scene.meshes.iter().map(|mesh| bounds(mesh)).collect();
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for part in &scene.parts {
         let Some(own) = boxes.get(part.mesh.index()).filter(|[low, high]| low.cmple(*high).all()) else { continue };

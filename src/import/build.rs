@@ -13,7 +13,7 @@ use super::sheet::Sheet;
 use super::slots::{PartBound, Slot, Slots};
 use super::value::Value;
 use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::{Code, Fault, Shared, Where};
 use crate::scene::{Coating, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide, Wavelengths};
 use glam::DMat3;
 use std::collections::HashMap;
@@ -112,7 +112,12 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         }
     }
     let name = assembly.file.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let meshes = assembly.meshes.into_iter().map(|source| source.mesh).chain(made.meshes).collect();
+    let meshes = assembly
+        .meshes
+        .into_iter()
+        .map(|source| source.mesh)
+        .chain(made.meshes.into_iter().map(Shared::from))
+        .collect();
     let scene = Scene {
         name,
         unit_m,

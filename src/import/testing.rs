@@ -53,7 +53,7 @@ pub fn assembly(names: &[&str]) -> Assembly {
         let local = DAffine3::from_translation(DVec3::new(10.0 * i as f64, 0.0, 0.0));
         nodes.push(node(name, format!("ROOT/{name}"), i + 1, Some(0), (local, root * local), Some(i)));
         meshes.push(MeshSource {
-            mesh: box_mesh(name, [-2.0, -1.0, 0.0], [2.0, 1.0, 0.5]),
+            mesh: box_mesh(name, [-2.0, -1.0, 0.0], [2.0, 1.0, 0.5]).into(),
             materials: vec![Some(0); 6],
             attributes: vec![None; 6],
             at: pointer(format!("/meshes/{i}")),

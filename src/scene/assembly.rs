@@ -3,7 +3,7 @@
 
 use super::value::Value;
 use super::{Mesh, Note};
-use crate::base::Where;
+use crate::base::{Shared, Where};
 use glam::{DAffine3, DMat3};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -100,7 +100,7 @@ pub struct Node {
 
 #[derive(Debug, Clone)]
 pub struct MeshSource {
-    pub mesh: Mesh,
+    pub mesh: Shared<Mesh>,
     /// Index into `Assembly::materials` per face.
     pub materials: Vec<Option<usize>>,
     /// Optical attributes of each face (glTF: the primitive's `EYEBOX_optics`: shape).

@@ -39,6 +39,7 @@ pub use shape::Shape;
 pub use slide::{Polarisation, Slide};
 pub use spectrum::{Led, PowerDistribution, Spectrum};
 
+use crate::base::Shared;
 use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, ScatterId, SlideId};
 
 /// At which wavelengths the scene is defined.
@@ -78,7 +79,7 @@ pub struct Scene {
     /// Metres per unit of the asset's coordinates (already contained in every `Part::to_world`).
     pub unit_m: f64,
     pub wavelengths: Wavelengths,
-    pub meshes: Vec<Mesh>,
+    pub meshes: Vec<Shared<Mesh>>,
     pub parts: Vec<Part>,
     pub media: Vec<Medium>,
     pub coatings: Vec<Coating>,

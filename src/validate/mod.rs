@@ -15,13 +15,15 @@ pub mod report; // the formats
 pub mod rules; // the registry of all rules
 
 use crate::base::relative::{relative, slashed};
-use crate::base::{Code, Result};
+use crate::base::{Code, Fault, Result};
 use crate::check::finding::{Finding, Level};
 use crate::check::geometry::EdgesOfMeshes;
 use crate::check::rule::Rule;
 use crate::check::subject::{Refusal, Stage, Subject};
-use crate::scene::{Note, Severity};
+use crate::scene::{Note, Scene, Severity};
 use crate::world::World;
+use crate::world::eye::EyeLens;
+use crate::world::geometry::Geometry;
 use baseline::Known;
 use config::Config;
 use locate::{Locator, Place};
@@ -169,12 +171,22 @@ fn traced(subject: &Subject<'_>) -> Vec<Finding> {
         Ok(checked) => checked,
         Err(fault) => return refuse(fault),
     };
+    // A tree over millions of triangles takes longer than all else: it is built for rules that will look at it.
+    if !rules::concern(subject.scene) {
+        return refused_geometry(subject.scene).map_or_else(Vec::new, refuse);
+    }
     let world = match World::freeze(subject.scene) {
         Ok(world) => world,
         Err(fault) => return refuse(fault),
     };
     let frozen = rules::Frozen { subject, checked: &checked, world: &world };
     rules::TRACED.iter().flat_map(|traced| (traced.find)(&frozen)).collect()
+}
+
+/// Why a scene without optics cannot be traced, if it cannot.
+fn refused_geometry(scene: &Scene) -> Option<Box<Fault>> {
+    let eye = |()| EyeLens::build(&scene.eye, scene.eye.position).map(|_| ());
+    Geometry::check(scene).and_then(eye).err()
 }
 
 /// The finding of a fault of the importer.

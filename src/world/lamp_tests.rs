@@ -42,7 +42,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
         name: "lamps".into(),
         unit_m: 1.0,
         wavelengths: Wavelengths::Visible,
-        meshes: vec![mesh],
+        meshes: vec![mesh.into()],
         parts: emitters.iter().map(part).collect(),
         media: vec![],
         coatings: vec![],

@@ -64,7 +64,7 @@ fn mesh(seed: u32, corners: &[usize], materials: usize, rows: Vec<Option<Value>>
     let material = |face: usize| (!face.is_multiple_of(3)).then_some((seed as usize + face) % materials);
     let mut attributes = rows;
     attributes.resize(faces, None);
-    MeshSource { mesh, materials: (0..faces).map(material).collect(), attributes, at: Where::Nowhere }
+    MeshSource { mesh: mesh.into(), materials: (0..faces).map(material).collect(), attributes, at: Where::Nowhere }
 }
 
 prop_compose! {

@@ -1,7 +1,7 @@
 //! Names, the order of triangles and shared vertices are the file's business, not the picture's.
 
+use super::kit::*;
 use crate::common::mean;
-use crate::kit::*;
 use eyebox::film::plan::Estimator;
 use eyebox::plan::Choice;
 use eyebox::scene::{Mesh, Scene};
@@ -33,7 +33,7 @@ fn renaming_shuffling_and_splitting_change_nothing_but_names() {
     let scene = gaze(fill(hud("direct", &ONE_LED), 1.0), [0.0; 2], 6.0, [8, 4]);
     let (value, sigma) = measure(&scene);
     let mut other = scene.clone();
-    other.meshes = scene.meshes.iter().map(rebuilt).collect();
+    other.meshes = scene.meshes.iter().map(|mesh| rebuilt(mesh).into()).collect();
     for (index, part) in other.parts.iter_mut().enumerate() {
         part.name = format!("part {index}");
         part.path = format!("root/part {index}");

@@ -37,7 +37,7 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         name: "oracle".into(),
         unit_m: MM,
         wavelengths: Wavelengths::Visible,
-        meshes: vec![mesh],
+        meshes: vec![mesh.into()],
         parts: vec![part],
         media: vec![],
         coatings: vec![],

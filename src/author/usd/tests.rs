@@ -18,7 +18,7 @@ fn triangle(name: &str, faces: u32) -> MeshSource {
         positions,
     };
     let faces = faces as usize;
-    MeshSource { mesh, materials: vec![None; faces], attributes: vec![None; faces], at: Where::Nowhere }
+    MeshSource { mesh: mesh.into(), materials: vec![None; faces], attributes: vec![None; faces], at: Where::Nowhere }
 }
 
 /// A node below `parent`.

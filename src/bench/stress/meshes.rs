@@ -35,7 +35,7 @@ fn needles(degrees: f64, exact: bool, count: u32, share: f64) -> (crate::scene::
         .into_iter()
         .enumerate()
         .map(|(k, corners)| if k >= 4 { cut(corners) } else { (corners, vec![[0, 1, 2], [0, 2, 3]]) });
-    s.meshes[0] = kit::mesh_of(faces);
+    s.meshes[0] = kit::mesh_of(faces).into();
     (s, want)
 }
 

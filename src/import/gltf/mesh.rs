@@ -29,7 +29,7 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, index: usize, ledger: &
         });
         attributes.push(at.optics(&mut ledger.budget)?);
     }
-    Ok(MeshSource { mesh, materials, attributes, at: at.place() })
+    Ok(MeshSource { mesh: mesh.into(), materials, attributes, at: at.place() })
 }
 
 /// Appends a face; none if its indices do not fit into 32 bits.

@@ -58,7 +58,7 @@ fn scene() -> Scene {
         name: "tiny".into(),
         unit_m: 1e-3,
         wavelengths: Wavelengths::Mono { nm: 550.0 },
-        meshes: vec![mesh("plate"), mesh("die")],
+        meshes: vec![mesh("plate").into(), mesh("die").into()],
         parts: vec![
             lens,
             part("HUD/LED_1", 1, 0.01, led()),

@@ -63,6 +63,7 @@ fn meets_optics(frozen: &Frozen<'_>, origin: glam::DVec3, dir: glam::DVec3) -> b
     false
 }
 
-fn is_optical(face: &Face) -> bool {
+/// Whether a face does more than take light away.
+pub(super) fn is_optical(face: &Face) -> bool {
     face.slide.is_some() || face.emitter.is_some() || !matches!(face.finish, Finish::None | Finish::Absorber)
 }

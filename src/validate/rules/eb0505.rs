@@ -37,7 +37,7 @@ pub fn find(frozen: &Frozen<'_>) -> Vec<Finding> {
     if frozen.checked.facts().no_light || !super::eb0504::sees_optics(frozen) {
         return Vec::new();
     }
-    let Some(dark) = dark_groups(scene) else { return Vec::new() };
+    let Some(dark) = dark_groups(scene, frozen.world) else { return Vec::new() };
     let finding = |group: usize| {
         let name = &scene.groups[group].name;
         let text = format!("no light of group {name} arrived in a small picture of {} passes", PASSES[1]);
@@ -47,13 +47,13 @@ pub fn find(frozen: &Frozen<'_>) -> Vec<Finding> {
 }
 
 /// Light groups that shine and bring nothing; none if that can't be traced.
-fn dark_groups(scene: &Scene) -> Option<Vec<usize>> {
+fn dark_groups(scene: &Scene, world: &World) -> Option<Vec<usize>> {
     let mut small = scene.clone();
     let longer = scene.eye.resolution[0].max(scene.eye.resolution[1]).max(1);
     let scale = (SIDE as f64 / longer as f64).min(1.0);
     small.eye.resolution = scene.eye.resolution.map(|n| ((n as f64 * scale) as usize).max(1));
     let checked = crate::check::check(&small).ok()?;
-    let world = World::freeze(&small).ok()?;
+    let world = world.seen_by(&small.eye).ok()?;
     let mut plan = plan(&checked, &world, Choice::Auto);
     plan.forward_paths = plan.forward_paths.min(PATHS);
     plan.photons = plan.photons.min(PATHS);

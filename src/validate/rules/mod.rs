@@ -11,6 +11,7 @@ use crate::check::finding::Finding;
 use crate::check::rule::Rule;
 use crate::check::rules::RULES;
 use crate::check::subject::Subject;
+use crate::scene::{Part, Scene};
 use crate::world::World;
 
 /// A scene that can be traced.
@@ -34,6 +35,13 @@ pub const TRACED: &[Traced] = &[
     Traced { rule: &eb0504::RULE, find: eb0504::find },
     Traced { rule: &eb0505::RULE, find: eb0505::find },
 ];
+
+/// Whether a rule that traces could find anything, or a table be refused: bare absorbers do nothing with light, and nothing
+/// shines on them.
+pub fn concern(scene: &Scene) -> bool {
+    let inert = |part: &Part| part.medium.is_none() && !part.faces.iter().any(eb0504::is_optical);
+    !scene.lights.is_empty() || scene.sky.is_some() || !scene.parts.iter().all(inert)
+}
 
 /// Every rule, by code.
 pub fn all() -> impl Iterator<Item = &'static Rule> {

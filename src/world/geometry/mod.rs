@@ -46,7 +46,7 @@ mod tests;
 
 use crate::base::fault::Result;
 use crate::base::{Code, Fault, Where};
-use crate::scene::Scene;
+use crate::scene::{Mesh, Part, Scene};
 use bound::Bounds;
 use glam::{DAffine3, DVec3};
 use instance::Instance;
@@ -112,54 +112,72 @@ pub struct Geometry {
     top: Top,
 }
 
+/// What was made of the scene's parts, where those stand, and a box around all of it and the eye.
+struct Placed<T> {
+    made: Vec<T>,
+    /// Parts that are there, and what of `made` they are.
+    placed: Vec<(u32, usize)>,
+    spread: Bounds,
+}
+
+/// Makes something of each part that is there, once for those that are alike. `bounds`: of what is made, mesh units.
+fn place<T>(
+    scene: &Scene,
+    make: impl Fn(&Mesh, &Part, &[prepare::Traced]) -> Result<Option<T>>,
+    bounds: impl Fn(&T) -> Bounds,
+) -> Result<Placed<T>> {
+    let mut made: Vec<T> = Vec::new();
+    let mut known: HashMap<Vec<u64>, Option<usize>> = HashMap::new();
+    let mut placed: Vec<(u32, usize)> = Vec::new();
+    for (index, part) in scene.parts.iter().enumerate() {
+        let fault = |what: String| Fault::new(Where::part(&part.path), what);
+        let mesh = scene.meshes.get(part.mesh.index());
+        let mesh = mesh.ok_or_else(|| fault(format!("mesh {} of {}", part.mesh.0, scene.meshes.len())))?;
+        if part.faces.len() != mesh.faces.len() {
+            return Err(fault(format!("{} faces for a mesh with {}", part.faces.len(), mesh.faces.len())));
+        }
+        let faces = prepare::traced(part);
+        instance::check(part, &faces)?;
+        let key = prepare::key(part.mesh.index(), &faces);
+        let own = match known.get(&key) {
+            Some(own) => *own,
+            None => {
+                let own = make(mesh, part, &faces)?.map(|own| {
+                    made.push(own);
+                    made.len() - 1
+                });
+                known.insert(key, own);
+                own
+            }
+        };
+        placed.extend(own.map(|own| (index as u32, own)));
+    }
+    if placed.is_empty() {
+        return Err(Fault::new(Where::Nowhere, "nothing in the scene has a surface that light meets")
+            .expected("at least one face with a finish, an emitter or a slide")
+            .code(Code::NothingToTrace));
+    }
+    if !scene.eye.position.is_finite() {
+        return Err(
+            Fault::new(Where::Nowhere, format!("the eye is at {}", scene.eye.position)).code(Code::EyeImpossible)
+        );
+    }
+    let spread = placed.iter().fold(Bounds::of([scene.eye.position]), |all, (part, own)| {
+        all.join(bounds(&made[*own]).map(&scene.parts[*part as usize].to_world))
+    });
+    if !spread.is_finite() || !spread.half().is_finite() {
+        return Err(Fault::new(Where::Nowhere, "the scene is too large to be traced"));
+    }
+    Ok(Placed { made, placed, spread })
+}
+
 impl Geometry {
     /// Prepares a scene. Faults: a transform that is not finite or flattens its part, an exact face of a part that is
     /// scaled unevenly, a shape that misses its mesh, indices out of range, vertices that are not finite, nothing to
     /// trace at all.
     pub fn build(scene: &Scene) -> Result<Geometry> {
-        let mut solids: Vec<Solid> = Vec::new();
-        let mut known: HashMap<Vec<u64>, Option<usize>> = HashMap::new();
-        let mut placed: Vec<(u32, usize)> = Vec::new();
-        for (index, part) in scene.parts.iter().enumerate() {
-            let fault = |what: String| Fault::new(Where::part(&part.path), what);
-            let mesh = scene.meshes.get(part.mesh.index());
-            let mesh = mesh.ok_or_else(|| fault(format!("mesh {} of {}", part.mesh.0, scene.meshes.len())))?;
-            if part.faces.len() != mesh.faces.len() {
-                return Err(fault(format!("{} faces for a mesh with {}", part.faces.len(), mesh.faces.len())));
-            }
-            let faces = prepare::traced(part);
-            instance::check(part, &faces)?;
-            let key = prepare::key(part.mesh.index(), &faces);
-            let solid = match known.get(&key) {
-                Some(solid) => *solid,
-                None => {
-                    let solid = prepare::solid(mesh, part, &faces)?.map(|solid| {
-                        solids.push(solid);
-                        solids.len() - 1
-                    });
-                    known.insert(key, solid);
-                    solid
-                }
-            };
-            placed.extend(solid.map(|solid| (index as u32, solid)));
-        }
-        if placed.is_empty() {
-            return Err(Fault::new(Where::Nowhere, "nothing in the scene has a surface that light meets")
-                .expected("at least one face with a finish, an emitter or a slide")
-                .code(Code::NothingToTrace));
-        }
-        if !scene.eye.position.is_finite() {
-            return Err(
-                Fault::new(Where::Nowhere, format!("the eye is at {}", scene.eye.position)).code(Code::EyeImpossible)
-            );
-        }
-        let spread = placed.iter().fold(Bounds::of([scene.eye.position]), |all, (part, solid)| {
-            all.join(solids[*solid].bounds.map(&scene.parts[*part as usize].to_world))
-        });
+        let Placed { made: solids, placed, spread } = place(scene, prepare::solid, |solid| solid.bounds)?;
         let origin = spread.centre();
-        if !spread.is_finite() || !spread.half().is_finite() {
-            return Err(Fault::new(Where::Nowhere, "the scene is too large to be traced"));
-        }
         let recentre = |to_world: DAffine3| DAffine3 { translation: to_world.translation - origin, ..to_world };
         let to_world: Vec<DAffine3> = scene.parts.iter().map(|part| recentre(part.to_world)).collect();
         let mut instances: Vec<Instance> = placed
@@ -186,6 +204,11 @@ impl Geometry {
             slots[instance.part as usize] = slot as u32;
         }
         Ok(Geometry { origin, to_world, solids, instances, slots, top })
+    }
+
+    /// The faults of [`Geometry::build`], without what makes it large: no triangle is copied and no tree is built.
+    pub fn check(scene: &Scene) -> Result<()> {
+        place(scene, prepare::check, |bounds| *bounds).map(|_| ())
     }
 
     /// The point of the scene's world that is (0, 0, 0) here: the middle of its parts and the eye.

@@ -78,6 +78,41 @@ pub fn key(mesh: usize, faces: &[Traced]) -> Vec<u64> {
     key
 }
 
+/// What [`solid`] would refuse, and a box around the triangles that have an area, mesh units; none if no face is there.
+pub fn check(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Bounds>> {
+    let mut bounds = Bounds::EMPTY;
+    let (mut triangles, mut normals) = (Vec::new(), Vec::new());
+    let mut any = false;
+    for (index, (range, shape)) in mesh.faces.iter().zip(faces).enumerate() {
+        let at = || Where::Part { path: part.path.clone(), face: Some(index) };
+        let Some(shape) = shape else { continue };
+        if *shape == Shape::Mesh {
+            for corners in corners_of(mesh, *range).map_err(|what| Fault::new(at(), what))? {
+                let (_, positions) = corners.map_err(|what| Fault::new(at(), what))?;
+                if has_area(&positions) {
+                    bounds = bounds.join(triangle_box(&positions));
+                    any = true;
+                }
+            }
+        } else {
+            triangles.clear();
+            normals.clear();
+            gather(mesh, *range, index as u32, &mut triangles, &mut normals).map_err(|what| Fault::new(at(), what))?;
+            refused_shape(exact(shape, &triangles), at)?;
+            bounds = triangles.iter().fold(bounds, |all, t| all.join(triangle_box(&t.corners)));
+            any |= !triangles.is_empty();
+        }
+    }
+    Ok(any.then_some(bounds))
+}
+
+/// The fault of a face that is not of its shape.
+fn refused_shape(made: Result<Surface, String>, at: impl Fn() -> Where) -> Result<Surface> {
+    made.map_err(|what| {
+        Fault::new(at(), what).expected("the shape of this face in mesh units, or shape mesh").code(Code::ShapeOffMesh)
+    })
+}
+
 /// Builds the solid of a part; none if no face of it is there.
 pub fn solid(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Solid>> {
     let mut triangles = Vec::new();
@@ -103,11 +138,7 @@ pub fn solid(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Solid>
             | Shape::Cylinder { .. }
             | Shape::Toroid { .. }
             | Shape::XyPoly { .. }
-            | Shape::Zernike { .. } => exact(shape, own).map_err(|what| {
-                Fault::new(at(), what)
-                    .expected("the shape of this face in mesh units, or shape mesh")
-                    .code(Code::ShapeOffMesh)
-            })?,
+            | Shape::Zernike { .. } => refused_shape(exact(shape, own), at)?,
         };
         boxes.extend(own.iter().map(|t| match &surface {
             Surface::Absent | Surface::Flat | Surface::Faceted => triangle_box(&t.corners),
@@ -194,14 +225,11 @@ fn arrange(triangles: &[Triangle], boxes: &[Bounds], sheets: &[Sheet]) -> Option
 /// Up to this many exact faces of a part are looked up one after the other.
 const MOST_GRIDS: usize = 6;
 
-/// Adds the triangles of a face that have an area.
-fn gather(
+/// The triangles of a face with their numbers: where their corners are, or what is wrong with one.
+fn corners_of(
     mesh: &Mesh,
     range: FaceRange,
-    face: u32,
-    triangles: &mut Vec<Triangle>,
-    normals: &mut Vec<[[f32; 3]; 3]>,
-) -> Result<(), String> {
+) -> Result<impl Iterator<Item = Result<(usize, [[f32; 3]; 3]), String>>, String> {
     let Some(own) = mesh.triangles.get(range.triangles()) else {
         return Err(format!(
             "triangles {} to {} of mesh {} which has {}",
@@ -211,20 +239,36 @@ fn gather(
             mesh.triangles.len()
         ));
     };
-    for (index, corners) in range.triangles().zip(own) {
+    Ok(range.triangles().zip(own).map(move |(index, corners)| {
         let mut positions = [[0.0f32; 3]; 3];
-        let mut shading = [[0.0f32; 3]; 3];
         for (k, v) in corners.iter().enumerate() {
             match mesh.positions.get(*v as usize) {
                 Some(p) if p.iter().all(|x| x.is_finite()) => positions[k] = *p,
                 Some(p) => return Err(format!("triangle {index} has a vertex at {p:?}")),
                 None => return Err(format!("triangle {index} names vertex {v} of {}", mesh.positions.len())),
             }
-            shading[k] = mesh.normals.get(*v as usize).copied().unwrap_or_default();
         }
-        if winding(&positions).length_squared() > 0.0 {
-            triangles.push(Triangle { corners: positions, face, index: index as u32 });
-            normals.push(shading);
+        Ok((index, positions))
+    }))
+}
+
+fn has_area(corners: &[[f32; 3]; 3]) -> bool {
+    winding(corners).length_squared() > 0.0
+}
+
+/// Adds the triangles of a face that have an area.
+fn gather(
+    mesh: &Mesh,
+    range: FaceRange,
+    face: u32,
+    triangles: &mut Vec<Triangle>,
+    normals: &mut Vec<[[f32; 3]; 3]>,
+) -> Result<(), String> {
+    for found in corners_of(mesh, range)? {
+        let (index, corners) = found?;
+        if has_area(&corners) {
+            triangles.push(Triangle { corners, face, index: index as u32 });
+            normals.push(mesh.triangles[index].map(|v| mesh.normals.get(v as usize).copied().unwrap_or_default()));
         }
     }
     Ok(())

@@ -194,7 +194,7 @@ pub fn add_square(scene: &mut Scene, (half, z, towards): (f64, f64, DVec3), fini
     let triangles = if towards.z < 0.0 { [[0, 2, 1], [0, 3, 2]] } else { [[0, 1, 2], [0, 2, 3]] };
     let mut builder = Builder::default();
     builder.face(&up.map(corner), &triangles);
-    scene.meshes.push(builder.mesh);
+    scene.meshes.push(builder.mesh.into());
     let mut part = part(scene.meshes.len() as u32 - 1, &[Shape::Mesh], to_world);
     part.medium = None;
     part.faces = vec![Face { finish, coating: None, shape: Shape::Mesh, emitter: None, slide: None }];
@@ -206,7 +206,7 @@ pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
         name: "TEST".into(),
         unit_m: 1e-3,
         wavelengths: Wavelengths::Visible,
-        meshes,
+        meshes: meshes.into_iter().map(Into::into).collect(),
         parts,
         media: vec![Medium {
             name: "glass".into(),

@@ -70,7 +70,7 @@ fn build(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<M
         let face = face(reader, view, &mut data, own, Place { number, alone }, &mut scratch)?;
         append(&mut mesh, face).ok_or_else(|| view.fault("the mesh has more than 4294967295 vertices or triangles"))?;
     }
-    Ok(Some(MeshSource { mesh, materials, attributes, at: view.at() }))
+    Ok(Some(MeshSource { mesh: mesh.into(), materials, attributes, at: view.at() }))
 }
 
 /// Says what becomes of a subdivision surface: we take the polygons of its cage.
