@@ -1,8 +1,6 @@
 //! Layers by light path expression: sums of stored shares, or of what the paths of a run say to it.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use eyebox::base::Where;
 use eyebox::base::colour::ColourSpace;
 use eyebox::base::stats::Moments;

@@ -1,9 +1,7 @@
 //! Cryptomatte layers: coverages of known edges, identities of the manifest, roles of the sample, the same bits for any
 //! number of threads, and that the attributes survive a file.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use eyebox::check::check;
 use eyebox::estimate::data::data_layers;
 use eyebox::estimate::mattes::{add, wanted};

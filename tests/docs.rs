@@ -1,5 +1,5 @@
 //! The documentation against the code: the attribute reference is generated, links lead somewhere, every dependency and
-//! every layer has its line. `EYEBOX_BLESS=1 cargo verify --test docs` rewrites what is generated.
+//! every layer has its line. `EYEBOX_BLESS=1 cargo verify --test all docs` rewrites what is generated.
 
 use eyebox::film::layer::Layer;
 use eyebox::scene::attribute::{Form, Kind, Noun, Range, Row, Support, kinds, named, rows};
@@ -111,7 +111,7 @@ fn kind_line(kind: &Kind) -> String {
 fn attributes() -> String {
     let mut out = "# Optical attributes\n\n\
         This page is generated from `src/scene/attribute/rows.rs` by `tests/docs.rs`. Do not edit it; run\n\
-        `EYEBOX_BLESS=1 cargo verify --test docs` after changing a row.\n\n\
+        `EYEBOX_BLESS=1 cargo verify --test all docs` after changing a row.\n\n\
         How to write them down is in [sidecar.md](sidecar.md). A value out of range, an unknown name or a misspelt one is\n\
         an error. *Mesh units* are the part's own units: they scale with the node and with `unit`. A length with a unit\n\
         (`\"4 mm\"`) never scales. An empty default means that the value must be said, or that nothing holds without it.\n"
@@ -145,7 +145,7 @@ fn the_attribute_reference_is_up_to_date() {
     let line = stored.lines().zip(fresh.lines()).position(|(a, b)| a != b).map_or(stored.lines().count(), |line| line);
     assert!(
         stored == fresh,
-        "docs/attributes.md is stale from line {}; EYEBOX_BLESS=1 cargo verify --test docs rewrites it",
+        "docs/attributes.md is stale from line {}; EYEBOX_BLESS=1 cargo verify --test all docs rewrites it",
         line + 1
     );
 }
@@ -179,7 +179,7 @@ fn the_pages_of_the_rules_are_up_to_date() {
     let orphans: Vec<String> =
         names.filter(|name| name.strip_suffix(".md").is_none_or(|code| rules::find(code).is_none())).collect();
     assert!(orphans.is_empty(), "pages without a rule: {orphans:?}");
-    assert!(stale.is_empty(), "stale; EYEBOX_BLESS=1 cargo verify --test docs rewrites {stale:?}");
+    assert!(stale.is_empty(), "stale; EYEBOX_BLESS=1 cargo verify --test all docs rewrites {stale:?}");
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! Broken assets in small number: always a result or a fault. `benches/hostile.rs` does the same to whole corpora.
 
-#[path = "common/mutate.rs"]
-mod mutate;
+use crate::common::mutate;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

@@ -1,8 +1,6 @@
 //! Standard errors per layer, and of pictures mixed from `open` and `content`, against the scatter of many seeds.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use eyebox::base::colour::ColourSpace;
 use eyebox::base::ids::{GroupId, SlideId};
 use eyebox::base::stats::Moments;

@@ -1,8 +1,6 @@
 //! Lamps that are no faces, against closed forms, through every estimator that meets them; and from the asset's lights.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use eyebox::base::Where;
 use eyebox::base::ids::ProfileId;
 use eyebox::check::check;

@@ -1,9 +1,7 @@
 //! Specular connection: derivatives against differences, the solver's answers against light tracing path by path, and
 //! its share and the rest's against the estimators that do without.
 
-mod common;
-
-use common::{add_part, block_z, cuboid, face, image_of, mesh, render, worst_z};
+use crate::common::{add_part, block_z, cuboid, face, image_of, mesh, render, worst_z};
 use eyebox::base::path::{Event, Trail};
 use eyebox::base::stats::Moments;
 use eyebox::bench::generate;

@@ -1,8 +1,6 @@
 //! A mixed frame is the frame that a new rendering at that contrast and lamp level gives.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use eyebox::base::ids::SlideId;
 use eyebox::check::check;
 use eyebox::estimate::picture::{add_meta, picture};

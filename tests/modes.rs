@@ -1,9 +1,7 @@
 //! Spectral modes and polarisation against closed forms and against each other: colours of lamps, skies, films and
 //! absorbing glass by integrals over the spectrum, furnaces in every mode, Malus' law.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use eyebox::base::Complex;
 use eyebox::base::colour::{self, XYZ_TO_REC709, apply};
 use eyebox::base::stats::Moments;

@@ -5,10 +5,7 @@
 //! Integrals are means of jittered strata; their noise is measured over independent repetitions, must be below 0.1 %,
 //! and the closed form must lie within 3 of its standard errors (and a rounding of 1e-6: meshes are f32).
 
-mod common;
-#[path = "oracle_radiometry/shapes.rs"]
 mod shapes;
-#[path = "oracle_radiometry/traced.rs"]
 mod traced;
 
 use eyebox::base::rng::{Rng, Stream};

@@ -2,9 +2,7 @@
 //! Stokes vectors and, with `--polarisation off`, for light whose s and p are averaged at each face
 //! (`T_unpolarised_tracer`: wrong, but known to be); tilted and absorbing slabs.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use eyebox::film::plan::Estimator;
 use eyebox::plan::{Asked, Choice, Polarisation};
 use eyebox::scene::{Absorption, Finish};

@@ -1,8 +1,6 @@
 //! The path table and the rays: names, ranks and shares against closed forms, and files that other programs read.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use eyebox::base::chain::Chain;
 use eyebox::base::rng::Stream;
 use eyebox::check::check;

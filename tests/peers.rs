@@ -1,9 +1,7 @@
 //! The peers' scenes A1, A2 and B (`samples/peers`): image means against four other renderers, and the split of A1
 //! against their figures and a separate calculation (`samples/peers/README.md`).
 
-mod common;
-
-use common::render;
+use crate::common::render;
 use eyebox::base::stats::Moments;
 use eyebox::estimate::run::Films;
 use eyebox::film::accumulate::Film;

@@ -1,8 +1,6 @@
 //! Closed forms and agreements that need the whole tracer: furnaces, slabs, balances, estimator against estimator.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use eyebox::check::check;
 use eyebox::estimate::run::begin;
 use eyebox::film::plan::{Estimator, Plan};

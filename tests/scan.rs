@@ -1,8 +1,6 @@
 //! `eyebox scan` against closed forms: a lamp in a plane mirror, the display behind a thick lens, what a lens lets through.
 
-mod common;
-
-use common::{add_group, add_part, face, lamp, mesh, quad, scene};
+use crate::common::{add_group, add_part, face, lamp, mesh, quad, scene};
 use eyebox::estimate::sight::image::distortion;
 use eyebox::import::{ImportOptions, Set, import};
 use eyebox::plan::scan::light::LightAsked;

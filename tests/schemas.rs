@@ -1,4 +1,4 @@
-//! The published schemas against the attribute table. `EYEBOX_BLESS=1 cargo verify --test schemas` rewrites them.
+//! The published schemas against the attribute table. `EYEBOX_BLESS=1 cargo verify --test all schemas` rewrites them.
 
 use eyebox::author::schema;
 use std::collections::BTreeSet;
@@ -35,7 +35,7 @@ fn the_schemas_are_up_to_date() {
         let line = stored.lines().zip(text.lines()).take_while(|(a, b)| a == b).count() + 1;
         assert!(
             stored == *text,
-            "{path} is stale from line {line}; EYEBOX_BLESS=1 cargo verify --test schemas rewrites it"
+            "{path} is stale from line {line}; EYEBOX_BLESS=1 cargo verify --test all schemas rewrites it"
         );
     }
     let mut stored = BTreeSet::new();

@@ -1,9 +1,7 @@
 //! USD out and in again: what `convert` writes is what was there, what `annotate` writes means what the sidecar means.
 //! Pixar's USD has its say in tests/python/usd_check.py.
 
-mod common;
-
-use common::{block_z, image, mean, render, worst_z};
+use crate::common::{block_z, image, mean, render, worst_z};
 use eyebox::author;
 use eyebox::import::{self, Assembly};
 use eyebox::plan::Choice;

@@ -1,8 +1,6 @@
 //! The witness bites: faults are planted into what estimators bring, and it has to say which light is off and which way.
 //! Sound runs it has to leave alone.
 
-mod common;
-
 use eyebox::bench::generate::{self, Family};
 use eyebox::check::check;
 use eyebox::estimate::run::{Films, begin};
@@ -146,7 +144,7 @@ fn planted_faults_of_caustics_are_named() {
     assert!(sigmas(&caustic(&black)) < -6.0, "{black:?}");
 }
 
-/// Seeds of each family: `SOUND_SEEDS=15 cargo verify --test witness` asks more than two hundred runs.
+/// Seeds of each family: `SOUND_SEEDS=15 cargo verify --test all witness` asks more than two hundred runs.
 fn seeds() -> u64 {
     std::env::var("SOUND_SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(2)
 }
@@ -198,7 +196,7 @@ fn no_windshield_comes_out_dark() {
         let brute = plan(&checked, &ready.world, Asked { choice: Choice::Only(Estimator::Backward), ..ASKED });
         let light = |plan: &Plan| {
             let films = ready.films(plan, 16);
-            let pixels = common::image_of(&films, |_| true);
+            let pixels = crate::common::image_of(&films, |_| true);
             let variance: f64 = pixels.iter().map(|(_, variance)| variance).sum();
             (pixels.iter().map(|(value, _)| value).sum::<f64>(), variance)
         };

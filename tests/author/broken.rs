@@ -1,6 +1,6 @@
 //! Broken assets and wrong requests end in a message.
 
-use crate::kit::{eyebox, sample};
+use super::kit::{eyebox, sample};
 use eyebox::import::{annotate, asset, toml};
 use std::path::Path;
 

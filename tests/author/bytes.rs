@@ -1,6 +1,6 @@
 //! `annotate` changes what it must and no other byte.
 
-use crate::kit::{clean, sample};
+use super::kit::{clean, sample};
 use std::path::Path;
 
 /// A triangle, written as no program would.

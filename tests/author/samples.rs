@@ -1,6 +1,6 @@
 //! Both HUDs through `annotate` and `convert`: the same scenes, the same pictures.
 
-use crate::kit::{clean, picture, same, sample, scene};
+use super::kit::{clean, picture, same, sample, scene};
 
 #[test]
 fn both_huds_annotated_and_converted_are_the_same_to_the_last_bit() {

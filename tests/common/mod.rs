@@ -1,5 +1,6 @@
 //! Small scenes made in code, for tests of the physics.
-#![allow(dead_code)]
+
+pub mod mutate;
 
 use eyebox::base::ids::{GroupId, MediumId, MeshId};
 use eyebox::check::check;
@@ -116,7 +117,7 @@ pub fn ball_shape(radius: f64) -> Shape {
 
 pub fn add_part(scene: &mut Scene, name: &str, mesh: Mesh, at: DVec3, medium: Option<f64>, faces: Vec<Face>) -> usize {
     let id = MeshId::from_index(scene.meshes.len());
-    scene.meshes.push(mesh);
+    scene.meshes.push(mesh.into());
     let medium = medium.map(|n| {
         scene.media.push(Medium {
             name: format!("n={n}"),

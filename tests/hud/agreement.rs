@@ -1,7 +1,7 @@
 //! The same picture from another estimator, another place and another unit.
 
+use super::kit::*;
 use crate::common::{block_z, mean, worst_z};
-use crate::kit::*;
 use eyebox::film::plan::Estimator;
 use eyebox::plan::Choice;
 use eyebox::scene::{Scene, Shape};

@@ -1,6 +1,6 @@
 //! Lateral colour of the direct HUD: where the eye's chief ray meets the slide at F and at C.
 
-use crate::kit::hud;
+use super::kit::hud;
 use eyebox::base::rng::{Rng, Stream};
 use eyebox::estimate::ledger::Ledger;
 use eyebox::estimate::walk::{Met, Travel, Walker};

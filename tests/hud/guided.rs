@@ -1,7 +1,7 @@
 //! Guided emission and even points on the direct HUD: nothing is biased, much is gained, and the error that is stated is
 //! the scatter of seeds.
 
-use crate::kit::*;
+use super::kit::*;
 use eyebox::base::path::Class;
 use eyebox::base::stats::Moments;
 use eyebox::estimate::emission::Starts;

@@ -1,6 +1,6 @@
 //! What the stored layers promise: recombination at another contrast, and sums.
 
-use crate::kit::*;
+use super::kit::*;
 use eyebox::estimate::picture::picture;
 use eyebox::film::frame::Frame;
 use eyebox::film::layer::Layer;

@@ -1,8 +1,8 @@
 //! Luminance of flat patches, and what moves it.
 
+use super::kit::*;
+use super::prescription::{DIRECT, Direct, N_SK16};
 use crate::common;
-use crate::kit::*;
-use crate::prescription::{DIRECT, Direct, N_SK16};
 use eyebox::film::plan::Estimator;
 use eyebox::plan::Choice;
 

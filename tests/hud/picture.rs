@@ -1,7 +1,7 @@
 //! Where the slide's edges are in the direct HUD's picture.
 
-use crate::kit::*;
-use crate::prescription::DIRECT;
+use super::kit::*;
+use super::prescription::DIRECT;
 use eyebox::estimate::picture::picture;
 use eyebox::plan::Choice;
 use eyebox::scene::{Scene, Slide};

@@ -1,7 +1,7 @@
 //! The lit part of the direct HUD's pupil, and what diffraction makes of its picture.
 
-use crate::kit::*;
-use crate::prescription::DIRECT;
+use super::kit::*;
+use super::prescription::DIRECT;
 use eyebox::check::check;
 use eyebox::estimate::picture::{picture, picture_through};
 use eyebox::film::diffraction::Diffraction;

@@ -2,8 +2,8 @@
 //!
 //! The diffusers are rows of their distributions (`cosm_diffuser`, `lambertian_diffuser_and_furnace`).
 
-use super::common::*;
 use super::{cases, number};
+use crate::common::*;
 use eyebox::base::ids::SlideId;
 use eyebox::base::stats::Moments;
 use eyebox::check::check;

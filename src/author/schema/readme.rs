@@ -6,7 +6,7 @@ use crate::scene::attribute::{Form, Noun, Range, Row, Support, kinds, rows};
 const HEAD: &str = r#"# EYEBOX\_optics
 
 This page and the schemas beside it are generated from the attribute table in `src/scene/attribute/rows.rs`. Do not edit
-them; run `EYEBOX_BLESS=1 cargo verify --test schemas` after changing a row.
+them; run `EYEBOX_BLESS=1 cargo verify --test all schemas` after changing a row.
 
 ## Contributors
 

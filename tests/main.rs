@@ -1,0 +1,52 @@
+//! All tests of the crate from outside, one program: thirty programs would each link the whole of it.
+//! `cargo verify --test all -- hud::` runs one file's.
+
+mod common;
+
+// What is said of the project.
+mod docs;
+mod floors;
+mod schemas;
+
+// Closed forms and tables that others made.
+mod oracle_dispersion;
+mod oracle_eye;
+mod oracle_fresnel;
+mod oracle_lens;
+mod oracle_radiometry;
+mod oracle_slabs;
+mod oracle_thinfilm;
+
+// Light.
+mod doublet;
+mod generated;
+mod hud;
+mod lights;
+mod manifold;
+mod modes;
+mod peers;
+mod physics;
+mod stress;
+mod witness;
+
+// Layers.
+mod aov;
+mod cryptomatte;
+mod layer_errors;
+mod mix;
+
+// Files in and out.
+mod author;
+mod hostile;
+mod usd_out;
+mod usd_survive;
+
+// Commands.
+mod inspect_init;
+mod paths;
+mod report;
+mod scan;
+mod sequence;
+mod shards;
+mod signals;
+mod validate;
