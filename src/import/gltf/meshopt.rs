@@ -5,15 +5,14 @@ use super::at::At;
 use super::buffers::Buffers;
 use super::compressed::Block;
 use super::notes::Budget;
-use crate::base::fault::Result;
-use meshoptimizer_rs::Workspace;
-use meshoptimizer_rs::codec::{Filter, Mode, decode_buffer_view};
+use crate::base::fault;
+use meshoptimizer_rs::{Error, Workspace, codec};
 
 /// Decodes the view whose extension object is `at`.
 ///
 /// # Errors
 /// Sizes that the extension does not allow, bytes outside of the buffer, a broken stream, an unknown mode or filter.
-pub(super) fn decode(at: &At<'_>, buffers: &Buffers<'_>, budget: &mut Budget) -> Result<Block> {
+pub(super) fn decode(at: &At<'_>, buffers: &Buffers<'_>, budget: &mut Budget) -> fault::Result<Block> {
     let buffer = at.want("buffer")?;
     let index = buffer.index(buffers.data.len(), "buffer")?;
     let Some(Some(slice)) = buffers.data.get(index) else {
@@ -32,26 +31,26 @@ pub(super) fn decode(at: &At<'_>, buffers: &Buffers<'_>, budget: &mut Budget) ->
     let mode = at.want("mode")?;
     let filter = at.get("filter")?;
     let filter_name = filter.as_ref().map_or(Ok("NONE"), |filter| filter.text())?;
-    let (mode, filter) = match mode.text()? {
+    let mode = match mode.text()? {
         "ATTRIBUTES" => {
             if stride == 0 || stride > 256 || stride % 4 != 0 {
                 return Err(stride_at.fault(format!("byteStride {stride}")).expected("a multiple of 4 up to 256"));
             }
-            let filter = filter_of(filter_name, stride).ok_or_else(|| {
+            let filter = Filter::parse(filter_name, stride).ok_or_else(|| {
                 let place = filter.as_ref().unwrap_or(at);
                 let what = format!("filter `{}` with byteStride {stride}", filter_name.escape_debug());
                 place.fault(what).expected("NONE, OCTAHEDRAL (4, 8), QUATERNION (8), EXPONENTIAL or COLOR (4, 8)")
             })?;
-            (Mode::Attributes, filter)
+            Mode::Attributes(filter)
         }
         name @ ("TRIANGLES" | "INDICES") => {
             if stride != 2 && stride != 4 {
                 return Err(stride_at.fault(format!("indices of {stride} bytes")).expected("2 or 4"));
             }
             if name == "INDICES" {
-                (Mode::Indices, Filter::None)
+                Mode::Indices
             } else if count % 3 == 0 {
-                (Mode::Triangles, Filter::None)
+                Mode::Triangles
             } else {
                 return Err(at.want("count")?.fault(format!("{count} indices of triangles")).expected("3 for each"));
             }
@@ -61,25 +60,63 @@ pub(super) fn decode(at: &At<'_>, buffers: &Buffers<'_>, budget: &mut Budget) ->
             return Err(mode.fault("unknown mode").expected(modes.join(", ")).nearest(other, modes));
         }
     };
-    let bytes =
-        decode_buffer_view(mode, filter, count, stride, inside, &mut Workspace::default()).map_err(|error| {
-            at.fault(format!("the meshopt stream is broken: {error}"))
-                .expected("a stream that matches `mode` and `count`")
-        })?;
+    let bytes = unpacked(mode, count, stride, inside).map_err(|error| {
+        at.fault(format!("the meshopt stream is broken: {error}")).expected("a stream that matches `mode` and `count`")
+    })?;
     // Accessors over views with a stride of their own end at 252.
-    let stride = (mode == Mode::Attributes && stride <= 252).then_some(stride);
+    let stride = (matches!(mode, Mode::Attributes(_)) && stride <= 252).then_some(stride);
     Ok(Block { bytes, stride })
 }
 
-/// The filter of this name, and whether it is one for this stride.
-fn filter_of(name: &str, stride: usize) -> Option<Filter> {
-    match (name, stride) {
-        ("NONE", _) => Some(Filter::None),
-        ("OCTAHEDRAL", 4 | 8) => Some(Filter::Octahedral),
-        ("QUATERNION", 8) => Some(Filter::Quaternion),
-        ("EXPONENTIAL", _) => Some(Filter::Exponential),
-        // Colours are not used here: whatever they decode to.
-        ("COLOR", 4 | 8) => Some(Filter::None),
-        _ => None,
+/// What a view holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Mode {
+    Attributes(Filter),
+    Triangles,
+    Indices,
+}
+
+/// What was done to attributes before they were packed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Filter {
+    None,
+    Octahedral,
+    Quaternion,
+    Exponential,
+    Color,
+}
+
+impl Filter {
+    /// The filter of this name, if it is one for this stride.
+    pub(super) fn parse(name: &str, stride: usize) -> Option<Filter> {
+        match (name, stride) {
+            ("NONE", _) => Some(Filter::None),
+            ("OCTAHEDRAL", 4 | 8) => Some(Filter::Octahedral),
+            ("QUATERNION", 8) => Some(Filter::Quaternion),
+            ("EXPONENTIAL", _) => Some(Filter::Exponential),
+            ("COLOR", 4 | 8) => Some(Filter::Color),
+            _ => None,
+        }
+    }
+}
+
+/// `count` elements of `stride` bytes. Streams of both versions are taken in both extensions, as the library that defines them
+/// does; only the later extension allows version 1.
+pub(super) fn unpacked(mode: Mode, count: usize, stride: usize, stream: &[u8]) -> Result<Vec<u8>, Error> {
+    let work = &mut Workspace::default();
+    match mode {
+        Mode::Triangles => codec::decode_index_buffer(count, stride, stream, work),
+        Mode::Indices => codec::decode_index_sequence(count, stride, stream, work),
+        Mode::Attributes(filter) => {
+            let mut bytes = codec::decode_vertex_buffer(count, stride, stream, work)?;
+            match filter {
+                Filter::None => {}
+                Filter::Octahedral => codec::decode_filter_oct(&mut bytes, count, stride, work)?,
+                Filter::Quaternion => codec::decode_filter_quat(&mut bytes, count, stride, work)?,
+                Filter::Exponential => codec::decode_filter_exp(&mut bytes, count, stride, work)?,
+                Filter::Color => codec::decode_filter_color(&mut bytes, count, stride, work)?,
+            }
+            Ok(bytes)
+        }
     }
 }
