@@ -21,6 +21,7 @@ mod convert;
 mod diff;
 mod ending;
 mod frames;
+mod glass;
 mod init;
 mod inspect;
 mod job;
@@ -78,6 +79,8 @@ enum Command {
     Paths(paths::PathsArgs),
     /// Write light paths as lines to look at, and say where their light ends.
     Rays(rays::RaysArgs),
+    /// List the glasses and films that are known by name, with their indices.
+    Glass(glass::GlassArgs),
     /// Write a sidecar to start from.
     Init(init::InitArgs),
     /// Write a copy of an asset that carries the attributes of a sidecar itself.
@@ -144,6 +147,7 @@ pub fn main() -> ExitCode {
         Command::Plan(args) => plan::run(args),
         Command::Paths(args) => paths::run(args),
         Command::Rays(args) => rays::run(args),
+        Command::Glass(args) => glass::run(args),
         Command::Init(args) => init::run(args),
         Command::Annotate(args) => annotate::run(args),
         Command::Convert(args) => convert::run(args),

@@ -4,7 +4,11 @@
 //! which it squares; formula 2 (SCHOTT's) prints their squares. Formula 3 is a polynomial of n² in powers of λ.
 
 use super::dispersion::Dispersion;
+use crate::base::Complex;
 use std::sync::LazyLock;
+
+/// The lines F, d and C, nm, between which catalogues give an Abbe number (ISO 7944).
+pub const FDC_NM: [f64; 3] = [486.1327, 587.5618, 656.2725];
 
 /// A catalogue row.
 #[derive(Debug, PartialEq)]
@@ -21,7 +25,53 @@ pub struct Glass {
     pub source: &'static str,
 }
 
+/// What a row of the catalogue is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Solids and liquids that bodies are made of.
+    Body,
+    /// A layer of a coating that lets light through.
+    Film,
+    /// k > n at the line d: ε < 0, so that light does not travel in it.
+    Metal,
+    Gas,
+}
+
+impl Kind {
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Body => "body",
+            Kind::Film => "film",
+            Kind::Metal => "metal",
+            Kind::Gas => "gas",
+        }
+    }
+}
+
 impl Glass {
+    pub fn kind(&self) -> Kind {
+        let d = self.dispersion.index(FDC_NM[1]);
+        match self.dispersion {
+            _ if self.solid => Kind::Body,
+            Dispersion::Gas { .. } => Kind::Gas,
+            _ if d.im > d.re => Kind::Metal,
+            _ => Kind::Film,
+        }
+    }
+    /// n + ik at the line d; none where the law was not made for it.
+    pub fn index_d(&self) -> Option<Complex> {
+        self.holds(FDC_NM[1]).then(|| self.dispersion.index(FDC_NM[1]))
+    }
+    /// V_d = (n_d − 1)/(n_F − n_C); none where the law was not made for all three lines, and of a metal, which has no
+    /// light to disperse.
+    pub fn abbe(&self) -> Option<f64> {
+        let [f, d, c] = FDC_NM.map(|nm| self.dispersion.index(nm).re);
+        (FDC_NM.iter().all(|nm| self.holds(*nm)) && self.kind() != Kind::Metal && f != c).then(|| (d - 1.0) / (f - c))
+    }
+    fn holds(&self, nm: f64) -> bool {
+        self.beyond([nm; 2]).is_none()
+    }
     /// What is beyond the law when light from `first` to `last` nm is traced, in words; none if it holds for all of it.
     pub fn beyond(&self, [first, last]: [f64; 2]) -> Option<String> {
         let [low, high] = self.valid_nm;
@@ -140,6 +190,11 @@ fn known(glass: &Glass) -> impl Iterator<Item = &'static str> {
     std::iter::once(glass.name).chain(glass.also.iter().copied())
 }
 
+/// Every row, in the order of the catalogue.
+pub fn all() -> &'static [Glass] {
+    &GLASSES
+}
+
 /// The names as the catalogue writes them, second names among them.
 pub fn names() -> impl Iterator<Item = &'static str> {
     GLASSES.iter().flat_map(known)
@@ -197,6 +252,43 @@ mod tests {
         );
         assert!(pmma.beyond([400.0; 2]).is_some_and(|text| text.ends_with("for 400 nm")));
         assert_eq!(find("N-SF6").unwrap().beyond([400.0, 700.0]), None);
+    }
+
+    /// n_d and V_d of SCHOTT's data sheets, to their last digit.
+    #[test]
+    fn glasses_have_the_numbers_that_their_maker_publishes() {
+        for (name, n_d, v_d) in [
+            ("N-BK7", 1.51680, 64.17),
+            ("N-SK16", 1.62041, 60.32),
+            ("N-SF6", 1.80518, 25.36),
+            ("N-SF11", 1.78472, 25.68),
+            ("F2", 1.62004, 36.37),
+            ("SF5", 1.67270, 32.21),
+        ] {
+            let glass = find(name).unwrap();
+            let got = (glass.index_d().unwrap().re, glass.abbe().unwrap());
+            assert!((got.0 - n_d).abs() <= 0.5e-5 && (got.1 - v_d).abs() <= 0.5e-2, "{name}: {got:?}");
+        }
+    }
+
+    #[test]
+    fn a_metal_and_a_law_of_another_range_have_no_abbe_number() {
+        for (name, kind) in [
+            ("N-BK7", Kind::Body),
+            ("water", Kind::Body),
+            ("TiO2", Kind::Film),
+            ("Cr", Kind::Metal),
+            ("Al", Kind::Metal),
+            ("air_Ciddor", Kind::Gas),
+        ] {
+            let glass = find(name).unwrap();
+            assert_eq!((glass.kind(), glass.abbe().is_some()), (kind, kind != Kind::Metal), "{name}");
+        }
+        let infrared = Glass {
+            valid_nm: [500.0, 2000.0],
+            ..solid("x", find("N-BK7").unwrap().dispersion.clone(), [0.0; 2], "test")
+        };
+        assert!(infrared.index_d().is_some() && infrared.abbe().is_none());
     }
 
     #[test]

@@ -8,7 +8,7 @@ pub const RULE: Rule = Rule {
     name: "name-unknown",
     level: Level::Error,
     title: "A glass, medium or coating of this name does not exist",
-    why: "A misspelt glass is not air and not BK7. The finding names the nearest name of the catalogue.",
+    why: "A misspelt glass is not air and not BK7. The finding names the nearest name of the catalogue, which `eyebox glass` lists.",
     bad: Example::Code("toml", r#"glass = "N-BK8""#),
     good: Example::Code("toml", r#"glass = "N-BK7""#),
     find: nothing,
