@@ -3,4 +3,5 @@
 mod bench;
 mod defaults;
 mod mutations;
+mod piped;
 mod reports;

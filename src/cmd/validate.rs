@@ -6,7 +6,8 @@ use super::threads::Threads;
 use crate::base::{Fault, Result, Where};
 use crate::validate::config::Config;
 use crate::validate::report::{Style, render};
-use crate::validate::{baseline, page, rules, validate};
+use crate::validate::stdin::{self, Piped};
+use crate::validate::{baseline, page, rules, validate_with};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -23,13 +24,14 @@ Examples:
   eyebox validate hud.optics.toml
   eyebox validate assets/*.glb --format sarif > eyebox.sarif
   eyebox validate assets/                     (every sidecar in it, and every asset that no sidecar names)
+  exporter | eyebox validate -                (told by its content; references from the working directory)
   eyebox validate hud.usda --format github
   eyebox validate hud.optics.toml --write-baseline eyebox-baseline.json
   eyebox validate hud.optics.toml --baseline eyebox-baseline.json
   eyebox validate --explain EB0102")]
 pub struct ValidateArgs {
     /// Sidecars (*.optics.toml), assets (.glb, .gltf, .usda, .usdc, .usdz), or folders: all sidecars in them, and all assets
-    /// that none of these names.
+    /// that none of these names. `-` is one asset or sidecar on standard input.
     #[arg(required_unless_present = "explain", value_name = "ASSET")]
     assets: Vec<PathBuf>,
     /// How the findings are printed.
@@ -71,7 +73,8 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode> {
         (None, Some(path)) => baseline::read(path)?,
         (Some(_), _) | (None, None) => baseline::Known::default(),
     };
-    let report = args.threads.within(|| validate(&args.assets, &config, &known))?;
+    let piped = args.piped()?;
+    let report = args.threads.within(|| validate_with(&args.assets, piped.as_ref(), &config, &known))?;
     if let Some(path) = &args.write_baseline {
         baseline::write(path, &report)?;
     }
@@ -82,4 +85,20 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode> {
     }
     let passes = report.is_clean() || args.exit_zero || config.exit_zero || args.write_baseline.is_some();
     Ok(ExitCode::from(u8::from(!passes)))
+}
+
+impl ValidateArgs {
+    /// Standard input, if it is among the assets.
+    fn piped(&self) -> Result<Option<Piped>> {
+        let named = self.assets.iter().filter(|asset| asset.as_os_str() == stdin::NAMED).count();
+        let fault = |what: &str| Fault::new(Where::Option(stdin::NAMED.to_owned()), what);
+        match (named, &self.write_baseline) {
+            (0, _) => Ok(None),
+            // All that comes through pipes has one name: a baseline would hide the findings of one in another.
+            (_, Some(_)) => Err(fault("standard input has no name that a baseline could know it by")
+                .expected("a file with --write-baseline")),
+            (1, None) => Ok(Some(Piped::read(&mut std::io::stdin().lock())?)),
+            (_, None) => Err(fault("standard input is named more than once").expected("one `-`")),
+        }
+    }
 }

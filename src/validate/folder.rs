@@ -35,6 +35,10 @@ fn inside(folder: &Path) -> Result<Vec<PathBuf>> {
         for entry in std::fs::read_dir(&next).map_err(fault)? {
             let entry = entry.map_err(fault)?;
             let name = entry.file_name().to_string_lossy().to_lowercase();
+            // Another run's standard input is none of ours.
+            if name.starts_with(super::stdin::PREFIX) {
+                continue;
+            }
             // Hidden folders belong to other programs; a link to a folder may lead back here.
             let kind = entry.file_type().map_err(fault)?;
             let path = if next == Path::new(".") { PathBuf::from(entry.file_name()) } else { entry.path() };
@@ -95,6 +99,7 @@ mod tests {
             ("sub/broken.optics.toml", "= ="),
             ("sub/notes.txt", ""),
             ("sub/.git/hidden.glb", ""),
+            ("sub/.eyebox-stdin-a1b2c3.gltf", ""),
         ] {
             std::fs::write(at(name), text).unwrap();
         }

@@ -13,6 +13,7 @@ pub mod page; // the documentation of a rule
 mod read; // an asset as far as it can be read
 pub mod report; // the formats
 pub mod rules; // the registry of all rules
+pub mod stdin; // an asset on standard input
 
 use crate::base::relative::{relative, slashed};
 use crate::base::{Code, Fault, Result};
@@ -29,6 +30,7 @@ use config::Config;
 use locate::{Locator, Place};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use stdin::Piped;
 
 /// A finding with its place in a file, as reports show it.
 #[derive(Debug, Clone)]
@@ -73,13 +75,23 @@ impl Report {
 /// # Errors
 /// An asset that is not there or no regular file, a folder without assets. Whatever is wrong inside one is a finding.
 pub fn validate(assets: &[PathBuf], config: &Config, known: &Known) -> Result<Report> {
+    validate_with(assets, None, config, known)
+}
+
+/// The same with standard input, if it was read, where `-` stands among `assets`.
+///
+/// # Errors
+/// Those of [`validate`].
+pub fn validate_with(assets: &[PathBuf], piped: Option<&Piped>, config: &Config, known: &Known) -> Result<Report> {
     let assets = folder::expand(assets)?;
-    for asset in &assets {
+    let of = |asset: &Path| piped.filter(|_| asset == Path::new(stdin::NAMED));
+    let named = |asset: &PathBuf| if of(asset).is_some() { PathBuf::from(stdin::SHOWN) } else { asset.clone() };
+    for asset in assets.iter().filter(|asset| of(asset).is_none()) {
         read::check_there(asset)?;
     }
-    let mut report = Report { assets: assets.clone(), ..Report::default() };
+    let mut report = Report { assets: assets.iter().map(named).collect(), ..Report::default() };
     for (index, asset) in assets.iter().enumerate() {
-        for mut finding in located(asset, config) {
+        for mut finding in located(asset, of(asset), config) {
             finding.asset = index;
             // Two sidecars over one asset find the same in it.
             if report.findings.iter().any(|other| other.fingerprint == finding.fingerprint) {
@@ -99,8 +111,10 @@ pub fn validate(assets: &[PathBuf], config: &Config, known: &Known) -> Result<Re
     Ok(report)
 }
 
-/// The findings about one asset that the configuration lets through, each at its place.
-fn located(asset: &Path, config: &Config) -> Vec<Located> {
+/// The findings about one asset, which may be standard input, that the configuration lets through, each at its place.
+fn located(asset: &Path, piped: Option<&Piped>, config: &Config) -> Vec<Located> {
+    let asset = piped.map_or(asset, Piped::path);
+    let said = |text: &str| piped.map_or_else(|| text.to_owned(), |piped| piped.unnamed(text));
     let examined = read::examine(asset);
     let mut found = examined.findings();
     let mut locator = Locator::new(asset, examined.assembly.as_ref());
@@ -111,8 +125,14 @@ fn located(asset: &Path, config: &Config) -> Vec<Located> {
     for finding in found {
         let Some(rule) = rules::find(finding.code) else { continue };
         let place = locator.place(&finding.at, &finding.text);
+        let place = Place {
+            file: said(&place.file),
+            logical: place.logical.as_deref().map(said),
+            part: place.part.as_deref().map(said),
+            ..place
+        };
         let Some(level) = config.level(rule, &place.file, finding.level) else { continue };
-        let text = printable(&finding.text);
+        let text = printable(&said(&finding.text));
         all.push(Located { asset: 0, rule, level, text, place, fingerprint: String::new() });
     }
     all.sort_by(|a, b| {
