@@ -58,7 +58,7 @@ fn explain_names_the_line_and_the_nearest_part() {
     let explained = eyebox(&["inspect", sidecar, "--explain", "LENS_01_PMMA", "--format", "json"]);
     assert_eq!(explained.status.code(), Some(0));
     let parts: serde_json::Value = serde_json::from_slice(&explained.stdout).expect("JSON");
-    let rows = parts[0]["rows"].as_array().expect("rows");
+    let rows = parts["parts"][0]["rows"].as_array().expect("rows");
     let row = rows.iter().find(|row| row["face"] == 0 && row["attribute"] == "finish").expect("face 0 has a finish");
     let written = std::fs::read_to_string(sidecar).expect("the sample is there");
     let line = 2 + written.lines().position(|line| line.starts_with("faces = [0, 2]")).expect("the caps are bound");
@@ -115,7 +115,7 @@ fn dependencies_and_missing_ones() {
     let listed = eyebox(&["inspect", sidecar.to_str().expect("UTF-8"), "--deps", "--format", "json"]);
     assert_eq!((listed.status.code(), text(&listed.stderr)), (Some(0), ""));
     let all: serde_json::Value = serde_json::from_slice(&listed.stdout).expect("JSON");
-    let found: Vec<(String, String)> = all
+    let found: Vec<(String, String)> = all["files"]
         .as_array()
         .expect("a list")
         .iter()
@@ -161,4 +161,34 @@ fn dependencies_and_missing_ones() {
     std::fs::write(folder.path().join("gone away.bin"), [0; 4]).expect("a file");
     std::fs::write(folder.path().join("slide.png"), [0; 4]).expect("a file");
     assert_eq!(eyebox(&["inspect", asset.to_str().expect("UTF-8"), "--deps"]).status.code(), Some(0));
+}
+
+/// Every command that prints JSON and takes no more than a moment; the others print by the same function.
+#[test]
+fn every_document_says_which_program_made_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let sidecar = sample("hud-direct/hud.optics.toml");
+    let sidecar = sidecar.to_str().expect("UTF-8");
+    let (usd, glb, optics, bare) = (file("a.usda"), file("a.glb"), file("a.optics.toml"), file("bare.glb"));
+    std::fs::copy(sample("hud-direct/hud_direct.glb"), &bare).expect("a copy");
+    for arguments in [
+        &["glass"][..],
+        &["glass", "PMMA", "--nm", "550"],
+        &["inspect", sidecar],
+        &["inspect", sidecar, "--deps"],
+        &["inspect", sidecar, "--geometry"],
+        &["inspect", sidecar, "--explain", "LENS_*"],
+        &["init", &bare, "-o", &optics],
+        &["convert", sidecar, &usd],
+        &["annotate", &bare, "--optics", sidecar, "-o", &glb],
+        &["validate", sidecar],
+        &["bench", "--stress", "--only", "critical"],
+        &["bench", "--generate", "0..1", "--seconds", "0.1"],
+    ] {
+        let run = eyebox(&[arguments, &["--format", "json"]].concat());
+        let said: serde_json::Value = serde_json::from_slice(&run.stdout)
+            .unwrap_or_else(|error| panic!("{arguments:?}: {error}: {}", text(&run.stderr)));
+        assert_eq!(said["eyebox"], env!("CARGO_PKG_VERSION"), "{arguments:?}");
+    }
 }

@@ -6,6 +6,7 @@ pub mod chain;
 pub mod code; // what a fault is about
 pub mod colour;
 pub mod complex;
+pub mod document; // JSON that says who made it
 pub mod fault;
 pub mod glb;
 pub mod ids;

@@ -2,7 +2,8 @@
 
 use super::bench_choice::{self, ChoiceArgs};
 use super::bench_curve::{self, CurveArgs};
-use super::{document, print_text};
+use super::print_text;
+use crate::base::document::document;
 use crate::base::{Fault, Result, Where};
 use crate::bench::curve::asset::Form;
 use crate::bench::stress::{self, Kind, table};

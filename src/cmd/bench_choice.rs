@@ -3,6 +3,7 @@
 use super::bench_curve::CurveArgs;
 use super::print_text;
 use super::progress::Signals;
+use crate::base::document::document;
 use crate::base::{Fault, Result, Where};
 use crate::bench::choice::{head, judge, line};
 use crate::bench::curve::asset::Form;
@@ -94,7 +95,7 @@ fn generated(seeds: Range<u64>, families: &Families, curve: &CurveArgs, json: bo
         rows.push(row);
     }
     if json {
-        print_text(to_json(&rows))?;
+        print_text(document(serde_json::json!({ "choices": rows })))?;
     }
     let sound = rows.iter().all(|row| row.is_fast() && row.agreement.holds());
     Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!sound)) })
@@ -127,15 +128,11 @@ fn stated(error: f64, args: &ChoiceArgs, curve: &CurveArgs, json: bool) -> Resul
     }
     printed?;
     if json {
-        print_text(to_json(&reports))?;
+        print_text(document(serde_json::json!({ "stated": reports })))?;
     }
     let honest = |report: &Stated| report.is_told() && report.honest() as f64 >= HONEST * report.runs.len() as f64;
     let honest = reports.iter().all(honest);
     Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!honest)) })
-}
-
-fn to_json<T: serde::Serialize>(value: &T) -> String {
-    serde_json::to_string_pretty(value).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}"))
 }
 
 #[cfg(test)]

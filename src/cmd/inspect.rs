@@ -48,7 +48,7 @@ pub struct InspectArgs {
 pub fn run(args: &InspectArgs) -> Result<ExitCode> {
     if args.deps {
         let all = dependencies(&args.source.asset, &args.source.reading())?;
-        print(args.format, || deps_text(&all), || serde_json::json!(all))?;
+        print(args.format, || deps_text(&all), || serde_json::json!({ "files": all }))?;
         let missing = all.iter().any(|dependency| dependency.used && !dependency.there);
         return Ok(ExitCode::from(u8::from(missing)));
     }
@@ -63,7 +63,7 @@ pub fn run(args: &InspectArgs) -> Result<ExitCode> {
         Some(part) => {
             let found = built.explained.find(part)?;
             let text = || found.iter().map(|part| part.text()).collect::<Vec<_>>().join("\n");
-            print(args.format, text, || serde_json::json!(found))?;
+            print(args.format, text, || serde_json::json!({ "parts": found }))?;
         }
         None => show(args.format, &AssemblyTree::new(&built.scene))?,
     }

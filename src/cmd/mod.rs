@@ -51,7 +51,7 @@ use crate::base::{Fault, Result};
 use crate::scene::assembly::Assembly;
 use crate::scene::{Note, Severity};
 use clap::{Parser, Subcommand, ValueEnum};
-use printer::{document, print, print_text};
+use printer::{print, print_text};
 use std::process::ExitCode;
 
 /// Trace a head-up-display or AR assembly into one layered EXR in absolute cd/m².

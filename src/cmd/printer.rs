@@ -1,25 +1,17 @@
 //! The one writer to standard output: what can't be written is a failure, what nobody reads any more is none.
 
 use super::Format;
+use crate::base::document::document;
 use crate::base::{Fault, Result, Where};
 use serde_json::Value;
 use std::io::{ErrorKind, Write};
 
-/// Prints a command's result: text lines, or one JSON document, see [`document`]. Errors: as [`print_text`].
+/// Prints a command's result: text lines, or one JSON [`document`]. Errors: as [`print_text`].
 pub(super) fn print(format: Format, text: impl FnOnce() -> String, json: impl FnOnce() -> Value) -> Result<()> {
     print_text(match format {
         Format::Text => text(),
         Format::Json => document(json()),
     })
-}
-
-/// A JSON document as it is printed; an object says which program made it (`eyebox`: its version).
-pub(super) fn document(mut json: Value) -> String {
-    if let Value::Object(object) = &mut json {
-        object.entry("eyebox").or_insert_with(|| env!("CARGO_PKG_VERSION").into());
-    }
-    // A value with texts for keys always has a form.
-    serde_json::to_string_pretty(&json).unwrap_or_default()
 }
 
 /// Prints whole lines. Errors: standard output can't be written (a full disk); a closed pipe is none.
@@ -66,12 +58,5 @@ mod tests {
         assert!(write(&mut Broken(ErrorKind::BrokenPipe), "text").is_ok());
         let full = write(&mut Broken(ErrorKind::StorageFull), "text").expect_err("nothing was written");
         assert!(full.to_string().contains("standard output"), "{full}");
-    }
-
-    #[test]
-    fn a_document_says_who_made_it() {
-        let said: Value = serde_json::from_str(&document(serde_json::json!({ "a": 1 }))).expect("JSON");
-        assert_eq!(said["eyebox"], env!("CARGO_PKG_VERSION"));
-        assert_eq!(document(serde_json::json!([1])), "[\n  1\n]");
     }
 }

@@ -6,6 +6,7 @@ use super::source::Source;
 use super::threads::Threads;
 use super::{Format, print};
 use crate::base::atomic::{check_writable, write_atomic};
+use crate::base::document::document;
 use crate::base::{Fault, Result, Where};
 use crate::plan::Asked;
 use crate::plan::scan::light::LightAsked;
@@ -125,8 +126,7 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
     if let (Some(path), Some(table)) = (&args.output, written) {
         let text = match table {
             Table::Csv => csv(&found),
-            Table::Json => serde_json::to_string_pretty(&json())
-                .map_err(|error| Fault::new(Where::file(path), format!("cannot be written: {error}")))?,
+            Table::Json => document(json()) + "\n",
         };
         write_atomic(path, text.as_bytes())?;
     }

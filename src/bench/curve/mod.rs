@@ -13,6 +13,7 @@ pub mod reference;
 pub mod svg;
 pub mod table;
 
+use crate::base::document::document;
 use crate::film::plan::Estimator;
 use crate::plan::Choice;
 use error::Error;
@@ -103,6 +104,8 @@ pub struct AssetReport {
 /// The whole measurement.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct Report {
+    /// Of the program, as every document of it says.
+    #[serde(rename = "eyebox")]
     pub version: &'static str,
     pub processor: String,
     pub threads: usize,
@@ -112,7 +115,7 @@ pub struct Report {
 
 /// The report for programs; numbers that are none are `null`.
 pub fn json(report: &Report) -> String {
-    serde_json::to_string_pretty(report).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}")) + "\n"
+    document(serde_json::json!(report)) + "\n"
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! One JSON document.
 
+use crate::base::document::document;
 use crate::validate::Report;
 use serde_json::json;
 
@@ -26,6 +27,5 @@ pub fn render(report: &Report) -> String {
         "cut": report.cut,
         "findings": report.findings.iter().map(finding).collect::<Vec<_>>(),
     });
-    // Texts and numbers always serialize.
-    serde_json::to_string_pretty(&all).unwrap_or_default() + "\n"
+    document(all) + "\n"
 }
