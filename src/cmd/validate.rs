@@ -5,7 +5,7 @@ use super::printer::print_coloured;
 use super::threads::Threads;
 use crate::base::{Fault, Result, Where};
 use crate::validate::config::Config;
-use crate::validate::report::{Style, render};
+use crate::validate::report::{Style, render, summary};
 use crate::validate::stdin::{self, Piped};
 use crate::validate::{baseline, page, rules, validate_with};
 use clap::Args;
@@ -23,7 +23,7 @@ known.
 Examples:
   eyebox validate hud.optics.toml
   eyebox validate assets/*.glb --format sarif > eyebox.sarif
-  eyebox validate assets/                     (every sidecar in it, and every asset that no sidecar names)
+  eyebox validate assets/                     (every sidecar in it, and every asset that no sidecar and no asset names)
   exporter | eyebox validate -                (told by its content; references from the working directory)
   eyebox validate hud.usda --format github
   eyebox validate hud.optics.toml --write-baseline eyebox-baseline.json
@@ -31,7 +31,7 @@ Examples:
   eyebox validate --explain EB0102")]
 pub struct ValidateArgs {
     /// Sidecars (*.optics.toml), assets (.glb, .gltf, .usda, .usdc, .usdz), or folders: all sidecars in them, and all assets
-    /// that none of these names. `-` is one asset or sidecar on standard input.
+    /// that none of these names and that are no layers of others. `-` is one asset or sidecar on standard input.
     #[arg(required_unless_present = "explain", value_name = "ASSET")]
     assets: Vec<PathBuf>,
     /// How the findings are printed.
@@ -81,7 +81,14 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode> {
     let text = render(&report, args.format);
     match args.format {
         Style::Text => print_coloured(text)?,
-        Style::Json | Style::Sarif | Style::Junit | Style::Github => print_text(text)?,
+        Style::Json | Style::Github => print_text(text)?,
+        Style::Sarif | Style::Junit => {
+            print_text(text)?;
+            // These have no place for it.
+            if report.layers > 0 {
+                tell!("eyebox: {}", summary(&report));
+            }
+        }
     }
     let passes = report.is_clean() || args.exit_zero || config.exit_zero || args.write_baseline.is_some();
     Ok(ExitCode::from(u8::from(!passes)))

@@ -1,33 +1,44 @@
-//! What is validated where a folder is named: every sidecar in it, and every asset that none of these names.
+//! What is validated where a folder is named: every sidecar in it, and every asset that none of these names and that is no
+//! layer of another. A layer that only holds materials is no asset, and whatever is wrong in it is found through the asset
+//! that it belongs to.
 
 use crate::base::{Fault, Result, Where};
-use crate::import::{files, toml};
+use crate::import::{self, files, toml};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 const SIDECAR: &str = ".optics.toml";
 const ASSETS: [&str; 6] = ["glb", "gltf", "usd", "usda", "usdc", "usdz"];
 
+/// What is to be validated.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Expanded {
+    pub files: Vec<PathBuf>,
+    /// Files of folders that are left out because they are layers of others.
+    pub layers: usize,
+}
+
 /// Files as they are named, folders as what stands in them. Faults: a folder without any asset, or one that can't be
 /// read.
-pub fn expand(named: &[PathBuf]) -> Result<Vec<PathBuf>> {
-    let mut all = Vec::new();
+pub fn expand(named: &[PathBuf]) -> Result<Expanded> {
+    let mut all = Expanded::default();
     for path in named {
         if !path.is_dir() {
-            all.push(path.clone());
+            all.files.push(path.clone());
             continue;
         }
         let found = inside(path)?;
-        if found.is_empty() {
+        if found.files.is_empty() {
             return Err(Fault::new(Where::file(path), "there is no asset and no sidecar in this folder")
                 .expected(format!("*{SIDECAR} or .{}", ASSETS.join(", ."))));
         }
-        all.extend(found);
+        all.files.extend(found.files);
+        all.layers += found.layers;
     }
     Ok(all)
 }
 
-fn inside(folder: &Path) -> Result<Vec<PathBuf>> {
+fn inside(folder: &Path) -> Result<Expanded> {
     let (mut sidecars, mut assets) = (Vec::new(), Vec::new());
     let mut left = vec![folder.to_owned()];
     while let Some(next) = left.pop() {
@@ -62,10 +73,63 @@ fn inside(folder: &Path) -> Result<Vec<PathBuf>> {
         // A sidecar that names no asset is read with the asset beside it, if there is one.
         None => !assets.iter().any(|asset| asset.with_extension("optics.toml") == *sidecar),
     });
-    assets.retain(|asset| !taken.contains(&real(asset)));
-    let mut all = [sidecars, assets].concat();
-    all.sort();
-    Ok(all)
+    let (subjects, mut assets): (Vec<PathBuf>, Vec<PathBuf>) =
+        assets.into_iter().partition(|asset| taken.contains(&real(asset)));
+    let found = assets.len();
+    assets.sort();
+    let assets = without_layers(&subjects, assets);
+    let layers = found - assets.len();
+    let mut files = [sidecars, assets].concat();
+    files.sort();
+    Ok(Expanded { files, layers })
+}
+
+/// Of `assets`, sorted, those that are no layer of another or of one of the `subjects` of sidecars. Of layers that name
+/// each other and that nothing else names, the first stays.
+fn without_layers(subjects: &[PathBuf], assets: Vec<PathBuf>) -> Vec<PathBuf> {
+    // Nothing but USD is made of other assets, and reading it takes its time.
+    if subjects.iter().chain(&assets).filter(|asset| is_usd(asset)).count() < 2 {
+        return assets;
+    }
+    let below: Vec<BTreeSet<PathBuf>> = assets.iter().map(|asset| layers(asset)).collect();
+    let places: Vec<PathBuf> = assets.iter().map(|asset| real(asset)).collect();
+    let mut known: BTreeSet<PathBuf> = subjects.iter().flat_map(|subject| layers(subject)).collect();
+    let mut stays = vec![false; assets.len()];
+    // First what nothing names, then what is left: rings.
+    for is_ring in [false, true] {
+        for (index, place) in places.iter().enumerate() {
+            let is_named = || below.iter().enumerate().any(|(other, names)| other != index && names.contains(place));
+            if known.contains(place) || stays[index] || (!is_ring && is_named()) {
+                continue;
+            }
+            stays[index] = true;
+            // What a layer names is its asset's too, whether or not composition got there.
+            let mut left = vec![index];
+            while let Some(next) = left.pop() {
+                let new =
+                    |at: &usize| *at != index && below[next].contains(&places[*at]) && !known.contains(&places[*at]);
+                let new: Vec<usize> = (0..places.len()).filter(new).collect();
+                known.extend(new.iter().map(|at| places[*at].clone()));
+                left.extend(new);
+            }
+        }
+    }
+    let mut stays = stays.into_iter();
+    assets.into_iter().filter(|_| stays.next().unwrap_or(true)).collect()
+}
+
+fn is_usd(path: &Path) -> bool {
+    path.extension().is_some_and(|own| own.to_string_lossy().to_lowercase().starts_with("usd"))
+}
+
+/// The other files that a stage is composed of; none if it can't be read, or is none.
+fn layers(asset: &Path) -> BTreeSet<PathBuf> {
+    if !is_usd(asset) {
+        return BTreeSet::new();
+    }
+    let own = real(asset);
+    let named = import::asset(asset).map(|assembly| assembly.dependencies).unwrap_or_default();
+    named.iter().map(|file| real(file)).filter(|file| *file != own).collect()
 }
 
 /// The asset that a sidecar names; none if it can't be told.
@@ -113,8 +177,41 @@ mod tests {
             // Named outright: taken as it is.
             "named.glb",
         ];
-        assert_eq!(found, wanted.map(at));
+        assert_eq!((found.files, found.layers), (wanted.map(at).to_vec(), 0));
         let fault = expand(&[at("empty")]).unwrap_err().to_string();
         assert!(fault.contains("no asset and no sidecar"), "{fault}");
+    }
+
+    /// A layer with this above its prims; a mesh in it if it is a whole asset.
+    fn layer(metadata: &str, prims: &str) -> String {
+        format!("#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = \"Y\"\n{metadata})\n\n{prims}\n")
+    }
+
+    #[test]
+    fn layers_are_read_through_the_asset_that_names_them() {
+        let root = tempfile::tempdir().unwrap();
+        let at = |name: &str| root.path().join(name);
+        let write = |name: &str, text: String| std::fs::write(at(name), text).unwrap();
+        let found = || {
+            let found = expand(&[root.path().to_owned()]).unwrap();
+            let name = |path: &PathBuf| path.file_name().unwrap().to_string_lossy().into_owned();
+            (found.files.iter().map(name).collect::<Vec<_>>(), found.layers)
+        };
+        write("looks.usda", layer("", "def Scope \"Looks\"\n{\n}"));
+        write("lens.usda", layer("    defaultPrim = \"L\"\n    subLayers = [@looks.usda@]\n", "def Xform \"L\"\n{\n}"));
+        write("far.usda", layer("    defaultPrim = \"F\"\n", "def Xform \"F\"\n{\n}"));
+        let arcs = "def \"A\" (\n    references = @lens.usda@\n)\n{\n}\ndef \"B\" (\n    payload = @far.usda@\n)\n{\n}";
+        write("all.usda", layer("", arcs));
+        write("alone.usda", layer("", "def Xform \"X\"\n{\n}"));
+        assert_eq!(found(), (vec!["all.usda".to_owned(), "alone.usda".to_owned()], 3));
+        // Named outright it is an asset; a sidecar's asset has layers as well.
+        assert_eq!(expand(&[at("looks.usda")]).unwrap(), Expanded { files: vec![at("looks.usda")], layers: 0 });
+        write("hud.optics.toml", "asset = \"all.usda\"".to_owned());
+        assert_eq!(found(), (vec!["alone.usda".to_owned(), "hud.optics.toml".to_owned()], 3));
+        // What can't be read names nothing; what names each other is not lost.
+        write("all.usda", "#usda 1.0\n(".to_owned());
+        write("far.usda", layer("    subLayers = [@alone.usda@]\n", ""));
+        write("alone.usda", layer("    subLayers = [@far.usda@]\n", ""));
+        assert_eq!(found(), (["alone.usda", "hud.optics.toml", "lens.usda"].map(str::to_owned).to_vec(), 2));
     }
 }

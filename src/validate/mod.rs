@@ -50,6 +50,8 @@ pub struct Located {
 pub struct Report {
     /// What was validated, as it was named.
     pub assets: Vec<PathBuf>,
+    /// Files of folders that are not among them because they are layers of others.
+    pub layers: usize,
     /// By asset, file, line and code.
     pub findings: Vec<Located>,
     /// Findings that the baseline knows.
@@ -83,13 +85,13 @@ pub fn validate(assets: &[PathBuf], config: &Config, known: &Known) -> Result<Re
 /// # Errors
 /// Those of [`validate`].
 pub fn validate_with(assets: &[PathBuf], piped: Option<&Piped>, config: &Config, known: &Known) -> Result<Report> {
-    let assets = folder::expand(assets)?;
+    let folder::Expanded { files: assets, layers } = folder::expand(assets)?;
     let of = |asset: &Path| piped.filter(|_| asset == Path::new(stdin::NAMED));
     let named = |asset: &PathBuf| if of(asset).is_some() { PathBuf::from(stdin::SHOWN) } else { asset.clone() };
     for asset in assets.iter().filter(|asset| of(asset).is_none()) {
         read::check_there(asset)?;
     }
-    let mut report = Report { assets: assets.iter().map(named).collect(), ..Report::default() };
+    let mut report = Report { assets: assets.iter().map(named).collect(), layers, ..Report::default() };
     for (index, asset) in assets.iter().enumerate() {
         for mut finding in located(asset, of(asset), config) {
             finding.asset = index;

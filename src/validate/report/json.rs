@@ -20,6 +20,7 @@ pub fn render(report: &Report) -> String {
     let all = json!({
         "version": 1,
         "assets": assets,
+        "layers": report.layers,
         "errors": errors,
         "warnings": warnings,
         "notes": notes,

@@ -40,8 +40,8 @@ fn plural(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Counts in one line: `1 error, 2 warnings, 0 notes in 3 assets (4 known)`.
-fn summary(report: &Report) -> String {
+/// Counts in one line: `1 error, 2 warnings, 0 notes in 3 assets; 4 in the baseline`.
+pub fn summary(report: &Report) -> String {
     let [errors, warnings, notes] = report.counts();
     let mut out = format!(
         "{}, {}, {} in {}",
@@ -50,6 +50,11 @@ fn summary(report: &Report) -> String {
         plural(notes, "note"),
         plural(report.assets.len(), "asset")
     );
+    match report.layers {
+        0 => {}
+        1 => out += "; 1 file skipped: a layer of another",
+        more => out += &format!("; {more} files skipped: layers of others"),
+    }
     if report.known > 0 {
         out += &format!("; {} in the baseline", report.known);
     }
