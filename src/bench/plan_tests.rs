@@ -12,7 +12,7 @@ use crate::base::stats::Moments;
 use crate::estimate::manifold::connections::{Connections, index_of};
 use crate::estimate::run::{Limits, begin};
 use crate::film::plan::{Estimator, Plan, Verdict};
-use crate::film::train::Connection;
+use crate::film::specular_chain::Connection;
 use crate::plan::contest::Handicap;
 use crate::plan::pilot::{forward, left};
 use crate::plan::{Choice, plan, plan_handicapped};
@@ -268,7 +268,7 @@ fn a_mirror_in_plain_sight_is_not_missed() {
     let scene = mirrored();
     let ready = Ready::new(&scene, 0.0).unwrap();
     let plan = plan(&ready.checked, &ready.world, Choice::Only(Estimator::Manifold));
-    let back = |connection: &&crate::film::train::Connection| {
+    let back = |connection: &&crate::film::specular_chain::Connection| {
         connection.train.0.len() == 1 && connection.train.0[0].link.step == Step::Back
     };
     let share: f64 = plan.connections.iter().filter(back).map(|connection| connection.share).sum();

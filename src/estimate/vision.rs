@@ -19,7 +19,7 @@ use crate::base::warp::disk;
 use crate::film::accumulate::Light;
 use crate::film::guide::{PupilGuide, Windows};
 use crate::film::plan::Plan;
-use crate::film::train::Glint;
+use crate::film::specular_chain::Glint;
 use crate::world::World;
 use crate::world::eye::EyeLens;
 use crate::world::geometry::Ray;

@@ -17,10 +17,10 @@ pub mod plan;
 pub mod pupil;
 pub mod scrambles;
 pub mod sharpness;
+pub mod specular_chain;
 pub mod still; // pictures made elsewhere: skies, slides, plates
 mod tiles; // sums only where there is light
 pub mod totals;
-pub mod train;
 pub mod turns;
 pub mod variance;
 pub mod witness; // what naive paths saw, and what that says of the films

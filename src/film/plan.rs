@@ -3,7 +3,7 @@
 use super::detail::ErrorDetail;
 use super::guide::{Guide, PupilGuide, Windows};
 use super::layer::Layer;
-use super::train::{Connection, Glint, Screen};
+use super::specular_chain::{Connection, Glint, Screen};
 use crate::base::ids::GroupId;
 use crate::base::path::{Class, Trail};
 

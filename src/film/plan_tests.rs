@@ -1,5 +1,5 @@
 use super::*;
-use crate::film::train::Train;
+use crate::film::specular_chain::SpecularChain;
 
 fn plan() -> Plan {
     let row = |class| Row { group: GroupId(0), class, verdict: Verdict::Skip { because: "a test".to_owned() } };
@@ -26,7 +26,7 @@ fn numbers_that_do_not_fit_are_refused() {
     assert!(fault(&|plan| plan.backward_paths = 0).contains("0 backward paths"));
     assert!(fault(&|plan| plan.photon_radii_m.caustic = f64::INFINITY).contains("radii"));
     let connection =
-        |group| Connection { group, train: Train::default(), seeds: Vec::new(), share: 1.0, reached: true };
+        |group| Connection { group, train: SpecularChain::default(), seeds: Vec::new(), share: 1.0, reached: true };
     assert!(fault(&|plan| plan.connections = vec![connection(GroupId(1))]).contains("group 1 of 1"));
     let many = |count: usize| move |plan: &mut Plan| plan.connections = vec![connection(GroupId(0)); count];
     assert!(fault(&many(MOST_ENTRIES + 1)).contains("513 connections, more than 512"));

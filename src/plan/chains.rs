@@ -14,7 +14,7 @@ use crate::estimate::route::Route;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::film::guide::Guide;
 use crate::film::plan::{Estimator, MOST_ENTRIES, MOST_LIT, Plan};
-use crate::film::train::{Connection, Lens, Screen, ScreenSeed, Seed, Train};
+use crate::film::specular_chain::{Connection, Lens, Screen, ScreenSeed, Seed, SpecularChain};
 use crate::world::World;
 use crate::world::eye::Arrival;
 use crate::world::geometry::{Ray, Site};
@@ -179,19 +179,29 @@ fn seeds(arrived: &[Arrived]) -> Vec<Seed> {
 }
 
 /// The train of a chain from a lamp, as the ray from the eye through these places finds it.
-pub(super) fn train(tracing: (&World, &Optics<Mono>), chain: &Chain, film: DVec2, pupil: DVec2) -> Option<Train> {
+pub(super) fn train(
+    tracing: (&World, &Optics<Mono>),
+    chain: &Chain,
+    film: DVec2,
+    pupil: DVec2,
+) -> Option<SpecularChain> {
     let (origin, (_, dir), ..) = tracing.0.eye.ray_of(film, pupil);
     follow(tracing, chain, Ray { origin, dir, from: None }, Interior::default())
 }
 
 /// The train that a ray meets if it follows a chain back to the lamp.
-fn follow((world, optics): (&World, &Optics<Mono>), chain: &Chain, ray: Ray, interior: Interior) -> Option<Train> {
+fn follow(
+    (world, optics): (&World, &Optics<Mono>),
+    chain: &Chain,
+    ray: Ray,
+    interior: Interior,
+) -> Option<SpecularChain> {
     let rng = Rng::new(SEED, Stream::Pilot, 1, 0);
     let mut walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0, interior, rng);
     let mut ledger = Ledger::new(world.solids.len());
     let links = chain.reversed().0;
     let mut order = links.iter();
-    let mut train = Train::default();
+    let mut train = SpecularChain::default();
     let whole = walker.follow(links.iter().copied(), &mut ledger, |before, vertex, after| {
         if let Some(link) = order.next() {
             train.0.push(Lens { link: *link, about: vertex.hit.local.to_array(), before, after });
@@ -307,7 +317,7 @@ pub fn screens(
 }
 
 /// The train of a chain from a lamp to a scatterer, as the ray back from there finds it.
-fn train_to((world, optics): (&World, &Optics<Mono>), chain: &Chain, struck: &Struck) -> Option<Train> {
+fn train_to((world, optics): (&World, &Optics<Mono>), chain: &Chain, struck: &Struck) -> Option<SpecularChain> {
     let from = Site { part: struck.face.0, face: struck.face.1, triangle: u32::MAX };
     let (lo, hi) = world.geometry.bounds();
     let interior =

@@ -10,7 +10,7 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::solve::{Family, Target, newton};
 use crate::estimate::vision::is_looked_about;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
-use crate::film::train::Glint;
+use crate::film::specular_chain::Glint;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;

@@ -9,7 +9,7 @@ use crate::estimate::manifold::connections::{Connections, index_of};
 use crate::estimate::manifold::grid::Grid;
 use crate::estimate::manifold::screens::Screens;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
-use crate::film::train::{Connection, Glint, Screen};
+use crate::film::specular_chain::{Connection, Glint, Screen};
 use crate::world::World;
 use crate::world::mode::{Mode, Mono};
 use std::cell::{OnceCell, RefCell};

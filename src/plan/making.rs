@@ -13,7 +13,7 @@ use crate::estimate::route::Route;
 use crate::estimate::seen::Seen;
 use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
-use crate::film::train::Screen;
+use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::mode::Mono;
 use std::collections::BTreeSet;

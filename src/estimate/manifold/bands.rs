@@ -3,7 +3,7 @@
 
 use super::connections::{Connections, index_of};
 use crate::base::colour::hero;
-use crate::film::train::Connection;
+use crate::film::specular_chain::Connection;
 use crate::world::World;
 use crate::world::mode::{Mode, wavelengths_change};
 use crate::world::optics::Optics;

@@ -4,7 +4,7 @@
 //! (the ray differentials of H. Igehy, SIGGRAPH 1999, with the exact change of the normal along the surface).
 
 use crate::base::chain::Step;
-use crate::film::train::{Lens, Train};
+use crate::film::specular_chain::{Lens, SpecularChain};
 use crate::world::World;
 use crate::world::fresnel::{reflect, refract};
 use crate::world::geometry::bend::{Meet, site_of};
@@ -31,7 +31,7 @@ impl Bundle {
     /// Follows the train; `index` is that of the medium of a part, or of air. None where the ray misses a face or is
     /// totally reflected where it should go through.
     #[inline]
-    pub fn through(self, world: &World, train: &Train, index: &impl Fn(Option<u32>) -> f64) -> Option<Bundle> {
+    pub fn through(self, world: &World, train: &SpecularChain, index: &impl Fn(Option<u32>) -> f64) -> Option<Bundle> {
         self.through_seen(world, train, index, |_, _| {})
     }
 
@@ -40,7 +40,7 @@ impl Bundle {
     pub fn through_seen(
         mut self,
         world: &World,
-        train: &Train,
+        train: &SpecularChain,
         index: &impl Fn(Option<u32>) -> f64,
         mut straight: impl FnMut(&Bundle, &Lens),
     ) -> Option<Bundle> {

@@ -6,7 +6,7 @@ use super::sheet::{Builder, SAME, Starts};
 use super::solve::{Root, Target};
 use crate::base::chain::Chain;
 use crate::estimate::ledger::cost;
-use crate::film::train::{Connection, Train};
+use crate::film::specular_chain::{Connection, SpecularChain};
 use crate::world::World;
 use crate::world::mode::Mode;
 use crate::world::optics::Optics;
@@ -41,7 +41,7 @@ pub enum Rest {
 /// The connections of a plan.
 #[derive(Debug, Default)]
 pub struct Connections {
-    pub trains: Vec<Train>,
+    pub trains: Vec<SpecularChain>,
     /// Per train: of the light of the group that it brings most of.
     shares: Vec<f64>,
     /// Per train: whether light tracing has what the solver does not return.

@@ -1,7 +1,7 @@
 //! Coordinates on a face that scatters: a grid of nodes over it.
 
 use super::nodes::{Nodes, Spot};
-use crate::film::train::Screen;
+use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use glam::{DVec2, DVec3};

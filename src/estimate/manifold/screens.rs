@@ -17,7 +17,7 @@ use crate::base::lpe::Letter;
 use crate::base::rng::Rng;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::film::accumulate::Light;
-use crate::film::train::Screen;
+use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::geometry::Site;
 use crate::world::interior::Interior;

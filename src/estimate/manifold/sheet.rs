@@ -6,7 +6,7 @@ mod spread;
 
 use super::grid::Grid;
 use super::solve::{Family, Root, Target, newton, trace};
-use crate::film::train::{Connection, Train};
+use crate::film::specular_chain::{Connection, SpecularChain};
 use crate::world::World;
 use crate::world::lamp::{Lamp, Lamps};
 use aim::Part;
@@ -62,7 +62,7 @@ pub struct Starts {
 pub struct Builder<'b, I: Fn(Option<u32>) -> f64> {
     pub world: &'b World,
     pub index: &'b I,
-    pub train: &'b Train,
+    pub train: &'b SpecularChain,
 }
 
 impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
@@ -289,7 +289,7 @@ impl Starts {
         &self,
         world: &World,
         index: &impl Fn(Option<u32>) -> f64,
-        train: &Train,
+        train: &SpecularChain,
         film: DVec2,
         target: &Target,
         out: &mut Vec<Root>,

@@ -5,7 +5,7 @@
 //! exact surfaces, so every iterate obeys Snell's law and two unknowns are all there is).
 
 use super::bundle::Bundle;
-use crate::film::train::Train;
+use crate::film::specular_chain::SpecularChain;
 use crate::world::World;
 use crate::world::eye::EyeLens;
 use crate::world::geometry::{Ray, Site};
@@ -104,7 +104,7 @@ pub fn trace(
     index: &impl Fn(Option<u32>) -> f64,
     family: &Family,
     u: DVec2,
-    train: &Train,
+    train: &SpecularChain,
     target: &Target,
 ) -> Option<End> {
     end_of(&family.bundle(&world.eye, u).through(world, train, index)?, target)
@@ -139,7 +139,7 @@ pub fn newton(
     index: &impl Fn(Option<u32>) -> f64,
     family: &Family,
     start: DVec2,
-    train: &Train,
+    train: &SpecularChain,
     target: &Target,
     size: f64,
 ) -> Option<Root> {

@@ -7,7 +7,7 @@ use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::walk::{Meeting, Met, Vertex, Walker};
-use crate::film::train::{Lens, Train};
+use crate::film::specular_chain::{Lens, SpecularChain};
 use crate::scene::Scene;
 use crate::world::World;
 use crate::world::mode::Mono;
@@ -61,7 +61,7 @@ pub struct Subject {
     pub part: u32,
     pub face: u32,
     /// From the eye to the face.
-    pub train: Train,
+    pub train: SpecularChain,
     /// Unit, world.
     pub normal: DVec3,
     /// Width and height of what is scanned, m.
@@ -79,7 +79,7 @@ struct Landed {
     normal: DVec3,
     dir: DVec3,
     carried: f64,
-    train: Train,
+    train: SpecularChain,
 }
 
 impl Subject {
@@ -229,10 +229,10 @@ fn bounds(hits: &[Landed], normal: DVec3, across: DVec3) -> (DVec3, [DVec3; 2]) 
 fn follow<'w>(
     tracing: (&'w World, &'w Optics<Mono>),
     (origin, dir): (DVec3, DVec3),
-    mut each: impl FnMut(Kind, &Vertex, &Walker<'w, Mono>, &Train),
+    mut each: impl FnMut(Kind, &Vertex, &Walker<'w, Mono>, &SpecularChain),
 ) {
     let mut ledger = Ledger::new(tracing.0.solids.len());
-    let mut open = vec![(sent(tracing, origin, dir).recording(), Train::default())];
+    let mut open = vec![(sent(tracing, origin, dir).recording(), SpecularChain::default())];
     let mut branches = 1;
     while let Some((mut walker, mut train)) = open.pop() {
         for _ in 0..MOST_FACES {
@@ -276,7 +276,7 @@ fn follow<'w>(
 }
 
 /// Adds the face that a path has just met, unless it is one that is not there.
-fn linked(train: &mut Train, walker: &Walker<'_, Mono>, vertex: &Vertex, before: Option<u32>) {
+fn linked(train: &mut SpecularChain, walker: &Walker<'_, Mono>, vertex: &Vertex, before: Option<u32>) {
     let links = walker.chain().map_or(&[][..], |chain| &chain.0);
     if links.len() > train.0.len()
         && let Some(link) = links.last()

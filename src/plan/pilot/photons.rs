@@ -13,7 +13,7 @@ use crate::estimate::seen::{Seen, Sighting};
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan, Radii};
-use crate::film::train::Screen;
+use crate::film::specular_chain::Screen;
 use crate::plan::made::Made;
 use crate::world::World;
 use crate::world::geometry::Ray;

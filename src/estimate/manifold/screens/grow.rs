@@ -7,7 +7,7 @@ use super::{FORETOLD, MOST_SHEETS, SAME, TOLERANCE};
 use crate::estimate::manifold::face_map::FaceMap;
 use crate::estimate::manifold::nodes::Spot;
 use crate::estimate::manifold::solve::Target;
-use crate::film::train::Screen;
+use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::geometry::Site;
 use crate::world::lamp::Lamp;

@@ -6,7 +6,7 @@ use super::grow::Filled;
 use super::lit::Lit;
 use super::sheet::Cell;
 use super::{FEWEST_LAMPS, MOST_SLACK, WORTH_EVERY_LAMP};
-use crate::film::train::Screen;
+use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::mode::Mode;
 use crate::world::optics::Optics;

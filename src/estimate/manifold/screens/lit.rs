@@ -13,7 +13,7 @@ use crate::estimate::manifold::nodes::Spot;
 use crate::estimate::manifold::solve::{Family, Target, end_of, newton, trace};
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::film::accumulate::Light;
-use crate::film::train::Train;
+use crate::film::specular_chain::SpecularChain;
 use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use crate::world::interior::Interior;
@@ -45,7 +45,7 @@ pub(super) struct Entry<M: Mode> {
 #[derive(Debug)]
 pub(super) struct Lit<M: Mode> {
     pub(super) map: FaceMap,
-    pub(super) train: Train,
+    pub(super) train: SpecularChain,
     /// From the lamp.
     pub(super) chain: Chain,
     /// What happens on it.

@@ -17,9 +17,9 @@ pub struct Lens {
 
 /// The faces from the eye or a scatterer to a lamp, in that order.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
-pub struct Train(pub Vec<Lens>);
+pub struct SpecularChain(pub Vec<Lens>);
 
-impl Train {
+impl SpecularChain {
     pub fn chain(&self) -> Chain {
         Chain(self.0.iter().map(|lens| lens.link).collect())
     }
@@ -40,7 +40,7 @@ pub struct Seed {
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Connection {
     pub group: GroupId,
-    pub train: Train,
+    pub train: SpecularChain,
     pub seeds: Vec<Seed>,
     /// Share of the group's vision light that the pilot found on it.
     pub share: f64,
@@ -76,7 +76,7 @@ pub struct Screen {
     pub group: GroupId,
     pub part: u32,
     pub face: u32,
-    pub train: Train,
+    pub train: SpecularChain,
     pub seeds: Vec<ScreenSeed>,
     /// Lower and upper corner of a box about all the places that the pilot found, recentred world, m.
     pub bounds: [[f64; 3]; 2],
