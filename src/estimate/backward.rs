@@ -7,13 +7,13 @@ mod skyward;
 mod trial;
 
 use super::ShouldStop;
-use super::even::Even;
 use super::ledger::{Ledger, cost};
 use super::manifold::bands::Bands;
 use super::panes::Scattered;
 use super::pick_up::Shining;
 use super::pixel::Pixel;
 use super::route::{Reach, Route};
+use super::rqmc::Rqmc;
 use super::turn::Faint;
 use super::vision::{Hints, Vision};
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
@@ -215,7 +215,7 @@ impl<'w, M: Mode> Backward<'w, M> {
             // What is most even together is for the place on the lamp.
             let [s, t, which] = pixel.start(self.seed, Stream::LampPoint, index);
             let points = [which, s, t];
-            let even = Even::new(self.seed, Stream::Backward, pixel, index);
+            let even = Rqmc::new(self.seed, Stream::Backward, pixel, index);
             self.path(walker, weight, (points, &even), out, ledgers);
         }
     }
@@ -224,7 +224,7 @@ impl<'w, M: Mode> Backward<'w, M> {
         &self,
         mut walker: Walker<'w, M>,
         weight: f64,
-        even: ([f64; 3], &Even),
+        even: ([f64; 3], &Rqmc),
         out: &mut [Light],
         [ledger, scratch]: &mut [Ledger; 2],
     ) {
@@ -241,7 +241,7 @@ impl<'w, M: Mode> Backward<'w, M> {
     fn follow(
         &self,
         walker: &mut Walker<'w, M>,
-        ((points, even), mut scattered): (([f64; 3], &Even), u32),
+        ((points, even), mut scattered): (([f64; 3], &Rqmc), u32),
         out: &mut [Light],
         (ledger, scratch): (&mut Ledger, &mut Ledger),
     ) {

@@ -15,7 +15,7 @@ use crate::base::path::Class;
 use crate::base::rng::Stream;
 use crate::film::accumulate::{Film, Light};
 use crate::film::guide::{Guide, Point, Sample};
-use crate::film::scrambles::SCRAMBLES;
+use crate::film::replicates::REPLICATES;
 use crate::world::World;
 use crate::world::eye::Arrival;
 use crate::world::mode::{Mode, components, lanes};
@@ -185,7 +185,7 @@ impl<M: Mode> Visitor<M> for Arrivals<'_, M> {
 
     fn end(&mut self, sample: u64) {
         merge_equal(&mut self.splats, self.first);
-        let scramble = (sample % SCRAMBLES as u64) as u32;
+        let scramble = (sample % REPLICATES as u64) as u32;
         self.splats[self.first..].iter_mut().for_each(|splat| splat.scramble = scramble);
         self.first = self.splats.len();
     }

@@ -6,10 +6,10 @@ mod plane;
 use super::blur::{self, Blur};
 use super::detail::{Detail, DetailRow};
 use super::layer::Layer;
-use super::scrambles::{SCRAMBLES, Scrambles};
+use super::replicates::{REPLICATES, Replicates};
+use super::rqmc_variance::{RqmcVariance, RqmcVarianceRow};
 use super::tiles::{Tiles, TilesRow};
 use super::totals::{Totals, TotalsRow};
-use super::turns::{Turns, TurnsRow};
 use crate::base::ids::GroupId;
 use crate::base::twofold::Sum;
 pub use light::Light;
@@ -22,7 +22,7 @@ pub use plane::{Components, PlaneKey, Together};
 pub enum Sampling {
     /// Each pass gives one independent value per pixel.
     PerPass,
-    /// A pass is `paths` paths dealt to independent scrambles, see [`Scrambles`].
+    /// A pass is `paths` paths dealt to independent scrambles, see [`Replicates`].
     PerScramble { paths: u64 },
 }
 
@@ -42,9 +42,9 @@ pub struct Film {
     /// `[pixel][plane]`, and if there are several one more for the sum over planes: squares of the luminance. None where
     /// scrambles tell.
     pub(super) squares: Option<Tiles>,
-    pub(super) scrambles: Option<Scrambles>,
+    pub(super) scrambles: Option<Replicates>,
     /// None where scrambles tell.
-    pub(super) turns: Option<Turns>,
+    pub(super) turns: Option<RqmcVariance>,
     /// Kept on request.
     pub(super) detail: Option<Detail>,
     /// Of films whose light is gathered within a radius.
@@ -60,7 +60,7 @@ pub struct Row<'f> {
     components: Components,
     sums: TilesRow<'f>,
     squares: TilesRow<'f>,
-    turns: Option<TurnsRow<'f>>,
+    turns: Option<RqmcVarianceRow<'f>>,
     detail: Option<DetailRow<'f>>,
     blur: Option<TilesRow<'f>>,
     totals: Option<TotalsRow<'f>>,
@@ -80,9 +80,9 @@ impl Film {
         let (squares, turns, scrambles) = match sampling {
             Sampling::PerPass => {
                 let squares = Tiles::new(size, total_of(count) + 1, 1);
-                (Some(squares), Some(Turns::new(size)), None)
+                (Some(squares), Some(RqmcVariance::new(size)), None)
             }
-            Sampling::PerScramble { paths } => (None, None, Some(Scrambles::new(size, count, paths))),
+            Sampling::PerScramble { paths } => (None, None, Some(Replicates::new(size, count, paths))),
         };
         Film {
             width,
@@ -157,7 +157,7 @@ impl Film {
         let planes = self.planes.len();
         let components = self.components;
         let mut details = self.detail.as_mut().map(Detail::rows);
-        let mut turns = self.turns.as_mut().map(Turns::rows);
+        let mut turns = self.turns.as_mut().map(RqmcVariance::rows);
         let mut blur = self.blur.as_mut().map(Blur::rows);
         let mut totals = self.totals.rows();
         self.sums
@@ -205,7 +205,7 @@ impl Film {
         self.totals.put(sums)
     }
 
-    /// How many times smaller the variance of the whole picture is than those of its pixels say together: see [`Turns`].
+    /// How many times smaller the variance of the whole picture is than those of its pixels say together: see [`RqmcVariance`].
     /// For films whose pixels have sequences of their own.
     pub fn saved_by_evenness(&self) -> f64 {
         let all = self.planes.len();
@@ -254,7 +254,7 @@ impl Film {
     pub fn samples(&self) -> u64 {
         match self.sampling {
             Sampling::PerPass => self.passes,
-            Sampling::PerScramble { .. } => SCRAMBLES as u64,
+            Sampling::PerScramble { .. } => REPLICATES as u64,
         }
     }
 

@@ -1,9 +1,9 @@
 //! A film as columns of numbers: how shards and checkpoints carry it, and how films of different passes are added up.
 
 use super::accumulate::Film;
-use super::scrambles::Scrambles;
+use super::replicates::Replicates;
+use super::rqmc_variance::{PER_PIXEL, RqmcVariance};
 use super::tiles::Tiles;
-use super::turns::{PER_PIXEL, Turns};
 use crate::base::twofold::Sum;
 
 /// The name of the table of [turns](super::turns).
@@ -18,7 +18,7 @@ pub struct Table<'f> {
 
 enum Sums<'f> {
     Tiles(&'f Tiles),
-    Turns(&'f Turns),
+    RqmcVariance(&'f RqmcVariance),
 }
 
 /// The same, to be filled.
@@ -29,7 +29,7 @@ pub struct TableMut<'f> {
 
 enum SumsMut<'f> {
     Tiles(&'f mut Tiles),
-    Turns(&'f mut Turns),
+    RqmcVariance(&'f mut RqmcVariance),
 }
 
 impl Table<'_> {
@@ -110,10 +110,10 @@ impl Film {
     pub fn tables_mut(&mut self) -> Vec<TableMut<'_>> {
         let told = self.scrambles.is_some();
         let [value, squares, open, content] = match &mut self.scrambles {
-            Some(Scrambles { value, squares, mixed: Some([open, content]), .. }) => {
+            Some(Replicates { value, squares, mixed: Some([open, content]), .. }) => {
                 [value, squares, open, content].map(Some)
             }
-            Some(Scrambles { value, squares, mixed: None, .. }) => [Some(value), Some(squares), None, None],
+            Some(Replicates { value, squares, mixed: None, .. }) => [Some(value), Some(squares), None, None],
             None => [None, None, None, None],
         };
         let [mixed, layers] = match &mut self.detail {

@@ -15,12 +15,12 @@ pub mod matte; // Cryptomatte
 pub mod names; // of all layers, and which clash
 pub mod plan;
 pub mod pupil;
-pub mod scrambles;
+pub mod replicates;
+pub mod rqmc_variance;
 pub mod sharpness;
 pub mod specular_chain;
 pub mod still; // pictures made elsewhere: skies, slides, plates
 mod tiles; // sums only where there is light
 pub mod totals;
-pub mod turns;
 pub mod variance;
 pub mod witness; // what naive paths saw, and what that says of the films

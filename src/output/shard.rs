@@ -9,7 +9,7 @@ use crate::base::lpe;
 use crate::base::twofold::Sum;
 use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
 use crate::film::frame::{Channel, Frame, Meta, Samples};
-use crate::film::{blur, turns};
+use crate::film::{blur, rqmc_variance};
 use crate::output::exr::{read_exr, write_exr};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -49,7 +49,7 @@ struct Kind {
     sampling: Sampling,
     passes: u64,
     /// Passes for, less passes against, see [`crate::film::turns`].
-    surplus: [i64; turns::PER_PIXEL],
+    surplus: [i64; rqmc_variance::PER_PIXEL],
     detail: bool,
     blur: bool,
     /// Whole passes and their squares, see [`crate::film::totals`].
@@ -61,7 +61,9 @@ impl Kind {
     fn bytes(&self, pixels: u64) -> Option<u64> {
         let light = 6 * self.components.count() as u64;
         let further = match self.sampling {
-            Sampling::PerPass => 8 + turns::PER_PIXEL as u64 + if self.blur { blur::PER_PIXEL as u64 } else { 0 },
+            Sampling::PerPass => {
+                8 + rqmc_variance::PER_PIXEL as u64 + if self.blur { blur::PER_PIXEL as u64 } else { 0 }
+            }
             Sampling::PerScramble { .. } => 9 + if self.detail { 16 } else { 0 },
         };
         let sums = (light + further).checked_mul(self.planes.len() as u64 + 1)?;

@@ -3,7 +3,7 @@
 use crate::base::rng::{Rng, Stream};
 use crate::base::sobol::Sobol;
 use crate::film::guide::Point;
-use crate::film::scrambles::SCRAMBLES;
+use crate::film::replicates::REPLICATES;
 use std::ops::Range;
 
 /// Lamp paths that one thread traces before it hands over what it found; the order of hand-overs is fixed.
@@ -14,7 +14,7 @@ const CHUNK: u64 = 1 << 13;
 pub enum Starts {
     /// Independent random numbers.
     Random,
-    /// Even points: path i of each pass belongs to scramble i mod [`SCRAMBLES`], whose sequence goes on from pass to pass.
+    /// Even points: path i of each pass belongs to scramble i mod [`REPLICATES`], whose sequence goes on from pass to pass.
     Scrambles,
     /// Even points, with a scramble of its own for each pass.
     OfPass,
@@ -33,7 +33,7 @@ pub struct Shots {
 /// The even points of a pass.
 pub(super) struct Points {
     pub(super) shots: Shots,
-    sobols: [Sobol; SCRAMBLES],
+    sobols: [Sobol; REPLICATES],
 }
 
 impl Points {
@@ -48,7 +48,7 @@ impl Points {
 
     /// What path `sample` starts with: the number that chooses the lamp, and the point of its cube.
     pub(super) fn of(&self, sample: u64, rng: &mut Rng) -> (f64, Point) {
-        let count = SCRAMBLES as u64;
+        let count = REPLICATES as u64;
         let [u, v, a, b, lamp] = match self.shots.starts {
             Starts::Random => std::array::from_fn(|_| rng.uniform()),
             Starts::Scrambles => {

@@ -7,12 +7,12 @@ use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::base::warp::{Frame, disk};
-use crate::estimate::even::Even;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::manifold::glances::{Glanced, Rest};
 use crate::estimate::manifold::screens::{Claim, Screens};
 use crate::estimate::photon_map::{Photon, PhotonMap, crowd};
 use crate::estimate::pixel::Pixel;
+use crate::estimate::rqmc::Rqmc;
 use crate::estimate::turn::Faint;
 use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::film::accumulate::{Components, Film, Light, Row};
@@ -179,7 +179,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
         let ray = Ray { origin, dir, from: None };
         let walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0 / rest.share, Interior::default(), rng);
         let walker = if rest.leaves_out() { walker.recording() } else { walker };
-        let even = (pixel, &Even::new(self.seed, stream, pixel, pixel.pass));
+        let even = (pixel, &Rqmc::new(self.seed, stream, pixel, pixel.pass));
         self.eye_path((walker, even, 0), rest, maps, out, ledger);
     }
 
@@ -187,7 +187,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
     /// `even`: by what it scatters. `scattered`: how many scatterers it has met.
     fn eye_path(
         &self,
-        (mut walker, even, mut scattered): (Walker<'_, M>, (Pixel, &Even), u32),
+        (mut walker, even, mut scattered): (Walker<'_, M>, (Pixel, &Rqmc), u32),
         rest: Rest,
         maps: &Maps<M>,
         out: &mut Gathered,
@@ -248,7 +248,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
             let mut copy = walker.clone();
             copy.rng = walker.rng.fork();
             let even =
-                Even::new(self.seed, Stream::FinalGather, pixel, pixel.pass.wrapping_mul(copies).wrapping_add(number));
+                Rqmc::new(self.seed, Stream::FinalGather, pixel, pixel.pass.wrapping_mul(copies).wrapping_add(number));
             let u = even.take(0, &mut copy.rng);
             if copy.scatter_by(u, vertex, (scatter, frame), ledger).is_some() && self.reach_eye.allows(copy.trail) {
                 self.eye_path((copy, (pixel, &even), 1), rest, maps, out, ledger);

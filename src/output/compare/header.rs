@@ -6,14 +6,14 @@ use crate::film::plan::Estimator;
 use crate::output::exr::{COLOR_INTEROP_ID, WHITE_LUMINANCE};
 
 /// Independent scrambles that light tracing learns its error from; see `film::scrambles`.
-const SCRAMBLES: f64 = crate::film::scrambles::SCRAMBLES as f64;
+const REPLICATES: f64 = crate::film::replicates::REPLICATES as f64;
 
 /// Samples behind a frame's errors, less one: none known counts as many.
 pub fn freedom(frame: &Frame) -> f64 {
     let passes = frame.integer("passes").filter(|passes| *passes > 0).map_or(f64::INFINITY, |passes| passes as f64);
     // Light tracing has one value per scramble, however many the passes.
     let forward = frame.meta.contains_key(&format!("passes.{}", Estimator::Forward.name()));
-    if forward { (passes - 1.0).min(SCRAMBLES - 1.0) } else { passes - 1.0 }
+    if forward { (passes - 1.0).min(REPLICATES - 1.0) } else { passes - 1.0 }
 }
 
 /// Why two frames cannot be compared pixel by pixel; empty if they can.

@@ -52,7 +52,7 @@ impl Asked {
 
 /// The sums of a film.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Turns {
+pub struct RqmcVariance {
     asked: Asked,
     /// `[asked pixel][run]`: luminance of all planes.
     sums: Vec<[Sum; COUNT]>,
@@ -61,7 +61,7 @@ pub struct Turns {
 }
 
 /// One row of them.
-pub struct TurnsRow<'f> {
+pub struct RqmcVarianceRow<'f> {
     first: usize,
     step: usize,
     sums: &'f mut [[Sum; COUNT]],
@@ -81,17 +81,17 @@ fn surplus_before(pass: u64, run: usize) -> i64 {
     rest.min(length) as i64 - rest.saturating_sub(length) as i64
 }
 
-impl Turns {
+impl RqmcVariance {
     pub fn new([width, height]: [usize; 2]) -> Self {
         let asked = Asked { width, step: (width * height).div_ceil(MOST).max(1) };
-        Turns { asked, sums: vec![[Sum::ZERO; COUNT]; asked.per_row() * height], surplus: [0; COUNT] }
+        RqmcVariance { asked, sums: vec![[Sum::ZERO; COUNT]; asked.per_row() * height], surplus: [0; COUNT] }
     }
 
     /// The rows, top to bottom.
-    pub fn rows(&mut self) -> impl Iterator<Item = TurnsRow<'_>> {
+    pub fn rows(&mut self) -> impl Iterator<Item = RqmcVarianceRow<'_>> {
         let asked = self.asked;
         let rows = self.sums.chunks_mut(asked.per_row()).enumerate();
-        rows.map(move |(y, sums)| TurnsRow { first: asked.first(y), step: asked.step, sums })
+        rows.map(move |(y, sums)| RqmcVarianceRow { first: asked.first(y), step: asked.step, sums })
     }
 
     /// Memory, bytes.
@@ -121,7 +121,7 @@ impl Turns {
     }
 
     /// Adds the sums of other passes of the same picture.
-    pub(super) fn merge(&mut self, other: &Turns) {
+    pub(super) fn merge(&mut self, other: &RqmcVariance) {
         let own = self.sums.as_flattened_mut().iter_mut();
         own.zip(other.sums.as_flattened()).for_each(|(sum, more)| sum.merge(*more));
         self.surplus.iter_mut().zip(other.surplus).for_each(|(own, more)| *own = own.saturating_add(more));
@@ -176,7 +176,7 @@ impl Turns {
     }
 }
 
-impl TurnsRow<'_> {
+impl RqmcVarianceRow<'_> {
     /// Adds the luminance of pixel `x` in a pass, if it is asked.
     pub fn add(&mut self, x: usize, pass: u64, luminance: f64) {
         let Some(along) = x.checked_sub(self.first).filter(|along| along % self.step == 0) else { return };
@@ -208,7 +208,7 @@ mod tests {
     fn runs_tell_what_evenness_saves() {
         const PIXELS: usize = 2000;
         let of = |passes: std::ops::Range<u64>, value: &dyn Fn(usize, u64) -> f64| {
-            let mut turns = Turns::new([PIXELS, 1]);
+            let mut turns = RqmcVariance::new([PIXELS, 1]);
             let mut sums = vec![[0.0; 2]; PIXELS];
             for pass in passes.clone() {
                 let mut row = turns.rows().next().unwrap();
@@ -254,7 +254,7 @@ mod tests {
     fn some_of_many_pixels_are_asked() {
         for size in [[640, 480], [3840, 2160], [70_000, 3], [3, 70_000], [1, 1]] {
             let pixels: usize = size.iter().product();
-            let turns = Turns::new(size);
+            let turns = RqmcVariance::new(size);
             let slots: Vec<usize> = (0..pixels).filter_map(|pixel| turns.slot(pixel)).collect();
             assert!(slots.windows(2).all(|pair| pair[0] < pair[1]) && slots.len() <= MOST * 5 / 4);
             assert!(slots.len() >= (MOST / 2).min(pixels), "{size:?} {}", slots.len());
@@ -275,7 +275,7 @@ mod tests {
     /// Where few pixels have what is left, nothing is told.
     #[test]
     fn a_few_pixels_tell_nothing() {
-        let mut turns = Turns::new([1000, 1]);
+        let mut turns = RqmcVariance::new([1000, 1]);
         let mut rng = Rng::new(3, Stream::Check, 0, 0);
         for pass in 0..256 {
             let mut row = turns.rows().next().unwrap();

@@ -10,17 +10,17 @@ use super::tiles::Tiles;
 use crate::base::twofold::Sum;
 
 /// Independent scrambles that the paths of every pass are dealt to in turn.
-pub const SCRAMBLES: usize = 8;
+pub const REPLICATES: usize = 8;
 
 /// Sums over paths of one pixel and plane, per scramble.
-pub type PerScramble = [f64; SCRAMBLES];
+pub type PerScramble = [f64; REPLICATES];
 
 /// How much a pixel's own scrambles count against the plane's.
 const OWN: f64 = 0.25;
 
 /// The sums of a film.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scrambles {
+pub struct Replicates {
     /// Share of the paths that each scramble has.
     shares: PerScramble,
     planes: usize,
@@ -42,30 +42,30 @@ fn values(sums: &[Sum]) -> PerScramble {
 
 fn add(tiles: &mut Tiles, (pixel, plane): (usize, usize), scramble: usize, value: f64) {
     if value != 0.0 {
-        tiles.grown(pixel, plane, SCRAMBLES)[scramble].add(value);
+        tiles.grown(pixel, plane, REPLICATES)[scramble].add(value);
     }
 }
 
-impl Scrambles {
-    /// Of `paths` paths in a pass, path i belongs to scramble i mod [`SCRAMBLES`].
+impl Replicates {
+    /// Of `paths` paths in a pass, path i belongs to scramble i mod [`REPLICATES`].
     pub fn new(size: [usize; 2], planes: usize, paths: u64) -> Self {
-        let count = SCRAMBLES as u64;
+        let count = REPLICATES as u64;
         let own = |s: usize| (paths / count + u64::from((s as u64) < paths % count)) as f64;
         let shares = std::array::from_fn(|s| own(s) / paths.max(1) as f64);
-        Scrambles {
+        Replicates {
             shares,
             planes,
             size,
-            value: Tiles::new(size, planes, SCRAMBLES),
+            value: Tiles::new(size, planes, REPLICATES),
             squares: Tiles::new(size, planes, 1),
             ratios: Vec::new(),
             mixed: None,
         }
     }
 
-    /// Keeps what [`Scrambles::mix_error`] needs.
+    /// Keeps what [`Replicates::mix_error`] needs.
     pub fn keep_mixed(&mut self) {
-        self.mixed = Some([0, 1].map(|_| Tiles::new(self.size, self.planes, SCRAMBLES)));
+        self.mixed = Some([0, 1].map(|_| Tiles::new(self.size, self.planes, REPLICATES)));
     }
 
     /// Adds the light of one path to a pixel and plane.
@@ -99,7 +99,7 @@ impl Scrambles {
 
     /// Variance of the sum over all paths of the light of a pixel in these planes together.
     pub fn variance(&self, pixel: usize, planes: impl Iterator<Item = usize>) -> f64 {
-        let mut sums = [0.0; SCRAMBLES];
+        let mut sums = [0.0; REPLICATES];
         let mut of_plane = 0.0;
         for plane in planes {
             sums.iter_mut().zip(self.value.stored(pixel, plane)).for_each(|(sum, own)| *sum += own.value());
@@ -112,7 +112,7 @@ impl Scrambles {
     /// Variances and covariance of the sums of `open` and `content` of a pixel in these planes together; none if they are
     /// not kept.
     pub fn mix_error(&self, pixel: usize, planes: impl Iterator<Item = usize>) -> Option<MixError> {
-        let (mut open, mut content) = ([0.0; SCRAMBLES], [0.0; SCRAMBLES]);
+        let (mut open, mut content) = ([0.0; REPLICATES], [0.0; REPLICATES]);
         for plane in planes {
             let [own_open, own_content] = self.mixed.as_ref()?.each_ref().map(|own| values(own.stored(pixel, plane)));
             open.iter_mut().zip(own_open).for_each(|(sum, own)| *sum += own);
