@@ -14,7 +14,7 @@ use crate::estimate::run::Limits;
 use crate::estimate::shard::{self, Head};
 use crate::estimate::wish::Named;
 use crate::film::aov::Aov;
-use crate::film::detail::ErrorDetail;
+use crate::film::layer_moments::ErrorDetail;
 use crate::film::plan::Estimator;
 use crate::output::exr::{Packing, parse_prefix};
 use crate::plan::frozen::Frozen;

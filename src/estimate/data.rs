@@ -2,7 +2,7 @@
 //! sees. One unrandomised ray per pixel for the data; for the see-through share, where an edge may be blurred into the pixel,
 //! four more, or sixteen where those and the first do not agree.
 
-use super::blur::{Edges, radius_px};
+use super::kernel_bias::{Edges, radius_px};
 use super::ledger::Ledger;
 use super::walk::{Met, Travel, Vertex, Walker};
 use crate::base::rng::{Rng, Stream};

@@ -4,13 +4,13 @@ pub mod aov; // layers by light path expression
 mod around;
 pub mod backward;
 pub mod beam;
-mod blur;
 pub mod both;
 pub mod data;
 pub mod emission;
 pub mod finishing;
 mod follow;
 pub mod forward;
+mod kernel_bias;
 #[cfg(test)]
 mod leak_tests;
 mod leave;

@@ -3,9 +3,9 @@
 mod light;
 mod plane;
 
-use super::blur::{self, Blur};
-use super::detail::{Detail, DetailRow};
+use super::kernel_bias::{self, KernelBias};
 use super::layer::Layer;
+use super::layer_moments::{LayerMoments, LayerMomentsRow};
 use super::replicates::{REPLICATES, Replicates};
 use super::rqmc_variance::{RqmcVariance, RqmcVarianceRow};
 use super::tiles::{Tiles, TilesRow};
@@ -46,9 +46,9 @@ pub struct Film {
     /// None where scrambles tell.
     pub(super) turns: Option<RqmcVariance>,
     /// Kept on request.
-    pub(super) detail: Option<Detail>,
+    pub(super) detail: Option<LayerMoments>,
     /// Of films whose light is gathered within a radius.
-    pub(super) blur: Option<Blur>,
+    pub(super) blur: Option<KernelBias>,
     /// `[pixel]`: variances of the sum over planes, of a [condensed](Film::condense) film.
     variances: Option<Vec<f64>>,
     pub(super) totals: Totals,
@@ -61,7 +61,7 @@ pub struct Row<'f> {
     sums: TilesRow<'f>,
     squares: TilesRow<'f>,
     turns: Option<RqmcVarianceRow<'f>>,
-    detail: Option<DetailRow<'f>>,
+    detail: Option<LayerMomentsRow<'f>>,
     blur: Option<TilesRow<'f>>,
     totals: Option<TotalsRow<'f>>,
 }
@@ -105,7 +105,7 @@ impl Film {
     /// Keeps what tells how far gathering within a radius errs.
     #[must_use]
     pub fn with_blur(mut self) -> Self {
-        self.blur = Some(Blur::new([self.width, self.height]));
+        self.blur = Some(KernelBias::new([self.width, self.height]));
         self
     }
 
@@ -114,7 +114,7 @@ impl Film {
         self.blur.is_some()
     }
 
-    /// The square of what gathering within a radius makes the mean of a pixel err by, (cd/m²)²: see [`Blur::square`].
+    /// The square of what gathering within a radius makes the mean of a pixel err by, (cd/m²)²: see [`KernelBias::square`].
     pub fn blur2(&self, pixel: usize) -> f64 {
         self.blur.as_ref().map_or(0.0, |blur| blur.square(pixel, self.passes))
     }
@@ -124,7 +124,7 @@ impl Film {
     pub fn with_detail(mut self) -> Self {
         // With scrambles only the list of layers is needed.
         let size = if self.scrambles.is_some() { [0; 2] } else { [self.width, self.height] };
-        self.detail = Some(Detail::new(size, &self.planes));
+        self.detail = Some(LayerMoments::new(size, &self.planes));
         if let Some(scrambles) = &mut self.scrambles {
             scrambles.keep_mixed();
         }
@@ -143,7 +143,7 @@ impl Film {
     }
 
     /// The further sums, if they are kept.
-    pub fn detail(&self) -> Option<&Detail> {
+    pub fn detail(&self) -> Option<&LayerMoments> {
         self.detail.as_ref()
     }
 
@@ -156,9 +156,9 @@ impl Film {
     pub fn rows(&mut self) -> impl Iterator<Item = (usize, Row<'_>)> {
         let planes = self.planes.len();
         let components = self.components;
-        let mut details = self.detail.as_mut().map(Detail::rows);
+        let mut details = self.detail.as_mut().map(LayerMoments::rows);
         let mut turns = self.turns.as_mut().map(RqmcVariance::rows);
-        let mut blur = self.blur.as_mut().map(Blur::rows);
+        let mut blur = self.blur.as_mut().map(KernelBias::rows);
         let mut totals = self.totals.rows();
         self.sums
             .rows()
@@ -353,7 +353,7 @@ impl Row<'_> {
     /// Adds what pixel `x` has in a pass beyond what a quarter of the kernel's area brings, cd/m².
     pub fn add_blur(&mut self, x: usize, beyond: f64) {
         if let Some(blur) = &mut self.blur {
-            blur::add(blur, x, beyond);
+            kernel_bias::add(blur, x, beyond);
         }
     }
 

@@ -2,21 +2,21 @@
 
 pub mod accumulate;
 pub mod aov; // layers that a user defines
-pub mod blur;
-pub mod columns;
-pub mod detail;
 pub mod diffraction;
 pub mod exr; // a file → a frame
 pub mod finish;
 pub mod frame;
 pub mod guide;
+pub mod kernel_bias;
 pub mod layer;
+pub mod layer_moments;
 pub mod matte; // Cryptomatte
 pub mod names; // of all layers, and which clash
 pub mod plan;
 pub mod pupil;
 pub mod replicates;
 pub mod rqmc_variance;
+pub mod serial;
 pub mod sharpness;
 pub mod specular_chain;
 pub mod still; // pictures made elsewhere: skies, slides, plates

@@ -9,7 +9,7 @@ use crate::base::lpe;
 use crate::base::twofold::Sum;
 use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
 use crate::film::frame::{Channel, Frame, Meta, Samples};
-use crate::film::{blur, rqmc_variance};
+use crate::film::{kernel_bias, rqmc_variance};
 use crate::output::exr::{read_exr, write_exr};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -62,7 +62,7 @@ impl Kind {
         let light = 6 * self.components.count() as u64;
         let further = match self.sampling {
             Sampling::PerPass => {
-                8 + rqmc_variance::PER_PIXEL as u64 + if self.blur { blur::PER_PIXEL as u64 } else { 0 }
+                8 + rqmc_variance::PER_PIXEL as u64 + if self.blur { kernel_bias::PER_PIXEL as u64 } else { 0 }
             }
             Sampling::PerScramble { .. } => 9 + if self.detail { 16 } else { 0 },
         };

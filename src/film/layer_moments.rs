@@ -44,7 +44,7 @@ fn add(row: &mut TilesRow, (x, share): (usize, usize), light: Light) {
 
 /// The further sums of a film.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Detail {
+pub struct LayerMoments {
     /// Light groups' shares of layers, each once, in the order of their first planes.
     shares: Vec<(Layer, GroupId)>,
     /// Plane → index in `shares`.
@@ -60,7 +60,7 @@ pub struct Detail {
 }
 
 /// One row of it.
-pub struct DetailRow<'f> {
+pub struct LayerMomentsRow<'f> {
     of_plane: &'f [usize],
     squares_of: &'f [Vec<usize>],
     mixed: TilesRow<'f>,
@@ -71,7 +71,7 @@ pub struct DetailRow<'f> {
     pass: Vec<f64>,
 }
 
-impl Detail {
+impl LayerMoments {
     pub fn new(size: [usize; 2], planes: &[PlaneKey]) -> Self {
         let mut layers: Vec<Layer> = planes.iter().map(|key| key.layer).collect();
         layers.sort_unstable();
@@ -91,7 +91,7 @@ impl Detail {
         squared.extend(bits.filter(|taken| planes.iter().any(|key| taken.has(key))));
         let share = |key: &PlaneKey| shares.iter().position(|share| *share == (key.layer, key.group));
         let sums = |key: &PlaneKey| (0..squared.len()).filter(|index| squared[*index].has(key)).collect();
-        Detail {
+        LayerMoments {
             of_plane: planes.iter().filter_map(share).collect(),
             squares_of: planes.iter().map(sums).collect(),
             mixed: Tiles::new(size, shares.len(), MIXED),
@@ -102,10 +102,10 @@ impl Detail {
     }
 
     /// The rows, top to bottom.
-    pub fn rows(&mut self) -> impl Iterator<Item = DetailRow<'_>> {
+    pub fn rows(&mut self) -> impl Iterator<Item = LayerMomentsRow<'_>> {
         let (of_plane, squares_of) = (self.of_plane.as_slice(), self.squares_of.as_slice());
         let (shares, squared) = (self.shares.len(), self.squared.len());
-        self.mixed.rows().zip(self.squares.rows()).map(move |(mixed, squares)| DetailRow {
+        self.mixed.rows().zip(self.squares.rows()).map(move |(mixed, squares)| LayerMomentsRow {
             of_plane,
             squares_of,
             mixed,
@@ -128,7 +128,7 @@ impl Detail {
     }
 }
 
-impl DetailRow<'_> {
+impl LayerMomentsRow<'_> {
     /// Adds one pass's luminance of pixel `x` in one plane.
     pub fn add(&mut self, plane: usize, light: Light) {
         self.light[self.of_plane[plane]].add(light);

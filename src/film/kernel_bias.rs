@@ -13,7 +13,7 @@ use super::tiles::{Tiles, TilesRow};
 
 /// The sums of a film.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Blur {
+pub struct KernelBias {
     /// `[pixel]`: d and d², of the luminance of all planes.
     pub(super) sums: Tiles,
 }
@@ -24,9 +24,9 @@ const ERRS: f64 = 4.0 / 3.0;
 /// How many sums a pixel has.
 pub const PER_PIXEL: usize = 2;
 
-impl Blur {
+impl KernelBias {
     pub fn new(size: [usize; 2]) -> Self {
-        Blur { sums: Tiles::new(size, 1, PER_PIXEL) }
+        KernelBias { sums: Tiles::new(size, 1, PER_PIXEL) }
     }
 
     pub(super) fn rows(&mut self) -> impl Iterator<Item = TilesRow<'_>> {
@@ -64,7 +64,7 @@ mod tests {
         for beyond in [2.0, 0.0] {
             let mut found = Moments::default();
             for pixel in 0..10_000 {
-                let (mut blur, mut rng) = (Blur::new([1, 1]), Rng::new(3, Stream::Check, pixel, 0));
+                let (mut blur, mut rng) = (KernelBias::new([1, 1]), Rng::new(3, Stream::Check, pixel, 0));
                 for _ in 0..5 {
                     let mut row = blur.rows().next().expect("a row");
                     add(&mut row, 0, beyond + 6.0 * (rng.uniform() - 0.5));
