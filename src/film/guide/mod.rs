@@ -4,19 +4,19 @@
 //! Places and directions are points of the unit cube that a lamp samples them from, so a guide fits any lamp. A defensive
 //! share keeps everything possible: the density is known, nothing is biased.
 
+mod aperture;
 mod learn;
-mod pupil;
+mod portals;
 #[cfg(test)]
 mod tests;
 mod tree;
-mod windows;
 
+pub use aperture::{ApertureGuide, Lit};
 pub use learn::Even;
 use learn::{Weighted, grow};
-pub use pupil::{Lit, PupilGuide};
+pub use portals::{Entry, Portals};
 use serde::{Deserialize, Serialize};
 pub use tree::{AXES, Point, Tree};
-pub use windows::{Entry, Windows};
 
 /// Guide for all lamps that an estimator traces.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

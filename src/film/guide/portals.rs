@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// A density over the surface of a box around a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Data", into = "Data")]
-pub struct Windows {
+pub struct Portals {
     /// Corners, recentred world, m.
     low: DVec3,
     high: DVec3,
@@ -67,14 +67,14 @@ const LEAVES: usize = 256;
 /// Shares add up to 1 within this, by rounding.
 const SUM: f64 = 1e-9;
 
-impl Windows {
+impl Portals {
     /// Learns from what got in. `bounds`: corners of a box around all surfaces. `aimed`: the part of directions to the sky that
     /// are chosen so, below 1. None if there is too little to learn from.
-    pub fn learn((low, high): (DVec3, DVec3), aimed: f64, entries: &[Entry]) -> Option<Windows> {
+    pub fn learn((low, high): (DVec3, DVec3), aimed: f64, entries: &[Entry]) -> Option<Portals> {
         let margin = DVec3::splat(MARGIN * (high - low).length());
         let uniform = vec![Tree::uniform(); SIDES];
         let shares = [1.0 / SIDES as f64; SIDES];
-        let plain = Windows { low: low - margin, high: high + margin, aimed, shares, trees: uniform };
+        let plain = Portals { low: low - margin, high: high + margin, aimed, shares, trees: uniform };
         let mut points: [Vec<Weighted>; SIDES] = Default::default();
         for entry in entries.iter().filter(|entry| entry.weight > 0.0 && entry.weight.is_finite()) {
             let Some(Crossing { side, at: [a, b], .. }) = plain.crossing(entry.to, entry.from) else { continue };
@@ -101,8 +101,8 @@ impl Windows {
 
     /// The same with another part of the directions that are chosen so.
     #[must_use]
-    pub fn aiming(self, aimed: f64) -> Windows {
-        Windows { aimed, ..self }
+    pub fn aiming(self, aimed: f64) -> Portals {
+        Portals { aimed, ..self }
     }
 
     /// The part of a point's directions to the sky that are chosen so: none where it is not inside the box.
@@ -132,7 +132,7 @@ impl Windows {
         (on - point).normalize()
     }
 
-    /// Density of [`Windows::direction`] in a unit direction, 1/sr; 0 from a point that is not inside the box.
+    /// Density of [`Portals::direction`] in a unit direction, 1/sr; 0 from a point that is not inside the box.
     pub fn pdf(&self, point: DVec3, dir: DVec3) -> f64 {
         let Some(Crossing { side, at: [a, b], distance, cos }) = self.crossing(point, dir) else { return 0.0 };
         if self.shares[side] <= 0.0 {
@@ -183,19 +183,19 @@ fn axes(side: usize) -> [usize; 3] {
     [across, (across + 1) % 3, (across + 2) % 3]
 }
 
-impl From<Windows> for Data {
-    fn from(windows: Windows) -> Data {
-        let Windows { low, high, aimed, shares, trees } = windows;
+impl From<Portals> for Data {
+    fn from(windows: Portals) -> Data {
+        let Portals { low, high, aimed, shares, trees } = windows;
         Data { low: low.to_array(), high: high.to_array(), aimed, shares, trees }
     }
 }
 
-impl TryFrom<Data> for Windows {
+impl TryFrom<Data> for Portals {
     type Error = String;
 
     /// Errors: a box without room or too large to square, a part of the directions or of a side that is no probability, no
     /// tree for each side, trees that are cut across other axes than a side's.
-    fn try_from(data: Data) -> Result<Windows, String> {
+    fn try_from(data: Data) -> Result<Portals, String> {
         let (low, high) = (DVec3::from_array(data.low), DVec3::from_array(data.high));
         let size = high - low;
         // Normal numbers: nothing that is divided by them runs out of range.
@@ -216,10 +216,10 @@ impl TryFrom<Data> for Windows {
         if data.trees.iter().any(|tree| tree.is_cut_before(SIDE)) {
             return Err("a guide of the sky has a tree that is cut across what is no side".to_owned());
         }
-        Ok(Windows { low, high, aimed: data.aimed, shares: data.shares, trees: data.trees })
+        Ok(Portals { low, high, aimed: data.aimed, shares: data.shares, trees: data.trees })
     }
 }
 
 #[cfg(test)]
-#[path = "windows_tests.rs"]
+#[path = "portals_tests.rs"]
 mod tests;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Densities over the pupil, one for each tile of the picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Data", into = "Data")]
-pub struct PupilGuide {
+pub struct ApertureGuide {
     tiles: [usize; 2],
     /// Row by row. The last two axes are the pupil: [`crate::base::warp::disk`] makes a point of it of them.
     trees: Vec<Tree>,
@@ -42,9 +42,9 @@ const FEWEST: usize = 64;
 /// Most boxes of a tree.
 const LEAVES: usize = 256;
 
-impl PupilGuide {
+impl ApertureGuide {
     /// None if there are too few crossings.
-    pub fn learn(crossings: &[Lit]) -> Option<PupilGuide> {
+    pub fn learn(crossings: &[Lit]) -> Option<ApertureGuide> {
         let lit: Vec<Lit> = crossings.iter().copied().filter(|lit| lit.weight > 0.0).collect();
         if lit.len() < FEWEST {
             return None;
@@ -61,7 +61,7 @@ impl PupilGuide {
         };
         let middle = |tile: usize| (tile as f64 + 0.5) / TILES as f64;
         let trees = (0..TILES * TILES).map(|tile| tree([middle(tile % TILES), middle(tile / TILES)])).collect();
-        Some(PupilGuide { tiles: [TILES; 2], trees })
+        Some(ApertureGuide { tiles: [TILES; 2], trees })
     }
 
     /// The point that `u` in the unit square becomes for a place in the picture (0 to 1 across and down), and its density.
@@ -83,17 +83,17 @@ impl PupilGuide {
     }
 }
 
-impl From<PupilGuide> for Data {
-    fn from(guide: PupilGuide) -> Data {
+impl From<ApertureGuide> for Data {
+    fn from(guide: ApertureGuide) -> Data {
         Data { tiles: guide.tiles, trees: guide.trees }
     }
 }
 
-impl TryFrom<Data> for PupilGuide {
+impl TryFrom<Data> for ApertureGuide {
     type Error = String;
 
     /// Errors: no tree for each tile, trees that are cut across other axes than the pupil's.
-    fn try_from(data: Data) -> Result<PupilGuide, String> {
+    fn try_from(data: Data) -> Result<ApertureGuide, String> {
         let [across, down] = data.tiles;
         if across == 0 || down == 0 || across.checked_mul(down) != Some(data.trees.len()) {
             return Err(format!("a guide of the pupil has {} trees for {across} x {down} tiles", data.trees.len()));
@@ -101,6 +101,6 @@ impl TryFrom<Data> for PupilGuide {
         if data.trees.iter().any(|tree| tree.is_cut_before(PUPIL)) {
             return Err("a guide of the pupil has a tree that is cut across what is no pupil".to_owned());
         }
-        Ok(PupilGuide { tiles: data.tiles, trees: data.trees })
+        Ok(ApertureGuide { tiles: data.tiles, trees: data.trees })
     }
 }
