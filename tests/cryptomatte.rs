@@ -3,10 +3,10 @@
 
 use crate::common::*;
 use eyebox::check::check;
+use eyebox::estimate::cryptomatte::{add, wanted};
 use eyebox::estimate::data::data_layers;
-use eyebox::estimate::mattes::{add, wanted};
+use eyebox::film::cryptomatte::{Matte, RANKS, identity};
 use eyebox::film::frame::Frame;
-use eyebox::film::matte::{Matte, RANKS, identity};
 use eyebox::import::{ImportOptions, import};
 use eyebox::output::exr::{read_exr, write_exr};
 use eyebox::scene::*;

@@ -1,8 +1,8 @@
 //! The layers that an asset asks for (USD RenderVars), in terms of ours.
 
 use super::picture::possible_layers;
+use crate::film::cryptomatte::Matte;
 use crate::film::frame::{Channel, Frame};
-use crate::film::matte::Matte;
 use crate::scene::assembly::LayerWish;
 use crate::scene::{Group, Note};
 

@@ -14,8 +14,8 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::{Vec2, f16};
 use rayon::prelude::*;
 
+use super::cryptomatte;
 use super::frame::{Channel, Frame, Meta, split_name};
-use super::matte;
 use crate::base::colour::Chromaticities;
 use crate::base::fault::{Fault, Result, Where};
 
@@ -229,7 +229,7 @@ fn metadata(header: &Header) -> Vec<(String, Meta)> {
     let white = own.white_luminance.map(|white| (WHITE_LUMINANCE.to_owned(), Meta::Number(f64::from(white))));
     let others = own.other.iter().chain(&header.shared_attributes.other).filter_map(|(name, value)| {
         let name = string(name);
-        let own_name = name == COLOR_INTEROP_ID || name.starts_with(matte::KEYS);
+        let own_name = name == COLOR_INTEROP_ID || name.starts_with(cryptomatte::KEYS);
         let key = if own_name { &name } else { name.strip_prefix(PREFIX)? };
         Some((key.to_owned(), meta(value)?))
     });
@@ -262,7 +262,7 @@ pub fn is_word(text: &str) -> bool {
 
 /// Whether a header's entry is a matte's name.
 pub fn is_matte_name(key: &str) -> bool {
-    key.starts_with(matte::KEYS) && key.ends_with("/name")
+    key.starts_with(cryptomatte::KEYS) && key.ends_with("/name")
 }
 
 /// Takes the prefix that the header names from the names of layers that begin with it. A name that would come twice

@@ -2,6 +2,7 @@
 
 pub mod accumulate;
 pub mod aov; // layers that a user defines
+pub mod cryptomatte; // Cryptomatte
 pub mod diffraction;
 pub mod exr; // a file → a frame
 pub mod finish;
@@ -10,7 +11,6 @@ pub mod guide;
 pub mod kernel_bias;
 pub mod layer;
 pub mod layer_moments;
-pub mod matte; // Cryptomatte
 pub mod names; // of all layers, and which clash
 pub mod plan;
 pub mod pupil;

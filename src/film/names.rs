@@ -1,8 +1,8 @@
 //! Every layer that a picture can have, by name, and what it is: the one list that `--layers`, layers by light path expression
 //! and the check of light groups' names go by.
 
+use super::cryptomatte::Matte;
 use super::layer::Layer;
-use super::matte::Matte;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a share comes with beside its own picture, and what that is.

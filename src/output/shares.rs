@@ -5,9 +5,9 @@ use super::compare::is_data;
 use super::luminance::Luminance;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::aov;
+use crate::film::cryptomatte::Matte;
 use crate::film::frame::Frame;
 use crate::film::layer::Layer;
-use crate::film::matte::Matte;
 use crate::film::names;
 
 /// Three channels of a layer, `width × height` each, in the frame's colour space, cd/m².

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 
 use super::super::compare::is_data;
 use crate::base::fault::{Fault, Result, Where};
+use crate::film::cryptomatte::Matte;
 use crate::film::exr::{LAYER_PREFIX, is_matte_name, is_word};
 use crate::film::frame::{Frame, Meta, split_name};
-use crate::film::matte::Matte;
 use crate::film::names;
 
 /// Metadata: 1 where pictures are to be stored as half floats.

@@ -73,7 +73,12 @@ fn round_trip_keeps_every_bit_and_all_metadata() {
 fn prefix_and_parts_are_the_files_own_business() {
     let mut plain = sample();
     plain.push("Z", vec![1.5; 67 * 45]);
-    crate::film::matte::add(&mut plain, crate::film::matte::Matte::Part, &vec![Default::default(); 67 * 45], &["p"]);
+    crate::film::cryptomatte::add(
+        &mut plain,
+        crate::film::cryptomatte::Matte::Part,
+        &vec![Default::default(); 67 * 45],
+        &["p"],
+    );
     let by_name = |frame: &Frame| {
         let mut all: Vec<(String, Vec<u32>)> =
             frame.channels.iter().map(|c| (c.name.clone(), c.data.iter().map(|v| v.to_bits()).collect())).collect();

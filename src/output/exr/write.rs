@@ -24,7 +24,7 @@ use crate::base::colour::ColourSpace;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::exr::is_word;
 use crate::film::frame::{Frame, Meta, split_name};
-use crate::film::{matte, names};
+use crate::film::{cryptomatte, names};
 
 /// Nuke stops at 1023 channels and slows down long before (`design/layers.md`).
 const MANY_CHANNELS: usize = 500;
@@ -183,7 +183,7 @@ fn attributes(frame: &Frame, at: &dyn Fn() -> Where) -> Result<HashMap<String, A
             }
             continue;
         }
-        let own_name = key == COLOR_INTEROP_ID || key.starts_with(matte::KEYS);
+        let own_name = key == COLOR_INTEROP_ID || key.starts_with(cryptomatte::KEYS);
         let name = if own_name { key.clone() } else { format!("{PREFIX}{key}") };
         if key.is_empty() || name.len() > LONGEST_NAME || !name.bytes().all(|byte| byte.is_ascii_graphic()) {
             return Err(Fault::new(at(), format!("`{key}` cannot name an attribute"))

@@ -2,8 +2,8 @@
 
 use super::data::{End, go_straight, place};
 use super::ledger::Ledger;
+use crate::film::cryptomatte::{self, Matte, NOTHING, POINTS, Ranked, identity, rank};
 use crate::film::frame::Frame;
-use crate::film::matte::{self, Matte, NOTHING, POINTS, Ranked, identity, rank};
 use crate::scene::Scene;
 use crate::world::World;
 use crate::world::geometry::Site;
@@ -81,6 +81,6 @@ pub fn add(frame: &mut Frame, scene: &Scene, world: &World, mattes: &[Matte]) {
     let roles = Role::ALL.map(Role::name);
     for (index, matte) in mattes.iter().enumerate() {
         let of_matte: Vec<Ranked> = pixels.iter().filter_map(|pixel| pixel.get(index).copied()).collect();
-        matte::add(frame, *matte, &of_matte, if matte.by_role() { &roles } else { &parts });
+        cryptomatte::add(frame, *matte, &of_matte, if matte.by_role() { &roles } else { &parts });
     }
 }
