@@ -14,7 +14,7 @@ use super::pick_up::Shining;
 use super::pixel::Pixel;
 use super::route::{Reach, Route};
 use super::rqmc::Rqmc;
-use super::turn::Faint;
+use super::specular_event::Faint;
 use super::vision::{Hints, Vision};
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::base::lpe::Source;

@@ -2,7 +2,7 @@
 
 use super::ledger::Ledger;
 use super::pick_up::Shining;
-use super::turn::Branch;
+use super::specular_event::Branch;
 use super::walk::{Meeting, Met, Vertex, Walker};
 use crate::base::chain::{Chain, Link, Step};
 use crate::world::eye::Arrival;

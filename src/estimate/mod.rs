@@ -3,7 +3,6 @@
 pub mod aov; // layers by light path expression
 mod around;
 pub mod backward;
-pub mod beam;
 pub mod both;
 pub mod cryptomatte;
 pub mod data;
@@ -14,9 +13,9 @@ pub mod forward;
 mod kernel_bias;
 #[cfg(test)]
 mod leak_tests;
-mod leave;
 pub mod ledger;
 pub mod manifold;
+mod outgoing;
 mod outliers;
 mod panes;
 pub mod photon;
@@ -27,11 +26,12 @@ mod pixel;
 pub mod route;
 mod rqmc;
 pub mod run;
+pub mod scatter_event;
 pub mod seen;
 pub mod shard;
 pub mod sight;
-pub mod spread;
-pub mod turn;
+pub mod specular_event;
+pub mod throughput;
 pub mod vision;
 pub mod walk;
 pub mod wish;

@@ -4,7 +4,7 @@
 //! found behind them, too.
 
 use super::ledger::Ledger;
-use super::turn::Branch;
+use super::specular_event::Branch;
 use super::walk::{Meeting, Met, Vertex, Walker};
 use crate::base::chain::Step;
 use crate::base::lpe::Letter;

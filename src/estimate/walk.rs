@@ -1,8 +1,8 @@
 //! The vertex step that all estimators share: advance to the next thing, and turn there.
 
-use super::beam::Beam;
 use super::ledger::{Ledger, cost};
-use super::turn::{Branch, Turn};
+use super::specular_event::{Branch, SpecularEvent};
+use super::throughput::Throughput;
 use crate::base::chain::{Chain, Link, Step};
 use crate::base::lpe::{Letter, Told};
 use crate::base::path::{Event, Trail};
@@ -43,7 +43,7 @@ pub struct Walker<'w, M: Mode> {
     pub(super) beside: Option<Site>,
     /// What the ray meets at once, where it went through the first of two faces that lie on each other.
     pub(super) pending: Option<Hit>,
-    pub beam: Beam<M>,
+    pub beam: Throughput<M>,
     /// Weight at the start: roulette compares with it.
     start_weight: f64,
     pub trail: Trail,
@@ -56,7 +56,7 @@ pub struct Walker<'w, M: Mode> {
     /// What the next interface does, if it is not left to chance.
     pub(super) forced: Option<Branch>,
     /// What the interface ahead does with light, where it is already known.
-    pub(super) ahead: Option<Turn<M>>,
+    pub(super) ahead: Option<SpecularEvent<M>>,
     /// Least probability of either way on from an interface: above 0, faint ways are taken more often than their share, and
     /// count less.
     pub least_chance: f64,
@@ -144,7 +144,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         interior: Interior,
         rng: Rng,
     ) -> Self {
-        let beam = Beam::new(weights, ray.dir);
+        let beam = Throughput::new(weights, ray.dir);
         Walker {
             world,
             optics,

@@ -11,7 +11,7 @@ use crate::base::rng::Stream;
 use crate::base::warp::{Frame, disk};
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::pixel::Pixel;
-use crate::estimate::turn::Faint;
+use crate::estimate::specular_event::Faint;
 use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::film::accumulate::Light;
 use crate::world::geometry::Ray;

@@ -13,7 +13,7 @@ use crate::estimate::manifold::screens::{Claim, Screens};
 use crate::estimate::photon_map::{Photon, PhotonMap, crowd};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::rqmc::Rqmc;
-use crate::estimate::turn::Faint;
+use crate::estimate::specular_event::Faint;
 use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::film::accumulate::{Components, Film, Light, Row};
 use crate::film::plan::Radii;

@@ -8,7 +8,7 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::look::to_scatterer;
 use crate::estimate::manifold::nodes::{SIDES, Spot};
 use crate::estimate::manifold::screens::Screens;
-use crate::estimate::turn::Faint;
+use crate::estimate::specular_event::Faint;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::world::World;
 use crate::world::geometry::Ray;

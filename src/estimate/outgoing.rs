@@ -1,7 +1,7 @@
 //! How a path leaves a vertex: through it, back from it, straight on, out of the scene, or not at all.
 
 use super::ledger::Ledger;
-use super::turn::Branch;
+use super::specular_event::Branch;
 use super::walk::{Meeting, Travel, Vertex, Walker};
 #[cfg(test)]
 use crate::world::Planted;

@@ -13,7 +13,7 @@ type Axis<M> = <<M as Mode>::Amount as Amount>::Axis;
 /// Throughput of a path. The slides' factors are kept apart: decisions of the path (roulette) must not depend on the
 /// contrast, so that pictures for two contrasts share every path.
 #[derive(Debug, Clone, Copy)]
-pub struct Beam<M: Mode> {
+pub struct Throughput<M: Mode> {
     /// Everything but the slides.
     amounts: M::Lanes<M::Amount>,
     /// The reference direction of the amounts' polarisation.
@@ -24,10 +24,10 @@ pub struct Beam<M: Mode> {
     alone: bool,
 }
 
-impl<M: Mode> Beam<M> {
+impl<M: Mode> Throughput<M> {
     /// An unpolarised path along `dir`.
     pub fn new(weights: M::Lanes<f64>, dir: DVec3) -> Self {
-        Beam {
+        Throughput {
             amounts: lanes::<M, _>(|lane| M::Amount::plain(weights[lane])),
             axis: M::Amount::any_axis(dir),
             slides: lanes::<M, _>(|_| Light::ONE),

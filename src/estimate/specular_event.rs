@@ -45,7 +45,7 @@ impl Faint {
 
 /// What a face makes of the amounts that a path carries.
 #[derive(Debug, Clone, Copy)]
-pub struct Turn<M: Mode> {
+pub struct SpecularEvent<M: Mode> {
     reflected: M::Lanes<M::Amount>,
     transmitted: M::Lanes<M::Amount>,
     /// Power per lane that stays at the face.
@@ -62,7 +62,7 @@ pub struct Turn<M: Mode> {
     disperses: bool,
 }
 
-impl<M: Mode> Turn<M> {
+impl<M: Mode> SpecularEvent<M> {
     /// Whether there is transmitted light to follow.
     pub fn refracts(&self) -> bool {
         self.refracted.is_some()
@@ -81,7 +81,7 @@ impl<M: Mode> Turn<M> {
 
 impl<'w, M: Mode> Walker<'w, M> {
     /// What the interface at `vertex` does, in the solids that are around the ray now.
-    pub(super) fn turn(&self, vertex: &Vertex, coating: usize) -> Turn<M> {
+    pub(super) fn turn(&self, vertex: &Vertex, coating: usize) -> SpecularEvent<M> {
         let (n1, n2) = (self.index_here(), self.index_beyond(vertex));
         let (dir, normal) = (self.ray.dir, vertex.normal);
         let cos_i = -dir.dot(normal);
@@ -108,11 +108,11 @@ impl<'w, M: Mode> Walker<'w, M> {
             Parted { shares: [r + t, 0.0, a], reflected, transmitted: M::Amount::plain(0.0), departs: parted.departs }
         });
         let crosses = parted[0].shares[1] > 0.0;
-        Turn { refracted: refracted.filter(|_| crosses), disperses, ..self.collect(parted, axis, error) }
+        SpecularEvent { refracted: refracted.filter(|_| crosses), disperses, ..self.collect(parted, axis, error) }
     }
 
     /// What a mirror at `vertex` does.
-    pub(super) fn turn_at_mirror(&self, vertex: &Vertex, mirror: Mirror) -> Turn<M> {
+    pub(super) fn turn_at_mirror(&self, vertex: &Vertex, mirror: Mirror) -> SpecularEvent<M> {
         let n1 = self.index_here();
         let cos_i = -self.ray.dir.dot(vertex.normal);
         let axis = M::Amount::face_axis(self.beam.axis(), self.ray.dir, vertex.normal);
@@ -174,8 +174,13 @@ impl<'w, M: Mode> Walker<'w, M> {
         self.absorb(part, before - self.beam.carried(), ledger);
     }
 
-    fn collect(&self, parted: M::Lanes<Parted<M::Amount>>, axis: <M::Amount as Amount>::Axis, error: f64) -> Turn<M> {
-        Turn {
+    fn collect(
+        &self,
+        parted: M::Lanes<Parted<M::Amount>>,
+        axis: <M::Amount as Amount>::Axis,
+        error: f64,
+    ) -> SpecularEvent<M> {
+        SpecularEvent {
             reflected: lanes::<M, _>(|lane| parted[lane].reflected),
             transmitted: lanes::<M, _>(|lane| parted[lane].transmitted),
             absorbed: lanes::<M, _>(|lane| parted[lane].shares[2] * self.beam.amount(lane).power()),
@@ -191,7 +196,7 @@ impl<'w, M: Mode> Walker<'w, M> {
     pub(super) fn take_branch(
         &mut self,
         vertex: &Vertex,
-        turn: &Turn<M>,
+        turn: &SpecularEvent<M>,
         forced: Option<Branch>,
         ledger: &mut Ledger,
     ) -> Meeting<'w> {
@@ -262,7 +267,7 @@ impl<'w, M: Mode> Walker<'w, M> {
     }
 
     /// What the interface between two media at `vertex` will do, kept for [`Walker::meet`]; none if nothing parts there.
-    pub(super) fn look_ahead(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Option<Turn<M>> {
+    pub(super) fn look_ahead(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Option<SpecularEvent<M>> {
         let Surface::Interface(coating) = &self.face(vertex).surface else { return None };
         if self.is_behind(vertex) {
             return None;
