@@ -1,22 +1,22 @@
 //! Path tracing from the eye: next-event estimation with multiple importance sampling, unbiased roulette.
 
 mod glow;
+mod next_event;
 mod probe;
-mod sent;
-mod skyward;
+mod sky_sampling;
 mod trial;
 
 use super::ShouldStop;
+use super::emitter_hit::EmitterHit;
 use super::ledger::{Ledger, cost};
 use super::manifold::bands::Bands;
-use super::panes::Scattered;
-use super::pick_up::Shining;
 use super::pixel::Pixel;
 use super::route::{Reach, Route};
 use super::rqmc::Rqmc;
 use super::specular_event::Faint;
 use super::vision::{Hints, Vision};
 use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
+use super::window_visibility::Scattered;
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::base::warp::Frame;
@@ -30,10 +30,10 @@ use crate::world::scatter::Scatter;
 use crate::world::surface::{FaceOptics, Surface};
 use glow::About;
 pub use glow::Glow;
+use next_event::Here;
 pub use probe::Daylight;
 use rayon::prelude::*;
-use sent::Here;
-use skyward::Skyward;
+use sky_sampling::SkySampling;
 use std::marker::PhantomData;
 use std::sync::Arc;
 pub use trial::Trial;
@@ -46,7 +46,7 @@ pub struct Backward<'w, M: Mode> {
     reach: Reach,
     /// Sees what lamps show through specular faces alone; the paths here leave that out.
     vision: Option<Vision<'w>>,
-    skyward: Skyward,
+    skyward: SkySampling,
     /// Kinds of lamps that a scatterer asks for.
     asked: u64,
     /// The scene has faces that transmit.
@@ -66,7 +66,7 @@ impl<'w, M: Mode> Backward<'w, M> {
     /// `paths`: per pixel that a pass looks at, but for those to lamps over specular faces alone. `share`: of the pixels, chosen by chance; what is seen there counts
     /// 1/share. `hints`: where lamps are seen over specular faces, and the sky through windows.
     pub fn new(world: &'w World, route: Route, (paths, share): (u32, f64), hints: Hints<'_>, seed: u64) -> Self {
-        let skyward = Skyward::new(hints.windows);
+        let skyward = SkySampling::new(hints.windows);
         let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, hints, seed));
         let asked = [world.lamps.all().is_empty(), world.sky.is_none(), world.lights.all().is_empty()];
         let asked = asked.iter().filter(|none| !**none).count() as u64;
@@ -306,7 +306,7 @@ impl<'w, M: Mode> Backward<'w, M> {
             return;
         }
         let Some(seen) = walker.lamp_at(vertex) else { return };
-        let Shining { lamp, index, cos, .. } = seen;
+        let EmitterHit { lamp, index, cos, .. } = seen;
         let Some(share) = self.route.from_eye(lamp.group, walker.trail) else { return };
         let plane = self.route.plane_from_eye(share, walker.told, lamp.group, Source::Face);
         let weight = match last.filter(|from| from.in_sight()) {

@@ -1,7 +1,7 @@
 //! Paths along a known chain of faces, and the record of the chain of any path.
 
+use super::emitter_hit::EmitterHit;
 use super::ledger::Ledger;
-use super::pick_up::Shining;
 use super::specular_event::Branch;
 use super::walk::{Meeting, Met, Vertex, Walker};
 use crate::base::chain::{Chain, Link, Step};
@@ -89,7 +89,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         lamp: usize,
         ledger: &mut Ledger,
         each: impl FnMut(Option<u32>, &Vertex, Option<u32>),
-    ) -> Option<Shining<'w>> {
+    ) -> Option<EmitterHit<'w>> {
         let whole = self.follow(links, ledger, each);
         whole.then(|| self.reach_lamp(ledger)).flatten().filter(|seen| seen.index == lamp)
     }
@@ -118,7 +118,7 @@ impl<'w, M: Mode> Walker<'w, M> {
     }
 
     /// Goes on to what shines next on the way; none if something else is there.
-    pub fn reach_lamp(&mut self, ledger: &mut Ledger) -> Option<Shining<'w>> {
+    pub fn reach_lamp(&mut self, ledger: &mut Ledger) -> Option<EmitterHit<'w>> {
         self.reach(ledger, |walker, vertex| walker.lamp_at(vertex))
     }
 

@@ -8,8 +8,8 @@ use crate::base::ids::GroupId;
 use crate::base::rng::Rng;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::Shots;
+use crate::estimate::emitter_hit::EmitterHit;
 use crate::estimate::ledger::Ledger;
-use crate::estimate::pick_up::Shining;
 use crate::estimate::walk::{Meeting, Met, Travel, Vertex, Walker};
 use crate::film::accumulate::Light;
 use crate::film::guide::Point;
@@ -177,7 +177,7 @@ impl<'w, M: Mode> Looking<'_, 'w, M> {
 }
 
 /// Luminance of a lamp that a path from the eye has met.
-fn seen_light<M: Mode>(walker: &Walker<'_, M>, seen: &Shining<'_>) -> f64 {
+fn seen_light<M: Mode>(walker: &Walker<'_, M>, seen: &EmitterHit<'_>) -> f64 {
     let mut out = [Light::default(); 3];
     walker.see(&mut out[..M::COMPONENTS], seen, 1.0);
     components::<M>().luminance_value(&out[..M::COMPONENTS])

@@ -7,13 +7,13 @@ use glam::DVec3;
 
 /// How a scatterer chooses directions to the sky.
 #[derive(Debug, Clone)]
-pub(super) struct Skyward {
+pub(super) struct SkySampling {
     windows: Option<Windows>,
 }
 
-impl Skyward {
-    pub fn new(windows: Option<&Windows>) -> Skyward {
-        Skyward { windows: windows.cloned() }
+impl SkySampling {
+    pub fn new(windows: Option<&Windows>) -> SkySampling {
+        SkySampling { windows: windows.cloned() }
     }
 
     /// A unit direction at a point, and its density per steradian, which is 0 only if the sky is black. Both ways are chosen
@@ -29,7 +29,7 @@ impl Skyward {
         (dir, self.pdf(sky, point, dir))
     }
 
-    /// Density of [`Skyward::sample`] in a unit direction at a point, 1/sr.
+    /// Density of [`SkySampling::sample`] in a unit direction at a point, 1/sr.
     pub fn pdf(&self, sky: &SkyLight, point: DVec3, dir: DVec3) -> f64 {
         let by_sky = sky.pdf(dir);
         self.windows.as_ref().map_or(by_sky, |windows| windows.among(point, dir, by_sky))

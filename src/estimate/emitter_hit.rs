@@ -6,7 +6,7 @@ use crate::world::lamp::Lamp;
 use crate::world::mode::{Mode, lanes};
 
 /// A lamp that a path from the eye has met.
-pub struct Shining<'w> {
+pub struct EmitterHit<'w> {
     pub lamp: &'w Lamp,
     /// Its number among the lamps.
     pub index: usize,
@@ -25,7 +25,7 @@ impl<'w, M: Mode> Walker<'w, M> {
     }
 
     /// Adds the light of a lamp that the path has met, `factor` times.
-    pub fn see(&self, out: &mut [Light], seen: &Shining<'_>, factor: f64) {
+    pub fn see(&self, out: &mut [Light], seen: &EmitterHit<'_>, factor: f64) {
         let tint = self.optics.lamp(seen.index);
         let index = self.index_here();
         let amounts = lanes::<M, _>(|lane| seen.luminance * factor * tint[lane] / (index[lane] * index[lane]));
@@ -37,7 +37,7 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     /// The light of a lamp that the path has met, as it arrives at the path's start: luminance per lane; whether the first
     /// lane stands for all.
-    pub fn seen(&self, seen: &Shining<'_>) -> (M::Lanes<Light>, bool) {
+    pub fn seen(&self, seen: &EmitterHit<'_>) -> (M::Lanes<Light>, bool) {
         let tint = self.optics.lamp(seen.index);
         let index = self.index_here();
         let beam = match seen.lamp.polarisation {
@@ -62,7 +62,7 @@ impl<'w, M: Mode> Walker<'w, M> {
     }
 
     /// The lamp at `vertex` that shines along the path towards the eye.
-    pub fn lamp_at(&self, vertex: &Vertex) -> Option<Shining<'w>> {
+    pub fn lamp_at(&self, vertex: &Vertex) -> Option<EmitterHit<'w>> {
         let (site, world) = (vertex.hit.site, self.world);
         let front = world.lamps.of_face(site.part as usize, site.face as usize)?;
         let towards = -self.ray.dir.dot(vertex.hit.normal);
@@ -73,6 +73,6 @@ impl<'w, M: Mode> Walker<'w, M> {
         let lamp = &world.lamps.all()[index];
         let cos = -self.ray.dir.dot(normal);
         let luminance = lamp.luminance_along(normal, -self.ray.dir);
-        (luminance > 0.0).then_some(Shining { lamp, index, cos, luminance })
+        (luminance > 0.0).then_some(EmitterHit { lamp, index, cos, luminance })
     }
 }
