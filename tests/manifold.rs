@@ -9,7 +9,7 @@ use eyebox::check::check;
 use eyebox::estimate::manifold::solve::{Family, Target, newton, trace};
 use eyebox::estimate::photon::Landing;
 use eyebox::estimate::run::Films;
-use eyebox::estimate::seen::Seen;
+use eyebox::estimate::visible_receivers::VisibleReceivers;
 use eyebox::film::plan::{Estimator, Plan};
 use eyebox::import::{ImportOptions, import};
 use eyebox::plan::{Asked, Choice, Polarisation, plan};
@@ -250,7 +250,7 @@ fn glances_hide_nothing() {
 fn photons_behind_a_wall_are_not_seen() {
     let scene = generate::scene(5);
     let world = World::freeze(&scene).expect("the scene can be traced");
-    let seen = Seen::look(&world, 1e-2, &|| false);
+    let seen = VisibleReceivers::look(&world, 1e-2, &|| false);
     assert!(!seen.points().is_empty());
     for sight in seen.points().iter().step_by(100) {
         let face = &scene.parts[sight.site.part as usize].faces[sight.site.face as usize];

@@ -1,9 +1,7 @@
 //! Floor 4: the estimators, the vertex step they share, and the ledger that books their light.
 
 pub mod aov; // layers by light path expression
-mod around;
 pub mod backward;
-pub mod both;
 pub mod cryptomatte;
 pub mod data;
 pub mod emission;
@@ -16,6 +14,7 @@ mod kernel_bias;
 mod leak_tests;
 pub mod ledger;
 pub mod manifold;
+mod medium_stack;
 mod outgoing;
 mod outliers;
 pub mod photon;
@@ -26,11 +25,12 @@ pub mod route;
 mod rqmc;
 pub mod run;
 pub mod scatter_event;
-pub mod seen;
 pub mod shard;
 pub mod sight;
 pub mod specular_event;
+pub mod splitting;
 pub mod throughput;
+pub mod visible_receivers;
 pub mod vision;
 pub mod walk;
 mod window_visibility;

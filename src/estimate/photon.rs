@@ -14,7 +14,7 @@ use super::manifold::glances::Glances;
 use super::manifold::screens::Screens;
 use super::photon_map::Photon;
 use super::route::{Reach, Route};
-use super::seen::Seen;
+use super::visible_receivers::VisibleReceivers;
 use crate::base::ids::GroupId;
 use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
@@ -225,7 +225,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
 
     /// Traces one pass for learning: the starts of paths, with the flux that they store where the eye sees it, see
     /// [`Emission::probe`]. Once `stop` says true the rest is left out, and the result is worthless.
-    pub fn probe(&self, pass: u64, seen: &Seen, stop: &ShouldStop<'_>) -> Vec<Sample> {
+    pub fn probe(&self, pass: u64, seen: &VisibleReceivers, stop: &ShouldStop<'_>) -> Vec<Sample> {
         let optics = M::optics(self.world, self.seed, pass);
         let useful = |stored: &Stored<'_, M>| {
             let landings = stored.photons.iter().map(Landing::of).filter(|landing| seen.sees(landing));

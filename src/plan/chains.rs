@@ -7,10 +7,10 @@ use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ShouldStop;
-use crate::estimate::both::Both;
 use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::route::Route;
+use crate::estimate::splitting::Splitting;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::film::guide::Guide;
 use crate::film::plan::{Estimator, MOST_ENTRIES, MOST_LIT, Plan};
@@ -53,12 +53,12 @@ pub(super) struct Arrived {
 
 struct Arrivals {
     found: Vec<Arrived>,
-    both: Both,
+    both: Splitting,
 }
 
 impl Default for Arrivals {
     fn default() -> Self {
-        Arrivals { found: Vec::new(), both: Both::new(LEAST, MOST_SPLITS) }
+        Arrivals { found: Vec::new(), both: Splitting::new(LEAST, MOST_SPLITS) }
     }
 }
 
@@ -231,7 +231,7 @@ struct Struck {
 
 struct Strikes<'s> {
     seen: &'s BTreeSet<(u32, u32)>,
-    both: Both,
+    both: Splitting,
     found: Vec<Struck>,
 }
 
@@ -277,7 +277,7 @@ pub fn screens(
     let emission = Emission::new(world, &Route::new(plan, groups, Estimator::Photon), groups, guide);
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let shots = Shots { seed: SEED, stream: Stream::Pilot, pass: 1, paths: PATHS, starts: Starts::OfPass };
-    let visitor = || Strikes { seen, both: Both::new(LEAST_ON_FACE, MOST_SPLITS), found: Vec::new() };
+    let visitor = || Strikes { seen, both: Splitting::new(LEAST_ON_FACE, MOST_SPLITS), found: Vec::new() };
     let all = emission.survey((world, &optics), shots, stop, visitor, |_, _, _, strikes: Strikes<'_>| {
         (!strikes.found.is_empty()).then_some(strikes.found)
     });

@@ -10,7 +10,7 @@ use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::estimate::backward::Backward;
 use crate::estimate::route::Route;
-use crate::estimate::seen::Seen;
+use crate::estimate::visible_receivers::VisibleReceivers;
 use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
 use crate::film::specular_chain::Screen;
@@ -154,7 +154,7 @@ impl Making<'_> {
             return;
         }
         let pixel_m = pilot::pixel_m(self.world, self.checked.scene().eye.resolution);
-        let seen = Seen::look(self.world, pixel_m, self.stop);
+        let seen = VisibleReceivers::look(self.world, pixel_m, self.stop);
         if caustics {
             plan.screens = chains::screens(self.world, plan, self.groups(), &seen.faces(), None, self.stop);
             // What follows sees the light of a train as connected where a coarse table has it; so where that has nothing, the

@@ -7,11 +7,11 @@ use crate::base::lattice::lattice;
 use crate::base::path::Class;
 use crate::base::rng::Stream;
 use crate::estimate::ShouldStop;
-use crate::estimate::both::Both;
 use crate::estimate::data::{End, go_straight};
 use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::route::Route;
+use crate::estimate::splitting::Splitting;
 use crate::estimate::walk::{Vertex, Walker};
 use crate::film::plan::{Estimator, Plan, Verdict};
 use crate::world::World;
@@ -28,7 +28,7 @@ const MOST_SPLITS: u32 = 256;
 
 /// Faces that light goes on from unscattered.
 struct Faces {
-    both: Both,
+    both: Splitting,
     found: BTreeSet<(u32, u32)>,
 }
 
@@ -90,7 +90,7 @@ pub(super) fn may_meet(world: &World, plan: &Plan, groups: usize, stop: &ShouldS
     }
     let emission = Emission::new(world, &Route::new(plan, groups, Estimator::Forward), groups, None);
     let shots = Shots { seed: SEED, stream: Stream::Pilot, pass: 4, paths: PATHS, starts: Starts::OfPass };
-    let visitor = || Faces { both: Both::new(LEAST, MOST_SPLITS), found: BTreeSet::new() };
+    let visitor = || Faces { both: Splitting::new(LEAST, MOST_SPLITS), found: BTreeSet::new() };
     let lit = emission.survey((world, &optics), shots, stop, visitor, |_, _, _, faces: Faces| Some(faces.found));
     lit.into_iter().flatten().any(is_seen)
 }

@@ -4,7 +4,7 @@
 
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::photon_map::{PhotonMap, crowd};
-use crate::estimate::seen::{Place, follow};
+use crate::estimate::visible_receivers::{Place, follow};
 use crate::estimate::walk::{Travel, Walker};
 use crate::world::World;
 use crate::world::geometry::{Ray, Site};

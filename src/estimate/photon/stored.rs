@@ -1,10 +1,10 @@
 //! What photons leave at scatterers on their way, and where they part.
 
-use crate::estimate::both::Both;
 use crate::estimate::emission::{Origin, Visitor};
 use crate::estimate::manifold::screens::{Claim, Screens};
 use crate::estimate::manifold::solve::Target;
 use crate::estimate::photon_map::Photon;
+use crate::estimate::splitting::Splitting;
 use crate::estimate::walk::{Vertex, Walker};
 use crate::world::eye::Arrival;
 use crate::world::mode::Mode;
@@ -30,14 +30,14 @@ pub(super) struct Stored<'s, M: Mode> {
     /// How far from where they land photons may be gathered whose path may be connected.
     reach_m: f64,
     /// Where photons part, if they do.
-    parts: Option<Both>,
+    parts: Option<Splitting>,
     /// Counted work of asking what is connected.
     pub(super) work: u64,
 }
 
 impl<'s, M: Mode> Stored<'s, M> {
     pub(super) fn new(screens: &'s Screens<M>, reach_m: f64, part: bool) -> Self {
-        let parts = part.then(|| Both::new(parting::LEAST, parting::MOST));
+        let parts = part.then(|| Splitting::new(parting::LEAST, parting::MOST));
         Stored { photons: Vec::new(), screens, reach_m, parts, work: 0 }
     }
 

@@ -11,7 +11,7 @@ use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::Emission;
 use crate::estimate::route::Route;
-use crate::estimate::seen::Seen;
+use crate::estimate::visible_receivers::VisibleReceivers;
 use crate::film::guide::Guide;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Spectral, Verdict};
 use crate::plan::facts::{auto, skip};
@@ -104,7 +104,7 @@ impl Sides {
             let plan =
                 plan_of(groups, Estimator::Photon, mode, |group, class| class != Class::Vision && !is_sky(group));
             let pixel_m = pilot::pixel_m(world, scene.eye.resolution);
-            let seen = Seen::look(world, pixel_m, stop);
+            let seen = VisibleReceivers::look(world, pixel_m, stop);
             let pilot = pilot::photon(world, &plan, groups, (pixel_m, &seen), &Made::default(), stop);
             sides.photons = Lamps::new(world, &plan, groups, Estimator::Photon, &pilot.guide);
             if scene.sky.is_some() {

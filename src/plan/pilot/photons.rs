@@ -9,7 +9,7 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::screens::Screens;
 use crate::estimate::photon::{Landed, Landing, PhotonMapper};
 use crate::estimate::route::Route;
-use crate::estimate::seen::{Seen, Sighting};
+use crate::estimate::visible_receivers::{Sighting, VisibleReceivers};
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan, Radii};
@@ -26,7 +26,7 @@ use std::sync::Arc;
 /// Photons, and where they are gathered.
 struct Photons<'w> {
     mapper: PhotonMapper<'w, Mono>,
-    seen: &'w Seen,
+    seen: &'w VisibleReceivers,
 }
 
 impl Look for Photons<'_> {
@@ -72,7 +72,7 @@ pub fn photon(
     world: &World,
     plan: &Plan,
     groups: usize,
-    (pixel_m, seen): (f64, &Seen),
+    (pixel_m, seen): (f64, &VisibleReceivers),
     made: &Made,
     stop: &ShouldStop<'_>,
 ) -> PhotonPilot {
@@ -159,7 +159,7 @@ pub fn by_light(screens: &[Screen]) -> (Vec<Screen>, Vec<Screen>) {
 }
 
 /// Of what the eye sees by the photons, the share that specular connection leaves to them.
-fn rest_share(world: &World, landed: &[Landed], seen: &Seen) -> f64 {
+fn rest_share(world: &World, landed: &[Landed], seen: &VisibleReceivers) -> f64 {
     let (mut all, mut rest) = (0.0, 0.0);
     for landing in landed.iter().flat_map(|path| &path.landings) {
         let (shown, left) = seen.shown(world, landing);
@@ -170,7 +170,7 @@ fn rest_share(world: &World, landed: &[Landed], seen: &Seen) -> f64 {
 }
 
 /// Starts of paths, weighted with what the eye sees of them that specular connection leaves.
-fn of_rest(world: &World, landed: &[Landed], seen: &Seen) -> Vec<Sample> {
+fn of_rest(world: &World, landed: &[Landed], seen: &VisibleReceivers) -> Vec<Sample> {
     let start = |path: &Landed| {
         let weight = path.landings.iter().map(|landing| seen.shown(world, landing).1).sum::<f64>();
         (weight > 0.0).then_some(Sample { lamp: path.lamp, x: path.x, weight })
@@ -183,7 +183,12 @@ type Counts<'c> = dyn Fn(&Sighting, &Landing) -> bool + 'c;
 
 /// The radius about what the eye sees within which one of the photons that count has landed: the median over the points
 /// `at` which they might, m; none if there are too few.
-fn spacing(landings: &[Landing], seen: &Seen, at: &dyn Fn(&&Sighting) -> bool, counts: &Counts<'_>) -> Option<f64> {
+fn spacing(
+    landings: &[Landing],
+    seen: &VisibleReceivers,
+    at: &dyn Fn(&&Sighting) -> bool,
+    counts: &Counts<'_>,
+) -> Option<f64> {
     const NEIGHBOURS: usize = 8;
     const POINTS: usize = 256;
     let sights: Vec<&Sighting> = seen.points().iter().filter(at).collect();

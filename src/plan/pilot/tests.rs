@@ -8,7 +8,7 @@ use crate::estimate::ShouldStop;
 use crate::estimate::manifold::screens::Screens;
 use crate::estimate::photon::PhotonMapper;
 use crate::estimate::route::Route;
-use crate::estimate::seen::Seen;
+use crate::estimate::visible_receivers::VisibleReceivers;
 use crate::film::guide::{Even, Guide, Point, Sample};
 use crate::film::plan::Estimator;
 use crate::import::{ImportOptions, import};
@@ -28,7 +28,7 @@ fn photons_that_part_start_where_light_is_left() {
     let (checked, world) = (check(&scene).unwrap(), &World::freeze(&scene).unwrap());
     let (plan, groups) = (plan(&checked, world, Choice::Auto), scene.groups.len());
     assert!(plan.photons_part);
-    let seen = Seen::look(world, pixel_m(world, scene.eye.resolution), &|| false);
+    let seen = VisibleReceivers::look(world, pixel_m(world, scene.eye.resolution), &|| false);
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let connected = Arc::new(Screens::coarse(world, &optics, &plan.screens));
     let nothing = Arc::new(Screens::new(world, &optics, &[]));

@@ -5,7 +5,7 @@ use crate::world::mode::Mode;
 use std::cell::Cell;
 
 /// Which interfaces split a path, for [`Visitor::split_from`](super::emission::Visitor::split_from).
-pub struct Both {
+pub struct Splitting {
     /// Share of what the path started with that each way must carry.
     least: f64,
     /// Interfaces at which one path and all its branches may split: among a hundred plates of glass there would be no end.
@@ -14,9 +14,9 @@ pub struct Both {
     asked: Cell<u32>,
 }
 
-impl Both {
+impl Splitting {
     pub fn new(least: f64, most: u32) -> Self {
-        Both { least, most, asked: Cell::new(0) }
+        Splitting { least, most, asked: Cell::new(0) }
     }
 
     /// Share of the power here that both ways on must carry; none: the path is not split. Every interface asks, so both

@@ -29,7 +29,7 @@ type Cells = HashMap<(u32, u32, [i64; 3]), usize>;
 
 /// Cells of the faces that the eye has met first among broad scatterers, and next where the first asks for final gathering.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Seen {
+pub struct VisibleReceivers {
     cell_m: f64,
     /// Of the first, and of the next. Each with one of the points in it.
     cells: [Cells; 2],
@@ -104,10 +104,10 @@ impl Sighting {
     }
 }
 
-impl Seen {
+impl VisibleReceivers {
     /// `pixel_m`: the distance between what neighbouring pixels see, m. Once `stop` says true the rest is left out, and
     /// the result is worthless.
-    pub fn look(world: &World, pixel_m: f64, stop: &ShouldStop<'_>) -> Seen {
+    pub fn look(world: &World, pixel_m: f64, stop: &ShouldStop<'_>) -> VisibleReceivers {
         let [width, height] = world.eye.size();
         // Wide enough that the rays leave no holes: 3 times their mean distance.
         let cell_m = 3.0 * pixel_m * ((width * height) as f64 / RAYS as f64).sqrt().max(1.0);
@@ -143,7 +143,7 @@ impl Seen {
             let of = points.iter().enumerate().filter(|(_, sight)| sight.is_second() == second);
             of.map(|(index, sight)| (cell(sight), index)).collect()
         });
-        Seen { cell_m, cells, points }
+        VisibleReceivers { cell_m, cells, points }
     }
 
     /// Whether a photon is gathered within half a cell of where it is.
