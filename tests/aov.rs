@@ -17,7 +17,7 @@ use eyebox::import::{ImportOptions, import};
 use eyebox::output::mix::{Recipe, mix};
 use eyebox::output::shares::Rendering;
 use eyebox::plan::{Choice, plan};
-use eyebox::scene::assembly::LayerWish;
+use eyebox::scene::assembly::RequestedLayer;
 use eyebox::scene::*;
 use eyebox::world::World;
 use glam::DVec3;
@@ -108,7 +108,7 @@ fn what_cannot_be_had_is_refused() {
 #[test]
 fn wishes_of_an_asset() {
     with(|s, world, plan| {
-        let wish = |source: &str, expression: bool| LayerWish {
+        let wish = |source: &str, expression: bool| RequestedLayer {
             source: source.to_owned(),
             expression,
             name: "1 mine".to_owned(),

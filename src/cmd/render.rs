@@ -18,9 +18,9 @@ use crate::estimate::cryptomatte;
 use crate::estimate::data::data_layers;
 use crate::estimate::finishing::{Finishing, Wanted};
 use crate::estimate::picture::{add_data_layers, add_meta, add_sharpness, add_witness, check_layers, plan_lines};
+use crate::estimate::render_vars;
 use crate::estimate::run::{Outcome, Start, Stop};
 use crate::estimate::shard;
-use crate::estimate::wish;
 use crate::film::aov::Aov;
 use crate::film::diffraction::{Diffraction, PRIMARIES_NM};
 use crate::film::frame::Meta;
@@ -33,7 +33,7 @@ use crate::output::exr::{COLOR_INTEROP_ID, write_exr};
 use crate::plan::frozen::Frozen;
 use crate::plan::pupil::{Surveyed, survey};
 use crate::plan::{Asked, Choice, Guides, plan_unless};
-use crate::scene::assembly::LayerWish;
+use crate::scene::assembly::RequestedLayer;
 use crate::scene::{Scene, Severity, Wavelengths};
 use crate::world::World;
 use crate::world::light::Light;
@@ -103,8 +103,8 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     let diffraction = args.diffraction.then(|| spread_by(&scene, &checked, &world, &pupils));
     let frozen = Frozen::new(&scene, asked, &plan);
     // What the command line asks for goes before what the asset asks for.
-    let wishes: &[LayerWish] = if args.layers.is_empty() { &wishes } else { &[] };
-    let (named_layers, ungranted) = wish::granted(wishes, &scene.groups);
+    let wishes: &[RequestedLayer] = if args.layers.is_empty() { &wishes } else { &[] };
+    let (named_layers, ungranted) = render_vars::granted(wishes, &scene.groups);
     let Granted { aovs, notes: refused, sieve } =
         aov::granted(&args.aovs, (wishes, &named_layers), &scene, &world, &plan)?;
     let names: Vec<String> =

@@ -3,7 +3,7 @@
 //! what they take has planes of its own.
 
 use super::picture::possible_layers;
-use super::wish::{Named, plain};
+use super::render_vars::{Named, plain};
 use crate::base::lpe::{Alphabet, Letter, Lpe, Sieve, Source, Verdict};
 use crate::base::path::{Class, Event};
 use crate::base::{Fault, Result, Where};
@@ -12,7 +12,7 @@ use crate::film::cryptomatte::Matte;
 use crate::film::frame::{Channel, Frame, Meta};
 use crate::film::layer::Layer;
 use crate::film::plan::{Estimator, Plan};
-use crate::scene::assembly::LayerWish;
+use crate::scene::assembly::RequestedLayer;
 use crate::scene::{Finish, Note, Scene};
 use crate::world::World;
 use crate::world::scatter::Scatter;
@@ -47,7 +47,7 @@ pub struct Granted {
 /// Errors: something asked that cannot be had, or a name that is a layer's already.
 pub fn granted(
     asked: &[(String, String)],
-    (wishes, named): (&[LayerWish], &[Named]),
+    (wishes, named): (&[RequestedLayer], &[Named]),
     scene: &Scene,
     world: &World,
     plan: &Plan,

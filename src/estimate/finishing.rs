@@ -3,8 +3,8 @@
 
 use super::aov;
 use super::picture::{infos, keep_layers};
+use super::render_vars::{self, Named};
 use super::run::Films;
-use super::wish::{self, Named};
 use crate::base::colour::ColourSpace;
 use crate::base::{Fault, Result, Where};
 use crate::film::accumulate::Film;
@@ -93,7 +93,7 @@ impl Wanted {
             all.into_iter().partition(|channel| names.contains(channel.layer()));
         frame.channels = others;
         keep_layers(frame, &self.layers);
-        wish::rename(frame, &self.named, self.only_named);
+        render_vars::rename(frame, &self.named, self.only_named);
         frame.channels.extend(own.into_iter().chain(shares));
         frame.meta.extend(said);
         frame.meta.extend(self.prefix.iter().map(|prefix| (LAYER_PREFIX.to_owned(), Meta::Text(prefix.clone()))));

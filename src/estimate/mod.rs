@@ -21,6 +21,7 @@ pub mod photon;
 pub mod photon_map;
 pub mod picture;
 mod pixel;
+pub mod render_vars;
 pub mod route;
 mod rqmc;
 pub mod run;
@@ -34,7 +35,6 @@ pub mod visible_receivers;
 pub mod vision;
 pub mod walk;
 mod window_visibility;
-pub mod wish;
 pub mod witness;
 
 /// Asked while something is being done whether to leave it (Ctrl-C); once true, always true.

@@ -31,7 +31,7 @@ pub struct Assembly {
     /// its own lists.)
     pub textures: Vec<(PathBuf, Where)>,
     /// The layers that the asset asks for, and their names; empty if it leaves that to us.
-    pub layers: Vec<LayerWish>,
+    pub layers: Vec<RequestedLayer>,
     /// Root attributes of the asset (glTF: root extension `EYEBOX_optics`), in the sidecar's vocabulary.
     pub optics: Option<Value>,
     /// What was repaired, ignored or not understood.
@@ -230,7 +230,7 @@ pub enum LightForm {
 
 /// A layer that the asset asks for (USD RenderVar).
 #[derive(Debug, Clone, PartialEq)]
-pub struct LayerWish {
+pub struct RequestedLayer {
     /// What is asked for: a name of a layer of ours, or a light path expression.
     pub source: String,
     pub expression: bool,

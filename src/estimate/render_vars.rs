@@ -3,7 +3,7 @@
 use super::picture::possible_layers;
 use crate::film::cryptomatte::Matte;
 use crate::film::frame::{Channel, Frame};
-use crate::scene::assembly::LayerWish;
+use crate::scene::assembly::RequestedLayer;
 use crate::scene::{Group, Note};
 
 /// One of our layers, and the name that it is written under.
@@ -29,7 +29,7 @@ const SYNONYMS: [(&str, &str); 10] = [
 ];
 
 /// What of `wishes` can be had, and a warning for each that cannot; light path expressions are `aov`'s.
-pub fn granted(wishes: &[LayerWish], groups: &[Group]) -> (Vec<Named>, Vec<Note>) {
+pub fn granted(wishes: &[RequestedLayer], groups: &[Group]) -> (Vec<Named>, Vec<Note>) {
     let possible = possible_layers(groups);
     let (mut all, mut notes) = (Vec::<Named>::new(), Vec::new());
     for wish in wishes.iter().filter(|wish| !wish.expression) {
@@ -92,8 +92,8 @@ mod tests {
     use super::*;
     use crate::base::Where;
 
-    fn wish(source: &str, expression: bool, name: &str) -> LayerWish {
-        LayerWish { source: source.into(), expression, name: name.into(), at: Where::Nowhere }
+    fn wish(source: &str, expression: bool, name: &str) -> RequestedLayer {
+        RequestedLayer { source: source.into(), expression, name: name.into(), at: Where::Nowhere }
     }
 
     #[test]
