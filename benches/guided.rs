@@ -8,8 +8,8 @@ use eyebox::check::check;
 use eyebox::estimate::emission::Starts;
 use eyebox::estimate::forward::Forward;
 use eyebox::estimate::manifold::screens::Screens;
+use eyebox::estimate::ownership::Ownership;
 use eyebox::estimate::photon::PhotonMapper;
-use eyebox::estimate::route::Route;
 use eyebox::film::accumulate::{Components, Film, Sampling};
 use eyebox::film::guide::Guide;
 use eyebox::film::plan::{Estimator, Plan};
@@ -85,7 +85,7 @@ fn forward_film(
     seed: u64,
 ) -> Film {
     let groups = scene.groups.len();
-    let route = Route::new(plan, groups, Estimator::Forward);
+    let route = Ownership::new(plan, groups, Estimator::Forward);
     let [width, height] = scene.eye.resolution;
     let mut film =
         Film::new(width, height, route.planes.clone(), Components::Luminance, Sampling::PerScramble { paths });
@@ -99,7 +99,7 @@ fn useful(world: &World, plan: &Plan, scene: &Scene, guide: Option<&Guide>) -> f
     let paths = 1 << 15;
     let forward = Forward::<Mono>::new(
         world,
-        Route::new(plan, groups, Estimator::Forward),
+        Ownership::new(plan, groups, Estimator::Forward),
         groups,
         paths,
         guide,
@@ -162,7 +162,7 @@ fn photon_film(
     seed: u64,
 ) -> Film {
     let groups = scene.groups.len();
-    let route = Route::new(plan, groups, Estimator::Photon);
+    let route = Ownership::new(plan, groups, Estimator::Photon);
     let [width, height] = scene.eye.resolution;
     let mut film = Film::new(width, height, route.planes.clone(), Components::Luminance, Sampling::PerPass);
     let screens = Arc::new(Screens::new(world, &Mono::<f64>::optics(world, seed, 0), &[]));

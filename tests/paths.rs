@@ -5,7 +5,7 @@ use eyebox::base::chain::Chain;
 use eyebox::base::rng::Stream;
 use eyebox::check::check;
 use eyebox::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
-use eyebox::estimate::route::Route;
+use eyebox::estimate::ownership::Ownership;
 use eyebox::estimate::walk::{Vertex, Walker};
 use eyebox::film::accumulate::Light;
 use eyebox::film::plan::Estimator;
@@ -216,7 +216,7 @@ fn chains_have_the_flux_of_light_tracing() {
         guides: eyebox::plan::Guides::On,
     };
     let plan = eyebox::plan::plan(&checked, &world, asked);
-    let route = Route::new(&plan, groups, Estimator::Forward);
+    let route = Ownership::new(&plan, groups, Estimator::Forward);
     let emission = Emission::new(&world, &route, groups, plan.forward_guide.as_ref());
     let optics = MonoStokes::optics(&world, 5, 0);
     let shots = Shots { seed: 5, stream: Stream::Check, pass: 0, paths: PATHS, starts: Starts::Random };

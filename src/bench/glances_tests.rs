@@ -8,7 +8,7 @@ use crate::estimate::manifold::glances::Glances;
 use crate::estimate::manifold::over_film::OverFilm;
 use crate::estimate::manifold::screens::Screens;
 use crate::estimate::manifold::vision::Manifold;
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::film::accumulate::{Film, Sampling};
 use crate::film::plan::Estimator;
 use crate::import::{ImportOptions, import};
@@ -38,7 +38,7 @@ fn tables_reach_to_where_the_display_ends() {
     let glances = OverFilm::new(world).and_then(|over| Glances::new(world, &optics, &screens, over)).map(Arc::new);
     assert!(glances.is_some());
     let [width, height] = SIZE;
-    let route = Route::new(&plan, ready.checked.scene().groups.len(), Estimator::Manifold);
+    let route = Ownership::new(&plan, ready.checked.scene().groups.len(), Estimator::Manifold);
     let manifold = |glances: Option<Arc<Glances<Mono>>>| {
         let none = Arc::new(Bands::default());
         Manifold::new(world, route.clone(), (none, None), (screens.clone(), glances), 1)

@@ -5,7 +5,7 @@ use super::generate;
 use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::screens::Screens;
 use crate::estimate::manifold::vision::Manifold;
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::run::{Films, Start, begin};
 use crate::film::accumulate::{Film, Sampling};
 use crate::film::plan::Estimator;
@@ -31,7 +31,7 @@ fn finer_maps_bring_the_same_light_for_less_work() {
     assert!((1..32).contains(&change), "{change}");
     assert!(Arc::ptr_eq(&first, &first.of_pass(change - 1, world, &optics)));
     let run = |screens: Arc<Screens<Mono>>| {
-        let route = Route::new(&plan, ready.checked.scene().groups.len(), Estimator::Manifold);
+        let route = Ownership::new(&plan, ready.checked.scene().groups.len(), Estimator::Manifold);
         let mut film = Film::new(32, 24, route.planes.clone(), components::<Mono>(), Sampling::PerPass);
         let none = Arc::new(Bands::default());
         let ledger = Manifold::new(world, route, (none, None), (screens, None), 1).run(&mut film, 0, 1);

@@ -10,8 +10,8 @@ use super::ShouldStop;
 use super::emitter_hit::EmitterHit;
 use super::ledger::{Ledger, cost};
 use super::manifold::bands::Bands;
+use super::ownership::{Ownership, Reach};
 use super::pixel::Pixel;
-use super::route::{Reach, Route};
 use super::rqmc::Rqmc;
 use super::specular_event::Faint;
 use super::vision::{Hints, Vision};
@@ -42,7 +42,7 @@ pub use trial::Trial;
 pub struct Backward<'w, M: Mode> {
     world: &'w World,
     mode: PhantomData<M>,
-    route: Route,
+    route: Ownership,
     reach: Reach,
     /// Sees what lamps show through specular faces alone; the paths here leave that out.
     vision: Option<Vision<'w>>,
@@ -65,7 +65,7 @@ pub struct Backward<'w, M: Mode> {
 impl<'w, M: Mode> Backward<'w, M> {
     /// `paths`: per pixel that a pass looks at, but for those to lamps over specular faces alone. `share`: of the pixels, chosen by chance; what is seen there counts
     /// 1/share. `hints`: where lamps are seen over specular faces, and the sky through windows.
-    pub fn new(world: &'w World, route: Route, (paths, share): (u32, f64), hints: Hints<'_>, seed: u64) -> Self {
+    pub fn new(world: &'w World, route: Ownership, (paths, share): (u32, f64), hints: Hints<'_>, seed: u64) -> Self {
         let skyward = SkySampling::new(hints.windows);
         let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, hints, seed));
         let asked = [world.lamps.all().is_empty(), world.sky.is_none(), world.lights.all().is_empty()];

@@ -5,7 +5,7 @@ mod visit;
 
 use super::ShouldStop;
 use super::ledger::Ledger;
-use super::route::{Reach, Route};
+use super::ownership::{Ownership, Reach};
 use super::walk::{Travel, Walker};
 use crate::base::ids::GroupId;
 use crate::base::lpe;
@@ -60,7 +60,7 @@ pub struct Started<'w, M: Mode> {
 }
 
 impl Emission {
-    pub fn new(world: &World, route: &Route, groups: usize, guide: Option<&Guide>) -> Self {
+    pub fn new(world: &World, route: &Ownership, groups: usize, guide: Option<&Guide>) -> Self {
         let reach: Vec<Reach> = (0..groups).map(|g| Reach::from_lamp(route, GroupId::from_index(g))).collect();
         let faces = world.lamps.all().iter().enumerate();
         let faces = faces.map(|(index, lamp)| (Source::Face(index), lamp.group, lamp.flux_lm));

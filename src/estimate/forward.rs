@@ -8,7 +8,7 @@ use super::ledger::Ledger;
 use super::manifold::bands::Bands;
 use super::manifold::connections::{Connections, Rest};
 use super::manifold::solve::Target;
-use super::route::Route;
+use super::ownership::Ownership;
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -34,7 +34,7 @@ const SPLIT_AGAIN_FROM: f64 = 0.005;
 pub struct Forward<'w, M: Mode> {
     world: &'w World,
     mode: PhantomData<M>,
-    route: Route,
+    route: Ownership,
     emission: Emission,
     paths: u64,
     /// What of the paths is not ours.
@@ -54,7 +54,7 @@ struct Splat {
 
 /// What paths bring to the picture.
 struct Arrivals<'r, M: Mode> {
-    route: &'r Route,
+    route: &'r Ownership,
     optics: &'r Optics<M>,
     connections: &'r Connections,
     splats: Vec<Splat>,
@@ -68,7 +68,7 @@ impl<'w, M: Mode> Forward<'w, M> {
     /// `paths` lamp paths per pass, for `groups` light groups.
     pub fn new(
         world: &'w World,
-        route: Route,
+        route: Ownership,
         groups: usize,
         paths: u64,
         guide: Option<&Guide>,

@@ -12,8 +12,8 @@ use super::emission::{Emission, Shots, Starts};
 use super::ledger::{Ledger, cost};
 use super::manifold::glances::Glances;
 use super::manifold::screens::Screens;
+use super::ownership::{Ownership, Reach};
 use super::photon_map::Photon;
-use super::route::{Reach, Route};
 use super::visible_receivers::VisibleReceivers;
 use crate::base::ids::GroupId;
 use crate::base::path::Trail;
@@ -61,7 +61,7 @@ fn asks_for_final_gather(surface: &Surface) -> bool {
 pub struct PhotonMapper<'w, M: Mode> {
     mode: PhantomData<M>,
     world: &'w World,
-    route: Route,
+    route: Ownership,
     emission: Emission,
     reach_eye: Reach,
     photons: u64,
@@ -124,7 +124,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
     #[allow(clippy::too_many_arguments)] // what a plan says of photons
     pub fn new(
         world: &'w World,
-        route: Route,
+        route: Ownership,
         groups: usize,
         photons: u64,
         guide: Option<&Guide>,

@@ -9,8 +9,8 @@
 use super::ledger::Ledger;
 use super::manifold::bands::Bands;
 use super::manifold::solve::Target;
+use super::ownership::Ownership;
 use super::pixel::Pixel;
-use super::route::Route;
 use super::walk::{Meeting, Met, Travel, Vertex, Walker};
 use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
@@ -132,7 +132,7 @@ fn by_pixel(eye: &EyeLens, glints: &[Glint]) -> HashMap<u64, Vec<Glint>> {
 
 impl<'w> Vision<'w> {
     /// None if the route leaves direct vision of all lamps to others.
-    pub fn new(world: &'w World, route: &Route, hints: Hints<'_>, seed: u64) -> Option<Self> {
+    pub fn new(world: &'w World, route: &Ownership, hints: Hints<'_>, seed: u64) -> Option<Self> {
         let trails = [Trail::START, Trail::START.then(Event::Specular)];
         let ours = |lamp: &&Lamp| trails.iter().any(|trail| route.from_eye(lamp.group, *trail).is_some());
         let mut ours = world.lamps.all().iter().filter(ours).peekable();
@@ -156,7 +156,7 @@ impl<'w> Vision<'w> {
     /// Adds what one pass sees in a pixel to `out`, by plane.
     pub fn look<M: Mode>(
         &self,
-        route: &Route,
+        route: &Ownership,
         optics: &Optics<M>,
         pixel: Pixel,
         out: &mut [Light],
@@ -242,7 +242,7 @@ impl<'w> Vision<'w> {
     /// `places`: where the path started in the picture and the pupil. `least`: below this chance decides between the ways on.
     fn follow<M: Mode>(
         &self,
-        route: &Route,
+        route: &Ownership,
         walker: &mut Walker<'_, M>,
         (places, least): ((DVec2, DVec2), f64),
         out: &mut [Light],

@@ -10,9 +10,9 @@
 use super::backward::{Backward, Glow};
 use super::ledger::Ledger;
 use super::manifold::screens::Screens;
+use super::ownership::Ownership;
 use super::photon::{Landing, PhotonMapper};
 use super::pixel::Pixel;
-use super::route::Route;
 use super::vision::Hints;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -77,7 +77,7 @@ impl<'w, M: Mode> Witness<'w, M> {
             let ours = watched.iter().any(|own| (own.layer, own.group) == (layer, group));
             (ours && !skipped).then_some(PlaneKey { layer, group, takes: 0 })
         };
-        let route = Route::by(groups, &key);
+        let route = Ownership::by(groups, &key);
         // Planes come in the order in which paths ask for them.
         let watched: Vec<Watched> = route
             .planes
@@ -169,7 +169,7 @@ fn glow(
         plan.rows.iter().any(|row| row.class == Class::Caustic && matches!(row.verdict, Verdict::Connect { .. }));
     let guide = plan.photon_guide.as_ref().filter(|_| !connected);
     let screens = Arc::new(Screens::new(world, &Mono::<f64>::optics(world, seed, 0), &[]));
-    let route = Route::by(groups, key);
+    let route = Ownership::by(groups, key);
     let photons = PhotonMapper::<Mono>::new(world, route, groups, PHOTONS, guide, Radii::default(), screens, seed);
     let mut landed: Vec<Landing> = Vec::new();
     for round in 0..ROUNDS {

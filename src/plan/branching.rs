@@ -5,7 +5,7 @@
 use super::Making;
 use super::pilot::SEED;
 use crate::estimate::backward::Backward;
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::mode::Mono;
@@ -53,7 +53,7 @@ impl Branches {
 /// Of what plans differ in, only the paths that backward computes matter, and through which windows it sees the sky.
 pub(super) fn learn(making: &Making<'_>, plan: &Plan) -> Branches {
     let trial = |faintest: f64, passes: [u64; 2]| {
-        let route = Route::new(plan, making.groups(), Estimator::Backward);
+        let route = Ownership::new(plan, making.groups(), Estimator::Backward);
         let hints = Hints::of_sky(plan.sky_guide.as_ref());
         let backward = Backward::<Mono>::new(making.world, route, (1, 1.0), hints, SEED);
         backward.branching(faintest).trial(PLACES, passes, making.stop)

@@ -9,7 +9,7 @@ use crate::base::rng::{Rng, Stream};
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
 use crate::estimate::ledger::Ledger;
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::splitting::Splitting;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::film::guide::Guide;
@@ -97,8 +97,8 @@ pub struct Found {
 
 /// The connections worth making for the groups whose vision paths the plan gives to specular connection. Once `stop` says true the rest is left out, and the result is worthless.
 pub fn find(world: &World, plan: &Plan, groups: usize, guide: Option<&Guide>, stop: &ShouldStop<'_>) -> Found {
-    let route = Route::new(plan, groups, Estimator::Manifold);
-    let emission = Emission::new(world, &Route::new(plan, groups, Estimator::Forward), groups, guide);
+    let route = Ownership::new(plan, groups, Estimator::Manifold);
+    let emission = Emission::new(world, &Ownership::new(plan, groups, Estimator::Forward), groups, guide);
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let shots = Shots { seed: SEED, stream: Stream::Pilot, pass: 0, paths: PATHS, starts: Starts::OfPass };
     let all = emission.survey((world, &optics), shots, stop, Arrivals::default, |_, _, _, arrivals: Arrivals| {
@@ -273,8 +273,8 @@ pub fn screens(
     guide: Option<&Guide>,
     stop: &ShouldStop<'_>,
 ) -> Vec<Screen> {
-    let route = Route::new(plan, groups, Estimator::Manifold);
-    let emission = Emission::new(world, &Route::new(plan, groups, Estimator::Photon), groups, guide);
+    let route = Ownership::new(plan, groups, Estimator::Manifold);
+    let emission = Emission::new(world, &Ownership::new(plan, groups, Estimator::Photon), groups, guide);
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let shots = Shots { seed: SEED, stream: Stream::Pilot, pass: 1, paths: PATHS, starts: Starts::OfPass };
     let visitor = || Strikes { seen, both: Splitting::new(LEAST_ON_FACE, MOST_SPLITS), found: Vec::new() };

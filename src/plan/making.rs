@@ -9,7 +9,7 @@ use crate::base::path::Class;
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::estimate::backward::Backward;
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::visible_receivers::VisibleReceivers;
 use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
@@ -204,7 +204,7 @@ impl Making<'_> {
             plan.notes.push("backward looks for lamps through the parts of the pupil that a pilot saw lit".to_owned());
         }
         if self.asked.choice == Choice::Auto && plan.owns(Estimator::Backward) && !self.stopped() {
-            let route = Route::new(plan, self.groups(), Estimator::Backward);
+            let route = Ownership::new(plan, self.groups(), Estimator::Backward);
             let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), Hints::of(plan), pilot::SEED);
             if !backward.finds_light(LOOKS, self.stop) {
                 plan.backward_share = SELDOM;

@@ -13,7 +13,7 @@ use crate::estimate::emission::Starts;
 use crate::estimate::forward::Forward;
 use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::connections::Connections;
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::film::guide::{Even, Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
@@ -191,7 +191,7 @@ fn look<L: Look>(
 /// Learns where lamp paths have to start to arrive in the picture.
 pub fn forward(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> ForwardPilot {
     let with = |guide: Option<&Guide>, paths: u64| {
-        let route = Route::new(plan, groups, Estimator::Forward);
+        let route = Ownership::new(plan, groups, Estimator::Forward);
         Forward::<Mono>::new(world, route, groups, paths, guide, Arc::default(), SEED).starting(Starts::OfPass)
     };
     pilot(with, || shared_faces::may_meet(world, plan, groups, stop), groups, stop)
@@ -207,7 +207,7 @@ pub fn left(
     connections: Arc<Connections>,
     stop: &ShouldStop<'_>,
 ) -> f64 {
-    let route = Route::new(plan, groups, Estimator::Forward);
+    let route = Ownership::new(plan, groups, Estimator::Forward);
     let connections = Arc::new(Bands::from(connections));
     let forward = Forward::<Mono>::new(world, route, groups, LEFT, Some(&pilot.guide), connections, SEED);
     let forward = forward.starting(Starts::OfPass);

@@ -9,7 +9,7 @@ use crate::base::rng::Stream;
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::walk::{Vertex, Walker};
 use crate::film::guide::{Guide, PupilGuide};
 use crate::film::plan::{Estimator, Plan, Verdict};
@@ -31,7 +31,7 @@ const OWN: usize = 512;
 
 /// Crossings of the pupil by the light of one path.
 struct Arrivals<'r> {
-    route: &'r Route,
+    route: &'r Ownership,
     group: Option<GroupId>,
     crossings: Vec<Crossing>,
 }
@@ -161,7 +161,7 @@ pub(super) fn crossings(
     paths: u64,
     stop: &ShouldStop<'_>,
 ) -> BTreeMap<(GroupId, usize), Vec<Crossing>> {
-    let route = Route::new(own, groups, Estimator::Forward);
+    let route = Ownership::new(own, groups, Estimator::Forward);
     let emission = Emission::new(world, &route, groups, Some(guide));
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let shots = Shots { seed: SEED, stream: Stream::Pilot, pass: 0, paths, starts: Starts::OfPass };

@@ -7,7 +7,7 @@ use crate::base::path::Class;
 use crate::estimate::ShouldStop;
 use crate::estimate::manifold::connections::Connections;
 use crate::estimate::manifold::solve::Target;
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
 use crate::world::mode::{Mode, Mono};
@@ -32,7 +32,7 @@ pub(super) fn is_reached(arrived: &[Arrived], seen: &[Arrived]) -> bool {
 /// Of the light that rays from the eye see over specular faces, the share that these connections leave to such rays: the
 /// largest of any light group that they have. Once `stop` says true the result is worthless.
 pub fn left_to_eye(world: &World, plan: &Plan, groups: usize, made: &Connections, stop: &ShouldStop<'_>) -> f64 {
-    let route = Route::new(plan, groups, Estimator::Manifold);
+    let route = Ownership::new(plan, groups, Estimator::Manifold);
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let mut sums = vec![[0.0; 2]; groups];
     for seen in glimpses::look((world, &optics), stop) {

@@ -10,7 +10,7 @@ use crate::estimate::ShouldStop;
 use crate::estimate::data::{End, go_straight};
 use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
 use crate::estimate::ledger::Ledger;
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::splitting::Splitting;
 use crate::estimate::walk::{Vertex, Walker};
 use crate::film::plan::{Estimator, Plan, Verdict};
@@ -88,7 +88,7 @@ pub(super) fn may_meet(world: &World, plan: &Plan, groups: usize, stop: &ShouldS
     if world.lamps.all().iter().any(|lamp| is_seen((lamp.part as u32, lamp.face as u32))) {
         return true;
     }
-    let emission = Emission::new(world, &Route::new(plan, groups, Estimator::Forward), groups, None);
+    let emission = Emission::new(world, &Ownership::new(plan, groups, Estimator::Forward), groups, None);
     let shots = Shots { seed: SEED, stream: Stream::Pilot, pass: 4, paths: PATHS, starts: Starts::OfPass };
     let visitor = || Faces { both: Splitting::new(LEAST, MOST_SPLITS), found: BTreeSet::new() };
     let lit = emission.survey((world, &optics), shots, stop, visitor, |_, _, _, faces: Faces| Some(faces.found));

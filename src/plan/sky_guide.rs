@@ -5,7 +5,7 @@ use super::Making;
 use super::pilot::SEED;
 use crate::base::path::Class;
 use crate::estimate::backward::{Backward, Daylight};
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::vision::Hints;
 use crate::film::guide::{Entry, Windows};
 use crate::film::plan::{Estimator, Plan};
@@ -86,7 +86,7 @@ impl Looks<'_> {
 
     fn take(&mut self, windows: Option<Windows>, paths: u64) {
         let Making { world, stop, .. } = self.making;
-        let route = Route::new(self.plan, self.making.groups(), Estimator::Backward);
+        let route = Ownership::new(self.plan, self.making.groups(), Estimator::Backward);
         let hints = Hints::of_sky(windows.as_ref());
         let look = self.taken.len();
         let backward = Backward::<Mono>::new(world, route, (1, 1.0), hints, SEED);

@@ -7,8 +7,8 @@ use eyebox::base::stats::Moments;
 use eyebox::estimate::emission::Starts;
 use eyebox::estimate::forward::Forward;
 use eyebox::estimate::manifold::screens::Screens;
+use eyebox::estimate::ownership::Ownership;
 use eyebox::estimate::photon::PhotonMapper;
-use eyebox::estimate::route::Route;
 use eyebox::film::accumulate::{Components, Film, Sampling};
 use eyebox::film::guide::{Guide, Sample};
 use eyebox::film::plan::Estimator;
@@ -30,13 +30,13 @@ struct Tracer<'s> {
 impl Tracer<'_> {
     fn forward(&self, guide: Option<&Guide>, starts: Starts, paths: u64, seed: u64) -> Forward<'_, Mono> {
         let groups = self.ready.scene.groups.len();
-        let route = Route::new(&self.ready.plan, groups, Estimator::Forward);
+        let route = Ownership::new(&self.ready.plan, groups, Estimator::Forward);
         Forward::new(&self.ready.world, route, groups, paths, guide, Arc::default(), seed).starting(starts)
     }
 
     fn film(&self, paths: u64) -> Film {
         let [width, height] = self.ready.scene.eye.resolution;
-        let route = Route::new(&self.ready.plan, self.ready.scene.groups.len(), Estimator::Forward);
+        let route = Ownership::new(&self.ready.plan, self.ready.scene.groups.len(), Estimator::Forward);
         Film::new(width, height, route.planes, Components::Luminance, Sampling::PerScramble { paths })
     }
 
@@ -127,7 +127,7 @@ fn guided_photons_are_worth_five() {
     let ready = Ready::new(&scene, Choice::Only(Estimator::Photon));
     let (groups, pixels) = (ready.scene.groups.len(), 24 * 12);
     let trace = |guide: Option<&Guide>, starts: Starts, photons: u64, seed: u64| {
-        let route = Route::new(&ready.plan, groups, Estimator::Photon);
+        let route = Ownership::new(&ready.plan, groups, Estimator::Photon);
         let mut film = Film::new(24, 12, route.planes.clone(), Components::Luminance, Sampling::PerPass);
         let screens = Arc::new(Screens::new(&ready.world, &Mono::<f64>::optics(&ready.world, seed, 0), &[]));
         let radii = ready.plan.photon_radii_m;
@@ -166,7 +166,7 @@ fn photons_that_part_find_ghosts() {
     let optics = Mono::<f64>::optics(&ready.world, 0, 0);
     let screens = Arc::new(Screens::new(&ready.world, &optics, &ready.plan.screens));
     let trace = |part: bool, photons: u64, seed: u64| {
-        let route = Route::new(&ready.plan, groups, Estimator::Photon);
+        let route = Ownership::new(&ready.plan, groups, Estimator::Photon);
         let mut film = Film::new(24, 12, route.planes.clone(), Components::Luminance, Sampling::PerPass);
         let (guide, radii) = (ready.plan.photon_guide.as_ref(), ready.plan.photon_radii_m);
         let mapper =

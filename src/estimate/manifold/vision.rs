@@ -17,8 +17,8 @@ use super::tables::Tables;
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::estimate::ledger::{Ledger, cost};
+use crate::estimate::ownership::Ownership;
 use crate::estimate::pixel::Pixel;
-use crate::estimate::route::Route;
 use crate::estimate::walk::{Travel, Walker};
 use crate::film::accumulate::{Film, Light};
 use crate::world::World;
@@ -35,7 +35,7 @@ use std::sync::Arc;
 pub struct Manifold<'w, M: Mode> {
     mode: PhantomData<M>,
     pub(super) world: &'w World,
-    pub(super) route: Route,
+    pub(super) route: Ownership,
     connections: Arc<Bands>,
     tables: Option<Tables<M>>,
     rims: Rims,
@@ -47,7 +47,7 @@ pub struct Manifold<'w, M: Mode> {
 impl<'w, M: Mode> Manifold<'w, M> {
     pub fn new(
         world: &'w World,
-        route: Route,
+        route: Ownership,
         (connections, tables): (Arc<Bands>, Option<Tables<M>>),
         (screens, glances): (Arc<Screens<M>>, Option<Arc<Glances<M>>>),
         seed: u64,

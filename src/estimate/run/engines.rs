@@ -11,8 +11,8 @@ use crate::estimate::manifold::over_film::OverFilm;
 use crate::estimate::manifold::screens::Screens;
 use crate::estimate::manifold::tables::Tables;
 use crate::estimate::manifold::vision::Manifold;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::photon::PhotonMapper;
-use crate::estimate::route::Route;
 use crate::estimate::vision::Hints;
 use crate::estimate::witness::Witness;
 use crate::film::accumulate::{Film, Sampling};
@@ -192,7 +192,7 @@ fn begin_with<'w, M: Mode + 'w>(
     let mut engines: Vec<Engine<'_, M>> = Vec::new();
     let mut films = Films { films: Vec::new(), first: 0, passes: 0, witness: None };
     for estimator in Estimator::ALL {
-        let route = Route::new(plan, groups, estimator);
+        let route = Ownership::new(plan, groups, estimator);
         if route.planes.is_empty() {
             continue;
         }

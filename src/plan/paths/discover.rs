@@ -11,7 +11,7 @@ use crate::base::rng::{Rng, Stream};
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::{Shots, Starts};
 use crate::estimate::ledger::Ledger;
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::walk::{Travel, Walker};
 use crate::film::guide::{Point, Sample};
 use crate::plan::pilot;
@@ -40,7 +40,7 @@ const KEPT_STARTS: usize = 1 << 12;
 #[derive(Clone, Copy)]
 pub(super) struct Start<'a> {
     pub world: &'a World,
-    pub route: &'a Route,
+    pub route: &'a Ownership,
     pub groups: usize,
     /// Paths from the lamps; none if all is found from the eye.
     pub lamps: Option<&'a Lamps>,

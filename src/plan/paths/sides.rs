@@ -10,7 +10,7 @@ use crate::base::path::Class;
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::Emission;
-use crate::estimate::route::Route;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::visible_receivers::VisibleReceivers;
 use crate::film::guide::Guide;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Spectral, Verdict};
@@ -40,7 +40,7 @@ impl Lamps {
     fn new(world: &World, plan: &Plan, groups: usize, estimator: Estimator, guide: &Guide) -> Option<Lamps> {
         let given = |group: GroupId| Class::ALL.iter().any(|class| owned(plan, group, *class, estimator));
         let sources = survey::sources(world, given);
-        let emission = Emission::new(world, &Route::new(plan, groups, estimator), groups, Some(guide));
+        let emission = Emission::new(world, &Ownership::new(plan, groups, estimator), groups, Some(guide));
         (!sources.is_empty() && sources.len() == emission.flux().len()).then_some(Lamps { emission, sources })
     }
 }
@@ -85,7 +85,7 @@ impl Sides {
                 lost.into_iter().filter(|group| sides.from_eye.get(group.index()) == Some(&false)).collect();
             if lost.is_empty() {
                 sides.lamps = Lamps::new(world, &plan, groups, Estimator::Forward, &pilot.guide);
-                route = Some(Route::new(&plan, groups, Estimator::Forward));
+                route = Some(Ownership::new(&plan, groups, Estimator::Forward));
                 break;
             }
             for group in lost {
@@ -96,7 +96,7 @@ impl Sides {
         }
         // What nobody starts on has no route.
         let route = route.unwrap_or_else(|| {
-            Route::new(&plan_of(groups, Estimator::Forward, mode, |_, _| false), groups, Estimator::Forward)
+            Ownership::new(&plan_of(groups, Estimator::Forward, mode, |_, _| false), groups, Estimator::Forward)
         });
         let (lamps, eye) = (sides.lamps.as_ref(), sides.from_eye.as_slice());
         sides.directed = discover(Start { world, route: &route, groups, lamps, eye }, split, least, stop);
@@ -141,7 +141,7 @@ fn learn(world: &World, plan: &Plan, groups: usize, split: Split, stop: &ShouldS
     let sources = survey::sources(world, given);
     let split = Split { least: split.least.max(Looks::LEAST) };
     let with = |guide: Option<&Guide>, paths: u64| {
-        let emission = Emission::new(world, &Route::new(plan, groups, Estimator::Forward), groups, guide);
+        let emission = Emission::new(world, &Ownership::new(plan, groups, Estimator::Forward), groups, guide);
         Looks { world, emission, sources: &sources, paths, split }
     };
     pilot::pilot(with, || true, groups, stop)

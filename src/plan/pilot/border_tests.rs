@@ -2,9 +2,9 @@
 
 use crate::check::check;
 use crate::estimate::manifold::screens::{Claim, Screens};
+use crate::estimate::ownership::Ownership;
 use crate::estimate::photon::{PhotonMapper, radii_of_pass};
 use crate::estimate::photon_map::Photon;
-use crate::estimate::route::Route;
 use crate::film::plan::Estimator;
 use crate::import::{ImportOptions, import};
 use crate::plan::{Choice, plan};
@@ -29,7 +29,7 @@ fn emit(
 ) -> (Arc<Screens<Mono>>, f64, Vec<Photon<Mono>>) {
     let plan = plan(&check(scene).unwrap(), world, Choice::Only(Estimator::Manifold));
     let screens = Arc::new(Screens::new(world, optics, &plan.screens));
-    let (route, groups) = (Route::new(&plan, scene.groups.len(), Estimator::Photon), scene.groups.len());
+    let (route, groups) = (Ownership::new(&plan, scene.groups.len(), Estimator::Photon), scene.groups.len());
     let reach = reach.unwrap_or(radii_of_pass(plan.photon_radii_m, 0).caustic);
     let mapper = PhotonMapper::new(world, route, groups, PATHS, None, plan.photon_radii_m, screens.clone(), 1);
     let (photons, _) = mapper.emit((0, optics), (&screens, reach));

@@ -7,8 +7,8 @@ use crate::estimate::ShouldStop;
 use crate::estimate::emission::Starts;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::screens::Screens;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::photon::{Landed, Landing, PhotonMapper};
-use crate::estimate::route::Route;
 use crate::estimate::visible_receivers::{Sighting, VisibleReceivers};
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::guide::{Guide, Point, Sample};
@@ -84,7 +84,7 @@ pub fn photon(
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let radii = Radii { caustic: pixel_m, secondary: pixel_m };
     let with = |guide: Option<&Guide>, paths: u64, screens: &Arc<Screens<Mono>>| {
-        let route = Route::new(plan, groups, Estimator::Photon);
+        let route = Ownership::new(plan, groups, Estimator::Photon);
         PhotonMapper::new(world, route, groups, paths, guide, radii, screens.clone(), SEED).starting(Starts::OfPass)
     };
     let nothing = Arc::new(Screens::new(world, &optics, &[]));

@@ -6,8 +6,8 @@ use crate::base::ids::GroupId;
 use crate::check::check;
 use crate::estimate::ShouldStop;
 use crate::estimate::manifold::screens::Screens;
+use crate::estimate::ownership::Ownership;
 use crate::estimate::photon::PhotonMapper;
-use crate::estimate::route::Route;
 use crate::estimate::visible_receivers::VisibleReceivers;
 use crate::film::guide::{Even, Guide, Point, Sample};
 use crate::film::plan::Estimator;
@@ -33,7 +33,7 @@ fn photons_that_part_start_where_light_is_left() {
     let connected = Arc::new(Screens::coarse(world, &optics, &plan.screens));
     let nothing = Arc::new(Screens::new(world, &optics, &[]));
     let with = |guide: &Guide, paths: u64, screens: &Arc<Screens<Mono>>| {
-        let route = Route::new(&plan, groups, Estimator::Photon);
+        let route = Ownership::new(&plan, groups, Estimator::Photon);
         PhotonMapper::new(world, route, groups, paths, Some(guide), plan.photon_radii_m, screens.clone(), SEED)
     };
     let of_rest = plan.photon_guide.as_ref().unwrap();

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// The planes that one estimator fills, and which path goes where.
 #[derive(Debug, Clone)]
-pub struct Route {
+pub struct Ownership {
     pub planes: Vec<PlaneKey>,
     /// `[group][class][has_broad]` → share: a group's light in a layer.
     table: Vec<Option<usize>>,
@@ -27,7 +27,7 @@ struct Parted {
     planes: Vec<Vec<(Takes, usize)>>,
 }
 
-impl Route {
+impl Ownership {
     pub fn new(plan: &Plan, groups: usize, estimator: Estimator) -> Self {
         let connected = |group| matches!(plan.row(group, Class::Vision).verdict, Verdict::Connect { .. });
         let connected = (0..groups).map(|group| connected(GroupId::from_index(group))).collect();
@@ -35,7 +35,7 @@ impl Route {
             let layer = plan.layer(estimator, group, class, broad);
             plan.computes(estimator, group, class, broad).then_some(PlaneKey { layer, group, takes: 0 })
         };
-        Route { connected, ..Route::by(groups, &key) }
+        Ownership { connected, ..Route::by(groups, &key) }
     }
 
     /// The plane that `key` names for the paths of each group and class, with a broad scatterer among them or not. Nothing
@@ -58,7 +58,7 @@ impl Route {
                 }
             }
         }
-        Route { planes, table, groups, connected: vec![false; groups], parted: None }
+        Ownership { planes, table, groups, connected: vec![false; groups], parted: None }
     }
 
     /// Whether connection has the vision paths of a group that it can solve for.
@@ -68,7 +68,7 @@ impl Route {
 
     /// The same with a plane for whatever the expressions of `sieve` take of a share.
     #[must_use]
-    pub fn parted_by(self, sieve: Option<&Arc<Sieve>>) -> Route {
+    pub fn parted_by(self, sieve: Option<&Arc<Sieve>>) -> Ownership {
         let Some(sieve) = sieve else { return self };
         let (mut planes, mut parts) = (Vec::new(), vec![Vec::new(); self.planes.len()]);
         for group in 0..self.groups {
@@ -89,7 +89,7 @@ impl Route {
             part.push((0, planes.len()));
             planes.push(*key);
         }
-        Route { planes, parted: Some(Parted { sieve: sieve.clone(), planes: parts }), ..self }
+        Ownership { planes, parted: Some(Parted { sieve: sieve.clone(), planes: parts }), ..self }
     }
 
     /// The plane of a share's path of which expressions take what `takes` says.
@@ -157,15 +157,15 @@ impl Route {
     }
 }
 
-/// [`Route::reachable_from_eye`] for every state of the automaton, so that asking costs nothing per ray.
+/// [`Ownership::reachable_from_eye`] for every state of the automaton, so that asking costs nothing per ray.
 #[derive(Debug, Clone)]
 pub struct Reach(Vec<bool>);
 
 impl Reach {
-    pub fn from_eye(route: &Route) -> Self {
+    pub fn from_eye(route: &Ownership) -> Self {
         Reach(Trail::states().map(|trail| route.reachable_from_eye(trail)).collect())
     }
-    pub fn from_lamp(route: &Route, group: GroupId) -> Self {
+    pub fn from_lamp(route: &Ownership, group: GroupId) -> Self {
         Reach(Trail::states().map(|trail| route.reachable_from_lamp(trail, group)).collect())
     }
     pub fn allows(&self, trail: Trail) -> bool {
