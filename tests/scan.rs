@@ -1,7 +1,7 @@
 //! `eyebox scan` against closed forms: a lamp in a plane mirror, the display behind a thick lens, what a lens lets through.
 
 use crate::common::{add_group, add_part, face, lamp, mesh, quad, scene};
-use eyebox::estimate::sight::image::distortion;
+use eyebox::estimate::virtual_image::image::distortion;
 use eyebox::import::{ImportOptions, Set, import};
 use eyebox::plan::scan::light::LightAsked;
 use eyebox::plan::scan::table::{csv, lines};

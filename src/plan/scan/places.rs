@@ -2,7 +2,7 @@
 //! rim, or over a lens that hides a part, would take the dark beside it for a dimmer picture.
 
 use super::Line;
-use crate::estimate::sight::subject::on_grid;
+use crate::estimate::virtual_image::subject::on_grid;
 use crate::scene::Eye;
 use glam::DVec2;
 
