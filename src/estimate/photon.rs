@@ -4,8 +4,8 @@
 
 pub mod final_gather;
 mod gather;
-mod middles;
-mod stored;
+mod gather_samples;
+mod record;
 
 use super::ShouldStop;
 use super::emission::{Emission, Shots, Starts};
@@ -28,12 +28,12 @@ use crate::world::optics::Optics;
 use crate::world::surface::Surface;
 use gather::Maps;
 pub use gather::on_side;
+use gather_samples::GatherSamples;
 use glam::DVec3;
-use middles::Middles;
 use rayon::prelude::*;
+use record::PhotonRecord;
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
-use stored::Stored;
 
 /// The squared radius falls as (pass + 1)^(α − 1): bias and variance of the mean both vanish for 0 < α < 1.
 const ALPHA: f64 = 2.0 / 3.0;
@@ -75,7 +75,7 @@ pub struct PhotonMapper<'w, M: Mode> {
     /// Where the eye's rays land.
     glances: Option<Arc<Glances<M>>>,
     /// What the middles of pixels see, once photons are crowded.
-    middles: OnceLock<Middles>,
+    middles: OnceLock<GatherSamples>,
     seed: u64,
     starts: Starts,
 }
@@ -208,7 +208,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         let done: Vec<(Vec<Photon<M>>, Ledger)> = (0..Shots::chunks(self.photons))
             .into_par_iter()
             .map(|chunk| {
-                let mut stored = Stored::new(screens, reach_m, self.part);
+                let mut stored = PhotonRecord::new(screens, reach_m, self.part);
                 let mut ledger = self.emission.chunk((self.world, optics), shots, chunk, &mut stored);
                 ledger.work += stored.work + cost::STORED * stored.photons.len() as u64;
                 (stored.photons, ledger)
@@ -227,12 +227,12 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
     /// [`Emission::probe`]. Once `stop` says true the rest is left out, and the result is worthless.
     pub fn probe(&self, pass: u64, seen: &VisibleReceivers, stop: &ShouldStop<'_>) -> Vec<Sample> {
         let optics = M::optics(self.world, self.seed, pass);
-        let useful = |stored: &Stored<'_, M>| {
+        let useful = |stored: &PhotonRecord<'_, M>| {
             let landings = stored.photons.iter().map(Landing::of).filter(|landing| seen.sees(landing));
             landings.map(|landing| landing.lumens).sum()
         };
         let shots = self.shots(Stream::Pilot, pass);
-        let new = || Stored::new(&self.screens, 0.0, self.part);
+        let new = || PhotonRecord::new(&self.screens, 0.0, self.part);
         self.emission.probe((self.world, &optics), shots, stop, new, useful)
     }
 
@@ -240,7 +240,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
     /// out, and the result is worthless.
     pub fn landings(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Landed> {
         let optics = M::optics(self.world, self.seed, pass);
-        let new = || Stored::new(&self.screens, 0.0, self.part);
+        let new = || PhotonRecord::new(&self.screens, 0.0, self.part);
         self.emission.survey((self.world, &optics), self.shots(Stream::Pilot, pass), stop, new, |lamp, x, _, stored| {
             let landings: Vec<Landing> = stored.photons.iter().map(Landing::of).collect();
             (!landings.is_empty()).then_some(Landed { lamp, x, landings })

@@ -1,7 +1,7 @@
 //! Photons in a hash grid: cells of twice the gathering radius, photons sorted by cell, so that a gathering looks at
 //! eight cells and always adds in the same order.
 
-pub mod crowd;
+pub mod adaptive_kernel;
 
 use super::manifold::screens::Claim;
 use super::walk::{Vertex, Walker};
@@ -71,7 +71,7 @@ pub struct PhotonMap<M: Mode> {
     steps: Vec<u8>,
     crowded: bool,
     /// Kernels after so many steps: square of the radius, m², and density in the middle, 1/m².
-    kernels: [[f64; 2]; crowd::MOST + 1],
+    kernels: [[f64; 2]; adaptive_kernel::MOST + 1],
 }
 
 impl<M: Mode> PhotonMap<M> {
@@ -80,7 +80,7 @@ impl<M: Mode> PhotonMap<M> {
         Self::crowded(photons, radius, f64::INFINITY, DVec3::ZERO)
     }
 
-    /// The same with smaller kernels where more than `enough` photons lie in a cell, see [`crowd`]; what is connected all about or
+    /// The same with smaller kernels where more than `enough` photons lie in a cell, see [`adaptive_kernel`]; what is connected all about or
     /// comes straight from a lamp does not count. `shift`: of the cells, in their sides.
     pub fn crowded(photons: Vec<Photon<M>>, radius: f64, enough: f64, shift: DVec3) -> Self {
         let buckets = (photons.len() * 2).next_power_of_two().max(1);
@@ -105,7 +105,7 @@ impl<M: Mode> PhotonMap<M> {
             let free = |&at: &usize| photons[at].claim != Claim::Connected && !photons[at].trail.is_empty();
             let free: Vec<usize> = (ends[0] as usize..ends[1] as usize).filter(free).collect();
             let positions: Vec<DVec3> = free.iter().map(|&at| photons[at].position - origin).collect();
-            let steps = crowd::steps(&positions, cell, enough);
+            let steps = adaptive_kernel::steps(&positions, cell, enough);
             free.into_iter().zip(steps).collect::<Vec<(usize, u8)>>()
         };
         let crowded = starts.par_windows(2).filter(|ends| f64::from(ends[1] - ends[0]) > enough);
@@ -115,7 +115,7 @@ impl<M: Mode> PhotonMap<M> {
         }
         let crowded = steps.iter().any(|steps| *steps > 0);
         let kernels = std::array::from_fn(|steps| {
-            let r2 = crowd::radius(radius, steps).powi(2);
+            let r2 = adaptive_kernel::radius(radius, steps).powi(2);
             [r2, 2.0 / (std::f64::consts::PI * r2)]
         });
         PhotonMap { photons, starts, cell, radius, origin, steps, crowded, kernels }
@@ -165,7 +165,7 @@ impl<M: Mode> PhotonMap<M> {
                 }
             }
         }
-        usize::from(most).div_ceil(crowd::STEPS)
+        usize::from(most).div_ceil(adaptive_kernel::STEPS)
     }
 
     /// The photons of the cells that a sphere of the radius about a point touches: two per axis, since a cell is as wide as
@@ -300,10 +300,10 @@ pub(super) mod tests {
         assert!(map.is_crowded());
         assert_eq!(
             [0.005, 0.505, 1.005].map(|x| most(&map, x, 0.02)),
-            [crowd::HALVINGS, 0, 0],
+            [adaptive_kernel::HALVINGS, 0, 0],
             "thin, and another face"
         );
-        assert_eq!([0.02, 0.05].map(|reach| most(&map, -0.03, reach)), [0, crowd::HALVINGS], "within reach");
+        assert_eq!([0.02, 0.05].map(|reach| most(&map, -0.03, reach)), [0, adaptive_kernel::HALVINGS], "within reach");
         assert!(!PhotonMap::new(photons, 0.1).is_crowded());
     }
 }

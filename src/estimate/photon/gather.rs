@@ -1,7 +1,7 @@
 //! Gathering: at the first broad scatterer that the eye sees through specular faces, what photons bring to it; and at the
 //! second, where the first asks for [final gathering](super::final_gather).
 
-use super::middles::{MOST_RAYS, Middles};
+use super::gather_samples::{GatherSamples, MOST_RAYS};
 use super::{PhotonMapper, final_gather};
 use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
@@ -10,7 +10,7 @@ use crate::base::warp::{Frame, disk};
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::manifold::glances::{Glanced, Rest};
 use crate::estimate::manifold::screens::{Claim, Screens};
-use crate::estimate::photon_map::{Photon, PhotonMap, crowd};
+use crate::estimate::photon_map::{Photon, PhotonMap, adaptive_kernel};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::rqmc::Rqmc;
 use crate::estimate::specular_event::Faint;
@@ -71,17 +71,17 @@ impl<M: Mode> Maps<M> {
             let around = world.rims.around(site, point, normal, map.radius());
             // By steps of the radius. Where the largest kernel is whole smaller ones are, too.
             let mut shares = (around.share < 1.0).then(|| {
-                let mut shares = [None; crowd::MOST + crowd::STEPS + 1];
+                let mut shares = [None; adaptive_kernel::MOST + adaptive_kernel::STEPS + 1];
                 shares[0] = Some(around.share);
                 shares
             });
             let mut share = |steps: usize| {
-                let of = || world.rims.around(site, point, normal, crowd::radius(map.radius(), steps)).share;
+                let of = || world.rims.around(site, point, normal, adaptive_kernel::radius(map.radius(), steps)).share;
                 shares.as_mut().map_or(1.0, |shares| *shares[steps].get_or_insert_with(of))
             };
             map.gather(point, site, |photon, steps, [density, part]| {
                 if around.counts(photon.position) {
-                    let part = if part > 0.0 { part / share(steps + crowd::STEPS) } else { 0.0 };
+                    let part = if part > 0.0 { part / share(steps + adaptive_kernel::STEPS) } else { 0.0 };
                     visit(photon, [density / share(steps), part]);
                 }
             });
@@ -122,7 +122,8 @@ impl<M: Mode> PhotonMapper<'_, M> {
     pub(super) fn gather(&self, film: &mut Film, (pass, optics): (u64, &Optics<M>), maps: &Maps<M>) -> u64 {
         let (width, components) = (film.width, film.components);
         let size = [width, film.height];
-        let middles = maps.caustic.is_crowded().then(|| self.middles.get_or_init(|| Middles::new(self.world, size)));
+        let middles =
+            maps.caustic.is_crowded().then(|| self.middles.get_or_init(|| GatherSamples::new(self.world, size)));
         let mut rows: Vec<_> = film.rows().collect();
         let of_row = |(y, row): &mut (usize, Row<'_>)| {
             let light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];

@@ -3,7 +3,7 @@
 //! on where rays start, so that is no bias.
 
 use crate::base::rng::{Rng, Stream};
-use crate::estimate::photon_map::{PhotonMap, crowd};
+use crate::estimate::photon_map::{PhotonMap, adaptive_kernel};
 use crate::estimate::visible_receivers::{Place, follow};
 use crate::estimate::walk::{Travel, Walker};
 use crate::world::World;
@@ -14,7 +14,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// By how often the radius of photons about a middle is halved, begun ones counted.
-const RAYS: [u64; crowd::HALVINGS + 1] = [1, 2, 8, MOST_RAYS];
+const RAYS: [u64; adaptive_kernel::HALVINGS + 1] = [1, 2, 8, MOST_RAYS];
 pub(super) const MOST_RAYS: u64 = 16;
 
 /// Where the ray through the middle of a pixel, or a branch of it, meets its first scatterer, if that is a broad one.
@@ -29,12 +29,12 @@ struct Middle {
 
 /// Those of a picture.
 #[derive(Debug)]
-pub(super) struct Middles {
+pub(super) struct GatherSamples {
     of_pixel: Vec<Box<[Middle]>>,
 }
 
-impl Middles {
-    pub(super) fn new(world: &World, [width, height]: [usize; 2]) -> Middles {
+impl GatherSamples {
+    pub(super) fn new(world: &World, [width, height]: [usize; 2]) -> GatherSamples {
         let optics = Mono::<f64>::optics(world, 0, 0);
         let look = |pixel: usize| {
             let (origin, dir) = world.eye.ray(pixel % width, pixel / width, [0.5; 2], [0.5; 2]);
@@ -69,7 +69,7 @@ impl Middles {
         for (middle, reach) in of_pixel.iter_mut().flatten().zip(reaches.into_iter().flatten()) {
             middle.reach = reach;
         }
-        Middles { of_pixel }
+        GatherSamples { of_pixel }
     }
 
     /// How many rays a pixel takes where these photons lie.
@@ -90,7 +90,7 @@ mod tests {
     const SIZE: [usize; 2] = [8, 6];
 
     /// Of a wall a metre away that fills the picture.
-    fn middles(size: [usize; 2]) -> Middles {
+    fn middles(size: [usize; 2]) -> GatherSamples {
         let mut scene = scenes::scene(Vec::new(), Vec::new());
         let finish = Finish::Lambert { reflectance: 0.5, transmittance: 0.0 };
         scenes::add_square(&mut scene, (1.0, 1.0, DVec3::NEG_Z), finish, DAffine3::IDENTITY);
@@ -104,7 +104,7 @@ mod tests {
             resolution: size,
             ..scene.eye
         };
-        Middles::new(&World::freeze(&scene).unwrap(), size)
+        GatherSamples::new(&World::freeze(&scene).unwrap(), size)
     }
 
     /// 500 photons in one place.

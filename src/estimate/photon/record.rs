@@ -24,7 +24,7 @@ mod parting {
 }
 
 /// What paths leave at broad scatterers.
-pub(super) struct Stored<'s, M: Mode> {
+pub(super) struct PhotonRecord<'s, M: Mode> {
     pub(super) photons: Vec<Photon<M>>,
     screens: &'s Screens<M>,
     /// How far from where they land photons may be gathered whose path may be connected.
@@ -35,10 +35,10 @@ pub(super) struct Stored<'s, M: Mode> {
     pub(super) work: u64,
 }
 
-impl<'s, M: Mode> Stored<'s, M> {
+impl<'s, M: Mode> PhotonRecord<'s, M> {
     pub(super) fn new(screens: &'s Screens<M>, reach_m: f64, part: bool) -> Self {
         let parts = part.then(|| Splitting::new(parting::LEAST, parting::MOST));
-        Stored { photons: Vec::new(), screens, reach_m, parts, work: 0 }
+        PhotonRecord { photons: Vec::new(), screens, reach_m, parts, work: 0 }
     }
 
     /// Whose the path up to here is.
@@ -53,7 +53,7 @@ impl<'s, M: Mode> Stored<'s, M> {
     }
 }
 
-impl<M: Mode> Visitor<M> for Stored<'_, M> {
+impl<M: Mode> Visitor<M> for PhotonRecord<'_, M> {
     fn records(&self) -> bool {
         !self.screens.is_empty()
     }
