@@ -7,7 +7,7 @@ use eyebox::base::ids::GroupId;
 use eyebox::check::check;
 use eyebox::estimate::emission::Starts;
 use eyebox::estimate::forward::Forward;
-use eyebox::estimate::manifold::screens::Screens;
+use eyebox::estimate::manifold::receiver::Receivers;
 use eyebox::estimate::ownership::Ownership;
 use eyebox::estimate::photon::PhotonMapper;
 use eyebox::film::accumulate::{Components, Film, Sampling};
@@ -165,7 +165,7 @@ fn photon_film(
     let route = Ownership::new(plan, groups, Estimator::Photon);
     let [width, height] = scene.eye.resolution;
     let mut film = Film::new(width, height, route.planes.clone(), Components::Luminance, Sampling::PerPass);
-    let screens = Arc::new(Screens::new(world, &Mono::<f64>::optics(world, seed, 0), &[]));
+    let screens = Arc::new(Receivers::new(world, &Mono::<f64>::optics(world, seed, 0), &[]));
     PhotonMapper::<Mono>::new(world, route, groups, photons, guide, plan.photon_radii_m, screens, seed)
         .starting(starts)
         .run(&mut film, 0, 1);

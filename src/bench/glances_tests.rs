@@ -6,7 +6,7 @@ use crate::base::student::as_normal;
 use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::glances::Glances;
 use crate::estimate::manifold::over_film::OverFilm;
-use crate::estimate::manifold::screens::Screens;
+use crate::estimate::manifold::receiver::Receivers;
 use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::ownership::Ownership;
 use crate::film::accumulate::{Film, Sampling};
@@ -34,7 +34,7 @@ fn tables_reach_to_where_the_display_ends() {
     let plan = plan(&ready.checked, &ready.world, Choice::Auto);
     let world = &ready.world;
     let optics = Mono::<f64>::optics(world, 0, 0);
-    let screens = Arc::new(Screens::<Mono>::new(world, &optics, &plan.screens));
+    let screens = Arc::new(Receivers::<Mono>::new(world, &optics, &plan.screens));
     let glances = OverFilm::new(world).and_then(|over| Glances::new(world, &optics, &screens, over)).map(Arc::new);
     assert!(glances.is_some());
     let [width, height] = SIZE;

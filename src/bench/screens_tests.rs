@@ -3,7 +3,7 @@
 use super::curve::race::Ready;
 use super::generate;
 use crate::estimate::manifold::bands::Bands;
-use crate::estimate::manifold::screens::Screens;
+use crate::estimate::manifold::receiver::Receivers;
 use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::run::{Films, Start, begin};
@@ -26,11 +26,11 @@ fn finer_maps_bring_the_same_light_for_less_work() {
     let plan = plan(&ready.checked, &ready.world, Choice::Auto);
     let world = &ready.world;
     let optics = Mono::<f64>::optics(world, 0, 0);
-    let first = Arc::new(Screens::new(world, &optics, &plan.screens));
+    let first = Arc::new(Receivers::new(world, &optics, &plan.screens));
     let change = first.next_change(0);
     assert!((1..32).contains(&change), "{change}");
     assert!(Arc::ptr_eq(&first, &first.of_pass(change - 1, world, &optics)));
-    let run = |screens: Arc<Screens<Mono>>| {
+    let run = |screens: Arc<Receivers<Mono>>| {
         let route = Ownership::new(&plan, ready.checked.scene().groups.len(), Estimator::Manifold);
         let mut film = Film::new(32, 24, route.planes.clone(), components::<Mono>(), Sampling::PerPass);
         let none = Arc::new(Bands::default());
@@ -59,7 +59,7 @@ fn pieces_of_a_run_have_the_maps_of_the_whole() {
     let optics = Mono::<f64>::optics(&ready.world, 0, 0);
     // The map of the brightest train.
     plan.screens.truncate(1);
-    let screens = Screens::<Mono>::new(&ready.world, &optics, &plan.screens);
+    let screens = Receivers::<Mono>::new(&ready.world, &optics, &plan.screens);
     let (change, groups) = (screens.next_change(0), ready.checked.scene().groups.len());
     assert!((1..u64::MAX).contains(&change), "{change}");
     let run = |start: Start, passes: &[u64]| {

@@ -11,7 +11,7 @@ use super::ShouldStop;
 use super::emission::{Emission, Shots, Starts};
 use super::ledger::{Ledger, cost};
 use super::manifold::glances::Glances;
-use super::manifold::screens::Screens;
+use super::manifold::receiver::Receivers;
 use super::ownership::{Ownership, Reach};
 use super::photon_map::Photon;
 use super::visible_receivers::VisibleReceivers;
@@ -71,7 +71,7 @@ pub struct PhotonMapper<'w, M: Mode> {
     /// A face asks for final gathering.
     final_gather: bool,
     /// What of the paths is not ours.
-    screens: Arc<Screens<M>>,
+    screens: Arc<Receivers<M>>,
     /// Where the eye's rays land.
     glances: Option<Arc<Glances<M>>>,
     /// What the middles of pixels see, once photons are crowded.
@@ -129,7 +129,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
         photons: u64,
         guide: Option<&Guide>,
         first_radii_m: Radii,
-        screens: Arc<Screens<M>>,
+        screens: Arc<Receivers<M>>,
         seed: u64,
     ) -> Self {
         let emission = Emission::new(world, &route, groups, guide);
@@ -202,7 +202,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
     pub fn emit(
         &self,
         (pass, optics): (u64, &Optics<M>),
-        (screens, reach_m): (&Screens<M>, f64),
+        (screens, reach_m): (&Receivers<M>, f64),
     ) -> (Vec<Photon<M>>, Ledger) {
         let shots = self.shots(Stream::PhotonEmission, pass);
         let done: Vec<(Vec<Photon<M>>, Ledger)> = (0..Shots::chunks(self.photons))

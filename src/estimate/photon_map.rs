@@ -3,7 +3,7 @@
 
 pub mod adaptive_kernel;
 
-use super::manifold::screens::Claim;
+use super::manifold::receiver::Claim;
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::lpe::Told;

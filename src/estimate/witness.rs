@@ -9,7 +9,7 @@
 
 use super::backward::{Backward, Glow};
 use super::ledger::Ledger;
-use super::manifold::screens::Screens;
+use super::manifold::receiver::Receivers;
 use super::ownership::Ownership;
 use super::photon::{Landing, PhotonMapper};
 use super::pixel::Pixel;
@@ -168,7 +168,7 @@ fn glow(
     let connected =
         plan.rows.iter().any(|row| row.class == Class::Caustic && matches!(row.verdict, Verdict::Connect { .. }));
     let guide = plan.photon_guide.as_ref().filter(|_| !connected);
-    let screens = Arc::new(Screens::new(world, &Mono::<f64>::optics(world, seed, 0), &[]));
+    let screens = Arc::new(Receivers::new(world, &Mono::<f64>::optics(world, seed, 0), &[]));
     let route = Ownership::by(groups, key);
     let photons = PhotonMapper::<Mono>::new(world, route, groups, PHOTONS, guide, Radii::default(), screens, seed);
     let mut landed: Vec<Landing> = Vec::new();

@@ -7,7 +7,7 @@ use super::pilot::{self, ForwardPilot, SEED};
 use crate::estimate::ShouldStop;
 use crate::estimate::manifold::connections::{Connections, index_of};
 use crate::estimate::manifold::grid::Grid;
-use crate::estimate::manifold::screens::Screens;
+use crate::estimate::manifold::receiver::Receivers;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use crate::film::specular_chain::{Connection, Glint, Screen};
 use crate::world::World;
@@ -25,7 +25,7 @@ pub(crate) struct Made {
     /// By the rows whose paths start at the lamps.
     forward: Known<Vec<bool>, Rc<ForwardPilot>>,
     connections: Known<(Vec<Connection>, Grid), Arc<Connections>>,
-    screens: Known<Screen, Arc<Screens<Mono>>>,
+    screens: Known<Screen, Arc<Receivers<Mono>>>,
     /// By the paths from the eye, as [`Plan::computes`] tells them.
     branching: Known<Vec<bool>, Branches>,
     glints: OnceCell<Vec<Glint>>,
@@ -62,12 +62,12 @@ impl Made {
     }
 
     /// Coarse tables of these screens.
-    pub fn screens(&self, world: &World, screens: &[Screen]) -> Screens<Mono> {
+    pub fn screens(&self, world: &World, screens: &[Screen]) -> Receivers<Mono> {
         let optics = Mono::<f64>::optics(world, SEED, 0);
-        let none = Screens::coarse(world, &optics, &[]);
+        let none = Receivers::coarse(world, &optics, &[]);
         screens.iter().fold(none, |all, screen| {
             let one = known(&self.screens, screen.clone(), |screen| {
-                Arc::new(Screens::coarse(world, &optics, std::slice::from_ref(screen)))
+                Arc::new(Receivers::coarse(world, &optics, std::slice::from_ref(screen)))
             });
             all.and(&one)
         })

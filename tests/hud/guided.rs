@@ -6,7 +6,7 @@ use eyebox::base::path::Class;
 use eyebox::base::stats::Moments;
 use eyebox::estimate::emission::Starts;
 use eyebox::estimate::forward::Forward;
-use eyebox::estimate::manifold::screens::Screens;
+use eyebox::estimate::manifold::receiver::Receivers;
 use eyebox::estimate::ownership::Ownership;
 use eyebox::estimate::photon::PhotonMapper;
 use eyebox::film::accumulate::{Components, Film, Sampling};
@@ -129,7 +129,7 @@ fn guided_photons_are_worth_five() {
     let trace = |guide: Option<&Guide>, starts: Starts, photons: u64, seed: u64| {
         let route = Ownership::new(&ready.plan, groups, Estimator::Photon);
         let mut film = Film::new(24, 12, route.planes.clone(), Components::Luminance, Sampling::PerPass);
-        let screens = Arc::new(Screens::new(&ready.world, &Mono::<f64>::optics(&ready.world, seed, 0), &[]));
+        let screens = Arc::new(Receivers::new(&ready.world, &Mono::<f64>::optics(&ready.world, seed, 0), &[]));
         let radii = ready.plan.photon_radii_m;
         PhotonMapper::<Mono>::new(&ready.world, route, groups, photons, guide, radii, screens, seed)
             .starting(starts)
@@ -164,7 +164,7 @@ fn photons_that_part_find_ghosts() {
     assert!(ready.plan.photons_part, "little is left to photons");
     let groups = ready.scene.groups.len();
     let optics = Mono::<f64>::optics(&ready.world, 0, 0);
-    let screens = Arc::new(Screens::new(&ready.world, &optics, &ready.plan.screens));
+    let screens = Arc::new(Receivers::new(&ready.world, &optics, &ready.plan.screens));
     let trace = |part: bool, photons: u64, seed: u64| {
         let route = Ownership::new(&ready.plan, groups, Estimator::Photon);
         let mut film = Film::new(24, 12, route.planes.clone(), Components::Luminance, Sampling::PerPass);

@@ -10,7 +10,7 @@ mod make;
 
 use super::nodes::{Rows, Spot};
 use super::over_film::OverFilm;
-use super::screens::Screens;
+use super::receiver::Receivers;
 use crate::base::chain::Chain;
 use crate::base::lpe::Told;
 use crate::base::path::Trail;
@@ -146,7 +146,7 @@ impl Rest {
 
 impl<M: Mode> Glances<M> {
     /// None without lit faces and trains to them, or where every pass has wavelengths of its own.
-    pub fn new(world: &World, optics: &Optics<M>, screens: &Screens<M>, over: OverFilm) -> Option<Glances<M>> {
+    pub fn new(world: &World, optics: &Optics<M>, screens: &Receivers<M>, over: OverFilm) -> Option<Glances<M>> {
         if wavelengths_change::<M>() || screens.is_empty() {
             return None;
         }

@@ -3,7 +3,7 @@
 //! Where they land is read from [`Glances`](super::glances::Glances), whose errors a few paths make good.
 
 use super::glances::{Glanced, Rest};
-use super::screens::{Ask, Incoming, Screens};
+use super::receiver::{Ask, Incoming, Receivers};
 use super::vision::Manifold;
 use crate::base::lpe::{Letter, Source};
 use crate::base::path::{Event, Trail};
@@ -28,7 +28,7 @@ const OF_PAIR: f64 = 0.5;
 /// Adds what one pass sees in a pixel.
 pub(super) fn look<M: Mode>(
     manifold: &Manifold<'_, M>,
-    (optics, screens): (&Optics<M>, &Screens<M>),
+    (optics, screens): (&Optics<M>, &Receivers<M>),
     pixel: Pixel,
     out: &mut [Light],
     (ledger, scratch): (&mut Ledger, &mut Ledger),
@@ -115,7 +115,7 @@ pub(super) fn to_scatterer<'w, M: Mode>(
 fn gather<M: Mode>(
     manifold: &Manifold<'_, M>,
     (walker, vertex, scatter, frame): (&mut Walker<'_, M>, &Vertex, &Scatter, Frame),
-    (screens, ask): (&Screens<M>, Ask),
+    (screens, ask): (&Receivers<M>, Ask),
     out: &mut [Light],
     scratch: &mut Ledger,
 ) {

@@ -11,7 +11,7 @@ mod make;
 use super::connections::Connections;
 use super::nodes::Spot;
 use super::over_film::OverFilm;
-use super::screens::{Crossing, SLIDES};
+use super::receiver::{Crossing, SLIDES};
 use super::sheet::MOST_SHEETS;
 use crate::base::lpe::Told;
 use crate::base::path::Trail;

@@ -10,8 +10,8 @@ use super::bands::Bands;
 use super::connections::{Connections, Entry};
 use super::glances::Glances;
 use super::look;
+use super::receiver::Receivers;
 use super::rims::Rims;
-use super::screens::Screens;
 use super::solve::{Root, Target};
 use super::tables::Tables;
 use crate::base::lpe::Source;
@@ -40,7 +40,7 @@ pub struct Manifold<'w, M: Mode> {
     tables: Option<Tables<M>>,
     rims: Rims,
     pub(super) glances: Option<Arc<Glances<M>>>,
-    screens: Arc<Screens<M>>,
+    screens: Arc<Receivers<M>>,
     pub(super) seed: u64,
 }
 
@@ -49,7 +49,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         world: &'w World,
         route: Ownership,
         (connections, tables): (Arc<Bands>, Option<Tables<M>>),
-        (screens, glances): (Arc<Screens<M>>, Option<Arc<Glances<M>>>),
+        (screens, glances): (Arc<Receivers<M>>, Option<Arc<Glances<M>>>),
         seed: u64,
     ) -> Self {
         let rims = Rims::new(world, connections.middle());
@@ -72,7 +72,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         total
     }
 
-    fn block(&self, film: &mut Film, first: u64, count: u64, screens: &Screens<M>, total: &mut Ledger) {
+    fn block(&self, film: &mut Film, first: u64, count: u64, screens: &Receivers<M>, total: &mut Ledger) {
         let width = film.width;
         let parts = self.world.solids.len();
         let optics: Vec<(u64, Optics<M>)> =

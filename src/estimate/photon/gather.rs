@@ -9,7 +9,7 @@ use crate::base::rng::Stream;
 use crate::base::warp::{Frame, disk};
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::manifold::glances::{Glanced, Rest};
-use crate::estimate::manifold::screens::{Claim, Screens};
+use crate::estimate::manifold::receiver::{Claim, Receivers};
 use crate::estimate::photon_map::{Photon, PhotonMap, adaptive_kernel};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::rqmc::Rqmc;
@@ -36,7 +36,7 @@ const _: () = assert!(STRIDE >= MOST_RAYS);
 
 /// The photons of a pass, and what of them is connected.
 pub(super) struct Maps<M: Mode> {
-    screens: Arc<Screens<M>>,
+    screens: Arc<Receivers<M>>,
     caustic: PhotonMap<M>,
     secondary: PhotonMap<M>,
     /// All of them, for what the eye sees by another scatterer, which is soft; none where nothing asks for it.
@@ -46,7 +46,7 @@ pub(super) struct Maps<M: Mode> {
 impl<M: Mode> Maps<M> {
     /// `enough`, `shift`: of photons straight from specular faces, see [`PhotonMap::crowded`].
     pub(super) fn new(
-        (photons, screens): (Vec<Photon<M>>, Arc<Screens<M>>),
+        (photons, screens): (Vec<Photon<M>>, Arc<Receivers<M>>),
         radii: Radii,
         (enough, shift): (f64, DVec3),
         final_gather: bool,

@@ -1,7 +1,7 @@
 //! What photons leave at scatterers on their way, and where they part.
 
 use crate::estimate::emission::{Origin, Visitor};
-use crate::estimate::manifold::screens::{Claim, Screens};
+use crate::estimate::manifold::receiver::{Claim, Receivers};
 use crate::estimate::manifold::solve::Target;
 use crate::estimate::photon_map::Photon;
 use crate::estimate::splitting::Splitting;
@@ -26,7 +26,7 @@ mod parting {
 /// What paths leave at broad scatterers.
 pub(super) struct PhotonRecord<'s, M: Mode> {
     pub(super) photons: Vec<Photon<M>>,
-    screens: &'s Screens<M>,
+    screens: &'s Receivers<M>,
     /// How far from where they land photons may be gathered whose path may be connected.
     reach_m: f64,
     /// Where photons part, if they do.
@@ -36,7 +36,7 @@ pub(super) struct PhotonRecord<'s, M: Mode> {
 }
 
 impl<'s, M: Mode> PhotonRecord<'s, M> {
-    pub(super) fn new(screens: &'s Screens<M>, reach_m: f64, part: bool) -> Self {
+    pub(super) fn new(screens: &'s Receivers<M>, reach_m: f64, part: bool) -> Self {
         let parts = part.then(|| Splitting::new(parting::LEAST, parting::MOST));
         PhotonRecord { photons: Vec::new(), screens, reach_m, parts, work: 0 }
     }

@@ -8,7 +8,7 @@ use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::connections::Connections;
 use crate::estimate::manifold::glances::Glances;
 use crate::estimate::manifold::over_film::OverFilm;
-use crate::estimate::manifold::screens::Screens;
+use crate::estimate::manifold::receiver::Receivers;
 use crate::estimate::manifold::tables::Tables;
 use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::ownership::Ownership;
@@ -134,7 +134,7 @@ pub fn begin_trial<'w>(
     groups: usize,
     (size, longer): ([usize; 2], usize),
     seed: u64,
-    (connections, screens): (Arc<Connections>, Screens<Mono>),
+    (connections, screens): (Arc<Connections>, Receivers<Mono>),
 ) -> Box<dyn Tracing + 'w> {
     let optics = Mono::<f64>::optics(world, seed, 0);
     let connections = Arc::new(Bands::from(connections));
@@ -151,7 +151,7 @@ fn begin_in<'w, M: Mode + 'w>(
 ) -> Box<dyn Tracing + 'w> {
     let optics = M::optics(world, seed, 0);
     let connections = Arc::new(Bands::new(world, &optics, &plan.connections));
-    let screens = Screens::new(world, &optics, &plan.screens);
+    let screens = Receivers::new(world, &optics, &plan.screens);
     let kept = Kept::new((world, &optics), connections, screens, OverFilm::new(world));
     begin_with::<M>(world, plan, groups, size, seed, kept)
 }
@@ -160,7 +160,7 @@ fn begin_in<'w, M: Mode + 'w>(
 struct Kept<M: Mode> {
     connections: Arc<Bands>,
     tables: Option<Tables<M>>,
-    screens: Arc<Screens<M>>,
+    screens: Arc<Receivers<M>>,
     glances: Option<Arc<Glances<M>>>,
 }
 
@@ -169,7 +169,7 @@ impl<M: Mode> Kept<M> {
     fn new(
         (world, optics): (&World, &Optics<M>),
         connections: Arc<Bands>,
-        screens: Screens<M>,
+        screens: Receivers<M>,
         over: Option<OverFilm>,
     ) -> Self {
         Kept {

@@ -8,7 +8,7 @@ use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::{Emission, Origin, Shots, Visitor};
-use crate::estimate::manifold::screens::Claim;
+use crate::estimate::manifold::receiver::Claim;
 use crate::estimate::photon::on_side;
 use crate::estimate::photon_map::{Photon, PhotonMap};
 use crate::estimate::walk::{Vertex, Walker};

@@ -1,7 +1,7 @@
 //! Photons where cells that connection leaves to them border on connected ones.
 
 use crate::check::check;
-use crate::estimate::manifold::screens::{Claim, Screens};
+use crate::estimate::manifold::receiver::{Claim, Receivers};
 use crate::estimate::ownership::Ownership;
 use crate::estimate::photon::{PhotonMapper, radii_of_pass};
 use crate::estimate::photon_map::Photon;
@@ -26,9 +26,9 @@ fn emit(
     world: &World,
     optics: &Optics<Mono>,
     reach: Option<f64>,
-) -> (Arc<Screens<Mono>>, f64, Vec<Photon<Mono>>) {
+) -> (Arc<Receivers<Mono>>, f64, Vec<Photon<Mono>>) {
     let plan = plan(&check(scene).unwrap(), world, Choice::Only(Estimator::Manifold));
-    let screens = Arc::new(Screens::new(world, optics, &plan.screens));
+    let screens = Arc::new(Receivers::new(world, optics, &plan.screens));
     let (route, groups) = (Ownership::new(&plan, scene.groups.len(), Estimator::Photon), scene.groups.len());
     let reach = reach.unwrap_or(radii_of_pass(plan.photon_radii_m, 0).caustic);
     let mapper = PhotonMapper::new(world, route, groups, PATHS, None, plan.photon_radii_m, screens.clone(), 1);

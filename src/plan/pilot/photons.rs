@@ -6,7 +6,7 @@ use crate::base::rng::{Rng, Stream};
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::Starts;
 use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::screens::Screens;
+use crate::estimate::manifold::receiver::Receivers;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::photon::{Landed, Landing, PhotonMapper};
 use crate::estimate::visible_receivers::{Sighting, VisibleReceivers};
@@ -83,11 +83,11 @@ pub fn photon(
     const PARTED_FIRST: u64 = 1 << 6;
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let radii = Radii { caustic: pixel_m, secondary: pixel_m };
-    let with = |guide: Option<&Guide>, paths: u64, screens: &Arc<Screens<Mono>>| {
+    let with = |guide: Option<&Guide>, paths: u64, screens: &Arc<Receivers<Mono>>| {
         let route = Ownership::new(plan, groups, Estimator::Photon);
         PhotonMapper::new(world, route, groups, paths, guide, radii, screens.clone(), SEED).starting(Starts::OfPass)
     };
-    let nothing = Arc::new(Screens::new(world, &optics, &[]));
+    let nothing = Arc::new(Receivers::new(world, &optics, &[]));
     let pixels = world.eye.size().iter().product::<usize>() as u64;
     if seen.is_empty() {
         // Nowhere to gather, nothing to learn.
@@ -99,7 +99,7 @@ pub fn photon(
         look(|guide, paths| Photons { mapper: with(guide, paths, &nothing), seen }, || true, groups, stop);
     let coarse = |screens: &[Screen]| made.screens(world, screens);
     let (strong, weak) = by_light(&plan.screens);
-    let land = |guide: &Guide, paths: u64, connected: &Arc<Screens<Mono>>, part: bool| {
+    let land = |guide: &Guide, paths: u64, connected: &Arc<Receivers<Mono>>, part: bool| {
         with(Some(guide), paths, connected).parting(part).landings(LAST, stop)
     };
     // Photons that part tell best what little is left by the trains with most of the light. The others are worth their

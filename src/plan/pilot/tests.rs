@@ -5,7 +5,7 @@ use super::{LAST, Look, Looks, SEED, forward_paths};
 use crate::base::ids::GroupId;
 use crate::check::check;
 use crate::estimate::ShouldStop;
-use crate::estimate::manifold::screens::Screens;
+use crate::estimate::manifold::receiver::Receivers;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::photon::PhotonMapper;
 use crate::estimate::visible_receivers::VisibleReceivers;
@@ -30,9 +30,9 @@ fn photons_that_part_start_where_light_is_left() {
     assert!(plan.photons_part);
     let seen = VisibleReceivers::look(world, pixel_m(world, scene.eye.resolution), &|| false);
     let optics = Mono::<f64>::optics(world, SEED, 0);
-    let connected = Arc::new(Screens::coarse(world, &optics, &plan.screens));
-    let nothing = Arc::new(Screens::new(world, &optics, &[]));
-    let with = |guide: &Guide, paths: u64, screens: &Arc<Screens<Mono>>| {
+    let connected = Arc::new(Receivers::coarse(world, &optics, &plan.screens));
+    let nothing = Arc::new(Receivers::new(world, &optics, &[]));
+    let with = |guide: &Guide, paths: u64, screens: &Arc<Receivers<Mono>>| {
         let route = Ownership::new(&plan, groups, Estimator::Photon);
         PhotonMapper::new(world, route, groups, paths, Some(guide), plan.photon_radii_m, screens.clone(), SEED)
     };

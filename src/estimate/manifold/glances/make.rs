@@ -7,7 +7,7 @@ use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::look::to_scatterer;
 use crate::estimate::manifold::nodes::{SIDES, Spot};
-use crate::estimate::manifold::screens::Screens;
+use crate::estimate::manifold::receiver::Receivers;
 use crate::estimate::specular_event::Faint;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::world::World;
@@ -45,7 +45,7 @@ type Way = (Chain, (u32, u32));
 type Tracing<'t, M> = (&'t World, &'t Optics<M>);
 
 impl<M: Mode> Glances<M> {
-    pub(super) fn make(mut self, tracing: Tracing<'_, M>, screens: &Screens<M>) -> Self {
+    pub(super) fn make(mut self, tracing: Tracing<'_, M>, screens: &Receivers<M>) -> Self {
         let trains = self.trains(tracing, screens);
         let best = trains.iter().fold(0.0, |best: f64, (_, weight)| best.max(*weight));
         for (index, ((chain, face), weight)) in trains.into_iter().enumerate() {
@@ -68,7 +68,7 @@ impl<M: Mode> Glances<M> {
     }
 
     /// The trains over which rays from the eye come to faces that are joined with lamps, those with the most light first.
-    fn trains(&self, (world, optics): Tracing<'_, M>, screens: &Screens<M>) -> Vec<(Way, f64)> {
+    fn trains(&self, (world, optics): Tracing<'_, M>, screens: &Receivers<M>) -> Vec<(Way, f64)> {
         let mut found: BTreeMap<Way, f64> = BTreeMap::new();
         let mut ledger = Ledger::new(world.solids.len());
         for k in 0..LOOKS * LOOKS {

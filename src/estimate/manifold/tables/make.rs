@@ -7,7 +7,7 @@ use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::connections::{Connections, Entry, index_of};
 use crate::estimate::manifold::nodes::{SIDES, Spot};
-use crate::estimate::manifold::screens::Crossing;
+use crate::estimate::manifold::receiver::Crossing;
 use crate::estimate::manifold::solve::{Family, Root, Target, newton};
 use crate::estimate::walk::{Travel, Walker};
 use crate::world::World;

@@ -1,7 +1,7 @@
 //! One branch of a train for one lamp as a table over a face: solutions at nodes, and what lies between them.
 
 use super::Incoming;
-use super::level::Errs;
+use super::resolution::Errs;
 use crate::estimate::manifold::face_map::FaceMap;
 use crate::estimate::manifold::lean::{Lean, Quad, filled};
 use crate::estimate::manifold::nodes::{Rows, Spot};
@@ -57,7 +57,7 @@ const QUADS: usize = 4;
 
 /// One branch of a train for one lamp.
 #[derive(Debug)]
-pub(super) struct Sheet<M: Mode> {
+pub(super) struct ReceiverTable<M: Mode> {
     pub(super) nodes: Vec<Option<Node<M>>>,
     /// What of the nodes is blended; none before they are all there.
     lean: Option<Lean>,
@@ -105,10 +105,10 @@ impl<M: Mode> Blend<'_, M> {
     }
 }
 
-impl<M: Mode> Sheet<M> {
+impl<M: Mode> ReceiverTable<M> {
     /// Of so many nodes, none of which has a solution yet.
     pub(super) fn new(nodes: usize) -> Self {
-        Sheet { nodes: vec![None; nodes], lean: None, cells: vec![Cell::Nothing; nodes], errs: Vec::new() }
+        ReceiverTable { nodes: vec![None; nodes], lean: None, cells: vec![Cell::Nothing; nodes], errs: Vec::new() }
     }
 
     /// To be called when all nodes are there, before they are blended.

@@ -2,9 +2,9 @@
 //! cells would do; what they cost to fill is held against what they save in a run. The finer one comes when so many passes have
 //! gone by as would have paid for it: a short run does without, a long one has lost no more than its price.
 
-use super::grow::Filled;
-use super::lit::Lit;
-use super::sheet::Cell;
+use super::build::Filled;
+use super::connect::Connector;
+use super::table::Cell;
 use super::{FEWEST_LAMPS, MOST_SLACK, WORTH_EVERY_LAMP};
 use crate::film::specular_chain::Screen;
 use crate::world::World;
@@ -53,7 +53,7 @@ pub(super) fn slack(screen: &Screen) -> f64 {
 fn first_lit<M: Mode>(
     levels: &mut impl Iterator<Item = usize>,
     fill: impl Fn(usize) -> Filled<M>,
-) -> Option<(usize, Lit<M>)> {
+) -> Option<(usize, Connector<M>)> {
     let first = levels.next()?;
     match fill(first) {
         Filled::Lit(lit) => return Some((first, *lit)),
@@ -66,8 +66,8 @@ fn first_lit<M: Mode>(
 
 /// The map of a face, and the one that takes its place.
 #[derive(Debug, Clone)]
-pub(super) struct Level<M: Mode> {
-    pub(super) lit: Arc<Lit<M>>,
+pub(super) struct Resolution<M: Mode> {
+    pub(super) lit: Arc<Connector<M>>,
     finer: Option<Arc<Finer<M>>>,
 }
 
@@ -79,20 +79,20 @@ struct Finer<M: Mode> {
     from: u64,
     screen: Screen,
     /// None where it has nothing.
-    made: OnceLock<Option<Arc<Lit<M>>>>,
+    made: OnceLock<Option<Arc<Connector<M>>>>,
 }
 
-impl<M: Mode> Level<M> {
+impl<M: Mode> Resolution<M> {
     /// A map that stays.
-    pub(super) fn only(lit: Lit<M>) -> Self {
-        Level { lit: Arc::new(lit), finer: None }
+    pub(super) fn only(lit: Connector<M>) -> Self {
+        Resolution { lit: Arc::new(lit), finer: None }
     }
 
     /// For runs of `run` passes of this picture. None where nothing is lit.
     pub(super) fn new(world: &World, optics: &Optics<M>, screen: &Screen, run: f64) -> Option<Self> {
         let first = if slack(screen) >= MOST_SLACK { Some(COARSE) } else { None };
         let mut levels = first.into_iter().chain(CELLS);
-        let (first, lit) = first_lit(&mut levels, |cells| Lit::with_cells(world, optics, screen, cells))?;
+        let (first, lit) = first_lit(&mut levels, |cells| Connector::with_cells(world, optics, screen, cells))?;
         let pixels = world.eye.size().iter().product::<usize>() as f64;
         let asks = pixels * lit.chance(1.0);
         let known = lit.cells() / lit.entries.len().max(1) as f64;
@@ -107,7 +107,7 @@ impl<M: Mode> Level<M> {
             }
         }
         let finer = best.0.map(|(cells, from)| Finer { cells, from, screen: screen.clone(), made: OnceLock::new() });
-        let level = Level { lit: Arc::new(lit), finer: finer.map(Arc::new) };
+        let level = Resolution { lit: Arc::new(lit), finer: finer.map(Arc::new) };
         Some(level.at(0, world, optics).unwrap_or(level))
     }
 
@@ -119,13 +119,13 @@ impl<M: Mode> Level<M> {
     /// The same for a pass from which on there is another map; none: it stays.
     pub(super) fn at(&self, pass: u64, world: &World, optics: &Optics<M>) -> Option<Self> {
         let finer = self.finer.as_ref().filter(|finer| finer.from <= pass)?;
-        let make = || Lit::with_cells(world, optics, &finer.screen, finer.cells).lit().map(Arc::new);
+        let make = || Connector::with_cells(world, optics, &finer.screen, finer.cells).lit().map(Arc::new);
         let lit = finer.made.get_or_init(make).as_ref().unwrap_or(&self.lit);
-        Some(Level { lit: lit.clone(), finer: None })
+        Some(Resolution { lit: lit.clone(), finer: None })
     }
 }
 
-impl<M: Mode> Lit<M> {
+impl<M: Mode> Connector<M> {
     /// The share of lamps that is asked where the eye sees this much of the face's light.
     pub(super) fn chance(&self, seen: f64) -> f64 {
         let fewest = FEWEST_LAMPS.max(1.0 / self.entries.len().max(1) as f64);

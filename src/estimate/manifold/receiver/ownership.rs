@@ -3,9 +3,9 @@
 //! asked, not the place where a photon landed. In cells that connection leaves to photons all photons are gathered, those
 //! from beyond the border, too, if the light that they stand for comes here; in cells that are connected none of them is.
 
-use super::lit::{Entry, Lit, Solution};
-use super::sheet::{Cell, Sheet};
-use super::{ABOUT_SAME, FORETOLD, MOST_SHEETS, SAME, Screens};
+use super::connect::{Connector, Entry, Solution};
+use super::table::{Cell, ReceiverTable};
+use super::{ABOUT_SAME, FORETOLD, MOST_SHEETS, Receivers, SAME};
 use crate::base::chain::Chain;
 use crate::estimate::ledger::cost;
 use crate::estimate::manifold::nodes::Spot;
@@ -71,16 +71,16 @@ struct Place {
 
 impl Place {
     /// None where the map is not within `reach`, m.
-    fn new<M: Mode>(lit: &Lit<M>, (point, site): (DVec3, Site), reach: f64) -> Option<Place> {
+    fn new<M: Mode>(lit: &Connector<M>, (point, site): (DVec3, Site), reach: f64) -> Option<Place> {
         let spot = lit.map.spot(point);
         let inside = spot.is_some();
         Some(Place { point, site, spot: spot.or_else(|| lit.map.spot_beside(point, reach))?, inside })
     }
 }
 
-impl<M: Mode> Screens<M> {
+impl<M: Mode> Receivers<M> {
     /// Whose the path from a point of `lamp` over `chain` (from the lamp) is that arrives at a point of a face along `dir`, for
-    /// points that gather it within `reach`, m. Connection's is what [`Screens::gather`] finds for the same ends. Adds to the
+    /// points that gather it within `reach`, m. Connection's is what [`Receivers::gather`] finds for the same ends. Adds to the
     /// counted work.
     pub fn claim(
         &self,
@@ -92,7 +92,7 @@ impl<M: Mode> Screens<M> {
         work: &mut u64,
     ) -> Claim {
         const { assert!(MOST_SHEETS <= u8::BITS as usize) };
-        let face = |lit: &Lit<M>| (lit.map.part, lit.map.face) == (site.part, site.face) && lit.chain == *chain;
+        let face = |lit: &Connector<M>| (lit.map.part, lit.map.face) == (site.part, site.face) && lit.chain == *chain;
         // There is one for each group of lamps at most.
         for (number, lit) in self.lit().enumerate().filter(|(_, lit)| face(lit)) {
             let Some(place) = Place::new(lit, (point, site), reach) else { continue };
@@ -127,8 +127,8 @@ impl<M: Mode> Screens<M> {
     }
 }
 
-impl<M: Mode> Lit<M> {
-    fn is_connected(&self, sheet: &Sheet<M>, place: &Place) -> bool {
+impl<M: Mode> Connector<M> {
+    fn is_connected(&self, sheet: &ReceiverTable<M>, place: &Place) -> bool {
         match sheet.cell(&self.map, &place.spot) {
             Cell::Nothing | Cell::Rim => false,
             Cell::Interpolated | Cell::Solved => place.inside,
@@ -136,7 +136,7 @@ impl<M: Mode> Lit<M> {
     }
 
     /// How many of a sheet's cells within `reach` of a place are connected; beyond the map none is.
-    fn within(&self, sheet: &Sheet<M>, place: &Place, reach: f64) -> Within {
+    fn within(&self, sheet: &ReceiverTable<M>, place: &Place, reach: f64) -> Within {
         let (mut some, mut all) = (false, place.inside && self.map.is_inside(&place.spot, reach));
         for cell in self.map.cells_within(&place.spot, reach) {
             match sheet.cells[cell] {
@@ -157,7 +157,7 @@ impl<M: Mode> Lit<M> {
     fn is_of(
         &self,
         tracing: (&World, &Optics<M>),
-        (entry, sheet): (&Entry<M>, &Sheet<M>),
+        (entry, sheet): (&Entry<M>, &ReceiverTable<M>),
         (place, reach): (&Place, f64),
         (target, dir): (&Target, DVec3),
         work: &mut u64,
@@ -176,7 +176,7 @@ impl<M: Mode> Lit<M> {
     fn solve_about(
         &self,
         tracing: (&World, &Optics<M>),
-        (entry, sheet): (&Entry<M>, &Sheet<M>),
+        (entry, sheet): (&Entry<M>, &ReceiverTable<M>),
         (place, reach): (&Place, f64),
         target: &Target,
         work: &mut u64,
@@ -199,7 +199,7 @@ impl<M: Mode> Lit<M> {
 
 /// What a point that gathers knows of claims.
 pub struct Asked<'s, M: Mode> {
-    screens: &'s Screens<M>,
+    screens: &'s Receivers<M>,
     tracing: (&'s World, &'s Optics<M>),
     at: (DVec3, Site),
     reach: f64,
@@ -228,7 +228,7 @@ impl<M: Mode> Asked<'_, M> {
         let (Some((_, Some(place))), Some(entry)) = (self.place, lit.entries.get(usize::from(branches.entry))) else {
             return here;
         };
-        let of = |(bit, _): &(usize, &Sheet<M>)| branches.sheets >> bit & 1 == 1;
+        let of = |(bit, _): &(usize, &ReceiverTable<M>)| branches.sheets >> bit & 1 == 1;
         let sheets = || entry.sheets.iter().enumerate().filter(of).map(|(_, sheet)| sheet);
         if sheets().any(|sheet| lit.is_connected(sheet, &place)) {
             return true;

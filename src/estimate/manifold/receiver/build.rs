@@ -1,8 +1,8 @@
 //! How the tables of a face are filled: from what a pilot found, node by node, and cell by cell on trial.
 
-use super::level::{Errs, slack};
-use super::lit::{Entry, Lit, Solution, letter};
-use super::sheet::{Cell, Crossing, Node, Sheet, beyond};
+use super::connect::{Connector, Entry, Solution, letter};
+use super::resolution::{Errs, slack};
+use super::table::{Cell, Crossing, Node, ReceiverTable, beyond};
 use super::{FORETOLD, MOST_SHEETS, SAME, TOLERANCE};
 use crate::estimate::manifold::face_map::FaceMap;
 use crate::estimate::manifold::nodes::Spot;
@@ -29,7 +29,7 @@ const BESIDE: f64 = 0.1;
 
 /// What filling a face's table has come to.
 pub(super) enum Filled<M: Mode> {
-    Lit(Box<Lit<M>>),
+    Connector(Box<Connector<M>>),
     /// There are solutions, but of lamps whose middle does not stand for them: more cells would not change that.
     LampsTooLarge,
     /// Nothing was found between these nodes.
@@ -37,7 +37,7 @@ pub(super) enum Filled<M: Mode> {
 }
 
 impl<M: Mode> Filled<M> {
-    pub(super) fn lit(self) -> Option<Lit<M>> {
+    pub(super) fn lit(self) -> Option<Connector<M>> {
         match self {
             Filled::Lit(lit) => Some(*lit),
             Filled::LampsTooLarge | Filled::Nothing => None,
@@ -47,18 +47,19 @@ impl<M: Mode> Filled<M> {
 
 /// Branches of one lamp that were filled for nothing: another seed on one need not fill it again.
 struct Barren<M: Mode> {
-    sheets: Vec<Sheet<M>>,
+    sheets: Vec<ReceiverTable<M>>,
     /// One was because its lamp is too large.
     too_large: bool,
 }
 
-impl<M: Mode> Lit<M> {
+impl<M: Mode> Connector<M> {
     pub(super) fn with_cells(world: &World, optics: &Optics<M>, screen: &Screen, cells: usize) -> Filled<M> {
         let Some(map) = FaceMap::new(world, screen, cells) else { return Filled::Nothing };
         let chain = screen.train.chain().reversed();
         let letters = chain.0.iter().map(|link| letter(world, link)).collect();
         let (share, tolerance) = (screen.share, TOLERANCE * slack(screen));
-        let mut lit = Lit { map, train: screen.train.clone(), chain, letters, entries: Vec::new(), share, tolerance };
+        let mut lit =
+            Connector { map, train: screen.train.clone(), chain, letters, entries: Vec::new(), share, tolerance };
         let lamps = world.lamps.all().iter().enumerate();
         let lamps: Vec<(usize, &Lamp)> =
             lamps.filter(|(_, lamp)| lamp.group == screen.group && lamp.flux_lm > 0.0).collect();
@@ -114,7 +115,7 @@ impl<M: Mode> Lit<M> {
         if known {
             return;
         }
-        let mut sheet = Sheet::new(self.map.nodes.number());
+        let mut sheet = ReceiverTable::new(self.map.nodes.number());
         let mut tried = vec![false; self.map.nodes.number()];
         let from_seed = |at: usize| {
             let step = -self.map.from_node(at, &spot);
@@ -163,7 +164,7 @@ impl<M: Mode> Lit<M> {
 
     /// Whether a few nodes see most of the lamp over this train: of a large lamp, or of one with a narrow beam, the middle tells
     /// nothing, and its points would be joined for nothing most of the time. Photons do better there.
-    pub(super) fn is_small(&self, tracing: (&World, &Optics<M>), entry: &Entry<M>, sheet: &Sheet<M>) -> bool {
+    pub(super) fn is_small(&self, tracing: (&World, &Optics<M>), entry: &Entry<M>, sheet: &ReceiverTable<M>) -> bool {
         const LOOKS: usize = 16;
         let known: Vec<usize> = (0..sheet.nodes.len()).filter(|node| sheet.nodes[*node].is_some()).collect();
         let step = known.len().div_ceil(LOOKS).max(1);
@@ -233,14 +234,14 @@ impl<M: Mode> Lit<M> {
 
     /// Adds nodes just beyond what is lit, by cubics through the four nodes next to them along a row or a column: where
     /// the edge is that of a slide's picture, cells on it can be interpolated, and the picture itself says where it ends.
-    pub(super) fn complete(&self, (world, optics): (&World, &Optics<M>), sheet: &mut Sheet<M>) {
+    pub(super) fn complete(&self, (world, optics): (&World, &Optics<M>), sheet: &mut ReceiverTable<M>) {
         // Corners of what is lit lie beside nodes that are only there the second time.
         for _ in 0..2 {
             self.extend((world, optics), sheet);
         }
     }
 
-    fn extend(&self, (world, optics): (&World, &Optics<M>), sheet: &mut Sheet<M>) {
+    fn extend(&self, (world, optics): (&World, &Optics<M>), sheet: &mut ReceiverTable<M>) {
         let missing = (0..self.map.nodes.number()).filter(|node| sheet.nodes[*node].is_none());
         let added: Vec<(usize, Node<M>)> = missing
             .filter_map(|node| {
@@ -265,7 +266,7 @@ impl<M: Mode> Lit<M> {
         &self,
         tracing: (&World, &Optics<M>),
         entry: &Entry<M>,
-        sheet: &Sheet<M>,
+        sheet: &ReceiverTable<M>,
         cell: usize,
     ) -> (Cell, Option<Errs>) {
         let nothing = (Cell::Nothing, None);
@@ -305,7 +306,7 @@ impl<M: Mode> Lit<M> {
         &self,
         tracing: (&World, &Optics<M>),
         entry: &Entry<M>,
-        sheet: &Sheet<M>,
+        sheet: &ReceiverTable<M>,
         (spot, whole): (&Spot, bool),
         from: (DVec3, Site),
         middle: &Solution,
@@ -352,7 +353,7 @@ impl<M: Mode> Lit<M> {
 }
 
 /// Whether the nodes about a spot, which are whole, say that it lies beside a slide's picture.
-fn has_ended<M: Mode>((world, optics): (&World, &Optics<M>), sheet: &Sheet<M>, spot: &Spot) -> bool {
+fn has_ended<M: Mode>((world, optics): (&World, &Optics<M>), sheet: &ReceiverTable<M>, spot: &Spot) -> bool {
     let ended = |(slide, at): (usize, DVec3)| optics.slide(&world.slides[slide], at).is_none();
     sheet.blend((spot.cell, &spot.rows()), DVec2::ZERO).is_some_and(|blend| blend.slides().any(ended))
 }

@@ -6,11 +6,11 @@
 //! (or, where that is dark, eight about it) says that this errs by no more than `TOLERANCE`. In other cells every connection is solved for. Cells without a
 //! solution are left to whoever computes the rest.
 
-mod claim;
-mod grow;
-mod level;
-mod lit;
-mod sheet;
+mod build;
+mod connect;
+mod ownership;
+mod resolution;
+mod table;
 
 use super::solve::Target;
 use crate::base::lpe::Letter;
@@ -24,13 +24,13 @@ use crate::world::interior::Interior;
 use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
-pub use claim::{Asked, Claim};
+use connect::{Connector, Solution};
 use glam::DVec3;
-use level::{COARSE, Level, RUN};
-use lit::{Lit, Solution};
-use sheet::Cell;
-pub(super) use sheet::{Crossing, SLIDES};
+pub use ownership::{Asked, Claim};
+use resolution::{COARSE, RUN, Resolution};
 use std::sync::Arc;
+use table::Cell;
+pub(super) use table::{Crossing, SLIDES};
 
 /// Largest error of an interpolated strength or direction (radians) that is let pass, for a train that has all light of a
 /// face; one with less may err more, but no more than `MOST_SLACK` times as much.
@@ -53,8 +53,8 @@ const MOST_SHEETS: usize = 4;
 
 /// All of a plan, at the wavelengths of one pass.
 #[derive(Debug)]
-pub struct Screens<M: Mode> {
-    levels: Vec<Level<M>>,
+pub struct Receivers<M: Mode> {
+    levels: Vec<Resolution<M>>,
     plan: Arc<[Screen]>,
 }
 
@@ -97,26 +97,26 @@ pub struct Incoming<'s, M: Mode> {
     pub alone: bool,
 }
 
-impl<M: Mode> Screens<M> {
-    /// For the first passes of a run. Where each pass has its own, see [`Screens::of_pass`], there is nothing yet.
-    pub fn new(world: &World, optics: &Optics<M>, screens: &[Screen]) -> Screens<M> {
-        let level = |screen| Level::new(world, optics, screen, RUN);
+impl<M: Mode> Receivers<M> {
+    /// For the first passes of a run. Where each pass has its own, see [`Receivers::of_pass`], there is nothing yet.
+    pub fn new(world: &World, optics: &Optics<M>, screens: &[Screen]) -> Receivers<M> {
+        let level = |screen| Resolution::new(world, optics, screen, RUN);
         let known = if wavelengths_change::<M>() { &[][..] } else { screens };
-        Screens { levels: known.iter().filter_map(level).collect(), plan: screens.into() }
+        Receivers { levels: known.iter().filter_map(level).collect(), plan: screens.into() }
     }
 
     /// The same with coarse maps, for a pilot: what they can't interpolate is solved for.
-    pub fn coarse(world: &World, optics: &Optics<M>, screens: &[Screen]) -> Screens<M> {
-        let lit = screens.iter().filter_map(|screen| Lit::with_cells(world, optics, screen, COARSE).lit());
-        Screens { levels: lit.map(Level::only).collect(), plan: screens.into() }
+    pub fn coarse(world: &World, optics: &Optics<M>, screens: &[Screen]) -> Receivers<M> {
+        let lit = screens.iter().filter_map(|screen| Connector::with_cells(world, optics, screen, COARSE).lit());
+        Receivers { levels: lit.map(Resolution::only).collect(), plan: screens.into() }
     }
 
     /// Both together; their tables are not copied.
     #[must_use]
-    pub fn and(&self, others: &Screens<M>) -> Screens<M> {
+    pub fn and(&self, others: &Receivers<M>) -> Receivers<M> {
         let levels = self.levels.iter().chain(&others.levels).cloned().collect();
         let plan = self.plan.iter().chain(&*others.plan).cloned().collect();
-        Screens { levels, plan }
+        Receivers { levels, plan }
     }
 
     /// The same for a pass: where each has wavelengths of its own, faces are lit at them; else finer maps come when enough
@@ -126,23 +126,23 @@ impl<M: Mode> Screens<M> {
             return self.clone();
         }
         if wavelengths_change::<M>() {
-            let levels = self.plan.iter().filter_map(|screen| Level::new(world, optics, screen, 1.0));
-            return Arc::new(Screens { levels: levels.collect(), plan: self.plan.clone() });
+            let levels = self.plan.iter().filter_map(|screen| Resolution::new(world, optics, screen, 1.0));
+            return Arc::new(Receivers { levels: levels.collect(), plan: self.plan.clone() });
         }
         if self.levels.iter().all(|level| level.changes().is_none_or(|from| from > pass)) {
             return self.clone();
         }
         let levels = self.levels.iter().map(|level| level.at(pass, world, optics).unwrap_or_else(|| level.clone()));
-        Arc::new(Screens { levels: levels.collect(), plan: self.plan.clone() })
+        Arc::new(Receivers { levels: levels.collect(), plan: self.plan.clone() })
     }
 
     /// The first pass after this one that may have other maps.
     pub fn next_change(&self, pass: u64) -> u64 {
-        let later = self.levels.iter().filter_map(Level::changes).filter(|from| *from > pass);
+        let later = self.levels.iter().filter_map(Resolution::changes).filter(|from| *from > pass);
         if wavelengths_change::<M>() { pass.saturating_add(1) } else { later.min().unwrap_or(u64::MAX) }
     }
 
-    fn lit(&self) -> impl Iterator<Item = &Lit<M>> {
+    fn lit(&self) -> impl Iterator<Item = &Connector<M>> {
         self.levels.iter().map(|level| &*level.lit)
     }
 

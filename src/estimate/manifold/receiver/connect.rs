@@ -1,6 +1,6 @@
 //! A face and a train: the solver for points of the face, and what a solution brings.
 
-use super::sheet::{Crossing, Node, SLIDES, Sheet};
+use super::table::{Crossing, Node, ReceiverTable, SLIDES};
 use crate::base::chain::{Chain, Link, Step};
 use crate::base::lpe::Letter;
 use crate::base::path::Event;
@@ -38,12 +38,12 @@ pub(super) struct Entry<M: Mode> {
     pub(super) lamp: usize,
     pub(super) middle: Target,
     pub(super) size: f64,
-    pub(super) sheets: Vec<Sheet<M>>,
+    pub(super) sheets: Vec<ReceiverTable<M>>,
 }
 
 /// A face that a train leads to, and what it brings from each lamp.
 #[derive(Debug)]
-pub(super) struct Lit<M: Mode> {
+pub(super) struct Connector<M: Mode> {
     pub(super) map: FaceMap,
     pub(super) train: SpecularChain,
     /// From the lamp.
@@ -71,7 +71,7 @@ fn surface<'w>(world: &'w World, link: &Link) -> Option<&'w Surface> {
     Some(&world.faces.get(link.part as usize)?.get(link.face as usize)?.surface)
 }
 
-impl<M: Mode> Lit<M> {
+impl<M: Mode> Connector<M> {
     /// Solves from a start for the direction to the target.
     pub(super) fn newton(
         &self,
@@ -114,7 +114,7 @@ impl<M: Mode> Lit<M> {
         &self,
         tracing: (&World, &Optics<M>),
         entry: &Entry<M>,
-        sheet: &Sheet<M>,
+        sheet: &ReceiverTable<M>,
         spot: &Spot,
         from: (DVec3, Site),
         target: &Target,
@@ -128,7 +128,7 @@ impl<M: Mode> Lit<M> {
     pub(super) fn start(
         &self,
         entry: &Entry<M>,
-        sheet: &Sheet<M>,
+        sheet: &ReceiverTable<M>,
         (spot, whole): (&Spot, bool),
         target: &Target,
     ) -> Option<DVec3> {
@@ -141,7 +141,7 @@ impl<M: Mode> Lit<M> {
     pub(super) fn foretell(
         &self,
         entry: &Entry<M>,
-        sheet: &Sheet<M>,
+        sheet: &ReceiverTable<M>,
         spot: &Spot,
         target: &Target,
     ) -> Option<(DVec3, f64)> {
@@ -154,7 +154,7 @@ impl<M: Mode> Lit<M> {
     pub(super) fn foretell_from(
         &self,
         entry: &Entry<M>,
-        sheet: &Sheet<M>,
+        sheet: &ReceiverTable<M>,
         first: usize,
         spot: &Spot,
         target: &Target,
