@@ -10,7 +10,7 @@ mod record;
 use super::ShouldStop;
 use super::emission::{Emission, Shots, Starts};
 use super::ledger::{Ledger, cost};
-use super::manifold::glances::Glances;
+use super::manifold::eye_table::EyeTable;
 use super::manifold::receiver::Receivers;
 use super::ownership::{Ownership, Reach};
 use super::photon_map::Photon;
@@ -73,7 +73,7 @@ pub struct PhotonMapper<'w, M: Mode> {
     /// What of the paths is not ours.
     screens: Arc<Receivers<M>>,
     /// Where the eye's rays land.
-    glances: Option<Arc<Glances<M>>>,
+    glances: Option<Arc<EyeTable<M>>>,
     /// What the middles of pixels see, once photons are crowded.
     middles: OnceLock<GatherSamples>,
     seed: u64,
@@ -162,7 +162,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
     /// The same with tables that tell where rays from the eye land: not on faces that paths go on from, for what a table
     /// says may weigh less than nothing.
     #[must_use]
-    pub fn glancing(self, glances: Option<Arc<Glances<M>>>) -> Self {
+    pub fn glancing(self, glances: Option<Arc<EyeTable<M>>>) -> Self {
         let goes_on =
             |(part, face): (u32, u32)| asks_for_final_gather(&self.world.faces[part as usize][face as usize].surface);
         let glances = glances.filter(|glances| !glances.faces().any(goes_on));

@@ -2,7 +2,7 @@
 //! pairs whose points of the pupil and of the pixel lie opposite each other, so that what is linear in them is exact.
 //! Where they land is read from [`Glances`](super::glances::Glances), whose errors a few paths make good.
 
-use super::glances::{Glanced, Rest};
+use super::eye_table::{Glanced, Rest};
 use super::receiver::{Ask, Incoming, Receivers};
 use super::vision::Manifold;
 use crate::base::lpe::{Letter, Source};

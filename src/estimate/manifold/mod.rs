@@ -3,8 +3,8 @@
 pub mod bands; // of wavelengths
 pub mod bundle;
 pub mod connections;
+pub mod eye_table;
 pub mod face_map;
-pub mod glances;
 pub mod grid;
 pub mod lean;
 mod look;

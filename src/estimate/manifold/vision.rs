@@ -8,7 +8,7 @@
 
 use super::bands::Bands;
 use super::connections::{Connections, Entry};
-use super::glances::Glances;
+use super::eye_table::EyeTable;
 use super::look;
 use super::receiver::Receivers;
 use super::rims::Rims;
@@ -39,7 +39,7 @@ pub struct Manifold<'w, M: Mode> {
     connections: Arc<Bands>,
     tables: Option<Tables<M>>,
     rims: Rims,
-    pub(super) glances: Option<Arc<Glances<M>>>,
+    pub(super) glances: Option<Arc<EyeTable<M>>>,
     screens: Arc<Receivers<M>>,
     pub(super) seed: u64,
 }
@@ -49,7 +49,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         world: &'w World,
         route: Ownership,
         (connections, tables): (Arc<Bands>, Option<Tables<M>>),
-        (screens, glances): (Arc<Receivers<M>>, Option<Arc<Glances<M>>>),
+        (screens, glances): (Arc<Receivers<M>>, Option<Arc<EyeTable<M>>>),
         seed: u64,
     ) -> Self {
         let rims = Rims::new(world, connections.middle());

@@ -8,7 +8,7 @@ use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::base::warp::{Frame, disk};
 use crate::estimate::ledger::{Ledger, cost};
-use crate::estimate::manifold::glances::{Glanced, Rest};
+use crate::estimate::manifold::eye_table::{Glanced, Rest};
 use crate::estimate::manifold::receiver::{Claim, Receivers};
 use crate::estimate::photon_map::{Photon, PhotonMap, adaptive_kernel};
 use crate::estimate::pixel::Pixel;

@@ -6,7 +6,7 @@ use crate::estimate::forward::Forward;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::connections::Connections;
-use crate::estimate::manifold::glances::Glances;
+use crate::estimate::manifold::eye_table::EyeTable;
 use crate::estimate::manifold::over_film::OverFilm;
 use crate::estimate::manifold::receiver::Receivers;
 use crate::estimate::manifold::tables::Tables;
@@ -161,7 +161,7 @@ struct Kept<M: Mode> {
     connections: Arc<Bands>,
     tables: Option<Tables<M>>,
     screens: Arc<Receivers<M>>,
-    glances: Option<Arc<Glances<M>>>,
+    glances: Option<Arc<EyeTable<M>>>,
 }
 
 impl<M: Mode> Kept<M> {
@@ -174,7 +174,7 @@ impl<M: Mode> Kept<M> {
     ) -> Self {
         Kept {
             tables: over.and_then(|over| Tables::new(world, optics, connections.of(optics), over)),
-            glances: over.and_then(|over| Glances::new(world, optics, &screens, over)).map(Arc::new),
+            glances: over.and_then(|over| EyeTable::new(world, optics, &screens, over)).map(Arc::new),
             screens: Arc::new(screens),
             connections,
         }

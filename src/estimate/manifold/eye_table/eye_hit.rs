@@ -11,7 +11,7 @@ pub(super) const OVER_PUPIL: usize = 9;
 
 /// Where a ray lands.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Landing<M: Mode> {
+pub(super) struct EyeHit<M: Mode> {
     /// Recentred world, m.
     pub(super) point: DVec3,
     pub(super) dir: DVec3,
@@ -22,7 +22,7 @@ pub(super) struct Landing<M: Mode> {
 /// Most quads of a landing.
 const QUADS: usize = 3;
 
-impl<M: Mode> Landing<M> {
+impl<M: Mode> EyeHit<M> {
     /// So many hold its numbers.
     const QUADS: usize = {
         assert!(6 + M::LANES <= 4 * QUADS);
@@ -34,30 +34,30 @@ impl<M: Mode> Landing<M> {
         places.chain(self.weight.as_slice().iter().copied())
     }
 
-    fn of(numbers: &[f64]) -> Landing<M> {
+    fn of(numbers: &[f64]) -> EyeHit<M> {
         let [point, dir] = [0, 3].map(|at| DVec3::from_slice(&numbers[at..at + 3]));
-        Landing { point, dir, weight: lanes::<M, _>(|lane| numbers[6 + lane]) }
+        EyeHit { point, dir, weight: lanes::<M, _>(|lane| numbers[6 + lane]) }
     }
 }
 
 /// Per node over the picture one landing for each over the pupil; none where not all rays land.
-pub(super) struct Landings<M: Mode> {
+pub(super) struct EyeHits<M: Mode> {
     known: Vec<bool>,
     /// NaN where they are not known.
     lean: Lean,
     mode: PhantomData<M>,
 }
 
-impl<M: Mode> Landings<M> {
-    pub(super) fn new(nodes: &[Option<Vec<Landing<M>>>]) -> Self {
-        let quads = Landing::<M>::QUADS;
+impl<M: Mode> EyeHits<M> {
+    pub(super) fn new(nodes: &[Option<Vec<EyeHit<M>>>]) -> Self {
+        let quads = EyeHit::<M>::QUADS;
         let mut lean = Lean::new(nodes.len(), quads * OVER_PUPIL, f64::NAN);
         for (landings, numbers) in nodes.iter().zip(lean.nodes_mut()) {
             for (landing, numbers) in landings.iter().flatten().zip(numbers.chunks_exact_mut(4 * quads)) {
                 numbers.iter_mut().zip(landing.numbers()).for_each(|(to, from)| *to = from);
             }
         }
-        Landings { known: nodes.iter().map(Option::is_some).collect(), lean, mode: PhantomData }
+        EyeHits { known: nodes.iter().map(Option::is_some).collect(), lean, mode: PhantomData }
     }
 
     /// Whether all rays of a node land.
@@ -66,19 +66,19 @@ impl<M: Mode> Landings<M> {
     }
 
     /// Where the ray through the middle of the pupil lands.
-    pub(super) fn middle(&self, node: usize) -> Option<Landing<M>> {
-        let first = 4 * Landing::<M>::QUADS * (OVER_PUPIL / 2);
+    pub(super) fn middle(&self, node: usize) -> Option<EyeHit<M>> {
+        let first = 4 * EyeHit::<M>::QUADS * (OVER_PUPIL / 2);
         let numbers = self.lean.at(node).get(first..).filter(|_| self.has(node))?;
-        Some(Landing::of(numbers))
+        Some(EyeHit::of(numbers))
     }
 
     /// Where a ray between the nodes lands; none where some of them are not known. `pupil`: weights of the nodes over it.
-    pub(super) fn blend(&self, rows: &Rows, pupil: &[f64; OVER_PUPIL]) -> Option<Landing<M>> {
-        let quads: [Quad; QUADS] = match Landing::<M>::QUADS {
+    pub(super) fn blend(&self, rows: &Rows, pupil: &[f64; OVER_PUPIL]) -> Option<EyeHit<M>> {
+        let quads: [Quad; QUADS] = match EyeHit::<M>::QUADS {
             2 => self.lean.blend_grids::<2, OVER_PUPIL>(rows, pupil).map(filled),
             _ => self.lean.blend_grids(rows, pupil),
         }?;
-        let landing = Landing::of(quads.as_flattened());
+        let landing = EyeHit::of(quads.as_flattened());
         (!landing.point.x.is_nan()).then_some(landing)
     }
 }

@@ -1,7 +1,7 @@
 //! How the tables are filled: trains as rays from the eye find them, node by node, and cell by cell on trial.
 
-use super::landing::{Landing, Landings, OVER_PUPIL};
-use super::{Glance, Glances, OUTER, Use, follow};
+use super::eye_hit::{EyeHit, EyeHits, OVER_PUPIL};
+use super::{EyeTable, Glance, OUTER, Use, follow};
 use crate::base::chain::{Chain, Link};
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
@@ -44,7 +44,7 @@ type Way = (Chain, (u32, u32));
 
 type Tracing<'t, M> = (&'t World, &'t Optics<M>);
 
-impl<M: Mode> Glances<M> {
+impl<M: Mode> EyeTable<M> {
     pub(super) fn make(mut self, tracing: Tracing<'_, M>, screens: &Receivers<M>) -> Self {
         let trains = self.trains(tracing, screens);
         let best = trains.iter().fold(0.0, |best: f64, (_, weight)| best.max(*weight));
@@ -124,7 +124,7 @@ impl<M: Mode> Glances<M> {
                 && at.outside == vertex.outside
                 && touching(at) == touching(&vertex)
         };
-        let node = |at: usize| -> (bool, Option<Vec<Landing<M>>>) {
+        let node = |at: usize| -> (bool, Option<Vec<EyeHit<M>>>) {
             let all = landed(at);
             let any = all.iter().any(Option::is_some);
             let landing = |one: &Option<(Walker<'_, M>, Vertex)>| one.as_ref().filter(|one| alike(one)).map(landing);
@@ -132,7 +132,7 @@ impl<M: Mode> Glances<M> {
         };
         let (lands, nodes): (Vec<bool>, Vec<_>) = (0..self.over.nodes.number()).into_par_iter().map(node).unzip();
         let Walker { trail, told, interior, events, .. } = walker;
-        Some(Glance { chain, share, vertex, trail, told, interior, events, lands, landings: Landings::new(&nodes) })
+        Some(Glance { chain, share, vertex, trail, told, interior, events, lands, landings: EyeHits::new(&nodes) })
     }
 
     /// How a cell is to be used, by rays through its middle.
@@ -241,8 +241,8 @@ fn start<'w, M: Mode>((world, optics): Tracing<'w, M>, film: DVec2, pupil: DVec2
     Walker::new((world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng)
 }
 
-fn landing<M: Mode>((walker, vertex): &(Walker<'_, M>, Vertex)) -> Landing<M> {
+fn landing<M: Mode>((walker, vertex): &(Walker<'_, M>, Vertex)) -> EyeHit<M> {
     let weight = lanes::<M, _>(|lane| walker.beam.amount(lane).power());
     let point: DVec3 = vertex.hit.point;
-    Landing { point, dir: walker.ray.dir, weight }
+    EyeHit { point, dir: walker.ray.dir, weight }
 }

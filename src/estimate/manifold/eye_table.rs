@@ -5,7 +5,7 @@
 //! [`Tables`](super::tables::Tables) no table is trusted. Now and then the ray itself is followed with all its branches,
 //! and makes good what the tables had wrong or did not have.
 
-mod landing;
+mod eye_hit;
 mod make;
 
 use super::nodes::{Rows, Spot};
@@ -23,8 +23,8 @@ use crate::world::geometry::{Hit, Ray};
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
+use eye_hit::{EyeHit, EyeHits, OVER_PUPIL};
 use glam::DVec2;
-use landing::{Landing, Landings, OVER_PUPIL};
 
 /// The outer nodes over the pupil, in radii.
 const OUTER: f64 = 0.8;
@@ -53,7 +53,7 @@ struct Glance<M: Mode> {
     events: u32,
     /// Over the picture, where any ray lands over this train.
     lands: Vec<bool>,
-    landings: Landings<M>,
+    landings: EyeHits<M>,
 }
 
 /// How a cell is used.
@@ -72,7 +72,7 @@ struct Use {
 }
 
 /// All trains from the eye to faces that are joined with lamps.
-pub struct Glances<M: Mode> {
+pub struct EyeTable<M: Mode> {
     over: OverFilm,
     /// m
     radius: f64,
@@ -144,14 +144,14 @@ impl Rest {
     }
 }
 
-impl<M: Mode> Glances<M> {
+impl<M: Mode> EyeTable<M> {
     /// None without lit faces and trains to them, or where every pass has wavelengths of its own.
-    pub fn new(world: &World, optics: &Optics<M>, screens: &Receivers<M>, over: OverFilm) -> Option<Glances<M>> {
+    pub fn new(world: &World, optics: &Optics<M>, screens: &Receivers<M>, over: OverFilm) -> Option<EyeTable<M>> {
         if wavelengths_change::<M>() || screens.is_empty() {
             return None;
         }
         let radius = world.eye.pupil_radius_m();
-        let glances = Glances { over, radius, glances: Vec::new(), uses: Vec::new() }.make((world, optics), screens);
+        let glances = EyeTable { over, radius, glances: Vec::new(), uses: Vec::new() }.make((world, optics), screens);
         (!glances.glances.is_empty()).then_some(glances)
     }
 
@@ -268,7 +268,7 @@ impl<M: Mode> Glance<M> {
     fn land<'w>(
         &self,
         (world, optics): (&'w World, &'w Optics<M>),
-        landing: &Landing<M>,
+        landing: &EyeHit<M>,
         weight: f64,
         rng: Rng,
     ) -> Option<(Walker<'w, M>, Vertex)> {
