@@ -2,7 +2,7 @@
 //! point of a lamp, and whether a path is one of them.
 
 use super::grid::Grid;
-use super::sheet::{Builder, SAME, Starts};
+use super::seeds::{Builder, SAME, Seeds};
 use super::solve::{Root, Target};
 use crate::base::chain::Chain;
 use crate::estimate::ledger::cost;
@@ -26,7 +26,7 @@ pub struct Entry {
     pub train: usize,
     /// Of its group's light, what the train brings.
     pub share: f64,
-    pub starts: Starts,
+    pub starts: Seeds,
 }
 
 /// Who has a path that may be connection's, if the solver does not return it.

@@ -12,7 +12,7 @@ pub mod nodes;
 pub mod over_film;
 pub mod receiver;
 pub mod rims;
-pub mod sheet;
+pub mod seeds;
 pub mod solve;
 pub mod tables;
 pub mod vision;

@@ -12,7 +12,7 @@ use super::connections::Connections;
 use super::nodes::Spot;
 use super::over_film::OverFilm;
 use super::receiver::{Crossing, SLIDES};
-use super::sheet::MOST_SHEETS;
+use super::seeds::MOST_SHEETS;
 use crate::base::lpe::Told;
 use crate::base::path::Trail;
 use crate::film::accumulate::Light;

@@ -1,16 +1,16 @@
 //! Where the solver starts: per train and lamp, the solution for the middle of the lamp on a grid over the picture, with
 //! its derivatives. A train whose map is folded has a sheet for each of its branches.
 
-mod aim;
-mod spread;
+mod extrapolate;
+mod lamp_visibility;
 
 use super::grid::Grid;
 use super::solve::{Family, Root, Target, newton, trace};
 use crate::film::specular_chain::{Connection, SpecularChain};
 use crate::world::World;
 use crate::world::lamp::{Lamp, Lamps};
-use aim::Part;
 use glam::{DMat2, DVec2};
+use lamp_visibility::Part;
 use std::collections::VecDeque;
 
 /// Sheets of one train and lamp; further branches stay with the estimator that owns the rest.
@@ -46,7 +46,7 @@ struct Sheet {
 
 /// All branches of a train for one lamp.
 #[derive(Debug, Clone)]
-pub struct Starts {
+pub struct Seeds {
     /// Number of the lamp in the world.
     pub lamp: usize,
     middle: Target,
@@ -67,11 +67,11 @@ pub struct Builder<'b, I: Fn(Option<u32>) -> f64> {
 
 impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
     /// Starts for every lamp of the connection's group that its light comes from.
-    pub fn starts(&self, connection: &Connection) -> Vec<Starts> {
+    pub fn starts(&self, connection: &Connection) -> Vec<Seeds> {
         let grid = Grid::of(self.world);
         let lamps = self.world.lamps.all().iter().enumerate();
         let lamps = lamps.filter(|(_, lamp)| lamp.group == connection.group && lamp.flux_lm > 0.0);
-        let mut all: Vec<Starts> = lamps.map(|(index, lamp)| Starts::new(index, lamp, grid)).collect();
+        let mut all: Vec<Seeds> = lamps.map(|(index, lamp)| Seeds::new(index, lamp, grid)).collect();
         for seed in &connection.seeds {
             if let Some(starts) = all.iter_mut().find(|starts| starts.lamp == seed.lamp as usize) {
                 self.grow(starts, DVec2::from_array(seed.film), DVec2::from_array(seed.pupil));
@@ -86,7 +86,7 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
     }
 
     /// Adds the branch that has this solution, unless it is known.
-    fn grow(&self, starts: &mut Starts, film: DVec2, pupil: DVec2) {
+    fn grow(&self, starts: &mut Seeds, film: DVec2, pupil: DVec2) {
         let radius = self.world.eye.pupil_radius_m();
         if starts.sheets.len() >= MOST_SHEETS {
             return;
@@ -138,13 +138,13 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
     }
 
     /// The solution for the middle of the lamp at a place in the picture, from a start in the pupil.
-    fn solve(&self, starts: &Starts, film: DVec2, start: DVec2) -> Option<Root> {
+    fn solve(&self, starts: &Seeds, film: DVec2, start: DVec2) -> Option<Root> {
         let family = Family::Pupil { film };
         newton(self.world, self.index, &family, start, self.train, &starts.middle, starts.size)
     }
 
     /// What there is to know of a solution for the middle of the lamp.
-    fn node(&self, starts: &Starts, film: DVec2, root: &Root) -> Option<Node> {
+    fn node(&self, starts: &Seeds, film: DVec2, root: &Root) -> Option<Node> {
         let radius = self.world.eye.pupil_radius_m();
         let family = Family::Film { pupil: root.u };
         let end = trace(self.world, self.index, &family, film, self.train, &starts.middle)?;
@@ -234,12 +234,12 @@ impl Node {
     }
 }
 
-impl Starts {
-    fn new(index: usize, lamp: &Lamp, grid: Grid) -> Starts {
+impl Seeds {
+    fn new(index: usize, lamp: &Lamp, grid: Grid) -> Seeds {
         let middle = lamp.sample_point([0.5, 0.5]);
         let (centre, radius) = lamp.around();
         let middle = Target::new(centre, middle.normal);
-        Starts { lamp: index, middle, size: radius, grid, sheets: Vec::new(), parts: Vec::new() }
+        Seeds { lamp: index, middle, size: radius, grid, sheets: Vec::new(), parts: Vec::new() }
     }
 
     fn take_apart(&mut self, lamps: &Lamps) {

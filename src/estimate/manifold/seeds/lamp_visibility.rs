@@ -1,7 +1,7 @@
 //! Which points of a lamp to join with a place of the picture, where only some of them are seen through the pupil: at the
 //! rim of a lamp's picture most others would be solved for in vain, and the few that are not would be bright and rare.
 
-use super::{Node, Starts};
+use super::{Node, Seeds};
 use crate::base::warp::BELOW_ONE;
 use crate::world::eye::EyeLens;
 use crate::world::lamp::{Lamp, LampPoint};
@@ -52,7 +52,7 @@ impl Part {
     }
 }
 
-impl Starts {
+impl Seeds {
     /// About which share of the rays between places about one in the picture, as far as `half` along both axes, and points of
     /// the lamp go through the pupil, or reach all of it; and what share of that the lamp's picture fills, or more than all.
     /// Of the branch that shows most; none where no branch is known. Both are rough.

@@ -1,7 +1,7 @@
 //! Lamps that a pilot found no path from: what a neighbour does over a train they do too, moved. A lamp at the rim of the
 //! picture is seen by a corner of it alone, through a part of the pupil, where few paths go.
 
-use super::{Builder, Node, Starts};
+use super::{Builder, Node, Seeds};
 use crate::world::eye::EyeLens;
 use glam::DVec2;
 
@@ -22,7 +22,7 @@ struct Start {
 
 impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
     /// Starts lamps without sheets from their nearest neighbours that have some, and those from them, until nothing is new.
-    pub(super) fn spread(&self, all: &mut [Starts]) {
+    pub(super) fn spread(&self, all: &mut [Seeds]) {
         let mut tried: Vec<Vec<usize>> = vec![Vec::new(); all.len()];
         loop {
             let mut found = false;
@@ -48,7 +48,7 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
     }
 
     /// Returns whether the lamp `to` has sheets now.
-    fn spread_from(&self, all: &mut [Starts], from: usize, to: usize) -> bool {
+    fn spread_from(&self, all: &mut [Seeds], from: usize, to: usize) -> bool {
         let source = &all[from];
         let offset = source.middle.local(all[to].middle.point - source.middle.point);
         let nodes = source.sheets.iter().flat_map(|sheet| sheet.nodes.iter().enumerate());
@@ -70,7 +70,7 @@ impl<I: Fn(Option<u32>) -> f64> Builder<'_, I> {
 
 impl Node {
     /// Where in the picture another lamp is likely to be seen, so far from this one on its plane. None where it is not.
-    fn moved(&self, eye: &EyeLens, source: &Starts, cell: usize, offset: DVec2) -> Option<Start> {
+    fn moved(&self, eye: &EyeLens, source: &Seeds, cell: usize, offset: DVec2) -> Option<Start> {
         let (radius, middle) = (eye.pupil_radius_m(), source.grid.middle(cell));
         let pupil = self.pupil + self.by_lamp * offset;
         let wanted = pupil.clamp_length_max(INSIDE * radius);
@@ -86,7 +86,7 @@ impl Node {
 }
 
 /// The lamps next to one that have sheets, the nearest first.
-fn neighbours(all: &[Starts], of: usize) -> Vec<usize> {
+fn neighbours(all: &[Seeds], of: usize) -> Vec<usize> {
     let place = all[of].middle.point;
     let mut near: Vec<(f64, usize)> = (0..all.len())
         .filter(|other| !all[*other].sheets.is_empty())
