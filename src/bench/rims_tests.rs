@@ -5,7 +5,7 @@ use super::curve::race::Ready;
 use super::generate;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::manifold::connections::{Connections, Entry, index_of};
-use crate::estimate::manifold::rims::Rims;
+use crate::estimate::manifold::edge_sampling::EdgeSampling;
 use crate::estimate::manifold::solve::Target;
 use crate::estimate::run::begin;
 use crate::film::plan::Estimator;
@@ -177,7 +177,7 @@ fn rims_are_joined_more_often() {
     let plan = plan(&ready.checked, &ready.world, Choice::Auto);
     let optics = Mono::<f64>::optics(&ready.world, 0, 0);
     let connections = Connections::new(&ready.world, &index_of(&optics), &plan.connections);
-    let rims = Rims::new(&ready.world, &connections);
+    let rims = EdgeSampling::new(&ready.world, &connections);
     let times = |x: u64, y: u64| rims.times(x + 32 * y);
     assert_eq!([times(16, 12), times(10, 8), times(20, 15)], [1; 3]);
     assert!([times(0, 16), times(31, 16), times(2, 22)].into_iter().all(|times| times > 3));
@@ -232,7 +232,7 @@ fn rims_are_as_bright_as_by_light_tracing() {
     let (connections, auto) = of(Choice::Auto, 64);
     let (_, light) = of(Choice::Only(Estimator::Forward), 192);
     let optics = Mono::<f64>::optics(world, 0, 0);
-    let rims = Rims::new(world, &Connections::new(world, &index_of(&optics), &connections));
+    let rims = EdgeSampling::new(world, &Connections::new(world, &index_of(&optics), &connections));
     let rim: Vec<usize> = (0..32 * 24).filter(|pixel| rims.times(*pixel as u64) > 2).collect();
     let sums = |runs: &[Vec<f64>]| {
         let sums: Vec<f64> = runs.iter().map(|run| rim.iter().map(|pixel| run[*pixel]).sum()).collect();

@@ -1,19 +1,19 @@
 //! The estimator that owns vision paths with known trains: per pixel and pass, one point of each lamp whose light may come
-//! over a train (at [`Rims`] several) is joined with a point of the pixel, by solving for the point of the pupil between them.
+//! over a train (at [`EdgeSampling`] several) is joined with a point of the pixel, by solving for the point of the pupil between them.
 //!
 //! With J the derivative of the place on the lamp by the place in the pupil, the pixel's mean over the pupil is
 //! ∫ L T dA_pupil/A = ∫ L T |det J|⁻¹ dA_lamp/A: what is left to chance is the point of the lamp and of the pixel, over
 //! which the integrand is smooth but for the slide's picture.
-//! Most of it is read from [`Tables`], whose errors a few solutions make good.
+//! Most of it is read from [`FilmTables`], whose errors a few solutions make good.
 
 use super::bands::Bands;
 use super::connections::{Connections, Entry};
+use super::edge_sampling::EdgeSampling;
 use super::eye_table::EyeTable;
+use super::film_table::FilmTables;
 use super::look;
 use super::receiver::Receivers;
-use super::rims::Rims;
 use super::solve::{Root, Target};
-use super::tables::Tables;
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::estimate::ledger::{Ledger, cost};
@@ -37,8 +37,8 @@ pub struct Manifold<'w, M: Mode> {
     pub(super) world: &'w World,
     pub(super) route: Ownership,
     connections: Arc<Bands>,
-    tables: Option<Tables<M>>,
-    rims: Rims,
+    tables: Option<FilmTables<M>>,
+    rims: EdgeSampling,
     pub(super) glances: Option<Arc<EyeTable<M>>>,
     screens: Arc<Receivers<M>>,
     pub(super) seed: u64,
@@ -48,11 +48,11 @@ impl<'w, M: Mode> Manifold<'w, M> {
     pub fn new(
         world: &'w World,
         route: Ownership,
-        (connections, tables): (Arc<Bands>, Option<Tables<M>>),
+        (connections, tables): (Arc<Bands>, Option<FilmTables<M>>),
         (screens, glances): (Arc<Receivers<M>>, Option<Arc<EyeTable<M>>>),
         seed: u64,
     ) -> Self {
-        let rims = Rims::new(world, connections.middle());
+        let rims = EdgeSampling::new(world, connections.middle());
         Manifold { mode: PhantomData, world, route, connections, tables, rims, glances, screens, seed }
     }
 

@@ -7,9 +7,9 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::connections::Connections;
 use crate::estimate::manifold::eye_table::EyeTable;
+use crate::estimate::manifold::film_table::FilmTables;
 use crate::estimate::manifold::over_film::OverFilm;
 use crate::estimate::manifold::receiver::Receivers;
-use crate::estimate::manifold::tables::Tables;
 use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::photon::PhotonMapper;
@@ -159,7 +159,7 @@ fn begin_in<'w, M: Mode + 'w>(
 /// What specular connection knows before the first pass.
 struct Kept<M: Mode> {
     connections: Arc<Bands>,
-    tables: Option<Tables<M>>,
+    tables: Option<FilmTables<M>>,
     screens: Arc<Receivers<M>>,
     glances: Option<Arc<EyeTable<M>>>,
 }
@@ -173,7 +173,7 @@ impl<M: Mode> Kept<M> {
         over: Option<OverFilm>,
     ) -> Self {
         Kept {
-            tables: over.and_then(|over| Tables::new(world, optics, connections.of(optics), over)),
+            tables: over.and_then(|over| FilmTables::new(world, optics, connections.of(optics), over)),
             glances: over.and_then(|over| EyeTable::new(world, optics, &screens, over)).map(Arc::new),
             screens: Arc::new(screens),
             connections,

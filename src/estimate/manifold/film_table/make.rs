@@ -1,6 +1,6 @@
 //! How the tables are filled: node by node from the solver's starts, and cell by cell on trial.
 
-use super::{Node, Places, Table, Tables, Use, blend, through_slides};
+use super::{FilmTable, FilmTables, Node, Places, Use, blend, through_slides};
 use crate::base::lpe::Told;
 use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
@@ -59,7 +59,7 @@ pub(super) struct Maker<'m, M: Mode> {
 }
 
 impl<M: Mode> Maker<'_, M> {
-    pub(super) fn table(&self, tables: &Tables<M>, entry: &Entry) -> Table<M> {
+    pub(super) fn table(&self, tables: &FilmTables<M>, entry: &Entry) -> FilmTable<M> {
         let node = |branch: usize, node: usize| {
             let film = tables.over.film(tables.over.nodes.at_node(node));
             self.node(entry, film, entry.starts.start(branch, film)?)
@@ -76,7 +76,7 @@ impl<M: Mode> Maker<'_, M> {
         for cell in tables.over.nodes.cells() {
             uses[cell] = self.use_of(tables, entry, (&branches, &solved), cell);
         }
-        Table { branches, uses }
+        FilmTable { branches, uses }
     }
 
     /// The solution near a start, followed; none where there is none, or something else stands in the way.
@@ -142,7 +142,7 @@ impl<M: Mode> Maker<'_, M> {
 
     /// Adds nodes just beyond the edge of a slide's picture, by cubics through the four next to them along a row or a
     /// column: the picture itself says where it ends.
-    fn complete(&self, tables: &Tables<M>, nodes: &mut [Option<Node<M>>]) {
+    fn complete(&self, tables: &FilmTables<M>, nodes: &mut [Option<Node<M>>]) {
         let beyond = |at: usize| {
             let lines = tables.over.nodes.lines(at);
             let found = lines.into_iter().flatten().find_map(|line| {
@@ -161,7 +161,7 @@ impl<M: Mode> Maker<'_, M> {
     /// `solved`: the nodes with a solution, none of those that were added beyond them.
     fn use_of(
         &self,
-        tables: &Tables<M>,
+        tables: &FilmTables<M>,
         entry: &Entry,
         (branches, solved): (&[Nodes<M>], &[bool]),
         cell: usize,
@@ -195,7 +195,7 @@ impl<M: Mode> Maker<'_, M> {
     }
 
     /// How far places on slides are from one pixel to the next, as a share of the slide's size: the most of a cell.
-    fn by_pixel(&self, tables: &Tables<M>, branches: &[&Nodes<M>], corners: &[usize]) -> f64 {
+    fn by_pixel(&self, tables: &FilmTables<M>, branches: &[&Nodes<M>], corners: &[usize]) -> f64 {
         let of_branch = |nodes: &&Nodes<M>| {
             let known: Vec<&Node<M>> = corners.iter().filter_map(|node| nodes[*node].as_ref()).collect();
             let pairs = known.iter().enumerate().flat_map(|(k, a)| known[..k].iter().map(move |b| (*a, *b)));

@@ -52,7 +52,7 @@ pub(super) struct Brought<M: Mode> {
 
 /// A train and lamp.
 #[derive(Debug)]
-pub struct Table<M: Mode> {
+pub struct FilmTable<M: Mode> {
     /// Nodes of each branch.
     branches: Vec<Vec<Option<Node<M>>>>,
     /// Per cell.
@@ -80,20 +80,20 @@ impl Use {
 
 /// Those of all [`Connections`], in the order of their entries.
 #[derive(Debug)]
-pub struct Tables<M: Mode> {
+pub struct FilmTables<M: Mode> {
     over: OverFilm,
-    tables: Vec<Table<M>>,
+    tables: Vec<FilmTable<M>>,
 }
 
-impl<M: Mode> Tables<M> {
+impl<M: Mode> FilmTables<M> {
     /// None without connections, or where every pass has wavelengths of its own.
-    pub fn new(world: &World, optics: &Optics<M>, connections: &Connections, over: OverFilm) -> Option<Tables<M>> {
+    pub fn new(world: &World, optics: &Optics<M>, connections: &Connections, over: OverFilm) -> Option<FilmTables<M>> {
         if wavelengths_change::<M>() || connections.is_empty() {
             return None;
         }
-        let mut tables = Tables { over, tables: Vec::new() };
+        let mut tables = FilmTables { over, tables: Vec::new() };
         let maker = Maker { world, optics, connections };
-        let made: Vec<Table<M>> = connections.entries.par_iter().map(|entry| maker.table(&tables, entry)).collect();
+        let made: Vec<FilmTable<M>> = connections.entries.par_iter().map(|entry| maker.table(&tables, entry)).collect();
         tables.tables = made;
         Some(tables)
     }
@@ -104,7 +104,7 @@ impl<M: Mode> Tables<M> {
     }
 }
 
-impl<M: Mode> Tables<M> {
+impl<M: Mode> FilmTables<M> {
     /// How often the solved connection of an entry is to be looked at.
     pub(super) fn share(&self, entry: usize, spot: &Spot) -> f64 {
         self.tables.get(entry).map_or(1.0, |table| table.uses[spot.cell].share)

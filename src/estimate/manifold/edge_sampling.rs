@@ -22,14 +22,14 @@ const UNSURE: f64 = 2.0;
 
 /// How often each pixel is joined.
 #[derive(Debug)]
-pub struct Rims {
+pub struct EdgeSampling {
     /// By pixel; nothing where all are joined once.
     times: Vec<u8>,
 }
 
-impl Rims {
-    pub fn new(world: &World, connections: &Connections) -> Rims {
-        let Some(grid) = connections.grid() else { return Rims { times: Vec::new() } };
+impl EdgeSampling {
+    pub fn new(world: &World, connections: &Connections) -> EdgeSampling {
+        let Some(grid) = connections.grid() else { return EdgeSampling { times: Vec::new() } };
         let eye = &world.eye;
         let half = 0.5 * DVec2::from_array(eye.pixel());
         // Pixels whose middle is there, and about them.
@@ -38,7 +38,7 @@ impl Rims {
             |cell: usize| Sums::new(connections, eye, grid.middle(cell), grid.half_cell() + beside).variance > 0.0;
         let at_rim: Vec<bool> = (0..grid.cells()).map(of_cell).collect();
         if !at_rim.contains(&true) {
-            return Rims { times: Vec::new() };
+            return EdgeSampling { times: Vec::new() };
         }
         let [width, height] = eye.size();
         let of_pixel = |index: usize| {
@@ -46,7 +46,7 @@ impl Rims {
             let times = |half: DVec2| Sums::new(connections, eye, film, half).times();
             if at_rim[grid.cell(film)] { times(half).max(times(beside)).round() as u8 } else { 1 }
         };
-        Rims { times: (0..width * height).into_par_iter().map(of_pixel).collect() }
+        EdgeSampling { times: (0..width * height).into_par_iter().map(of_pixel).collect() }
     }
 
     /// How often a pixel, by its row-major index, is joined in a pass.
