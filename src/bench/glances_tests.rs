@@ -5,7 +5,7 @@ use crate::base::stats::{Moments, sidak_z};
 use crate::base::student::as_normal;
 use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::eye_table::EyeTable;
-use crate::estimate::manifold::over_film::OverFilm;
+use crate::estimate::manifold::film_grid::FilmGrid;
 use crate::estimate::manifold::receiver::Receivers;
 use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::ownership::Ownership;
@@ -35,7 +35,7 @@ fn tables_reach_to_where_the_display_ends() {
     let world = &ready.world;
     let optics = Mono::<f64>::optics(world, 0, 0);
     let screens = Arc::new(Receivers::<Mono>::new(world, &optics, &plan.screens));
-    let glances = OverFilm::new(world).and_then(|over| EyeTable::new(world, &optics, &screens, over)).map(Arc::new);
+    let glances = FilmGrid::new(world).and_then(|over| EyeTable::new(world, &optics, &screens, over)).map(Arc::new);
     assert!(glances.is_some());
     let [width, height] = SIZE;
     let route = Ownership::new(&plan, ready.checked.scene().groups.len(), Estimator::Manifold);

@@ -5,7 +5,7 @@ use super::generate;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::connections::{Connections, index_of};
-use crate::estimate::manifold::solve::Target;
+use crate::estimate::manifold::newton::Target;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::plan::{Choice, plan};
 use crate::world::World;

@@ -6,7 +6,7 @@ use super::generate;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::manifold::connections::{Connections, Entry, index_of};
 use crate::estimate::manifold::edge_sampling::EdgeSampling;
-use crate::estimate::manifold::solve::Target;
+use crate::estimate::manifold::newton::Target;
 use crate::estimate::run::begin;
 use crate::film::plan::Estimator;
 use crate::plan::{Choice, plan};

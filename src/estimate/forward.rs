@@ -7,7 +7,7 @@ use super::emission::{Emission, Origin, Shots, Starts, Visitor};
 use super::ledger::Ledger;
 use super::manifold::bands::Bands;
 use super::manifold::connections::{Connections, Rest};
-use super::manifold::solve::Target;
+use super::manifold::newton::Target;
 use super::ownership::Ownership;
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;

@@ -8,7 +8,7 @@
 
 use super::ledger::Ledger;
 use super::manifold::bands::Bands;
-use super::manifold::solve::Target;
+use super::manifold::newton::Target;
 use super::ownership::Ownership;
 use super::pixel::Pixel;
 use super::walk::{Meeting, Met, Travel, Vertex, Walker};

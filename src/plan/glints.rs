@@ -7,7 +7,7 @@ use crate::base::lattice::lattice;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ShouldStop;
 use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::solve::{Family, Target, newton};
+use crate::estimate::manifold::newton::{Family, Target, newton};
 use crate::estimate::vision::is_looked_about;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::specular_chain::Glint;

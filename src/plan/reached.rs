@@ -6,7 +6,7 @@ use super::glimpses;
 use crate::base::path::Class;
 use crate::estimate::ShouldStop;
 use crate::estimate::manifold::connections::Connections;
-use crate::estimate::manifold::solve::Target;
+use crate::estimate::manifold::newton::Target;
 use crate::estimate::ownership::Ownership;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;

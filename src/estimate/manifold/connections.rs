@@ -2,8 +2,8 @@
 //! point of a lamp, and whether a path is one of them.
 
 use super::grid::Grid;
+use super::newton::{Root, Target};
 use super::seeds::{Builder, SAME, Seeds};
-use super::solve::{Root, Target};
 use crate::base::chain::Chain;
 use crate::estimate::ledger::cost;
 use crate::film::specular_chain::{Connection, SpecularChain};

@@ -8,8 +8,8 @@
 mod eye_hit;
 mod make;
 
-use super::nodes::{Rows, Spot};
-use super::over_film::OverFilm;
+use super::bicubic::{Rows, Spot};
+use super::film_grid::FilmGrid;
 use super::receiver::Receivers;
 use crate::base::chain::Chain;
 use crate::base::lpe::Told;
@@ -73,7 +73,7 @@ struct Use {
 
 /// All trains from the eye to faces that are joined with lamps.
 pub struct EyeTable<M: Mode> {
-    over: OverFilm,
+    over: FilmGrid,
     /// m
     radius: f64,
     glances: Vec<Glance<M>>,
@@ -146,7 +146,7 @@ impl Rest {
 
 impl<M: Mode> EyeTable<M> {
     /// None without lit faces and trains to them, or where every pass has wavelengths of its own.
-    pub fn new(world: &World, optics: &Optics<M>, screens: &Receivers<M>, over: OverFilm) -> Option<EyeTable<M>> {
+    pub fn new(world: &World, optics: &Optics<M>, screens: &Receivers<M>, over: FilmGrid) -> Option<EyeTable<M>> {
         if wavelengths_change::<M>() || screens.is_empty() {
             return None;
         }

@@ -8,9 +8,9 @@
 
 mod make;
 
+use super::bicubic::Spot;
 use super::connections::Connections;
-use super::nodes::Spot;
-use super::over_film::OverFilm;
+use super::film_grid::FilmGrid;
 use super::receiver::{Crossing, SLIDES};
 use super::seeds::MOST_SHEETS;
 use crate::base::lpe::Told;
@@ -81,13 +81,13 @@ impl Use {
 /// Those of all [`Connections`], in the order of their entries.
 #[derive(Debug)]
 pub struct FilmTables<M: Mode> {
-    over: OverFilm,
+    over: FilmGrid,
     tables: Vec<FilmTable<M>>,
 }
 
 impl<M: Mode> FilmTables<M> {
     /// None without connections, or where every pass has wavelengths of its own.
-    pub fn new(world: &World, optics: &Optics<M>, connections: &Connections, over: OverFilm) -> Option<FilmTables<M>> {
+    pub fn new(world: &World, optics: &Optics<M>, connections: &Connections, over: FilmGrid) -> Option<FilmTables<M>> {
         if wavelengths_change::<M>() || connections.is_empty() {
             return None;
         }

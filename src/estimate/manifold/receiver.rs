@@ -12,7 +12,7 @@ mod ownership;
 mod resolution;
 mod table;
 
-use super::solve::Target;
+use super::newton::Target;
 use crate::base::lpe::Letter;
 use crate::base::rng::Rng;
 use crate::estimate::ledger::{Ledger, cost};

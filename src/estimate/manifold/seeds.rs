@@ -5,7 +5,7 @@ mod extrapolate;
 mod lamp_visibility;
 
 use super::grid::Grid;
-use super::solve::{Family, Root, Target, newton, trace};
+use super::newton::{Family, Root, Target, newton, trace};
 use crate::film::specular_chain::{Connection, SpecularChain};
 use crate::world::World;
 use crate::world::lamp::{Lamp, Lamps};

@@ -9,11 +9,11 @@
 use super::bands::Bands;
 use super::connections::{Connections, Entry};
 use super::edge_sampling::EdgeSampling;
+use super::eye_subpath;
 use super::eye_table::EyeTable;
 use super::film_table::FilmTables;
-use super::look;
+use super::newton::{Root, Target};
 use super::receiver::Receivers;
-use super::solve::{Root, Target};
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::estimate::ledger::{Ledger, cost};
@@ -97,7 +97,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
                             self.pixel(optics, (once, times as f64), &mut light, &mut roots, books);
                         }
                         if !screens.is_empty() {
-                            look::look(self, (optics, screens), pixel, &mut light, (&mut ledger, &mut scratch));
+                            eye_subpath::look(self, (optics, screens), pixel, &mut light, (&mut ledger, &mut scratch));
                         }
                         ledger.work += cost::KEPT;
                         row.add_pass(x, *pass, &light);

@@ -7,8 +7,8 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::connections::Connections;
 use crate::estimate::manifold::eye_table::EyeTable;
+use crate::estimate::manifold::film_grid::FilmGrid;
 use crate::estimate::manifold::film_table::FilmTables;
-use crate::estimate::manifold::over_film::OverFilm;
 use crate::estimate::manifold::receiver::Receivers;
 use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::ownership::Ownership;
@@ -138,7 +138,7 @@ pub fn begin_trial<'w>(
 ) -> Box<dyn Tracing + 'w> {
     let optics = Mono::<f64>::optics(world, seed, 0);
     let connections = Arc::new(Bands::from(connections));
-    let kept = Kept::new((world, &optics), connections, screens, OverFilm::coarse(world, longer));
+    let kept = Kept::new((world, &optics), connections, screens, FilmGrid::coarse(world, longer));
     begin_with::<Mono<f64>>(world, plan, groups, size, seed, kept)
 }
 
@@ -152,7 +152,7 @@ fn begin_in<'w, M: Mode + 'w>(
     let optics = M::optics(world, seed, 0);
     let connections = Arc::new(Bands::new(world, &optics, &plan.connections));
     let screens = Receivers::new(world, &optics, &plan.screens);
-    let kept = Kept::new((world, &optics), connections, screens, OverFilm::new(world));
+    let kept = Kept::new((world, &optics), connections, screens, FilmGrid::new(world));
     begin_with::<M>(world, plan, groups, size, seed, kept)
 }
 
@@ -170,7 +170,7 @@ impl<M: Mode> Kept<M> {
         (world, optics): (&World, &Optics<M>),
         connections: Arc<Bands>,
         screens: Receivers<M>,
-        over: Option<OverFilm>,
+        over: Option<FilmGrid>,
     ) -> Self {
         Kept {
             tables: over.and_then(|over| FilmTables::new(world, optics, connections.of(optics), over)),

@@ -1,7 +1,7 @@
 //! Where rays from the eye land, at nodes over the picture and the pupil, and what lies between.
 
-use crate::estimate::manifold::lean::{Lean, Quad, filled};
-use crate::estimate::manifold::nodes::Rows;
+use crate::estimate::manifold::bicubic::Rows;
+use crate::estimate::manifold::simd_nodes::{Quad, SimdNodes, filled};
 use crate::world::mode::{LaneArray, Mode, lanes};
 use glam::DVec3;
 use std::marker::PhantomData;
@@ -44,14 +44,14 @@ impl<M: Mode> EyeHit<M> {
 pub(super) struct EyeHits<M: Mode> {
     known: Vec<bool>,
     /// NaN where they are not known.
-    lean: Lean,
+    lean: SimdNodes,
     mode: PhantomData<M>,
 }
 
 impl<M: Mode> EyeHits<M> {
     pub(super) fn new(nodes: &[Option<Vec<EyeHit<M>>>]) -> Self {
         let quads = EyeHit::<M>::QUADS;
-        let mut lean = Lean::new(nodes.len(), quads * OVER_PUPIL, f64::NAN);
+        let mut lean = SimdNodes::new(nodes.len(), quads * OVER_PUPIL, f64::NAN);
         for (landings, numbers) in nodes.iter().zip(lean.nodes_mut()) {
             for (landing, numbers) in landings.iter().flatten().zip(numbers.chunks_exact_mut(4 * quads)) {
                 numbers.iter_mut().zip(landing.numbers()).for_each(|(to, from)| *to = from);

@@ -4,9 +4,9 @@ use super::connect::{Connector, Entry, Solution, letter};
 use super::resolution::{Errs, slack};
 use super::table::{Cell, Crossing, Node, ReceiverTable, beyond};
 use super::{FORETOLD, MOST_SHEETS, SAME, TOLERANCE};
-use crate::estimate::manifold::face_map::FaceMap;
-use crate::estimate::manifold::nodes::Spot;
-use crate::estimate::manifold::solve::Target;
+use crate::estimate::manifold::bicubic::Spot;
+use crate::estimate::manifold::newton::Target;
+use crate::estimate::manifold::surface_param::SurfaceParam;
 use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::geometry::Site;
@@ -54,7 +54,7 @@ struct Barren<M: Mode> {
 
 impl<M: Mode> Connector<M> {
     pub(super) fn with_cells(world: &World, optics: &Optics<M>, screen: &Screen, cells: usize) -> Filled<M> {
-        let Some(map) = FaceMap::new(world, screen, cells) else { return Filled::Nothing };
+        let Some(map) = SurfaceParam::new(world, screen, cells) else { return Filled::Nothing };
         let chain = screen.train.chain().reversed();
         let letters = chain.0.iter().map(|link| letter(world, link)).collect();
         let (share, tolerance) = (screen.share, TOLERANCE * slack(screen));

@@ -6,11 +6,11 @@ use crate::base::lpe::Letter;
 use crate::base::path::Event;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::bundle::Landing;
+use crate::estimate::manifold::bicubic::Spot;
 use crate::estimate::manifold::connections::index_of;
-use crate::estimate::manifold::face_map::FaceMap;
-use crate::estimate::manifold::nodes::Spot;
-use crate::estimate::manifold::solve::{Family, Target, end_of, newton, trace};
+use crate::estimate::manifold::newton::{Family, Target, end_of, newton, trace};
+use crate::estimate::manifold::ray_differentials::Landing;
+use crate::estimate::manifold::surface_param::SurfaceParam;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::film::accumulate::Light;
 use crate::film::specular_chain::SpecularChain;
@@ -44,7 +44,7 @@ pub(super) struct Entry<M: Mode> {
 /// A face that a train leads to, and what it brings from each lamp.
 #[derive(Debug)]
 pub(super) struct Connector<M: Mode> {
-    pub(super) map: FaceMap,
+    pub(super) map: SurfaceParam,
     pub(super) train: SpecularChain,
     /// From the lamp.
     pub(super) chain: Chain,

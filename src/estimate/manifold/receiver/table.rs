@@ -2,9 +2,9 @@
 
 use super::Incoming;
 use super::resolution::Errs;
-use crate::estimate::manifold::face_map::FaceMap;
-use crate::estimate::manifold::lean::{Lean, Quad, filled};
-use crate::estimate::manifold::nodes::{Rows, Spot};
+use crate::estimate::manifold::bicubic::{Rows, Spot};
+use crate::estimate::manifold::simd_nodes::{Quad, SimdNodes, filled};
+use crate::estimate::manifold::surface_param::SurfaceParam;
 use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{LaneArray, Mode, lanes};
@@ -60,7 +60,7 @@ const QUADS: usize = 4;
 pub(super) struct ReceiverTable<M: Mode> {
     pub(super) nodes: Vec<Option<Node<M>>>,
     /// What of the nodes is blended; none before they are all there.
-    lean: Option<Lean>,
+    lean: Option<SimdNodes>,
     pub(super) cells: Vec<Cell>,
     /// Of the cells with solutions, in no order.
     pub(super) errs: Vec<Errs>,
@@ -115,7 +115,7 @@ impl<M: Mode> ReceiverTable<M> {
     pub(super) fn gather(&mut self) {
         const { assert!(3 + M::LANES + 3 * SLIDES <= 4 * QUADS) };
         let slides = self.nodes.iter().flatten().map(|node| node.slides.len()).max().unwrap_or(0);
-        let mut lean = Lean::new(self.nodes.len(), (3 + M::LANES + 3 * slides).div_ceil(4), 0.0);
+        let mut lean = SimdNodes::new(self.nodes.len(), (3 + M::LANES + 3 * slides).div_ceil(4), 0.0);
         for (node, lean) in self.nodes.iter().zip(lean.nodes_mut()) {
             let Some(node) = node else { continue };
             let places = node.slides.iter().flat_map(|crossing| crossing.local.to_array());
@@ -148,7 +148,7 @@ impl<M: Mode> ReceiverTable<M> {
     }
 
     /// How connections at a spot of a map are made.
-    pub(super) fn cell(&self, map: &FaceMap, spot: &Spot) -> Cell {
+    pub(super) fn cell(&self, map: &SurfaceParam, spot: &Spot) -> Cell {
         match self.cells[spot.cell] {
             Cell::Rim if map.is_beside(spot) => Cell::Solved,
             Cell::Rim => Cell::Nothing,

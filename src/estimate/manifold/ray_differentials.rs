@@ -13,7 +13,7 @@ use glam::DVec3;
 
 /// A ray and how its origin and direction change with two parameters.
 #[derive(Debug, Clone, Copy)]
-pub struct Bundle {
+pub struct RayDifferentials {
     pub ray: Ray,
     /// Per parameter.
     pub origin: [DVec3; 2],
@@ -27,11 +27,16 @@ pub struct Landing {
     pub by: [DVec3; 2],
 }
 
-impl Bundle {
+impl RayDifferentials {
     /// Follows the train; `index` is that of the medium of a part, or of air. None where the ray misses a face or is
     /// totally reflected where it should go through.
     #[inline]
-    pub fn through(self, world: &World, train: &SpecularChain, index: &impl Fn(Option<u32>) -> f64) -> Option<Bundle> {
+    pub fn through(
+        self,
+        world: &World,
+        train: &SpecularChain,
+        index: &impl Fn(Option<u32>) -> f64,
+    ) -> Option<RayDifferentials> {
         self.through_seen(world, train, index, |_, _| {})
     }
 
@@ -42,8 +47,8 @@ impl Bundle {
         world: &World,
         train: &SpecularChain,
         index: &impl Fn(Option<u32>) -> f64,
-        mut straight: impl FnMut(&Bundle, &Lens),
-    ) -> Option<Bundle> {
+        mut straight: impl FnMut(&RayDifferentials, &Lens),
+    ) -> Option<RayDifferentials> {
         for lens in &train.0 {
             if lens.link.step == Step::Through && lens.before == lens.after {
                 straight(&self, lens);
@@ -55,7 +60,7 @@ impl Bundle {
         Some(self)
     }
 
-    fn at(&self, lens: &Lens, meet: &Meet, index: &impl Fn(Option<u32>) -> f64) -> Option<Bundle> {
+    fn at(&self, lens: &Lens, meet: &Meet, index: &impl Fn(Option<u32>) -> f64) -> Option<RayDifferentials> {
         let dir = self.ray.dir;
         let along = meet.normal.dot(dir);
         let landed = std::array::from_fn(|k| {
@@ -76,12 +81,12 @@ impl Bundle {
                     let dn = bent(k);
                     self.dir[k] - 2.0 * (turned(k, dn) * n - cos * dn)
                 });
-                Some(Bundle { ray: ray(reflect(dir, n)), origin: landed, dir: by })
+                Some(RayDifferentials { ray: ray(reflect(dir, n)), origin: landed, dir: by })
             }
             Step::Through => {
                 let (n1, n2) = (index(lens.before), index(lens.after));
                 if n1 == n2 {
-                    return Some(Bundle { ray: ray(dir), origin: landed, dir: self.dir });
+                    return Some(RayDifferentials { ray: ray(dir), origin: landed, dir: self.dir });
                 }
                 let eta = n1 / n2;
                 let onward = refract(dir, n, eta)?;
@@ -94,7 +99,7 @@ impl Bundle {
                     let dm = eta * dcos - eta * eta * cos * dcos / cos2;
                     eta * self.dir[k] + dm * n + m * dn
                 });
-                Some(Bundle { ray: ray(onward), origin: landed, dir: by })
+                Some(RayDifferentials { ray: ray(onward), origin: landed, dir: by })
             }
         }
     }

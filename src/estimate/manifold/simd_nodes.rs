@@ -1,22 +1,22 @@
 //! Numbers at the nodes of a grid, close together and in fours, so that they are blended four at a time.
 
-use super::nodes::Rows;
+use super::bicubic::Rows;
 
 /// Four numbers.
 pub type Quad = [f64; 4];
 
 /// Numbers at nodes: so many quads for each, in the order of the nodes.
 #[derive(Debug)]
-pub struct Lean {
+pub struct SimdNodes {
     quads: Vec<Quad>,
     stride: usize,
 }
 
-impl Lean {
+impl SimdNodes {
     /// For as many nodes as are said, with `stride` quads each that are all `number`.
-    pub fn new(nodes: usize, stride: usize, number: f64) -> Lean {
+    pub fn new(nodes: usize, stride: usize, number: f64) -> SimdNodes {
         debug_assert!(stride > 0);
-        Lean { quads: vec![[number; 4]; nodes * stride], stride }
+        SimdNodes { quads: vec![[number; 4]; nodes * stride], stride }
     }
 
     /// Quads of a node.
@@ -137,8 +137,8 @@ pub fn filled<const N: usize, const ALL: usize>(quads: [Quad; N]) -> [Quad; ALL]
 
 #[cfg(test)]
 mod tests {
-    use super::super::nodes::Nodes;
-    use super::Lean;
+    use super::super::bicubic::Nodes;
+    use super::SimdNodes;
     use glam::DVec2;
 
     /// Numbers that are products of cubics over the nodes, and of what the shares blend exactly, are met; what is done in
@@ -147,8 +147,8 @@ mod tests {
     fn blends_are_exact_on_cubics_and_the_same_in_lanes() {
         let nodes = Nodes { count: [6, 7] };
         let over_nodes = |at: DVec2| 1.0 + at.x - 0.3 * at.x.powi(3) + at.y.powi(2) * at.x;
-        let mut grids = Lean::new(nodes.number(), 2 * 3, f64::NAN);
-        let mut plain = Lean::new(nodes.number(), 2, f64::NAN);
+        let mut grids = SimdNodes::new(nodes.number(), 2 * 3, f64::NAN);
+        let mut plain = SimdNodes::new(nodes.number(), 2, f64::NAN);
         for (node, (grid, plain)) in grids.nodes_mut().zip(plain.nodes_mut()).enumerate() {
             let value = over_nodes(nodes.at_node(node));
             plain.iter_mut().enumerate().for_each(|(k, number)| *number = value * (k as f64 + 0.5));
@@ -174,7 +174,7 @@ mod tests {
     #[test]
     fn parts_of_nodes_and_unknown_nodes() {
         let nodes = Nodes { count: [5, 4] };
-        let mut lean = Lean::new(nodes.number(), 3, f64::NAN);
+        let mut lean = SimdNodes::new(nodes.number(), 3, f64::NAN);
         for (node, numbers) in lean.nodes_mut().enumerate().filter(|(node, _)| *node != 4) {
             numbers.iter_mut().enumerate().for_each(|(k, number)| *number = (node * node + k) as f64);
         }
@@ -184,7 +184,7 @@ mod tests {
         assert!(all.as_flattened().iter().all(|number| number.is_finite()));
         // The node at (4, 0) is asked from beyond the third on.
         assert!(lean.blend::<1>(&rows(3.5)).is_some_and(|[quad]| quad.iter().all(|number| number.is_nan())));
-        let few = Lean::new(nodes.number() - 1, 3, 0.0);
+        let few = SimdNodes::new(nodes.number() - 1, 3, 0.0);
         assert_eq!(few.blend::<3>(&rows(3.5)), None);
     }
 }

@@ -4,7 +4,7 @@
 //! 2012; J. Hanika et al., "Manifold next event estimation", 2015, walk the vertices; here the ray is traced through
 //! exact surfaces, so every iterate obeys Snell's law and two unknowns are all there is).
 
-use super::bundle::Bundle;
+use super::ray_differentials::RayDifferentials;
 use crate::film::specular_chain::SpecularChain;
 use crate::world::World;
 use crate::world::eye::EyeLens;
@@ -32,30 +32,30 @@ impl Family {
     }
 
     /// The ray of parameters `u`, with derivatives.
-    pub fn bundle(&self, eye: &EyeLens, u: DVec2) -> Bundle {
+    pub fn bundle(&self, eye: &EyeLens, u: DVec2) -> RayDifferentials {
         match *self {
             Family::Pupil { film } => {
                 let (origin, dir, [right, up], per_focus) = eye.ray_of(film, u);
                 let turn = |axis: DVec3| -per_focus * across(dir.1, axis) / dir.0;
                 let ray = Ray { origin, dir: dir.1, from: None };
-                Bundle { ray, origin: [right, up], dir: [turn(right), turn(up)] }
+                RayDifferentials { ray, origin: [right, up], dir: [turn(right), turn(up)] }
             }
             Family::Film { pupil } => {
                 let (origin, dir, [right, up], _) = eye.ray_of(u, pupil);
                 let turn = |axis: DVec3| across(dir.1, axis) / dir.0;
                 let ray = Ray { origin, dir: dir.1, from: None };
-                Bundle { ray, origin: [DVec3::ZERO; 2], dir: [turn(right), turn(up)] }
+                RayDifferentials { ray, origin: [DVec3::ZERO; 2], dir: [turn(right), turn(up)] }
             }
             Family::Point { origin, from, axis, across: [a, b] } => {
                 let long = axis + u.x * a + u.y * b;
                 let length = long.length();
                 let dir = long / length;
                 let turn = |along: DVec3| across(dir, along) / length;
-                Bundle { ray: Ray { origin, dir, from }, origin: [DVec3::ZERO; 2], dir: [turn(a), turn(b)] }
+                RayDifferentials { ray: Ray { origin, dir, from }, origin: [DVec3::ZERO; 2], dir: [turn(a), turn(b)] }
             }
             Family::Shifted { origin, from, dir, across: [a, b] } => {
                 let ray = Ray { origin: origin + u.x * a + u.y * b, dir, from };
-                Bundle { ray, origin: [a, b], dir: [DVec3::ZERO; 2] }
+                RayDifferentials { ray, origin: [a, b], dir: [DVec3::ZERO; 2] }
             }
         }
     }
@@ -112,7 +112,7 @@ pub fn trace(
 
 /// Where a bundle that has gone through its train meets the plane of the target.
 #[inline]
-pub fn end_of(bundle: &Bundle, target: &Target) -> Option<End> {
+pub fn end_of(bundle: &RayDifferentials, target: &Target) -> Option<End> {
     let landing = bundle.land(target.point, target.normal)?;
     let slope = DMat2::from_cols(target.local(landing.by[0]), target.local(landing.by[1]));
     let off = target.local(landing.point - target.point);

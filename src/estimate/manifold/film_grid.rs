@@ -1,6 +1,6 @@
 //! Nodes over the picture, for tables of what changes little from pixel to pixel.
 
-use super::nodes::{Nodes, Spot};
+use super::bicubic::{Nodes, Spot};
 use crate::world::World;
 use glam::DVec2;
 
@@ -12,26 +12,26 @@ const FEWEST: usize = 8;
 
 /// A grid over the picture.
 #[derive(Debug, Clone, Copy)]
-pub struct OverFilm {
+pub struct FilmGrid {
     pub nodes: Nodes,
     half: DVec2,
     /// Pixels along a cell.
     pub pixels: f64,
 }
 
-impl OverFilm {
+impl FilmGrid {
     /// None where tables would not pay.
-    pub fn new(world: &World) -> Option<OverFilm> {
+    pub fn new(world: &World) -> Option<FilmGrid> {
         let [width, height] = world.eye.size();
-        OverFilm::with_cells(world, width.max(height), CELLS)
+        FilmGrid::with_cells(world, width.max(height), CELLS)
     }
 
     /// A coarse one for a pilot's small picture of one whose longer side has so many pixels, where that one has tables.
-    pub fn coarse(world: &World, longer: usize) -> Option<OverFilm> {
-        OverFilm::with_cells(world, longer, FEWEST)
+    pub fn coarse(world: &World, longer: usize) -> Option<FilmGrid> {
+        FilmGrid::with_cells(world, longer, FEWEST)
     }
 
-    fn with_cells(world: &World, longer: usize, most: usize) -> Option<OverFilm> {
+    fn with_cells(world: &World, longer: usize, most: usize) -> Option<FilmGrid> {
         let cells = (longer / PIXELS).min(most);
         if cells < FEWEST {
             return None;
@@ -39,7 +39,7 @@ impl OverFilm {
         let half = world.eye.half();
         let along = |half: f64, longer: f64| ((cells as f64 * half / longer).ceil() as usize).clamp(3, cells) + 1;
         let nodes = Nodes { count: half.to_array().map(|side| along(side, half.max_element())) };
-        Some(OverFilm { nodes, half, pixels: longer as f64 / cells as f64 })
+        Some(FilmGrid { nodes, half, pixels: longer as f64 / cells as f64 })
     }
 
     fn cells(&self) -> DVec2 {

@@ -1,6 +1,6 @@
 //! Coordinates on a face that scatters: a grid of nodes over it.
 
-use super::nodes::{Nodes, Spot};
+use super::bicubic::{Nodes, Spot};
 use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::geometry::{Ray, Site};
@@ -17,7 +17,7 @@ const BEYOND: f64 = 0.04;
 
 /// A grid over the lit part of a face: places are counted along two axes of a plane.
 #[derive(Debug, Clone)]
-pub struct FaceMap {
+pub struct SurfaceParam {
     pub part: u32,
     pub face: u32,
     corner: DVec3,
@@ -29,10 +29,10 @@ pub struct FaceMap {
     about: DVec3,
 }
 
-impl FaceMap {
+impl SurfaceParam {
     /// Over the box of a screen's places, with so many cells along its longer side. None where the face can't be met along
     /// its own normal.
-    pub fn new(world: &World, screen: &Screen, cells: usize) -> Option<FaceMap> {
+    pub fn new(world: &World, screen: &Screen, cells: usize) -> Option<SurfaceParam> {
         let [lo, hi] = screen.bounds.map(DVec3::from_array);
         let seed = screen.seeds.first()?;
         let (place, dir) = (DVec3::from_array(seed.place), DVec3::from_array(seed.dir));
@@ -62,7 +62,7 @@ impl FaceMap {
         let low = low - RING as f64 * cell;
         let corner = place + a * low.x + b * low.y + normal * (2.0 * longer);
         let count = inner.map(|nodes| nodes + 2 * RING);
-        Some(FaceMap {
+        Some(SurfaceParam {
             part: screen.part,
             face: screen.face,
             corner,
