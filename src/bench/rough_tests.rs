@@ -6,7 +6,7 @@ use crate::check::{Checked, check};
 use crate::estimate::run::begin;
 use crate::film::layer::Layer;
 use crate::film::plan::{Estimator, Plan};
-use crate::plan::contest::Handicap;
+use crate::plan::selection::Handicap;
 use crate::plan::{Choice, plan, plan_handicapped};
 use crate::scene::{Face, Finish, Scene};
 use crate::world::World;

@@ -2,7 +2,6 @@
 
 mod branching;
 pub mod chains;
-pub mod contest;
 mod facts;
 pub mod forecast;
 pub mod frozen;
@@ -18,6 +17,7 @@ mod pupil_guide;
 pub mod rays;
 mod reached;
 pub mod scan;
+pub mod selection;
 mod shared_faces;
 mod shrunk;
 mod sky_guide;
@@ -26,9 +26,9 @@ use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
-use contest::Handicap;
 use made::Made;
 use making::Making;
+use selection::Handicap;
 
 /// Which estimators may be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -94,7 +94,7 @@ fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>, h
     let making = Making { checked, world, asked, mode, stop, made: Made::default() };
     let mut plan = making.plan_of(facts::rows(checked, world, asked.choice), None);
     if asked.choice == Choice::Auto {
-        plan = contest::settle(&making, plan, handicap);
+        plan = selection::settle(&making, plan, handicap);
     }
     making.remarks(&mut plan);
     plan

@@ -1,8 +1,8 @@
 //! Through which part of the pupil each part of the picture sees lamps over specular faces: rays from the eye then start
 //! there. No ray from the eye tells, but light from the lamps does.
 
-use super::contest::OPEN;
 use super::facts::{connect, kind, lamps_over_eye, skip};
+use super::selection::OPEN;
 use super::{Making, pupil};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;

@@ -2,7 +2,7 @@
 //! found. Bias is no variance, so what is missed is out whatever it costs.
 
 use super::Handicap;
-use super::trial::Trial;
+use super::pilot_run::Trial;
 
 /// Standard errors, of either, by which a trial has to find less light than another to be taken for blind.
 const SIGMAS: f64 = 3.0;
@@ -119,7 +119,7 @@ pub(super) fn smooth(values: &[f64], width: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::Part;
+    use super::super::pilot_run::Part;
     use super::*;
     use crate::film::plan::Estimator;
 

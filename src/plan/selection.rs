@@ -1,15 +1,15 @@
 //! Where facts leave it open who should trace, a pilot decides: every way that comes into question makes a few passes of
 //! a small picture, and the one with the least variance × counted work wins.
 
-mod trial;
+mod pilot_run;
 mod verdict;
 
 use super::facts::{connect, kind, lamps_over_eye, own};
 use super::{Making, pupil_guide};
 use crate::base::path::Class;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
+use pilot_run::{Trials, Tried};
 use std::collections::BTreeSet;
-use trial::{Trials, Tried};
 use verdict::{Compared, Misses};
 
 /// Ratios of the lamps' etendue to the eye's below which each point of the picture has few ways to a lamp, and above which
