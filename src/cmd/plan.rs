@@ -9,7 +9,7 @@ use crate::base::{Fault, Result, Where};
 use crate::check::check;
 use crate::estimate::picture::plan_lines;
 use crate::plan::forecast::{Forecast, forecast};
-use crate::plan::frozen::Frozen;
+use crate::plan::plan_file::PlanFile;
 use crate::plan::{Asked, Guides, plan};
 use crate::scene::Scene;
 use crate::world::World;
@@ -69,7 +69,7 @@ fn traced(args: &PlanArgs) -> Result<ExitCode> {
     let guides = if args.unguided { Guides::Off } else { Guides::On };
     let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked(), guides };
     let plan = plan(&checked, &world, asked);
-    let frozen = Frozen::new(&scene, asked, &plan);
+    let frozen = PlanFile::new(&scene, asked, &plan);
     let forecast = forecast(&scene, &world, &frozen.plan)?;
     if let Some(path) = &args.output {
         let bytes = serde_json::to_vec_pretty(&frozen)
@@ -84,7 +84,7 @@ fn traced(args: &PlanArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn text(scene: &Scene, frozen: &Frozen, forecast: &Forecast) -> String {
+fn text(scene: &Scene, frozen: &PlanFile, forecast: &Forecast) -> String {
     let mut lines = plan_lines(scene, &frozen.plan);
     let plan = &frozen.plan;
     for connection in &plan.connections {

@@ -30,7 +30,7 @@ use crate::film::sharpness::{GroupPupil, Sharpness};
 use crate::film::witness::Judgement;
 use crate::import::Built;
 use crate::output::exr::{COLOR_INTEROP_ID, write_exr};
-use crate::plan::frozen::Frozen;
+use crate::plan::plan_file::PlanFile;
 use crate::plan::pupil::{Surveyed, survey};
 use crate::plan::{Asked, Choice, Guides, plan_unless};
 use crate::scene::assembly::RequestedLayer;
@@ -88,9 +88,9 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked(), guides };
     let behind = if args.resume { resume(&args.output, &|head| args.is_mine(head, &scene))? } else { None };
     let plan = match (&args.plan, &behind) {
-        (Some(path), _) => Some(Frozen::read(path, &scene, asked)?.plan),
+        (Some(path), _) => Some(PlanFile::read(path, &scene, asked)?.plan),
         (None, Some((head, _))) => {
-            Some(Frozen::of_value(&head.plan, &checkpoint_of(&args.output), &scene, asked)?.plan)
+            Some(PlanFile::of_value(&head.plan, &checkpoint_of(&args.output), &scene, asked)?.plan)
         }
         (None, None) => pool.install(|| plan_unless(&checked, &world, asked, &stop)),
     };
@@ -101,7 +101,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     }
     let mut sharpness = Sharpness::new(&pupils, scene.wavelengths.traced_nm(), world.eye.pixel());
     let diffraction = args.diffraction.then(|| spread_by(&scene, &checked, &world, &pupils));
-    let frozen = Frozen::new(&scene, asked, &plan);
+    let frozen = PlanFile::new(&scene, asked, &plan);
     // What the command line asks for goes before what the asset asks for.
     let wishes: &[RequestedLayer] = if args.layers.is_empty() { &wishes } else { &[] };
     let (named_layers, ungranted) = render_vars::granted(wishes, &scene.groups);
@@ -164,7 +164,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     }
     let error = pool.install(|| outcome.films.relative_error());
     // A changed plan has a name of its own.
-    let frozen = if traced_again.is_empty() { frozen } else { Frozen::new(&scene, asked, &plan) };
+    let frozen = if traced_again.is_empty() { frozen } else { PlanFile::new(&scene, asked, &plan) };
     let lit = is_lit(&world);
     let mut ending = match args.shard {
         // One piece of a run tells too little; the whole is judged when it is merged.

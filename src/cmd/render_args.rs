@@ -17,7 +17,7 @@ use crate::film::aov::Aov;
 use crate::film::layer_moments::ErrorDetail;
 use crate::film::plan::Estimator;
 use crate::output::exr::{Packing, parse_prefix};
-use crate::plan::frozen::Frozen;
+use crate::plan::plan_file::PlanFile;
 use crate::plan::{Choice, Polarisation};
 use crate::scene::Scene;
 use clap::{Args, ValueEnum};
@@ -324,7 +324,7 @@ impl RenderArgs {
     }
 
     /// What a shard or a checkpoint of this run says of itself.
-    pub fn head(&self, scene: &Scene, frozen: &Frozen, finishing: Finishing) -> Head {
+    pub fn head(&self, scene: &Scene, frozen: &PlanFile, finishing: Finishing) -> Head {
         let Passes { first, passes } = self.passes();
         let total = self.limits().passes;
         Head {

@@ -5,7 +5,7 @@
 use crate::base::Result;
 use crate::estimate::run::{Films, Tracing, begin};
 use crate::film::plan::Plan;
-use crate::plan::shrunk::Shrunk;
+use crate::plan::pilot_resolution::PilotResolution;
 use crate::scene::Scene;
 use crate::world::World;
 
@@ -37,7 +37,7 @@ const MOST_BY_PIXELS: f64 = -0.25;
 
 /// Runs the pilot for a plan of this scene, whose world it is. Errors: as [`World::seen_by`].
 pub fn forecast(scene: &Scene, world: &World, plan: &Plan) -> Result<Forecast> {
-    let shrunk = |side: usize| Shrunk::new(world, &scene.eye, side);
+    let shrunk = |side: usize| PilotResolution::new(world, &scene.eye, side);
     let small = shrunk(SIDE)?;
     let mut tracing = first_passes(&small, plan, scene);
     let first = of_a_pass(tracing.films());
@@ -66,7 +66,7 @@ pub fn forecast(scene: &Scene, world: &World, plan: &Plan) -> Result<Forecast> {
     })
 }
 
-fn first_passes<'w>(small: &'w Shrunk, plan: &Plan, scene: &Scene) -> Box<dyn Tracing + 'w> {
+fn first_passes<'w>(small: &'w PilotResolution, plan: &Plan, scene: &Scene) -> Box<dyn Tracing + 'w> {
     let mut tracing = begin(&small.world, &small.plan(plan), scene.groups.len(), small.size, 0);
     tracing.step(PASSES);
     tracing

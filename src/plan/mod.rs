@@ -1,17 +1,17 @@
 //! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is; scans an eyebox.
 
-mod branching;
 pub mod chains;
 mod facts;
 pub mod forecast;
-pub mod frozen;
 mod glimpses;
 pub(crate) mod glints;
-mod made;
-mod making;
 mod mode;
 pub mod paths;
 pub(crate) mod pilot;
+mod pilot_cache;
+mod pilot_resolution;
+pub mod plan_file;
+mod planner;
 pub mod pupil;
 mod pupil_guide;
 pub mod rays;
@@ -19,15 +19,15 @@ mod reached;
 pub mod scan;
 pub mod selection;
 mod shared_faces;
-mod shrunk;
 mod sky_guide;
+mod split_threshold;
 
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
-use made::Made;
-use making::Making;
+use pilot_cache::PilotCache;
+use planner::Planner;
 use selection::Handicap;
 
 /// Which estimators may be used.
@@ -91,7 +91,7 @@ pub fn plan_handicapped(checked: &Checked, world: &World, handicap: &Handicap) -
 
 fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>, handicap: &Handicap) -> Plan {
     let mode = mode::decide(checked, world, asked.polarisation, stop);
-    let making = Making { checked, world, asked, mode, stop, made: Made::default() };
+    let making = Planner { checked, world, asked, mode, stop, made: PilotCache::default() };
     let mut plan = making.plan_of(facts::rows(checked, world, asked.choice), None);
     if asked.choice == Choice::Auto {
         plan = selection::settle(&making, plan, handicap);

@@ -15,8 +15,8 @@ use crate::estimate::visible_receivers::VisibleReceivers;
 use crate::film::guide::Guide;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Spectral, Verdict};
 use crate::plan::facts::{auto, skip};
-use crate::plan::made::Made;
 use crate::plan::pilot;
+use crate::plan::pilot_cache::PilotCache;
 use crate::world::World;
 
 /// From which side the light of each group is found.
@@ -105,7 +105,7 @@ impl Sides {
                 plan_of(groups, Estimator::Photon, mode, |group, class| class != Class::Vision && !is_sky(group));
             let pixel_m = pilot::pixel_m(world, scene.eye.resolution);
             let seen = VisibleReceivers::look(world, pixel_m, stop);
-            let pilot = pilot::photon(world, &plan, groups, (pixel_m, &seen), &Made::default(), stop);
+            let pilot = pilot::photon(world, &plan, groups, (pixel_m, &seen), &PilotCache::default(), stop);
             sides.photons = Lamps::new(world, &plan, groups, Estimator::Photon, &pilot.guide);
             if scene.sky.is_some() {
                 notes.push("what scatters the light of the sky is not in the table".to_owned());

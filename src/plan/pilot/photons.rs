@@ -14,7 +14,7 @@ use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan, Radii};
 use crate::film::specular_chain::Screen;
-use crate::plan::made::Made;
+use crate::plan::pilot_cache::PilotCache;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -73,7 +73,7 @@ pub fn photon(
     plan: &Plan,
     groups: usize,
     (pixel_m, seen): (f64, &VisibleReceivers),
-    made: &Made,
+    made: &PilotCache,
     stop: &ShouldStop<'_>,
 ) -> PhotonPilot {
     const PATHS: u64 = 1 << 12;

@@ -7,7 +7,7 @@ use crate::estimate::run::{Films, begin_trial};
 use crate::film::accumulate::Film;
 use crate::film::layer::Layer;
 use crate::film::plan::{Estimator, Plan};
-use crate::plan::shrunk::Shrunk;
+use crate::plan::pilot_resolution::PilotResolution;
 use crate::plan::{Making, pilot};
 
 /// Longer sides of the pilot's pictures, pixels: a rough one, and a fine one for what that leaves open.
@@ -113,19 +113,19 @@ pub(super) struct Part {
 
 /// A small picture of a pilot.
 struct Small {
-    picture: Shrunk,
+    picture: PilotResolution,
     /// Counted work after which a trial ends.
     work: u64,
 }
 
 impl Small {
     fn new(making: &Making<'_>, level: usize) -> Option<Small> {
-        let picture = Shrunk::new(making.world, &making.checked.scene().eye, SIDES[level]).ok()?;
+        let picture = PilotResolution::new(making.world, &making.checked.scene().eye, SIDES[level]).ok()?;
         Some(Small { picture, work: WORK[level] })
     }
 
     fn trial(&self, making: &Making<'_>, plan: &Plan) -> Trial {
-        let Shrunk { world, size, longer, .. } = &self.picture;
+        let PilotResolution { world, size, longer, .. } = &self.picture;
         let own = self.picture.plan(plan);
         let begin = |seed: u64| {
             let joined = (making.made.connections(world, plan), making.made.screens(world, &plan.screens));

@@ -1,9 +1,9 @@
 //! What pilots have made for one plan, for the next that differs from it in something else.
 
 use super::Making;
-use super::branching::{self, Branches};
 use super::glints;
 use super::pilot::{self, ForwardPilot, SEED};
+use super::split_threshold::{self, Branches};
 use crate::estimate::ShouldStop;
 use crate::estimate::manifold::connections::{Connections, index_of};
 use crate::estimate::manifold::grid::Grid;
@@ -21,7 +21,7 @@ type Known<K, V> = RefCell<Vec<(K, V)>>;
 
 /// Made for one scene, at one wavelength.
 #[derive(Default)]
-pub(crate) struct Made {
+pub(crate) struct PilotCache {
     /// By the rows whose paths start at the lamps.
     forward: Known<Vec<bool>, Rc<ForwardPilot>>,
     connections: Known<(Vec<Connection>, Grid), Arc<Connections>>,
@@ -31,7 +31,7 @@ pub(crate) struct Made {
     glints: OnceCell<Vec<Glint>>,
 }
 
-impl Made {
+impl PilotCache {
     /// [`pilot::forward`].
     pub fn forward(&self, world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> Rc<ForwardPilot> {
         let by = |verdict: &Verdict| match verdict {
@@ -46,7 +46,7 @@ impl Made {
     pub(super) fn branching(&self, making: &Making<'_>, plan: &Plan) -> Branches {
         let broad = |row: &Row| [false, true].map(|b| plan.computes(Estimator::Backward, row.group, row.class, b));
         let key = plan.rows.iter().flat_map(broad).collect();
-        known(&self.branching, key, |_| branching::learn(making, plan))
+        known(&self.branching, key, |_| split_threshold::learn(making, plan))
     }
 
     /// [`glints::find`]: they hang on the scene alone.

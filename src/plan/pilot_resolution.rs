@@ -6,7 +6,7 @@ use crate::scene::Eye;
 use crate::world::World;
 
 /// The same world in a picture of fewer pixels.
-pub(super) struct Shrunk {
+pub(super) struct PilotResolution {
     pub(super) world: World,
     pub(super) size: [usize; 2],
     /// Longer side of the real one, pixels.
@@ -15,16 +15,16 @@ pub(super) struct Shrunk {
     pub(super) share: f64,
 }
 
-impl Shrunk {
+impl PilotResolution {
     /// `side`: so many pixels along the longer side, or as the real one if that has no more. Errors: as [`World::seen_by`].
-    pub(super) fn new(world: &World, eye: &Eye, side: usize) -> Result<Shrunk> {
+    pub(super) fn new(world: &World, eye: &Eye, side: usize) -> Result<PilotResolution> {
         let [width, height] = eye.resolution;
         let longer = width.max(height);
         let scale = (side as f64 / longer.max(1) as f64).min(1.0);
         let size = eye.resolution.map(|n| ((n as f64 * scale).round() as usize).max(1));
         let world = world.seen_by(&Eye { resolution: size, ..eye.clone() })?;
         let share = (size[0] * size[1]) as f64 / (width * height).max(1) as f64;
-        Ok(Shrunk { world, size, longer, share })
+        Ok(PilotResolution { world, size, longer, share })
     }
 
     pub(super) fn pixels(&self) -> f64 {

@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// A plan and what it was made for.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Frozen {
+pub struct PlanFile {
     /// Version of the program that made it.
     pub eyebox: String,
     /// Hash of the scene that it is for.
@@ -21,9 +21,9 @@ pub struct Frozen {
     pub hash: String,
 }
 
-impl Frozen {
-    pub fn new(scene: &Scene, asked: Asked, plan: &Plan) -> Frozen {
-        let mut frozen = Frozen {
+impl PlanFile {
+    pub fn new(scene: &Scene, asked: Asked, plan: &Plan) -> PlanFile {
+        let mut frozen = PlanFile {
             eyebox: env!("CARGO_PKG_VERSION").to_owned(),
             scene: scene.hash.clone(),
             resolution: scene.eye.resolution,
@@ -43,25 +43,25 @@ impl Frozen {
 
     /// Reads a plan for a scene. Errors: no such file, no plan, one that was changed after it was made, or one that is for
     /// another scene, resolution, request or version.
-    pub fn read(path: &Path, scene: &Scene, asked: Asked) -> Result<Frozen> {
+    pub fn read(path: &Path, scene: &Scene, asked: Asked) -> Result<PlanFile> {
         let fault = |what: String| Fault::new(Where::file(path), what);
         let text = std::fs::read_to_string(path).map_err(|error| fault(format!("cannot be read: {error}")))?;
-        let frozen: Frozen = serde_json::from_str(&text)
+        let frozen: PlanFile = serde_json::from_str(&text)
             .map_err(|error| fault(format!("is no plan: {error}")).expected("what `eyebox plan -o` writes"))?;
         frozen.fits(path, scene, asked)
     }
 
-    /// A plan that was stored in a file, for a scene. Errors: those of [`Frozen::read`].
-    pub fn of_value(value: &serde_json::Value, path: &Path, scene: &Scene, asked: Asked) -> Result<Frozen> {
-        let frozen: Frozen = serde_json::from_value(value.clone())
+    /// A plan that was stored in a file, for a scene. Errors: those of [`PlanFile::read`].
+    pub fn of_value(value: &serde_json::Value, path: &Path, scene: &Scene, asked: Asked) -> Result<PlanFile> {
+        let frozen: PlanFile = serde_json::from_value(value.clone())
             .map_err(|error| Fault::new(Where::file(path), format!("has no plan: {error}")))?;
         frozen.fits(path, scene, asked)
     }
 
-    fn fits(self, path: &Path, scene: &Scene, asked: Asked) -> Result<Frozen> {
+    fn fits(self, path: &Path, scene: &Scene, asked: Asked) -> Result<PlanFile> {
         let fault = |what: String| Fault::new(Where::file(path), what);
         let frozen = self;
-        let mine = Frozen { hash: String::new(), ..Frozen::new(scene, asked, &frozen.plan) };
+        let mine = PlanFile { hash: String::new(), ..Frozen::new(scene, asked, &frozen.plan) };
         let differs = |what: &str, got: String, want: String| Err(fault(format!("is for {what} {got}")).expected(want));
         if frozen.eyebox != mine.eyebox {
             return differs("version", frozen.eyebox, mine.eyebox);

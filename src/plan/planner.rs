@@ -2,8 +2,8 @@
 //! gives up.
 
 use super::facts::{is_connected, own};
-use super::made::Made;
-use super::{Asked, Choice, Guides, branching, chains, pilot, pupil_guide, reached, shared_faces, sky_guide};
+use super::pilot_cache::PilotCache;
+use super::{Asked, Choice, Guides, chains, pilot, pupil_guide, reached, shared_faces, sky_guide, split_threshold};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::check::Checked;
@@ -29,16 +29,16 @@ const SELDOM_UNKNOWN: f64 = 1.0 / 128.0;
 const FEWEST_LOOKS: f64 = 4.0;
 
 /// What the pilots are run with.
-pub(super) struct Making<'m> {
+pub(super) struct Planner<'m> {
     pub(super) checked: &'m Checked<'m>,
     pub(super) world: &'m World,
     pub(super) asked: Asked,
     pub(super) mode: PathMode,
     pub(super) stop: &'m ShouldStop<'m>,
-    pub(super) made: Made,
+    pub(super) made: PilotCache,
 }
 
-impl Making<'_> {
+impl Planner<'_> {
     /// A plan of these rows with what pilots say of it; `known`: another whose pilots hold for the classes that it has
     /// the same verdicts for.
     pub(super) fn plan_of(&self, rows: Vec<Row>, known: Option<&Plan>) -> Plan {
@@ -229,7 +229,7 @@ impl Making<'_> {
             plan.notes.extend(found.note());
         }
         if plan.runs(Estimator::Photon) || plan.runs(Estimator::Manifold) {
-            plan.backward_paths = found.map_or(branching::MOST, |found| found.paths);
+            plan.backward_paths = found.map_or(split_threshold::MOST, |found| found.paths);
         }
     }
 
