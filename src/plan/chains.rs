@@ -1,6 +1,6 @@
 //! A pilot that finds the trains of specular faces by which the light of each group reaches the pupil.
 
-use super::glimpses;
+use super::eye_pilot;
 use super::reached::is_reached;
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
@@ -115,7 +115,7 @@ pub fn find(world: &World, plan: &Plan, groups: usize, guide: Option<&Guide>, st
     // What only rays from the eye have found; of the other chains they know more lamps and places.
     let mut reached: BTreeMap<(GroupId, Chain), bool> = BTreeMap::new();
     let mut glimpses: BTreeMap<(GroupId, Chain), Vec<Arrived>> = BTreeMap::new();
-    for arrived in glimpses::look((world, &optics), stop) {
+    for arrived in eye_pilot::look((world, &optics), stop) {
         if route.share(arrived.group, Class::Vision, false).is_some() {
             glimpses.entry((arrived.group, arrived.chain.clone())).or_default().push(arrived);
         }

@@ -1,15 +1,15 @@
 //! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is; scans an eyebox.
 
 pub mod chains;
+mod eye_pilot;
 mod facts;
 pub mod forecast;
-mod glimpses;
-pub(crate) mod glints;
 mod mode;
 pub mod paths;
 pub(crate) mod pilot;
 mod pilot_cache;
 mod pilot_resolution;
+pub(crate) mod pinhole_pilot;
 pub mod plan_file;
 mod planner;
 pub mod pupil;

@@ -1,8 +1,8 @@
 //! What pilots have made for one plan, for the next that differs from it in something else.
 
 use super::Making;
-use super::glints;
 use super::pilot::{self, ForwardPilot, SEED};
+use super::pinhole_pilot;
 use super::split_threshold::{self, Branches};
 use crate::estimate::ShouldStop;
 use crate::estimate::manifold::connections::{Connections, index_of};
@@ -51,7 +51,7 @@ impl PilotCache {
 
     /// [`glints::find`]: they hang on the scene alone.
     pub(super) fn glints(&self, world: &World, stop: &ShouldStop<'_>) -> Vec<Glint> {
-        self.glints.get_or_init(|| glints::find(world, stop)).clone()
+        self.glints.get_or_init(|| pinhole_pilot::find(world, stop)).clone()
     }
 
     /// The connections of a plan.

@@ -2,7 +2,7 @@
 //! from the eye. A train that only such rays have seen (a large lamp over a small pupil) would be lost by light tracing.
 
 use super::chains::{Arrived, SEED};
-use super::glimpses;
+use super::eye_pilot;
 use crate::base::path::Class;
 use crate::estimate::ShouldStop;
 use crate::estimate::manifold::connections::Connections;
@@ -35,7 +35,7 @@ pub fn left_to_eye(world: &World, plan: &Plan, groups: usize, made: &Connections
     let route = Ownership::new(plan, groups, Estimator::Manifold);
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let mut sums = vec![[0.0; 2]; groups];
-    for seen in glimpses::look((world, &optics), stop) {
+    for seen in eye_pilot::look((world, &optics), stop) {
         if route.share(seen.group, Class::Vision, false).is_none() {
             continue;
         }

@@ -1,7 +1,7 @@
 //! Whether the lamps' light and the eye's sight have a face in common. A path over specular faces has none that only one of
 //! them reaches: where a diffuser stands between them there is nothing for light tracing to find, however long it looks.
 
-use super::glimpses::{self, sides_of};
+use super::eye_pilot::{self, sides_of};
 use super::pilot::SEED;
 use crate::base::lattice::lattice;
 use crate::base::path::Class;
@@ -83,7 +83,7 @@ pub(super) fn may_meet(world: &World, plan: &Plan, groups: usize, stop: &ShouldS
         return true;
     }
     let optics = Mono::<f64>::optics(world, SEED, 0);
-    let seen = glimpses::faces((world, &optics), stop);
+    let seen = eye_pilot::faces((world, &optics), stop);
     let is_seen = |face: (u32, u32)| seen.contains(&face);
     if world.lamps.all().iter().any(|lamp| is_seen((lamp.part as u32, lamp.face as u32))) {
         return true;
