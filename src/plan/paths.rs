@@ -1,24 +1,24 @@
 //! The path table: by which sequences of parts light gets from the lamps to the eye, how much of it, and where in the
 //! picture it arrives.
 
-mod directed;
+mod chain_sampling;
 mod discover;
+mod eye_paths;
+mod lamp_paths;
 mod layer;
 mod learn;
-mod looking;
+mod part_sequence;
 mod row;
 mod scattered;
-mod sides;
-mod survey;
+mod start_side;
 mod tally;
 mod text;
-mod visits;
 
+pub use lamp_paths::{Source, Way};
 pub use layer::{Wanted, header, layer_name, pictures, wanted};
+pub use part_sequence::{How, Visit, Visits, part_name};
 pub use row::{Kind, Row};
-pub use survey::{Source, Way};
 pub use tally::Footprint;
-pub use visits::{How, Visit, Visits, part_name};
 
 use super::{Polarisation, mode};
 use crate::base::ids::GroupId;
@@ -31,15 +31,15 @@ use crate::world::World;
 use crate::world::geometry::Site;
 use crate::world::mode::{Mode, Mono};
 use crate::world::stokes::Stokes;
-use directed::Directed;
+use chain_sampling::Directed;
+use eye_paths::EyePaths;
 use glam::DVec3;
-use looking::Looking;
+use lamp_paths::{Caught, STREAM, Split};
 use rayon::prelude::*;
 use scattered::Deposits;
-use sides::{Lamps, Sides};
+use start_side::{Lamps, Sides};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
-use survey::{Caught, STREAM, Split};
 use tally::Tally;
 
 /// What is asked of the table.
@@ -183,13 +183,13 @@ fn find_in<M: Mode>(world: &World, sides: &Sides, runs: Runs<'_>, stop: &ShouldS
         if let Some(Lamps { emission, sources }) = &sides.lamps {
             let from = (emission, sources.as_slice());
             let shots = (shots(0, per_pass), split);
-            sink(pass, survey::from_lamps((world, &optics), from, &sides.directed, shots, stop), false);
+            sink(pass, lamp_paths::from_lamps((world, &optics), from, &sides.directed, shots, stop), false);
         }
         if !sides.looks() {
             continue;
         }
         let vision = |group: GroupId| sides.from_eye.get(group.index()) == Some(&true);
-        let mut looking = Looking {
+        let mut looking = EyePaths {
             world,
             optics: &optics,
             split,
@@ -205,7 +205,7 @@ fn find_in<M: Mode>(world: &World, sides: &Sides, runs: Runs<'_>, stop: &ShouldS
                 let from = (emission, sources.as_slice());
                 let photons = shots(3, per_pass.saturating_mul(PHOTONS));
                 let deposits = Deposits::new((world, &optics), from, photons, &ends, stop);
-                let gather = |end: &looking::End<'_, '_, M>, each: &mut dyn FnMut(GroupId, Source, Way, f64)| {
+                let gather = |end: &eye_paths::End<'_, '_, M>, each: &mut dyn FnMut(GroupId, Source, Way, f64)| {
                     deposits.gather(end, each);
                 };
                 looking.scattered = Some(&gather);
@@ -216,16 +216,16 @@ fn find_in<M: Mode>(world: &World, sides: &Sides, runs: Runs<'_>, stop: &ShouldS
 }
 
 /// Where paths from the eye meet scatterers.
-fn ends<M: Mode>(looking: &Looking<'_, '_, M>, shots: Shots, stop: &ShouldStop<'_>) -> Vec<(DVec3, Site)> {
+fn ends<M: Mode>(looking: &EyePaths<'_, '_, M>, shots: Shots, stop: &ShouldStop<'_>) -> Vec<(DVec3, Site)> {
     let found = Mutex::new(Vec::new());
-    let note = |end: &looking::End<'_, '_, M>, _: &mut dyn FnMut(GroupId, Source, Way, f64)| {
+    let note = |end: &eye_paths::End<'_, '_, M>, _: &mut dyn FnMut(GroupId, Source, Way, f64)| {
         let hit = &end.vertex.hit;
         if let Ok(mut found) = found.lock() {
             found.push((hit.point, hit.site));
         }
     };
     let nothing = |_: GroupId| false;
-    let first = Looking {
+    let first = EyePaths {
         world: looking.world,
         optics: looking.optics,
         split: Split { least: 0.1 },

@@ -1,10 +1,10 @@
 //! Which chains of faces bring light from the lamps to the eye, and some starts of paths for each, found from both sides: a
 //! lamp that is imaged into the pupil is found from the eye, one that is a speck in the picture from itself.
 
-use super::directed::{All, Directed, weight};
-use super::looking::Looking;
-use super::sides::Lamps;
-use super::survey::{self, Split, Trace};
+use super::chain_sampling::{All, Directed, weight};
+use super::eye_paths::EyePaths;
+use super::lamp_paths::{self, Split, Trace};
+use super::start_side::Lamps;
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::base::rng::{Rng, Stream};
@@ -167,8 +167,8 @@ fn from_lamps(
     stop: &ShouldStop<'_>,
 ) {
     let Some(Lamps { emission, .. }) = lamps else { return };
-    let visitor = || survey::Arrivals::new(split);
-    let take = |lamp: usize, x: Point, _: f64, arrivals: survey::Arrivals| {
+    let visitor = || lamp_paths::Arrivals::new(split);
+    let take = |lamp: usize, x: Point, _: f64, arrivals: lamp_paths::Arrivals| {
         let found = arrivals.found();
         (!found.is_empty()).then_some((lamp, x, found))
     };
@@ -201,7 +201,7 @@ fn from_eye(
         (0..start.groups).map(GroupId::from_index).map(|group| start.is_from_eye(group) || from_lamps(group)).collect();
     let vision = |group: GroupId| looked.get(group.index()) == Some(&true);
     let owned = &All::default();
-    let looking = Looking { world, optics, split, vision: &vision, owned, traces: true, scattered: None };
+    let looking = EyePaths { world, optics, split, vision: &vision, owned, traces: true, scattered: None };
     for caught in looking.run(shots(look, 1), stop).into_iter().flatten() {
         let Some(trace) = caught.trace else { continue };
         // What is found from lamps has a place on a face.
@@ -222,7 +222,7 @@ fn is_the_lamps(world: &World, optics: &Optics<Mono>, chain: &Chain, found: &Fou
     !found.from_lamps.starts.is_empty() || found.traces.iter().any(|trace| is_met_from(world, optics, chain, trace.end))
 }
 
-fn is_met_from(world: &World, optics: &Optics<Mono>, chain: &Chain, end: Option<survey::LampEnd>) -> bool {
+fn is_met_from(world: &World, optics: &Optics<Mono>, chain: &Chain, end: Option<lamp_paths::LampEnd>) -> bool {
     let Some(end) = end else { return false };
     let Some(interior) = world.lamp_interiors.get(end.lamp) else { return false };
     let ray = Ray { origin: end.point, dir: -end.dir, from: Some(end.site) };

@@ -1,8 +1,8 @@
 //! Rows of the table as pictures: the light of chosen ways alone.
 
-use super::directed::Directed;
-use super::sides::Sides;
-use super::survey::{Split, Way};
+use super::chain_sampling::Directed;
+use super::lamp_paths::{Split, Way};
+use super::start_side::Sides;
 use super::{DEEPER, How, Row, Runs, Table, find};
 use crate::base::ids::GroupId;
 use crate::base::{Fault, Result, Where};

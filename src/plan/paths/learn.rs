@@ -1,7 +1,7 @@
 //! Where paths from the lamps have to start so that the table finds faint ways as well as bright ones.
 
-use super::directed::All;
-use super::survey::{Arrivals, Caught, Source, Split, Way};
+use super::chain_sampling::All;
+use super::lamp_paths::{Arrivals, Caught, Source, Split, Way};
 use crate::base::ids::GroupId;
 use crate::base::rng::Stream;
 use crate::estimate::ShouldStop;

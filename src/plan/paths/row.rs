@@ -1,8 +1,8 @@
 //! Rows of the table: rank, names, kinds, and how they are printed.
 
-use super::survey::{Source, Way};
+use super::lamp_paths::{Source, Way};
+use super::part_sequence::{Visits, part_name};
 use super::tally::{Footprint, Tally};
-use super::visits::{Visits, part_name};
 use super::{Rows, source_name};
 use crate::base::ids::GroupId;
 use crate::scene::Scene;

@@ -1,9 +1,9 @@
 //! Light by way of a scatterer: flux that paths from the lamps leave there is gathered where paths from the eye arrive, so
 //! that each pair of ways (lamp to scatterer, scatterer to eye) gets its flux.
 
-use super::looking::End;
-use super::survey::{Source, Way};
-use super::visits::Visits;
+use super::eye_paths::End;
+use super::lamp_paths::{Source, Way};
+use super::part_sequence::Visits;
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::estimate::ShouldStop;

@@ -1,6 +1,6 @@
 //! Sums over the paths of one row of the table: flux with its error, and where in the picture the light arrives.
 
-use super::survey::Source;
+use super::lamp_paths::Source;
 use crate::world::eye::EyeLens;
 use std::collections::{BTreeMap, BTreeSet};
 

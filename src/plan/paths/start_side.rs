@@ -1,10 +1,10 @@
 //! From which side the light of each group is found, and where paths from the lamps start.
 
 use super::PHOTONS;
-use super::directed::All;
+use super::chain_sampling::All;
 use super::discover::{Start, discover};
+use super::lamp_paths::{self, Source, Split};
 use super::learn::Looks;
-use super::survey::{self, Source, Split};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::check::Checked;
@@ -39,7 +39,7 @@ pub(super) struct Lamps {
 impl Lamps {
     fn new(world: &World, plan: &Plan, groups: usize, estimator: Estimator, guide: &Guide) -> Option<Lamps> {
         let given = |group: GroupId| Class::ALL.iter().any(|class| owned(plan, group, *class, estimator));
-        let sources = survey::sources(world, given);
+        let sources = lamp_paths::sources(world, given);
         let emission = Emission::new(world, &Ownership::new(plan, groups, estimator), groups, Some(guide));
         (!sources.is_empty() && sources.len() == emission.flux().len()).then_some(Lamps { emission, sources })
     }
@@ -138,7 +138,7 @@ impl Sides {
 /// Learns where paths have to start that end in the picture.
 fn learn(world: &World, plan: &Plan, groups: usize, split: Split, stop: &ShouldStop<'_>) -> pilot::ForwardPilot {
     let given = |group: GroupId| owned(plan, group, Class::Vision, Estimator::Forward);
-    let sources = survey::sources(world, given);
+    let sources = lamp_paths::sources(world, given);
     let split = Split { least: split.least.max(Looks::LEAST) };
     let with = |guide: Option<&Guide>, paths: u64| {
         let emission = Emission::new(world, &Ownership::new(plan, groups, Estimator::Forward), groups, guide);

@@ -1,7 +1,7 @@
 //! Paths from the lamps to the eye over specular faces alone; each knows its parts. What such paths bring.
 
-use super::directed::All;
-use super::visits::Visits;
+use super::chain_sampling::All;
+use super::part_sequence::Visits;
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;

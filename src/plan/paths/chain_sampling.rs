@@ -2,8 +2,8 @@
 //! face what the chain says, with the weight of reflection or transmission, so that nothing is left to chance but the start.
 
 use super::discover::Start;
-use super::looking;
-use super::survey::{self, Caught, Source, Way};
+use super::eye_paths;
+use super::lamp_paths::{self, Caught, Source, Way};
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::base::rng::{Rng, Stream};
@@ -121,7 +121,7 @@ impl Side {
                 let mut ledger = Ledger::new(world.solids.len());
                 let arrival = walker.follow_to_pupil(chain.0.iter().copied(), &mut ledger)?;
                 let pixel = arrival.pixel? as u32;
-                let lumens = survey::light(&walker, 1.0);
+                let lumens = lamp_paths::light(&walker, 1.0);
                 let luminance = lumens * arrival.luminance_per_lumen;
                 let (source, _) = ways.get(lamp)?;
                 Some(vec![Whole { lamp, x, density, source: *source, pixel, lumens, luminance }])
@@ -147,7 +147,7 @@ impl Side {
                     let each = (width * height) as f64 / (shots.paths as f64 * drawn.density);
                     let lumens = world.eye.lumens_per_luminance(dir);
                     let mut found = Vec::new();
-                    looking::ends(&mut walker, group, &mut ledger, &mut |source, luminance| {
+                    eye_paths::ends(&mut walker, group, &mut ledger, &mut |source, luminance| {
                         let luminance = luminance * each;
                         let (x, density, pixel) = (drawn.x, drawn.density, pixel as u32);
                         let lumens = luminance * lumens;
@@ -216,7 +216,7 @@ impl Directed {
         let back = chain.reversed();
         // As the emission numbers them.
         let mut sources = start.lamps.map_or_else(Vec::new, |lamps| lamps.sources.clone());
-        let own = survey::sources_of(world, group).into_iter().filter(|source| !sources.contains(source));
+        let own = lamp_paths::sources_of(world, group).into_iter().filter(|source| !sources.contains(source));
         sources.extend(own.collect::<Vec<_>>());
         let ways = sources.into_iter().map(|source| (source, Way::Vision(Source::visits(Some(source), world, &chain))));
         let ways: Vec<(Source, Way)> = ways.collect();

@@ -1,8 +1,8 @@
 //! Paths from the eye to what shines, over specular faces alone, and to scatterers; each knows its parts.
 
-use super::directed::All;
-use super::survey::{Caught, LampEnd, Source, Split, Trace, Way};
-use super::visits::Visits;
+use super::chain_sampling::All;
+use super::lamp_paths::{Caught, LampEnd, Source, Split, Trace, Way};
+use super::part_sequence::Visits;
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::base::rng::Rng;
@@ -33,7 +33,7 @@ pub struct End<'e, 'w, M: Mode> {
 }
 
 /// What paths from the eye look for.
-pub struct Looking<'a, 'w, M: Mode> {
+pub struct EyePaths<'a, 'w, M: Mode> {
     pub world: &'w World,
     pub optics: &'w Optics<M>,
     pub split: Split,
@@ -70,7 +70,7 @@ impl Look {
     }
 }
 
-impl<'w, M: Mode> Looking<'_, 'w, M> {
+impl<'w, M: Mode> EyePaths<'_, 'w, M> {
     /// One pass of paths from the eye, spread evenly over the picture: what each found, in their order.
     pub fn run(&self, shots: Shots, stop: &ShouldStop<'_>) -> Vec<Vec<Caught>> {
         let eye = &self.world.eye;
