@@ -18,7 +18,7 @@ use crate::base::rng::Rng;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::world::World;
-use crate::world::geometry::bend::site_of;
+use crate::world::geometry::interface_derivatives::site_of;
 use crate::world::geometry::{Hit, Ray};
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, lanes, wavelengths_change};

@@ -7,7 +7,7 @@ use crate::base::chain::Step;
 use crate::film::specular_chain::{Lens, SpecularChain};
 use crate::world::World;
 use crate::world::fresnel::{reflect, refract};
-use crate::world::geometry::bend::{Meet, site_of};
+use crate::world::geometry::interface_derivatives::{Meet, site_of};
 use crate::world::geometry::{Ray, Site};
 use glam::DVec3;
 

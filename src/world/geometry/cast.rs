@@ -1,7 +1,7 @@
 //! What a ray meets first, and whether it meets anything: walks through the parts and the trees within.
 
 use super::instance::Instance;
-use super::line::Touch;
+use super::local_ray::Touch;
 use super::node::Lanes;
 use super::wide::Visit;
 use super::{Geometry, Hit, Ray, Site};

@@ -3,7 +3,7 @@
 //! A ray meets an exact surface in two points at most, found without the mesh. Asking where they are costs one cell
 //! instead of a walk through a tree of boxes; a lens with two such caps is traced about twice as fast.
 
-use super::covered::open_edges;
+use super::coverage::open_edges;
 use super::patch::{Shear, vertex};
 use glam::{DVec2, DVec3};
 

@@ -1,7 +1,7 @@
 //! A part in the world: a solid and its transform.
 
 use super::bound::Bounds;
-use super::line::{Line, Touch};
+use super::local_ray::{LocalRay, Touch};
 use super::node::Lanes;
 use super::prepare::Traced;
 use super::solid::Solid;
@@ -92,12 +92,12 @@ impl Instance {
 
     /// The ray in mesh units, and mesh units per metre along it.
     #[inline(always)]
-    fn line(&self, solid: &Solid, ray: &Ray, beside: Option<Site>, reach: f64) -> Option<(Line, f64)> {
+    fn line(&self, solid: &Solid, ray: &Ray, beside: Option<Site>, reach: f64) -> Option<(LocalRay, f64)> {
         let (origin, dir, scale) = match self.shift {
             Some(shift) => (ray.origin + shift, ray.dir, 1.0),
             None => self.to_mesh(ray),
         };
-        let mut line = Line::new(solid, origin, dir, reach * scale, self.grain)?;
+        let mut line = LocalRay::new(solid, origin, dir, reach * scale, self.grain)?;
         for site in [&ray.from, &beside] {
             if let Some(site) = site
                 && site.part == self.part
@@ -192,7 +192,7 @@ impl Instance {
             let (sin, cos) = (0.5 + 2.399_963_229_728_653 * f64::from(*i)).sin_cos();
             let across = (1.0 - z * z).sqrt();
             let dir = DVec3::new(cos * across, sin * across, z);
-            let touch = Line::new(solid, origin, dir, f64::INFINITY, self.grain)
+            let touch = LocalRay::new(solid, origin, dir, f64::INFINITY, self.grain)
                 .and_then(|line| solid.nearest(None, &line, f64::INFINITY));
             touch.and_then(|touch| solid.normals_at(&touch)).is_some_and(|(normal, _)| normal.dot(dir) > 0.0)
         });

@@ -6,18 +6,18 @@
 //! absolute epsilons: a ray that starts on a plane leaves it out, one that starts on a curved exact surface divides the
 //! known root out, and only on a faceted one rounding decides how near is too near.
 
-pub mod bend;
 mod bound;
 mod cast;
+mod closest_hit;
 mod collapse;
-mod covered;
+mod coverage;
 pub mod curved;
 pub mod exact;
 mod grid;
-mod huge;
-mod hunt;
+mod huge_pages;
 mod instance;
-mod line;
+pub mod interface_derivatives;
+mod local_ray;
 mod node;
 mod pack;
 mod patch;

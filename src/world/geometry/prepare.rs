@@ -4,7 +4,7 @@ use super::bound::{Bounds, patch_box, triangle_box};
 use super::curved::Curved;
 use super::exact::Quadric;
 use super::grid::Grid;
-use super::huge;
+use super::huge_pages;
 use super::pack::Pack;
 use super::patch::{Projection, vertex};
 use super::solid::Solid;
@@ -169,7 +169,7 @@ pub fn solid(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Solid>
     let of_leaf = |leaf: &Leaf| triangles.get(leaf.first as usize..)?.get(..leaf.count as usize);
     let plain = |t: &Triangle| matches!(sheets[t.face as usize].surface, Surface::Flat | Surface::Faceted);
     let packs = if tree.leaves().iter().filter_map(of_leaf).flatten().all(plain) {
-        huge::settle(tree.leaves().iter().map(|leaf| Pack::new(*leaf, of_leaf(leaf).unwrap_or(&[]))).collect())
+        huge_pages::settle(tree.leaves().iter().map(|leaf| Pack::new(*leaf, of_leaf(leaf).unwrap_or(&[]))).collect())
     } else {
         Vec::new()
     };
@@ -179,7 +179,7 @@ pub fn solid(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Solid>
         grids,
         packs,
         triangles,
-        normals: huge::settle(order.iter().filter_map(|i| normals.get(*i as usize).copied()).collect()),
+        normals: huge_pages::settle(order.iter().filter_map(|i| normals.get(*i as usize).copied()).collect()),
         faces: sheets,
     }))
 }

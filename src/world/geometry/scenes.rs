@@ -1,6 +1,6 @@
 //! Assemblies for tests.
 
-use super::line::Touch;
+use super::local_ray::Touch;
 use super::{Geometry, Hit, Ray, Site};
 use crate::base::ids::{GroupId, MediumId, MeshId};
 use crate::base::rng::Rng;

@@ -1,11 +1,11 @@
 //! One mesh with its exact surfaces, traced in its own coordinates and shared by the parts that instance it.
 
 use super::bound::Bounds;
+use super::closest_hit::ClosestHit;
 use super::curved::Curved;
 use super::grid::Grid;
-use super::huge;
-use super::hunt::Hunt;
-use super::line::{Line, Probe, Roots, Touch};
+use super::huge_pages;
+use super::local_ray::{LocalRay, Probe, Roots, Touch};
 use super::node::Lanes;
 use super::pack::Pack;
 use super::patch::{Projection, Shear, point_on};
@@ -39,18 +39,18 @@ type Covers = fn(&Grid, &Shear, DVec3) -> bool;
 impl Solid {
     /// The nearest point of the line on the solid with 0 < t < reach; of equally near ones the first triangle's.
     #[inline(always)]
-    pub fn nearest(&self, lanes: Option<Lanes>, line: &Line, reach: f64) -> Option<Touch> {
+    pub fn nearest(&self, lanes: Option<Lanes>, line: &LocalRay, reach: f64) -> Option<Touch> {
         if !self.grids.is_empty() || self.packs.is_empty() {
             return self.nearest_of_exact(line, reach);
         }
-        let mut hunt = Hunt::<false>::new(self, line, line.start, reach, None);
+        let mut hunt = ClosestHit::<false>::new(self, line, line.start, reach, None);
         let _ = self.tree.walk(lanes, [line.origin, line.dir], [line.start, reach], &self.packs, &mut hunt);
         hunt.touch()
     }
 
     /// The same where there are exact surfaces.
     #[inline(never)]
-    fn nearest_of_exact(&self, line: &Line, reach: f64) -> Option<Touch> {
+    fn nearest_of_exact(&self, line: &LocalRay, reach: f64) -> Option<Touch> {
         let mut best: Option<Touch> = None;
         let mut reach = reach;
         let mut consider = |touch: Touch, reach: &mut f64| {
@@ -72,7 +72,7 @@ impl Solid {
         let Some(start) = self.start(line).filter(|start| *start <= reach) else { return best };
         let along = [line.origin, line.dir];
         if !self.packs.is_empty() {
-            let mut hunt = Hunt::<false>::new(self, line, start, reach, best.map(|best| best.triangle.index));
+            let mut hunt = ClosestHit::<false>::new(self, line, start, reach, best.map(|best| best.triangle.index));
             let _ = self.tree.walk(None, along, [start, reach], &self.packs, &mut hunt);
             return hunt.touch().or(best);
         }
@@ -103,14 +103,14 @@ impl Solid {
 
     /// Where the line enters the tree's bounds. Without grids the tree holds all that the solid's bounds do.
     #[inline]
-    fn start(&self, line: &Line) -> Option<f64> {
+    fn start(&self, line: &LocalRay) -> Option<f64> {
         if self.grids.is_empty() { Some(line.start) } else { self.tree.bounds.enter(line.origin, line.dir) }
     }
 
     /// Where the line meets a face that has a grid, with 0 < t ≤ reach. Its first triangle stands for all of an exact face:
     /// nobody needs to know which it is.
     #[inline]
-    fn look_up(&self, face: u32, grid: &Grid, line: &Line, reach: f64, covers: Covers) -> Option<Touch> {
+    fn look_up(&self, face: u32, grid: &Grid, line: &LocalRay, reach: f64, covers: Covers) -> Option<Touch> {
         let sheet = self.faces.get(face as usize)?;
         let (quadric, shear) = match &sheet.surface {
             Surface::Exact { quadric, projection: Projection::Axial(shear), .. } => (quadric, shear),
@@ -144,7 +144,7 @@ impl Solid {
         face: u32,
         curved: &Curved,
         grid: &Grid,
-        line: &Line,
+        line: &LocalRay,
         reach: f64,
         covers: Covers,
     ) -> Option<Touch> {
@@ -174,7 +174,7 @@ impl Solid {
         slot: u32,
         triangle: &Triangle,
         curved: &Curved,
-        line: &Line,
+        line: &LocalRay,
         reach: f64,
         probe: &mut Probe,
     ) -> Option<Touch> {
@@ -194,7 +194,7 @@ impl Solid {
 
     /// [`Solid::nearest`] without the tree: every triangle is tried.
     #[cfg(test)]
-    pub fn nearest_of_all(&self, line: &Line, reach: f64) -> Option<Touch> {
+    pub fn nearest_of_all(&self, line: &LocalRay, reach: f64) -> Option<Touch> {
         let mut probe = Probe::new(line, self.start(line).unwrap_or(0.0));
         let has_grid = |face: u32| self.grids.iter().any(|(other, _)| *other == face);
         let slots = (0..self.triangles.len() as u32).zip(&self.triangles).filter(|(_, t)| !has_grid(t.face));
@@ -210,17 +210,17 @@ impl Solid {
 
     /// Whether the line meets the solid with 0 < t < reach.
     #[inline(always)]
-    pub fn blocks(&self, lanes: Option<Lanes>, line: &Line, reach: f64) -> bool {
+    pub fn blocks(&self, lanes: Option<Lanes>, line: &LocalRay, reach: f64) -> bool {
         if !self.grids.is_empty() || self.packs.is_empty() {
             return self.blocks_of_exact(line, reach);
         }
-        let mut hunt = Hunt::<true>::new(self, line, line.start, reach, None);
+        let mut hunt = ClosestHit::<true>::new(self, line, line.start, reach, None);
         self.tree.walk(lanes, [line.origin, line.dir], [line.start, reach], &self.packs, &mut hunt).is_break()
     }
 
     /// The same where there are exact surfaces.
     #[inline(never)]
-    fn blocks_of_exact(&self, line: &Line, reach: f64) -> bool {
+    fn blocks_of_exact(&self, line: &LocalRay, reach: f64) -> bool {
         let touches = |touch: Option<Touch>| touch.is_some_and(|touch| touch.t < reach);
         if self.grids.iter().any(|(face, grid)| touches(self.look_up(*face, grid, line, reach, Grid::covers))) {
             return true;
@@ -228,7 +228,7 @@ impl Solid {
         let Some(start) = self.start(line).filter(|start| *start <= reach) else { return false };
         let along = [line.origin, line.dir];
         if !self.packs.is_empty() {
-            let mut hunt = Hunt::<true>::new(self, line, start, reach, None);
+            let mut hunt = ClosestHit::<true>::new(self, line, start, reach, None);
             return self.tree.walk(None, along, [start, reach], &self.packs, &mut hunt).is_break();
         }
         let mut probe = Probe::new(line, start);
@@ -244,7 +244,7 @@ impl Solid {
 
     /// Where the line meets the part of the surface that a slot's triangle stands for, with 0 < t ≤ reach.
     #[inline]
-    fn touch(&self, slot: u32, triangle: &Triangle, line: &Line, reach: f64, probe: &mut Probe) -> Option<Touch> {
+    fn touch(&self, slot: u32, triangle: &Triangle, line: &LocalRay, reach: f64, probe: &mut Probe) -> Option<Touch> {
         let sheet = self.faces.get(triangle.face as usize)?;
         let starts_here = sheet.identity == line.from;
         if triangle.face == line.skip || (starts_here && sheet.surface.is_plane()) {
@@ -261,7 +261,7 @@ impl Solid {
                 let least = if starts_here { line.grain } else { 0.0 };
                 let at = || point_on(&triangle.corners, crossing.weights);
                 (t > least && t <= reach).then(|| {
-                    huge::fetch(&self.normals, slot as usize);
+                    huge_pages::fetch(&self.normals, slot as usize);
                     Touch { t, slot, triangle: *triangle, at: at(), weights: crossing.weights }
                 })
             }

@@ -4,7 +4,7 @@
 //! (see [`tree`](super::tree)), so what is hit does not.
 
 use super::collapse::Halves;
-use super::huge;
+use super::huge_pages;
 use super::node::{Beam, CHILDREN, LEAF, Lanes, Node, OTHER, enter};
 use super::split::Item;
 use super::stack::Stack;
@@ -69,7 +69,7 @@ impl Wide {
                 }
             }
         }
-        wide.nodes = huge::settle(wide.nodes);
+        wide.nodes = huge_pages::settle(wide.nodes);
         Some(wide)
     }
 

@@ -9,8 +9,8 @@ mod sag;
 #[cfg(test)]
 mod tests;
 
-use super::bend::Gradient;
 use super::bound::Bounds;
+use super::interface_derivatives::Gradient;
 use super::patch::Shear;
 use crate::scene::Shape;
 use glam::DVec3;

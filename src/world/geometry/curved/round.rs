@@ -3,7 +3,7 @@
 use super::isolate::{Bent, roots};
 use super::number::{Num, Series};
 use super::sag::Frame;
-use crate::world::geometry::bend::Gradient;
+use crate::world::geometry::interface_derivatives::Gradient;
 use glam::{DMat3, DVec3};
 use std::ops::ControlFlow;
 

@@ -3,8 +3,8 @@
 use super::height::Height;
 use super::isolate::{Bent, roots};
 use super::number::{Interval, Num, Series, Slope};
-use crate::world::geometry::bend::Gradient;
 use crate::world::geometry::bound::Bounds;
+use crate::world::geometry::interface_derivatives::Gradient;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;

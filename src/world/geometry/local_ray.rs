@@ -8,7 +8,7 @@ use glam::DVec3;
 
 /// A ray in a solid's coordinates.
 #[derive(Debug, Clone, Copy)]
-pub struct Line {
+pub struct LocalRay {
     pub origin: DVec3,
     /// Unit, about.
     pub dir: DVec3,
@@ -60,13 +60,13 @@ pub struct Roots {
     pub shear: [Shear; 2],
 }
 
-impl Line {
+impl LocalRay {
     /// A ray from `origin` along the unit vector `dir`; none if it misses the solid's bounds.
     #[inline(always)]
-    pub fn new(solid: &Solid, origin: DVec3, dir: DVec3, reach: f64, grain: f64) -> Option<Line> {
+    pub fn new(solid: &Solid, origin: DVec3, dir: DVec3, reach: f64, grain: f64) -> Option<LocalRay> {
         let start = solid.bounds.enter(origin, dir)?;
         let [from, from_triangle, skip] = [u32::MAX; 3];
-        (start <= reach).then_some(Line { origin, dir, start, from, from_triangle, skip, grain })
+        (start <= reach).then_some(LocalRay { origin, dir, start, from, from_triangle, skip, grain })
     }
 
     /// The ray starts on this face and triangle.
@@ -84,7 +84,7 @@ impl Line {
 }
 
 impl Probe {
-    pub fn new(line: &Line, start: f64) -> Probe {
+    pub fn new(line: &LocalRay, start: f64) -> Probe {
         let through = line.origin + start * line.dir;
         Probe { start, through, shear: Shear::along(line.dir), roots: None, many: None }
     }
@@ -100,7 +100,7 @@ impl Probe {
 
 impl Roots {
     #[inline]
-    pub fn of(face: u32, quadric: &Quadric, projection: &Projection, line: &Line, starts_here: bool) -> Roots {
+    pub fn of(face: u32, quadric: &Quadric, projection: &Projection, line: &LocalRay, starts_here: bool) -> Roots {
         let shear = Shear::along(DVec3::Z);
         let mut roots = Roots { face, t: [f64::NAN; 2], at: [DVec3::ZERO; 2], shear: [shear; 2] };
         let found = quadric.intersect(line.origin, line.dir, starts_here);

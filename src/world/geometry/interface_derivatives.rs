@@ -3,7 +3,7 @@
 
 use super::curved::Curved;
 use super::instance::Instance;
-use super::line::Touch;
+use super::local_ray::Touch;
 use super::patch::Projection;
 use super::solid::Solid;
 use super::surface::{Surface, Triangle};

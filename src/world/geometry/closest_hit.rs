@@ -1,6 +1,6 @@
 //! What a walk through a tree of plain triangles keeps: the nearest touch so far, or that there is one.
 
-use super::line::{Line, Touch};
+use super::local_ray::{LocalRay, Touch};
 use super::node::Lanes;
 use super::pack::Pack;
 use super::patch::{Shear, point_on};
@@ -11,11 +11,11 @@ use glam::DVec3;
 use std::ops::ControlFlow;
 
 /// Looks for the nearest triangle, or any, of a solid whose tree holds nothing but triangles.
-pub struct Hunt<'a, const ANY: bool> {
+pub struct ClosestHit<'a, const ANY: bool> {
     packs: &'a [Pack],
     normals: &'a [[[f32; 3]; 3]],
     faces: &'a [Sheet],
-    line: &'a Line,
+    line: &'a LocalRay,
     /// The line starts on a surface or has one to skip.
     picky: bool,
     /// Where the line enters the tree, t and the place.
@@ -36,11 +36,17 @@ struct Found {
     weights: [f64; 3],
 }
 
-impl<'a, const ANY: bool> Hunt<'a, ANY> {
+impl<'a, const ANY: bool> ClosestHit<'a, ANY> {
     /// Up to `reach`, where the triangle `index` is met if there is one.
     #[inline(always)]
-    pub fn new(solid: &'a Solid, line: &'a Line, start: f64, reach: f64, index: Option<u32>) -> Hunt<'a, ANY> {
-        Hunt {
+    pub fn new(
+        solid: &'a Solid,
+        line: &'a LocalRay,
+        start: f64,
+        reach: f64,
+        index: Option<u32>,
+    ) -> ClosestHit<'a, ANY> {
+        ClosestHit {
             packs: &solid.packs,
             normals: &solid.normals,
             faces: &solid.faces,
@@ -75,7 +81,7 @@ impl<'a, const ANY: bool> Hunt<'a, ANY> {
     }
 }
 
-impl<const ANY: bool> Visit for Hunt<'_, ANY> {
+impl<const ANY: bool> Visit for ClosestHit<'_, ANY> {
     #[inline(always)]
     fn leaf(&mut self, leaf: u32, lanes: Option<Lanes>) -> ControlFlow<(), Option<f64>> {
         let Some(pack) = self.packs.get(leaf as usize) else { return ControlFlow::Continue(None) };
@@ -95,7 +101,7 @@ impl<const ANY: bool> Visit for Hunt<'_, ANY> {
             if ANY {
                 return ControlFlow::Break(());
             }
-            super::huge::fetch(self.normals, pack.slot(lane) as usize);
+            super::huge_pages::fetch(self.normals, pack.slot(lane) as usize);
             let weights = [all.weights[0][lane], all.weights[1][lane], all.weights[2][lane]];
             (self.reach, self.index) = (t, whose.1);
             self.found = Some(Found { leaf, lane, weights });
