@@ -6,10 +6,10 @@
 
 mod automaton;
 mod parse;
-mod sieve;
+mod product;
 
 pub use automaton::{Alphabet, Verdict};
-pub use sieve::{MOST, Sieve, Takes, Told};
+pub use product::{LpeState, MOST, Product, Takes};
 
 use super::path::{Class, Event};
 

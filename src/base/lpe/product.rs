@@ -20,7 +20,7 @@ const MOST_PAIRS: usize = 1 << 21;
 
 /// What a path has told so far: the number of a set of states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct Told(u16);
+pub struct LpeState(u16);
 
 /// The events between eye and lamp: all letters but the camera and the sources.
 const EVENTS: [Letter; 7] = {
@@ -29,17 +29,17 @@ const EVENTS: [Letter; 7] = {
 };
 const SOURCES: [Source; 3] = [Source::Face, Source::Light, Source::Sky];
 
-type Moves = Vec<[Told; EVENTS.len()]>;
+type Moves = Vec<[LpeState; EVENTS.len()]>;
 /// What is taken of a class, without and with a broad scatterer.
 type Possible = [[BTreeSet<Takes>; 2]; Class::ALL.len()];
 
 /// Expressions, ready to be told paths of a scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sieve {
+pub struct Product {
     from_eye: Moves,
     from_lamp: Moves,
     /// Per light group and source.
-    lamps: Vec<[Told; SOURCES.len()]>,
+    lamps: Vec<[LpeState; SOURCES.len()]>,
     /// `[told from the eye][told from the lamp]`
     takes: Vec<Takes>,
     /// Per light group.
@@ -70,7 +70,7 @@ struct Net {
 }
 
 /// Where events lead, the sets by number, and the numbers of sets.
-type Numbered = (Moves, Vec<States>, HashMap<States, Told>);
+type Numbered = (Moves, Vec<States>, HashMap<States, LpeState>);
 
 impl Net {
     fn new(expressions: &[Lpe], group: &str) -> Result<Net, String> {
@@ -128,14 +128,14 @@ impl Net {
 
     /// All sets that events lead to from `first`, numbered in the order in which they are found, `first` before others.
     fn number(&self, first: Vec<States>, onward: bool) -> Result<Numbered, String> {
-        let mut known: HashMap<States, Told> = HashMap::new();
+        let mut known: HashMap<States, LpeState> = HashMap::new();
         let (mut sets, mut moves): (Vec<States>, Moves) = (Vec::new(), Vec::new());
-        let mut number = |states: States, sets: &mut Vec<States>| -> Result<Told, String> {
+        let mut number = |states: States, sets: &mut Vec<States>| -> Result<LpeState, String> {
             if let Some(told) = known.get(&states) {
                 return Ok(*told);
             }
             let next = u16::try_from(sets.len()).ok().filter(|next| usize::from(*next) < MOST_SETS);
-            let told = Told(next.ok_or_else(|| format!("has more than {MOST_SETS} cases"))?);
+            let told = LpeState(next.ok_or_else(|| format!("has more than {MOST_SETS} cases"))?);
             known.insert(states.clone(), told);
             sets.push(states);
             Ok(told)
@@ -145,7 +145,7 @@ impl Net {
         }
         while moves.len() < sets.len() {
             let from = sets[moves.len()].clone();
-            let mut row = [Told::default(); EVENTS.len()];
+            let mut row = [LpeState::default(); EVENTS.len()];
             for (to, letter) in row.iter_mut().zip(EVENTS) {
                 *to = number(self.step(&from, letter, onward), &mut sets)?;
             }
@@ -155,10 +155,10 @@ impl Net {
     }
 }
 
-impl Sieve {
+impl Product {
     /// `groups`: the names of the light groups and how their lamps emit; `events`: what can happen on the scene's faces.
     /// Errors: too many expressions, or too many cases of them together.
-    pub fn new(expressions: &[Lpe], groups: &[(&str, Vec<Source>)], events: &[Letter]) -> Result<Sieve, String> {
+    pub fn new(expressions: &[Lpe], groups: &[(&str, Vec<Source>)], events: &[Letter]) -> Result<Product, String> {
         if expressions.len() > MOST {
             return Err(format!("is one more than {MOST} that part classes of paths"));
         }
@@ -186,7 +186,7 @@ impl Sieve {
             spans.iter().enumerate().fold(0, |takes, (k, span)| takes | Takes::from(in_span(span)) << k)
         };
         let takes = eyes.iter().flat_map(|eye| ends.iter().map(move |lamp| (eye, lamp))).map(|(a, b)| meet(a, b));
-        let mut sieve = Sieve { from_eye, from_lamp, lamps, takes: takes.collect(), possible: Vec::new() };
+        let mut sieve = Product { from_eye, from_lamp, lamps, takes: takes.collect(), possible: Vec::new() };
         sieve.possible = sieve.find_possible(groups, events);
         Ok(sieve)
     }
@@ -214,27 +214,27 @@ impl Sieve {
     }
 
     /// Of a path that has just left the eye.
-    pub fn eye(&self) -> Told {
-        Told(0)
+    pub fn eye(&self) -> LpeState {
+        LpeState(0)
     }
 
     /// Of a path that has just left a lamp of a light group.
-    pub fn lamp(&self, group: usize, source: Source) -> Told {
-        self.lamps.get(group).map_or(Told(0), |lamps| lamps[source as usize])
+    pub fn lamp(&self, group: usize, source: Source) -> LpeState {
+        self.lamps.get(group).map_or(LpeState(0), |lamps| lamps[source as usize])
     }
 
     /// Of a path from the eye after one more event.
-    pub fn after(&self, told: Told, letter: Letter) -> Told {
+    pub fn after(&self, told: LpeState, letter: Letter) -> LpeState {
         moved(&self.from_eye, told, letter)
     }
 
     /// Of a path from a lamp after one more event.
-    pub fn before(&self, told: Told, letter: Letter) -> Told {
+    pub fn before(&self, told: LpeState, letter: Letter) -> LpeState {
         moved(&self.from_lamp, told, letter)
     }
 
     /// What is taken of a path whose pieces from the eye and from the lamp are these, every event in one of them.
-    pub fn takes(&self, eye: Told, lamp: Told) -> Takes {
+    pub fn takes(&self, eye: LpeState, lamp: LpeState) -> Takes {
         self.takes.get(usize::from(eye.0) * self.from_lamp.len() + usize::from(lamp.0)).copied().unwrap_or(0)
     }
 
@@ -245,7 +245,7 @@ impl Sieve {
     }
 }
 
-fn moved(moves: &Moves, told: Told, letter: Letter) -> Told {
+fn moved(moves: &Moves, told: LpeState, letter: Letter) -> LpeState {
     let row = moves.get(usize::from(told.0));
     let at = EVENTS.iter().position(|event| *event == letter);
     row.zip(at).map_or(told, |(row, at)| row[at])
@@ -286,7 +286,7 @@ mod tests {
         let want = cases.map(|(_, text)| regex::Regex::new(text).expect("a sound expression"));
         let both = vec![Source::Face, Source::Sky];
         let groups = [("led", both.clone()), ("sun", both)];
-        let sieve = Sieve::new(&lpes, &groups, &EVENTS).expect("few cases");
+        let sieve = Product::new(&lpes, &groups, &EVENTS).expect("few cases");
         let symbol = |letter: &Letter| match letter {
             Letter::ReflectSpecular => 'r',
             Letter::ReflectGlossy => 'g',
@@ -319,7 +319,7 @@ mod tests {
     #[test]
     fn what_has_too_many_cases_is_refused() {
         let lpe = Lpe::parse("C.*<RS>.{14}L").expect("an expression");
-        let said = Sieve::new(&[lpe], &[("led", vec![Source::Face])], &EVENTS).unwrap_err();
+        let said = Product::new(&[lpe], &[("led", vec![Source::Face])], &EVENTS).unwrap_err();
         assert!(said.contains("cases"), "{said}");
     }
 }
