@@ -7,22 +7,22 @@ pub mod code; // what a fault is about
 pub mod colour;
 pub mod complex;
 pub mod document; // JSON that says who made it
+pub mod double_double; // sums that do not depend on their pieces
 pub mod fault;
 pub mod glb;
 pub mod ids;
 pub mod lattice; // points that are even however many there are
 pub mod lpe; // light path expressions
 pub mod memory; // what the allocator keeps
-pub mod murmur; // the hash of names in Cryptomatte
+pub mod murmur3; // the hash of names in Cryptomatte
 pub mod package;
 pub mod path;
-pub mod relative;
+pub mod relative_path;
 pub mod rng;
 pub mod shared; // what copies share until they change it
 pub mod sobol;
 pub mod stats;
-pub mod student;
-pub mod twofold; // sums that do not depend on their pieces
+pub mod students_t;
 pub mod units;
 pub mod vision; // the eye as formulas
 pub mod warp;

@@ -2,7 +2,7 @@
 
 use super::curve::race::Ready;
 use crate::base::stats::{Moments, sidak_z};
-use crate::base::student::as_normal;
+use crate::base::students_t::as_normal;
 use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::eye_table::EyeTable;
 use crate::estimate::manifold::film_grid::FilmGrid;

@@ -4,7 +4,7 @@ use super::{Format, authored};
 use crate::author;
 use crate::base::Result;
 use crate::base::atomic::check_writable;
-use crate::base::relative::folder_of;
+use crate::base::relative_path::folder_of;
 use crate::import::{self, ReadOptions, annotate};
 use clap::Args;
 use std::path::PathBuf;

@@ -7,7 +7,7 @@
 
 use super::accumulate::{Light, MixError};
 use super::tiles::Tiles;
-use crate::base::twofold::Sum;
+use crate::base::double_double::Sum;
 
 /// Independent scrambles that the paths of every pass are dealt to in turn.
 pub const REPLICATES: usize = 8;

@@ -8,7 +8,7 @@
 //! swing in step with runs of some length, and then they tell too little: so two lengths are asked, and the larger counts. One
 //! sum tells little, those of many pixels much.
 
-use crate::base::twofold::Sum;
+use crate::base::double_double::Sum;
 
 /// Passes of a run, powers of two.
 const RUNS: [u32; COUNT] = [2, 3, 5, 7];

@@ -4,7 +4,7 @@ use super::accumulate::Film;
 use super::replicates::Replicates;
 use super::rqmc_variance::{PER_PIXEL, RqmcVariance};
 use super::tiles::Tiles;
-use crate::base::twofold::Sum;
+use crate::base::double_double::Sum;
 
 /// The name of the table of [turns](super::turns).
 const TURNS: &str = "turns";

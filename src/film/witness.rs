@@ -5,11 +5,11 @@ mod judge;
 mod words;
 
 use super::layer::Layer;
+use crate::base::double_double::Sum;
 use crate::base::ids::GroupId;
 use crate::base::lattice::lattice;
 use crate::base::path::Class;
 use crate::base::rng::{Rng, Stream};
-use crate::base::twofold::Sum;
 pub use judge::{Judged, Judgement, Off, judge};
 use std::collections::{BTreeMap, HashSet};
 

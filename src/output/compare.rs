@@ -8,7 +8,7 @@ mod within;
 use super::average::pixels_are_independent;
 use super::luminance::Luminance;
 use crate::base::stats::normal_tail;
-use crate::base::student::{two_sided, welch};
+use crate::base::students_t::{two_sided, welch};
 use crate::film::frame::Frame;
 use blocks::Trial;
 use header::{freedom, incomparable, notes};

@@ -4,9 +4,9 @@
 //! bits of the upper double of the third kind of light sum of film 0, `_d` … `_f` those of the lower. Columns of zeros are
 //! left out. The attribute `eyebox.shard` says in JSON what the films are and whatever the writer wants to know again.
 
+use crate::base::double_double::Sum;
 use crate::base::fault::{Fault, Result, Where};
 use crate::base::lpe;
-use crate::base::twofold::Sum;
 use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
 use crate::film::frame::{Channel, Frame, Meta, Samples};
 use crate::film::{kernel_bias, rqmc_variance};

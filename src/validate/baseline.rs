@@ -2,7 +2,7 @@
 
 use super::{Located, Report, fingerprint};
 use crate::base::atomic::write_atomic;
-use crate::base::relative::folder_of;
+use crate::base::relative_path::folder_of;
 use crate::base::{Fault, Result, Where};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;

@@ -15,7 +15,7 @@ pub mod report; // the formats
 pub mod rules; // the registry of all rules
 pub mod stdin; // an asset on standard input
 
-use crate::base::relative::{relative, slashed};
+use crate::base::relative_path::{relative, slashed};
 use crate::base::{Code, Fault, Result};
 use crate::check::finding::{Finding, Level};
 use crate::check::geometry::EdgesOfMeshes;

@@ -7,7 +7,7 @@ use super::uri;
 use super::value::{self, OPTICS};
 use crate::base::atomic::write_atomic;
 use crate::base::fault::Result;
-use crate::base::relative::folder_of;
+use crate::base::relative_path::folder_of;
 use crate::base::{Fault, Where};
 use crate::scene::annotation::Annotation;
 use crate::scene::assembly::Assembly;

@@ -25,7 +25,7 @@ pub use annotate::annotate;
 use super::Written;
 use crate::base::atomic::write_atomic;
 use crate::base::fault::Result;
-use crate::base::relative::folder_of;
+use crate::base::relative_path::folder_of;
 use crate::base::{Fault, Where};
 use crate::scene::assembly::Assembly;
 use std::path::Path;

@@ -3,7 +3,7 @@
 use super::layer::{Datum, Prim, Property};
 use super::stage::Writing;
 use crate::base::fault::Result;
-use crate::base::relative::{relative, slashed};
+use crate::base::relative_path::{relative, slashed};
 use crate::base::{Fault, Where};
 use crate::scene::assembly::Assembly;
 use crate::scene::attribute::usd::{UsdProperty, UsdValue, flatten};

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// A file that cannot be read.
 pub(super) fn take(layer: &mut Layer, at: &Path) -> Result<Vec<(String, Vec<u8>)>> {
-    let folder = crate::base::relative::folder_of(at);
+    let folder = crate::base::relative_path::folder_of(at);
     let mut taken = Taken { entries: Vec::new(), by_file: HashMap::new(), names: HashSet::new() };
     for property in layer.prims.iter_mut().flat_map(|prim| &mut prim.properties) {
         match &mut property.body {

@@ -3,7 +3,7 @@
 //! The film knows the variance of a pixel. That of a sum over pixels is more where they share a photon, and less where
 //! places in a pixel are chosen evenly; the sums of a few dozen batches know both.
 
-use crate::base::student::{as_normal, unskewed, welch};
+use crate::base::students_t::{as_normal, unskewed, welch};
 
 /// Cells per side, at most.
 pub const CELLS: usize = 8;

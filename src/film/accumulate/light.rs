@@ -1,6 +1,6 @@
 //! Light as it depends on the slide's contrast, and sums of it.
 
-use crate::base::twofold::Sum;
+use crate::base::double_double::Sum;
 
 /// Light of one path or pixel, cd/m² (or lm before it is measured), as it depends on the slide's contrast.
 ///

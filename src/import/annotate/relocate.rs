@@ -1,7 +1,7 @@
 //! File names inside attributes, rewritten for another folder.
 
 use crate::base::Where;
-use crate::base::relative::{folder_of, relocated};
+use crate::base::relative_path::{folder_of, relocated};
 use crate::scene::assembly::Assembly;
 use crate::scene::value::{Data, Value};
 use std::path::Path;

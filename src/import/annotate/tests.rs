@@ -1,7 +1,7 @@
 //! An annotated asset means by itself what the asset and its sidecar mean together.
 
 use super::annotate;
-use crate::base::relative::folder_of;
+use crate::base::relative_path::folder_of;
 use crate::import::testing::assembly;
 use crate::import::tests::BASE;
 use crate::import::{Assembly, Value, build, toml};
