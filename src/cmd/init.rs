@@ -3,7 +3,7 @@
 use super::{Format, print};
 use crate::base::atomic::{check_writable, write_atomic};
 use crate::base::{Fault, Result, Where};
-use crate::import::skeleton::{Skeleton, skeleton};
+use crate::import::template::{Template, skeleton};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -47,7 +47,7 @@ pub fn run(args: &InitArgs) -> Result<ExitCode> {
 }
 
 impl InitArgs {
-    fn summary(&self, skeleton: &Skeleton) -> String {
+    fn summary(&self, skeleton: &Template) -> String {
         let output = self.output.display();
         let mut lines = vec![format!("{output}: {} parts of {} kinds", skeleton.parts, skeleton.kinds)];
         lines.extend(skeleton.todos.iter().map(|todo| format!("  TODO {todo}")));

@@ -2,11 +2,11 @@
 //! they mean is the readers' business.
 
 use super::assembly::Assembly;
-use super::carried;
+use super::asset_attributes::{AssetAttributes, entries};
+use super::asset_rows;
+use super::binding_slots::{Entry, PartBound, Rank, Slot, Slots};
 use super::optics::{medium_entries, stray};
 use super::select::{Candidate, Faces, is_glob, listed};
-use super::sheet::{Sheet, entries};
-use super::slots::{Entry, PartBound, Rank, Slot, Slots};
 use super::value::{Data, Value};
 use crate::base::fault::Result;
 use crate::base::{Code, Fault};
@@ -35,7 +35,12 @@ const SELECTORS: [&str; 6] = ["path", "name", "material", "mesh", "faces", "norm
 
 /// Binds everything that the sheet and the asset say to `parts`.
 /// Faults: unknown attributes, selectors that select nothing or too much, contradictions.
-pub fn bind(sheet: &Sheet, assembly: &Assembly, parts: &[Candidate], notes: &mut Vec<Note>) -> Result<Vec<PartBound>> {
+pub fn bind(
+    sheet: &AssetAttributes,
+    assembly: &Assembly,
+    parts: &[Candidate],
+    notes: &mut Vec<Note>,
+) -> Result<Vec<PartBound>> {
     let mut bound: Vec<PartBound> = parts
         .iter()
         .map(|part| PartBound { part: Slots::default(), faces: vec![Slots::default(); part.faces] })
@@ -46,7 +51,7 @@ pub fn bind(sheet: &Sheet, assembly: &Assembly, parts: &[Candidate], notes: &mut
             offer(part, &said, Rank::Default, None);
         }
     }
-    carried::offer_all(sheet, assembly, parts, &mut bound, notes)?;
+    asset_rows::offer_all(sheet, assembly, parts, &mut bound, notes)?;
     for value in &sheet.binds {
         one(value, sheet, assembly, parts, &mut bound, notes)?;
     }
@@ -77,7 +82,7 @@ pub(super) fn offer(part: &mut PartBound, said: &[Rc<Entry>], rank: Rank, faces:
 }
 
 /// The attributes among `table`'s entries, those of a medium taken apart. `beside`: keys that are no attributes.
-pub fn said(table: &[(String, Value)], sheet: &Sheet, what: &str, beside: &[&str]) -> Result<Vec<Rc<Entry>>> {
+pub fn said(table: &[(String, Value)], sheet: &AssetAttributes, what: &str, beside: &[&str]) -> Result<Vec<Rc<Entry>>> {
     let mut all: Vec<Rc<Entry>> = Vec::new();
     let mut add = |entry: Entry| -> Result<()> {
         if let Some(other) = all.iter().find(|other| other.slot == entry.slot) {
@@ -133,7 +138,7 @@ pub fn said(table: &[(String, Value)], sheet: &Sheet, what: &str, beside: &[&str
 /// Applies one `[[bind]]`.
 fn one(
     value: &Value,
-    sheet: &Sheet,
+    sheet: &AssetAttributes,
     assembly: &Assembly,
     parts: &[Candidate],
     bound: &mut [PartBound],

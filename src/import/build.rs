@@ -1,16 +1,16 @@
 //! Assembly + sidecar + `--set` → [`Scene`]: the attributes are bound, read and put where they belong.
 
 use super::assembly::{Assembly, LayerWish};
+use super::asset_attributes::AssetAttributes;
 use super::bind::bind;
+use super::binding_slots::{PartBound, Slot, Slots};
 use super::explain::Explained;
 use super::files;
+use super::frames;
 use super::gltf::{large_by_its_unit, looks_like_millimetres};
 use super::optics;
-use super::place;
 use super::select::{Candidate, candidates, listed};
 use super::set::Set;
-use super::sheet::Sheet;
-use super::slots::{PartBound, Slot, Slots};
 use super::value::Value;
 use crate::base::fault::Result;
 use crate::base::{Code, Fault, Shared, Where};
@@ -37,7 +37,7 @@ pub struct Built {
 /// Faults: whatever is wrong with the sidecar, the asset's attributes, the sets or the pictures they name; parts that
 /// nothing binds; no eye.
 pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Result<Built> {
-    let mut sheet = Sheet::new(sidecar, assembly.optics.as_ref())?;
+    let mut sheet = AssetAttributes::new(sidecar, assembly.optics.as_ref())?;
     let mut rest = Vec::new();
     for set in sets {
         if !set.apply_to_sheet(&mut sheet)? {
@@ -98,7 +98,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
     let sky = sky.or(made.dome.take());
     let mut scene_parts: Vec<Part> = scene_parts;
     scene_parts.append(&mut made.parts);
-    let eye = place::eye(&assembly, sheet.eye.as_ref(), unit_m, &mut builder.notes)?
+    let eye = frames::eye(&assembly, sheet.eye.as_ref(), unit_m, &mut builder.notes)?
         .ok_or_else(|| no_eye(sidecar, &assembly.file))?;
     let Builder { media, coatings, slides, scatters, groups, profiles, files, mut notes, .. } = builder;
     let hash = hash(&files, sets)?;
@@ -140,7 +140,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
 }
 
 fn no_eye(sidecar: Option<&Value>, file: &Path) -> Box<Fault> {
-    Fault::new(super::sheet::place(sidecar, file), "there is no eye")
+    Fault::new(super::asset_attributes::place(sidecar, file), "there is no eye")
         .expected("an [eye], or a perspective camera in the asset")
         .code(Code::EyeMissing)
 }
@@ -192,7 +192,7 @@ pub(super) type Known = (usize, usize, Arc<Vec<f32>>, Option<Arc<Vec<[f32; 3]>>>
 
 pub(super) struct Builder<'a> {
     pub(super) assembly: &'a Assembly,
-    pub(super) sheet: &'a Sheet,
+    pub(super) sheet: &'a AssetAttributes,
     pub(super) wavelengths: Wavelengths,
     pub(super) unit_m: f64,
     pub(super) media: Vec<Medium>,

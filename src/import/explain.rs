@@ -1,7 +1,7 @@
 //! Which line won, for `inspect --explain PART`.
 
+use super::binding_slots::{Entry, PartBound, Rank, Slots};
 use super::select::{Candidate, is_glob, listed};
-use super::slots::{Entry, PartBound, Rank, Slots};
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 

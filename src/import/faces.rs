@@ -1,11 +1,11 @@
 //! What attributes make of a part: its medium, and of each of its faces finish, coating, shape, emitter and slide.
 
+use super::binding_slots::{PartBound, Rank, Slot, Slots};
 use super::build::{Builder, intern};
 use super::files;
+use super::frames;
 use super::optics::{self, FinishSpec, ShapeSpec, SpectrumSpec};
-use super::place;
 use super::select::Candidate;
-use super::slots::{PartBound, Rank, Slot, Slots};
 use super::value::{Data, Value};
 use crate::base::fault::Result;
 use crate::base::ids::{CoatingId, MediumId, MeshId, ScatterId};
@@ -46,7 +46,7 @@ impl Builder<'_> {
             name: part.name.clone(),
             path: part.path.clone(),
             mesh: MeshId::from_index(part.mesh),
-            to_world: place::in_metres(&to_world, self.unit_m, &self.assembly.axes),
+            to_world: frames::in_metres(&to_world, self.unit_m, &self.assembly.axes),
             medium,
             priority: priority.unwrap_or(0),
             faces,
@@ -220,7 +220,7 @@ impl Builder<'_> {
         if spec == ShapeSpec::Exact(Shape::Mesh) {
             return Ok(Shape::Mesh);
         }
-        let scale = place::uniform_scale(to_world).ok_or_else(|| {
+        let scale = frames::uniform_scale(to_world).ok_or_else(|| {
             Fault::new(
                 value.at.clone(),
                 format!("part {} face {number} has an exact shape but its node is not scaled uniformly", part.path),
@@ -232,9 +232,9 @@ impl Builder<'_> {
             ShapeSpec::Exact(shape) => Ok(shape),
             ShapeSpec::Fit { surface, tolerance_um, radius, conic, tube_radius } => {
                 let Some(source) = self.assembly.meshes.get(part.mesh) else { return Ok(Shape::Mesh) };
-                let place = place::FacePlace { part: &part.path, number, at: &value.at };
-                let order = place::FitOrder { surface, tolerance_um, radius, conic, tube_radius };
-                place::fitted(&source.mesh, place, order, self.unit_m * scale, &mut self.notes)
+                let place = frames::FacePlace { part: &part.path, number, at: &value.at };
+                let order = frames::FitOrder { surface, tolerance_um, radius, conic, tube_radius };
+                frames::fitted(&source.mesh, place, order, self.unit_m * scale, &mut self.notes)
             }
         }
     }

@@ -5,7 +5,7 @@ use super::measure::FaceMeasure;
 use super::optics::{self, EmitterSpec, Spreading, Strength};
 use super::select::Candidate;
 use super::value::Value;
-use super::{files, photometric, place};
+use super::{files, frames, photometric};
 use crate::base::colour::{K_M, cmf};
 use crate::base::fault::Result;
 use crate::base::ids::{GroupId, ProfileId};
@@ -121,7 +121,7 @@ impl Builder<'_> {
     /// A distant lamp with a disc.
     pub(super) fn sun(&mut self, value: &Value) -> Result<Beacon> {
         let spec = optics::sun(value, &mut self.notes)?;
-        let frame = place::frame_rotation(self.assembly, spec.frame.as_ref())?;
+        let frame = frames::frame_rotation(self.assembly, spec.frame.as_ref())?;
         let group = GroupId::from_index(intern(&mut self.groups, Group { name: spec.group }));
         let form = BeaconForm::Distant {
             dir: -(frame * spec.direction),

@@ -2,12 +2,12 @@
 //! that emit, a dome the sky.
 
 use super::build::{Builder, intern};
+use super::image::Picture;
 use super::light_shapes::{cylinder, disk, rect, sphere};
 use super::optics::{self, group_name};
-use super::picture::Picture;
-use super::pictures::finite;
+use super::scene_images::finite;
 use super::value::Value;
-use super::{files, photometric, picture, place};
+use super::{files, frames, image, photometric};
 use crate::base::fault::Result;
 use crate::base::ids::{GroupId, MeshId};
 use crate::base::{Fault, Where};
@@ -38,7 +38,7 @@ impl Builder<'_> {
         let assembly = self.assembly;
         for light in &assembly.lights {
             let to_asset = assembly.nodes.get(light.node).map_or(DAffine3::IDENTITY, |node| node.to_world);
-            let to_world = place::in_metres(&to_asset, self.unit_m, &assembly.axes);
+            let to_world = frames::in_metres(&to_asset, self.unit_m, &assembly.axes);
             let axis = || {
                 (to_world.matrix3 * DVec3::NEG_Z).try_normalize().ok_or_else(|| {
                     Fault::new(light.at.clone(), format!("light {} has no direction", light.name))
@@ -239,7 +239,7 @@ impl Builder<'_> {
         };
         let profile = self.light_profile(light, own)?;
         let factor = if own.normalize { flux_lm / profile.flux_lm() } else { 1.0 };
-        let position = place::in_metres(to_asset, self.unit_m, &self.assembly.axes).translation;
+        let position = frames::in_metres(to_asset, self.unit_m, &self.assembly.axes).translation;
         let axes = self.assembly.axes * rotation(&to_asset.matrix3, &light.at)?;
         Ok(BeaconForm::Profile { position, axes, profile: self.profile(profile), factor })
     }
@@ -254,7 +254,7 @@ impl Builder<'_> {
             ),
             Some(file) => {
                 let bytes = files::read(file, &light.at, "dome image")?;
-                let mut read = picture::panorama(&bytes, None, file, &light.at)?;
+                let mut read = image::panorama(&bytes, None, file, &light.at)?;
                 self.notes.extend(read.notes(&file.display().to_string(), &light.at));
                 self.files.push(file.to_owned());
                 (read, file.display().to_string())

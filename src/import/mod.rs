@@ -2,34 +2,34 @@
 //! vocabulary, the sidecar and the binding rules turn it into a scene, the same for every format.
 
 pub mod annotate; // a sidecar as rows of the asset itself
+pub mod asset_attributes; // what is said about the asset as a whole
+mod asset_rows; // what the asset says of itself
 pub mod bind; // which value holds for an attribute of a part or face
+pub mod binding_slots; // the places that values are offered for
 pub mod build; // assembly + sidecar + sets → scene
-mod carried; // what the asset says of itself
 pub mod deps; // the files that an asset needs
 pub mod explain; // which line won
 mod faces; // parts and their faces from attributes
 pub(crate) mod files;
 pub mod fit; // exact surfaces from the points of a CAD face
+mod frames; // frames, the eye, fitted shapes
 pub mod gltf; // .gltf and .glb
+mod image; // PNG, EXR, HDR → luminance
 pub mod json; // attributes that travel inside JSON
 mod lamps; // emitters of faces, the sun
 mod light_shapes; // meshes of the formats' round and flat lights
 mod lights; // lights that are no geometry in the format
-mod mapped; // what a format's own material fields mean
+mod material_mapping; // what a format's own material fields mean
 mod measure; // normals and bounds of CAD faces
 pub mod normals; // vertex normals that contradict their triangles
 pub mod optics; // readers of the attribute vocabulary
 mod outline; // the geometry alone
 mod patch; // changing a value in place
 pub mod photometric; // IES LM-63 and EULUMDAT
-mod picture; // PNG, EXR, HDR → luminance
-mod pictures; // slides and the sky
-mod place; // frames, the eye, fitted shapes
+mod scene_images; // slides and the sky
 pub mod select; // which parts and faces a selector means
 pub mod set; // --set
-pub mod sheet; // what is said about the asset as a whole
-pub mod skeleton; // a sidecar to start from
-pub mod slots; // the places that values are offered for
+pub mod template; // a sidecar to start from
 #[cfg(test)]
 pub mod testing;
 #[cfg(test)]

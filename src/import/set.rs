@@ -1,12 +1,12 @@
 //! `--set TARGET.attribute=VALUE`: the strongest binding. Targets are `eye`, `sky`, `sun`, `default`, `unit`, `wavelengths`,
 //! `coating.NAME`, `medium.NAME`, a light group, or parts by name, path or pattern (`LENS_01.faces[0].shape.radius=50`).
 
+use super::asset_attributes::AssetAttributes;
 use super::bind::{BINDABLE, said};
+use super::binding_slots::{Entry, PartBound, Slot};
 use super::optics::{EMITTER, SLIDE, STRENGTHS};
 use super::patch::{Step, patch, patch_parameter, steps};
 use super::select::{Candidate, is_glob, listed};
-use super::sheet::Sheet;
-use super::slots::{Entry, PartBound, Slot};
 use super::toml::parse_value;
 use super::value::{Data, Value};
 use crate::base::fault::Result;
@@ -45,7 +45,7 @@ impl Set {
     }
 
     /// Whether it changes something at the top level; then it is applied to the sheet, before anything is bound.
-    pub(super) fn apply_to_sheet(&self, sheet: &mut Sheet) -> Result<bool> {
+    pub(super) fn apply_to_sheet(&self, sheet: &mut AssetAttributes) -> Result<bool> {
         let (head, tail) = self.left.split_once('.').unwrap_or((&self.left, ""));
         let Some(top) = TOP.into_iter().find(|top| *top == head) else { return Ok(false) };
         let (target, steps) = match top {
@@ -101,7 +101,7 @@ impl Set {
     }
 
     /// Applies it to what is bound. Faults: nobody is called so, or has such an attribute.
-    pub(super) fn apply(&self, sheet: &Sheet, parts: &[Candidate], bound: &mut [PartBound]) -> Result<()> {
+    pub(super) fn apply(&self, sheet: &AssetAttributes, parts: &[Candidate], bound: &mut [PartBound]) -> Result<()> {
         for (dot, _) in self.left.rmatch_indices('.') {
             let (target, tail) = (&self.left[..dot], &self.left[dot + 1..]);
             let target_part = target.strip_prefix("slide:").unwrap_or(target);
@@ -146,7 +146,7 @@ impl Set {
         group: &str,
         tail: &str,
         members: Vec<(usize, usize)>,
-        sheet: &Sheet,
+        sheet: &AssetAttributes,
         bound: &mut [PartBound],
     ) -> Result<()> {
         let steps = steps(tail, self.at())?;
@@ -176,7 +176,7 @@ impl Set {
         target: &str,
         tail: &str,
         chosen: &[usize],
-        sheet: &Sheet,
+        sheet: &AssetAttributes,
         parts: &[Candidate],
         bound: &mut [PartBound],
     ) -> Result<()> {
@@ -317,7 +317,7 @@ impl Set {
         face: usize,
         slot: Slot,
         steps: &[Step],
-        sheet: &Sheet,
+        sheet: &AssetAttributes,
     ) -> Result<()> {
         let Some(slots) = bound.get_mut(part).and_then(|part| part.faces.get_mut(face)) else { return Ok(()) };
         let Some(won) = slots.get(slot) else { return Ok(()) };
@@ -343,18 +343,18 @@ fn top_slot(steps: &[Step]) -> Slot {
 }
 
 /// The faces that emit in `group`.
-fn in_group(group: &str, sheet: &Sheet, bound: &[PartBound]) -> Vec<(usize, usize)> {
+fn in_group(group: &str, sheet: &AssetAttributes, bound: &[PartBound]) -> Vec<(usize, usize)> {
     members(sheet, bound).filter(|(_, own)| own == group).map(|(member, _)| member).collect()
 }
 
-fn groups(sheet: &Sheet, bound: &[PartBound]) -> Vec<String> {
+fn groups(sheet: &AssetAttributes, bound: &[PartBound]) -> Vec<String> {
     let mut all: Vec<String> = members(sheet, bound).map(|(_, group)| group).collect();
     all.sort();
     all.dedup();
     all
 }
 
-fn members(sheet: &Sheet, bound: &[PartBound]) -> impl Iterator<Item = ((usize, usize), String)> {
+fn members(sheet: &AssetAttributes, bound: &[PartBound]) -> impl Iterator<Item = ((usize, usize), String)> {
     bound.iter().enumerate().flat_map(move |(part, bound)| {
         bound.faces.iter().enumerate().filter_map(move |(face, slots)| {
             let value = sheet.followed(Slot::Emitter, &slots.get(Slot::Emitter)?.entry.value).ok()?;

@@ -1,9 +1,9 @@
 //! What the values that hold for a part mean, however they are written: to compare an annotated asset with the asset and
 //! its sidecar.
 
+use super::super::asset_attributes::AssetAttributes;
+use super::super::binding_slots::{Rank, Slot, Slots};
 use super::super::optics;
-use super::super::sheet::Sheet;
-use super::super::slots::{Rank, Slot, Slots};
 use crate::base::fault::Result;
 use crate::base::{Code, Fault};
 use crate::scene::Finish;
@@ -33,7 +33,7 @@ pub fn same(a: &Option<Meaning>, b: &Option<Meaning>) -> bool {
 }
 
 /// What `slot` of `slots` means. Faults: a coating bound to a face that isn't polished; references that lead nowhere.
-pub fn of(slots: &Slots, slot: Slot, sheet: &Sheet) -> Result<Option<Meaning>> {
+pub fn of(slots: &Slots, slot: Slot, sheet: &AssetAttributes) -> Result<Option<Meaning>> {
     let Some(won) = slots.get(slot) else { return Ok(None) };
     let entry = &won.entry;
     let value = sheet.followed(slot, &entry.value)?;

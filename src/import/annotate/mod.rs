@@ -11,11 +11,11 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
+use super::asset_attributes::AssetAttributes;
 use super::bind::bind;
+use super::binding_slots::{PartBound, Rank, Slot};
 use super::optics;
 use super::select::{Candidate, candidates};
-use super::sheet::Sheet;
-use super::slots::{PartBound, Rank, Slot};
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use crate::scene::annotation::Annotation;
@@ -37,7 +37,7 @@ pub fn annotate(assembly: &Assembly, sidecar: Option<&Value>, out: &Path) -> Res
         relocate::value(&mut value, out);
         value
     });
-    let sheet = Sheet::new(sidecar.as_ref(), moved.optics.as_ref())?;
+    let sheet = AssetAttributes::new(sidecar.as_ref(), moved.optics.as_ref())?;
     let parts = candidates(&moved)?;
     let bound = bind(&sheet, &moved, &parts, &mut Vec::new())?;
     if sidecar.is_some() {
@@ -71,7 +71,7 @@ pub fn annotate(assembly: &Assembly, sidecar: Option<&Value>, out: &Path) -> Res
 
 /// The rows that say what is asked for.
 fn written(
-    sheet: &Sheet,
+    sheet: &AssetAttributes,
     assembly: &Assembly,
     parts: &[Candidate],
     bound: &[PartBound],
@@ -127,11 +127,11 @@ fn differences(
     assembly: &Assembly,
     parts: &[Candidate],
     bound: &[PartBound],
-    sheet: &Sheet,
+    sheet: &AssetAttributes,
 ) -> Result<Vec<Difference>> {
     let mut whole = assembly.clone();
     annotation.apply(&mut whole);
-    let alone = Sheet::new(None, whole.optics.as_ref())?;
+    let alone = AssetAttributes::new(None, whole.optics.as_ref())?;
     let after = bind(&alone, &whole, parts, &mut Vec::new())?;
     let mut found = Vec::new();
     for (part, (before, after)) in bound.iter().zip(&after).enumerate() {
@@ -150,7 +150,7 @@ fn differences(
 }
 
 /// Reads every value once that the sidecar binds: an asset must not carry what can't be read.
-fn checked(sheet: &Sheet, bound: &[PartBound]) -> Result<()> {
+fn checked(sheet: &AssetAttributes, bound: &[PartBound]) -> Result<()> {
     let mut notes = Vec::new();
     let nm = optics::wavelengths(sheet.wavelengths.as_ref(), &mut notes)?.traced_nm();
     if let Some(unit) = &sheet.unit {

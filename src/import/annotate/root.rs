@@ -1,8 +1,8 @@
 //! The root table of an annotated asset, and the references into its arrays.
 
+use super::super::asset_attributes::{AssetAttributes, Library};
+use super::super::binding_slots::{Slot, Won};
 use super::super::optics;
-use super::super::sheet::{Library, Sheet};
-use super::super::slots::{Slot, Won};
 use crate::base::fault::Result;
 use crate::base::{Code, Fault, Where};
 use crate::scene::value::{Data, Value};
@@ -10,7 +10,7 @@ use crate::scene::value::{Data, Value};
 /// The arrays of the root while it is written: the asset's own first, so that its indices stay.
 #[derive(Debug)]
 pub struct Root<'a> {
-    sheet: &'a Sheet,
+    sheet: &'a AssetAttributes,
     coatings: Vec<Value>,
     media: Vec<Value>,
     emitters: Vec<Value>,
@@ -26,7 +26,7 @@ pub fn row(key: &str, data: Data, at: &Where) -> Row {
 
 impl<'a> Root<'a> {
     /// The arrays of the asset with everything that the sidecar names, used or not.
-    pub fn new(sheet: &'a Sheet) -> Self {
+    pub fn new(sheet: &'a AssetAttributes) -> Self {
         let mut root = Root {
             sheet,
             coatings: sheet.coatings.indexed.clone(),

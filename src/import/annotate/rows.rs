@@ -1,6 +1,6 @@
 //! The rows of one part: which of its values the asset must say, and the node's table that says them.
 
-use super::super::slots::{PartBound, Rank, Slot, Slots, Won};
+use super::super::binding_slots::{PartBound, Rank, Slot, Slots, Won};
 use super::meaning;
 use super::root::{Root, Row, row};
 use crate::base::Where;

@@ -8,18 +8,18 @@ mod linalg;
 mod plane;
 mod pole;
 mod refine;
-mod round; // cylinders and tori
 mod start;
 mod task;
+mod torus; // cylinders and tori
 
 #[cfg(test)]
 pub(crate) mod cad;
 #[cfg(test)]
 mod cad_tests;
 #[cfg(test)]
-mod round_tests;
-#[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod torus_tests;
 
 pub use fault::FitError;
 

@@ -5,8 +5,8 @@ use super::conic::{CURVE, Conic};
 use super::plane::plane;
 use super::pole::Face;
 use super::refine::{Minimum, Model, SPHERE, Walk, refine};
-use super::round::{self, Round};
 use super::start::{Monomials, Norm};
+use super::torus::{self, Torus};
 use super::{Fit, FitError, Fitted, Kind};
 use glam::DVec3;
 
@@ -103,19 +103,19 @@ impl Task {
 
     /// The best start of a cylinder or a torus, refined on the sketch. Walks that cannot come to the root mean square
     /// `goal` are given up.
-    fn rounds(&self, kind: Kind, goal: f64) -> Result<Option<Minimum<Round>>, FitError> {
+    fn rounds(&self, kind: Kind, goal: f64) -> Result<Option<Minimum<Torus>>, FitError> {
         let toroid = kind == Kind::Toroid;
         self.need(kind, if toroid { 7 } else { 5 })?;
-        Ok(round::starts(&self.face, &self.sketch, toroid)
+        Ok(torus::starts(&self.face, &self.sketch, toroid)
             .into_iter()
-            .filter_map(|start| refine(&self.sketch, start, round::free(toroid), Walk::towards(goal)))
+            .filter_map(|start| refine(&self.sketch, start, torus::free(toroid), Walk::towards(goal)))
             .min_by(|x, y| x.cost.total_cmp(&y.cost)))
     }
 
     /// A cylinder or a torus on all points, from the best on the sketch.
-    fn finished(&self, kind: Kind, best: Option<Round>) -> Result<Fit, FitError> {
+    fn finished(&self, kind: Kind, best: Option<Torus>) -> Result<Fit, FitError> {
         let toroid = kind == Kind::Toroid;
-        let free = round::free(toroid);
+        let free = torus::free(toroid);
         let found = best
             .and_then(|best| refine(&self.face.points, best, free, Walk::NEAR))
             .ok_or(FitError::Undetermined { kind, why: "none passes near the points" })?;
@@ -123,13 +123,13 @@ impl Task {
         let count = self.face.points.len() as f64;
         let noise = (found.cost / count).sqrt().max(0.3 * self.noise);
         let said = |freedom: usize, curvature: f64| {
-            let held = std::array::from_fn(|j| free[j] && (j == freedom || j < round::CURVE));
+            let held = std::array::from_fn(|j| free[j] && (j == freedom || j < torus::CURVE));
             noise * found.triangle.errors(&held)[freedom] <= 0.1 * curvature.abs()
         };
-        if !said(round::CURVE, found.surface.c) {
+        if !said(torus::CURVE, found.surface.c) {
             return Err(FitError::Undetermined { kind, why: "the points do not say how strongly it is curved" });
         }
-        if toroid && !said(round::TUBE, found.surface.tube) {
+        if toroid && !said(torus::TUBE, found.surface.tube) {
             let why = "the points do not say how strongly its tube is curved; try a cylinder";
             return Err(FitError::Undetermined { kind, why });
         }
@@ -163,7 +163,7 @@ impl Task {
         let cylinder = if count >= 10 { self.rounds(Kind::Cylinder, self.allowed).ok().flatten() } else { None };
         // Where the nearest to a part of the points misses by more in the root mean square, the nearest to all misses by
         // more in one of them. Should another start or walk have been better, the last word is on all points.
-        let misses = |found: &Minimum<Round>| found.cost > self.allowed.powi(2) * self.sketch.len() as f64;
+        let misses = |found: &Minimum<Torus>| found.cost > self.allowed.powi(2) * self.sketch.len() as f64;
         let (late, early) = match cylinder {
             Some(found) if misses(&found) => (true, None),
             found => (false, found.map(|found| found.surface)),

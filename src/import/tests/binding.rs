@@ -2,7 +2,7 @@
 
 use super::{BASE, built, built_on};
 use crate::base::Where;
-use crate::import::slots::Rank;
+use crate::import::binding_slots::Rank;
 use crate::import::testing::assembly;
 use crate::import::value::{Data, Value};
 use crate::import::{Built, Explained};

@@ -9,7 +9,7 @@ use super::{binding, mesh, tessellate};
 use crate::base::Where;
 use crate::base::fault::Result;
 use crate::import::assembly::MeshSource;
-use crate::import::place::uniform_scale;
+use crate::import::frames::uniform_scale;
 use crate::import::value::{Data, Value};
 use crate::scene::Mesh;
 use glam::DVec3;

@@ -1,11 +1,11 @@
 //! The parts of a scene that need pictures: slides on faces, and the sky.
 
 use super::build::{Builder, intern};
+use super::image::Picture;
 use super::measure::FaceMeasure;
-use super::picture::Picture;
 use super::select::Candidate;
 use super::value::Value;
-use super::{files, optics, picture, place};
+use super::{files, frames, image, optics};
 use crate::base::fault::Result;
 use crate::base::ids::{GroupId, SlideId};
 use crate::base::units::luminance;
@@ -28,7 +28,7 @@ impl Builder<'_> {
             None => {
                 let bytes = files::read(&file, &spec.image_at, "slide image")
                     .map_err(|fault| fault.code(Code::SlideImageMissing))?;
-                let mut read = picture::slide(&bytes, spec.layer.as_deref(), &file, &spec.image_at)
+                let mut read = image::slide(&bytes, spec.layer.as_deref(), &file, &spec.image_at)
                     .map_err(|fault| fault.code(Code::SlideImageMissing))?;
                 self.notes.extend(read.notes(&spec.image, &spec.image_at));
                 if read.rgb.is_some() && !self.coloured() {
@@ -102,7 +102,7 @@ impl Builder<'_> {
         let spec = optics::sky(value, &mut self.notes)?;
         let file = files::resolve(&spec.image, &spec.image_at);
         let bytes = files::read(&file, &spec.image_at, "sky image")?;
-        let mut read = picture::panorama(&bytes, spec.layer.as_deref(), &file, &spec.image_at)?;
+        let mut read = image::panorama(&bytes, spec.layer.as_deref(), &file, &spec.image_at)?;
         self.notes.extend(read.notes(&spec.image, &spec.image_at));
         self.files.push(file);
         let rgb = self.scaled(&mut read, [spec.scale_cd_m2; 3], &spec.image_at);
@@ -115,7 +115,7 @@ impl Builder<'_> {
             self.notes.push(Note::warning(spec.image_at.clone(), text));
         }
         let group = GroupId::from_index(intern(&mut self.groups, Group { name: spec.group }));
-        let frame = place::frame_rotation(self.assembly, spec.frame.as_ref())?;
+        let frame = frames::frame_rotation(self.assembly, spec.frame.as_ref())?;
         Ok(Sky {
             group,
             width: read.width,

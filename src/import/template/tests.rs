@@ -4,7 +4,7 @@ use super::*;
 use crate::import::testing::assembly;
 use crate::scene::{Finish, Scene, Shape};
 
-fn sample(file: &str) -> (Skeleton, Scene) {
+fn sample(file: &str) -> (Template, Scene) {
     let asset = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(file);
     let sidecar = asset.with_file_name("init.optics.toml");
     let skeleton = skeleton(&asset, &sidecar).expect("the sample can be read");

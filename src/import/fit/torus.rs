@@ -10,7 +10,7 @@ use glam::DVec3;
 /// The circle of curvature `tube` in the plane of x and `axis` through `vertex`, turned about the line along x at the
 /// distance 1/c from the vertex.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Round {
+pub(super) struct Torus {
     pub vertex: DVec3,
     pub axis: DVec3,
     pub x: DVec3,
@@ -55,7 +55,7 @@ fn slopes(c: f64, y: f64, z: f64) -> [f64; 3] {
     [-c * y / l, (1.0 - c * z) / l, by_c]
 }
 
-impl Model for Round {
+impl Model for Torus {
     fn distance(&self, p: DVec3) -> f64 {
         let q = self.local(p);
         circle(self.tube, q.x, circle(self.c, q.y, q.z))
@@ -80,11 +80,11 @@ impl Model for Round {
         ]
     }
 
-    fn moved(&self, step: &[f64; 8]) -> Round {
+    fn moved(&self, step: &[f64; 8]) -> Torus {
         let y = self.y();
         let axis = (self.axis + step[TILT_X] * self.x + step[TILT_Y] * y).normalize_or(self.axis);
         let x = self.x - step[TILT_X] * self.axis + step[TWIST] * y;
-        Round {
+        Torus {
             vertex: self.vertex + step[RISE] * self.axis + step[SLIDE] * self.x,
             axis,
             x: (x - x.dot(axis) * axis).normalize_or(self.x),
@@ -98,7 +98,7 @@ impl Model for Round {
     }
 }
 
-impl Round {
+impl Torus {
     fn y(&self) -> DVec3 {
         self.axis.cross(self.x)
     }
@@ -120,7 +120,7 @@ impl Round {
 
     /// The same surface with its vertex on the side of `middle` and, for a cylinder, beside it, on the side of the tube
     /// where most of the points are, c ≥ 0.
-    pub fn seated(self, middle: DVec3, points: &[DVec3]) -> Round {
+    pub fn seated(self, middle: DVec3, points: &[DVec3]) -> Torus {
         let q = self.local(middle);
         let l = length(self.c, q.y, q.z);
         let mut out = self;
@@ -142,24 +142,24 @@ impl Round {
             out.tube = -self.tube;
         }
         if out.c < 0.0 {
-            out = Round { axis: -out.axis, c: -out.c, tube: -out.tube, ..out };
+            out = Torus { axis: -out.axis, c: -out.c, tube: -out.tube, ..out };
         }
         if out.is_finite() { out } else { self }
     }
 }
 
 /// Surfaces that are near to the points, to be refined.
-pub(super) fn starts(face: &Face, points: &[DVec3], toroid: bool) -> Vec<Round> {
-    let mut all: Vec<Round> = osculating(face, points, toroid).into_iter().flatten().collect();
+pub(super) fn starts(face: &Face, points: &[DVec3], toroid: bool) -> Vec<Torus> {
+    let mut all: Vec<Torus> = osculating(face, points, toroid).into_iter().flatten().collect();
     let patches = patches(face);
     all.extend(if toroid { by_lines(face, points, &patches) } else { by_normals(face, points, &patches) });
-    all.retain(Round::is_finite);
+    all.retain(Torus::is_finite);
     all
 }
 
 /// By the principal curvatures of z = a + bx + cy + (ex² + 2fxy + gy²)/2 about the middle of the face, either of them
 /// the one that is turned.
-fn osculating(face: &Face, points: &[DVec3], toroid: bool) -> [Option<Round>; 2] {
+fn osculating(face: &Face, points: &[DVec3], toroid: bool) -> [Option<Torus>; 2] {
     let normal = face.normal().unwrap_or_else(|| plane(points).axis);
     let middle = face.middle();
     let (u, v) = normal.any_orthonormal_pair();
@@ -181,7 +181,7 @@ fn osculating(face: &Face, points: &[DVec3], toroid: bool) -> [Option<Round>; 2]
     let round = |turned: (f64, DVec3), other: (f64, DVec3)| {
         let x = (other.1 - other.1.dot(axis) * axis).try_normalize()?;
         let tube = if toroid { other.0 } else { 0.0 };
-        Some(Round { vertex: middle + a * normal, axis, x, c: turned.0, tube })
+        Some(Torus { vertex: middle + a * normal, axis, x, c: turned.0, tube })
     };
     [round(first, second), round(second, first)]
 }
@@ -198,7 +198,7 @@ fn patches(face: &Face) -> Vec<(DVec3, DVec3)> {
 }
 
 /// A cylinder's normals are across its axis: the direction in which they spread least, and a circle in the projection.
-fn by_normals(face: &Face, points: &[DVec3], patches: &[(DVec3, DVec3)]) -> Option<Round> {
+fn by_normals(face: &Face, points: &[DVec3], patches: &[(DVec3, DVec3)]) -> Option<Torus> {
     let mut triangle = Triangle::<3>::new();
     patches.iter().for_each(|(_, n)| triangle.add(n.to_array()));
     let along = DVec3::from_array(singular(triangle.r)[2].1).try_normalize()?;
@@ -209,12 +209,12 @@ fn by_normals(face: &Face, points: &[DVec3], patches: &[(DVec3, DVec3)]) -> Opti
     let out = middle - foot - (middle - foot).dot(along) * along;
     let out = out.normalize_or(u);
     let vertex = foot + middle.dot(along) * along + radius * out;
-    Some(Round { vertex, axis: -out, x: along, c: 1.0 / radius, tube: 0.0 })
+    Some(Torus { vertex, axis: -out, x: along, c: 1.0 / radius, tube: 0.0 })
 }
 
 /// All normals of a surface of revolution meet its axis: a·(p × n) + m·n = 0 for the axis' direction a and moment m
 /// (H. Pottmann and T. Randrup, Computing 60, 1998), linear in the six. Then a circle in the half plane of (along, away).
-fn by_lines(face: &Face, points: &[DVec3], patches: &[(DVec3, DVec3)]) -> Option<Round> {
+fn by_lines(face: &Face, points: &[DVec3], patches: &[(DVec3, DVec3)]) -> Option<Torus> {
     let solved = |held: usize| {
         let mut triangle = Triangle::<6>::new();
         for (p, n) in patches {
@@ -249,7 +249,7 @@ fn by_lines(face: &Face, points: &[DVec3], patches: &[(DVec3, DVec3)]) -> Option
     let outer = points.iter().map(|p| away(*p).1 - ring).sum::<f64>() >= 0.0;
     let side = if outer { 1.0 } else { -1.0 };
     let radius = ring + side * tube;
-    Some(Round { vertex: centre + radius * out, axis: -out, x: a, c: 1.0 / radius, tube: side / tube })
+    Some(Torus { vertex: centre + radius * out, axis: -out, x: a, c: 1.0 / radius, tube: side / tube })
 }
 
 /// The circle s² + t² + bs + ct + d = 0 that solves this best (I. Kåsa, IEEE Trans. Instrum. Meas. 25, 1976).
@@ -266,10 +266,10 @@ fn circle_through(points: impl Iterator<Item = [f64; 2]>) -> Option<([f64; 2], f
 mod tests {
     use super::*;
 
-    fn tilted(c: f64, tube: f64) -> Round {
+    fn tilted(c: f64, tube: f64) -> Torus {
         let axis = DVec3::new(0.2, 0.3, 0.9).normalize();
         let x = axis.cross(DVec3::new(0.1, 1.0, 0.0)).normalize();
-        Round { vertex: DVec3::new(0.3, -0.2, 0.1), axis, x, c, tube }
+        Torus { vertex: DVec3::new(0.3, -0.2, 0.1), axis, x, c, tube }
     }
 
     #[test]

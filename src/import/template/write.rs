@@ -7,7 +7,7 @@ use crate::base::Where;
 use crate::base::units::significant;
 use crate::import::Assembly;
 use crate::import::fit::Fitted;
-use crate::import::place::frame_rotation;
+use crate::import::frames::frame_rotation;
 use crate::import::select::Faces;
 use glam::DVec3;
 use std::fmt::Write;

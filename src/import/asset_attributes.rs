@@ -1,14 +1,14 @@
 //! What is said about an asset as a whole: the sidecar and the asset's own root attributes, side by side. The sidecar wins.
 
+use super::binding_slots::Slot;
 use super::optics;
-use super::slots::Slot;
 use super::value::{Data, Value};
 use crate::base::fault::Result;
 use crate::base::{Code, Fault, Where};
 
 /// Everything said at the top level.
 #[derive(Debug, Clone)]
-pub struct Sheet {
+pub struct AssetAttributes {
     pub unit: Option<Value>,
     pub wavelengths: Option<Value>,
     /// `[default]`: what holds where nothing else binds; the sidecar's replaces the asset's.
@@ -39,7 +39,7 @@ const SIDECAR: [&str; 10] =
 const ROOT: [&str; 10] =
     ["version", "unit", "wavelengths", "default", "media", "coatings", "emitters", "slides", "sky", "sun"];
 
-impl Sheet {
+impl AssetAttributes {
     /// Faults: unknown keys, wrong versions, tables that are none.
     pub fn new(sidecar: Option<&Value>, asset: Option<&Value>) -> Result<Self> {
         if let Some(sidecar) = sidecar {
@@ -78,7 +78,7 @@ impl Sheet {
         if let Some(default) = &default {
             entries(default, "`default`")?;
         }
-        Ok(Sheet {
+        Ok(AssetAttributes {
             unit: either("unit"),
             wavelengths: either("wavelengths"),
             default,
@@ -97,7 +97,7 @@ impl Sheet {
     }
 }
 
-impl Sheet {
+impl AssetAttributes {
     /// What a value of `slot` leads to, if it is a name or an index.
     pub fn followed<'a>(&'a self, slot: Slot, value: &'a Value) -> Result<&'a Value> {
         match slot {

@@ -1,11 +1,11 @@
 //! What the asset says of itself: attributes of materials, nodes and faces, offered to the parts that they hold for.
 
 use super::assembly::Assembly;
+use super::asset_attributes::{AssetAttributes, entries};
 use super::bind::{offer, said};
-use super::mapped::mapped;
+use super::binding_slots::{Entry, PartBound, Rank, Slot};
+use super::material_mapping::mapped;
 use super::select::{Candidate, Faces};
-use super::sheet::{Sheet, entries};
-use super::slots::{Entry, PartBound, Rank, Slot};
 use super::value::Value;
 use crate::base::fault::Result;
 use crate::base::{Code, Fault};
@@ -25,7 +25,7 @@ struct NodeSaid<'a> {
 /// Faults: unknown attributes, a face number that a part lacks, a part's attribute on a face. A note for a node with
 /// attributes and no part.
 pub fn offer_all(
-    sheet: &Sheet,
+    sheet: &AssetAttributes,
     assembly: &Assembly,
     parts: &[Candidate],
     bound: &mut [PartBound],
@@ -89,7 +89,7 @@ pub fn offer_all(
 }
 
 /// Reads a node's table: attributes, and `faces` = [{ faces or normal, attributes }, …].
-fn of_node<'a>(value: &'a Value, sheet: &Sheet, what: &str) -> Result<NodeSaid<'a>> {
+fn of_node<'a>(value: &'a Value, sheet: &AssetAttributes, what: &str) -> Result<NodeSaid<'a>> {
     let whole = said(entries(value, what)?, sheet, what, &["faces"])?;
     let mut faces = Vec::new();
     if let Some(rows) = value.get("faces") {

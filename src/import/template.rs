@@ -14,7 +14,7 @@ use std::path::{Component, Path};
 
 /// A sidecar as text.
 #[derive(Debug, Clone, serde::Serialize)]
-pub struct Skeleton {
+pub struct Template {
     #[serde(skip)]
     pub text: String,
     pub parts: usize,
@@ -32,7 +32,7 @@ const TOLERANCE_UM: f64 = 0.05;
 /// The sidecar of `asset` that is to stand at `sidecar` (nothing is written).
 ///
 /// Faults: the asset can't be read, or is no asset.
-pub fn skeleton(asset: &Path, sidecar: &Path) -> Result<Skeleton> {
+pub fn skeleton(asset: &Path, sidecar: &Path) -> Result<Template> {
     if super::extension(asset) == "toml" {
         return Err(Fault::new(Where::file(asset), "this is a sidecar already").expected("an asset: .gltf or .glb"));
     }
@@ -41,14 +41,14 @@ pub fn skeleton(asset: &Path, sidecar: &Path) -> Result<Skeleton> {
 }
 
 /// The sidecar of `assembly`, whose asset it names `asset`.
-fn of(assembly: Assembly, asset: &str, sidecar: &Path) -> Result<Skeleton> {
+fn of(assembly: Assembly, asset: &str, sidecar: &Path) -> Result<Template> {
     let millimetres = gltf::looks_like_millimetres(&assembly).is_some();
     let unit_m = if millimetres { 1e-3 } else { assembly.unit_m };
     let kinds = kinds::kinds(&assembly, unit_m)?;
     let written = write::write(&assembly, &kinds, &write::Head { asset, sidecar, unit_m, millimetres });
     let parts = kinds.iter().map(|kind| kind.members.len()).sum();
     let fault = toml::parse(&written.text, sidecar).and_then(|value| build(assembly, Some(&value), &[])).err();
-    Ok(Skeleton { text: written.text, parts, kinds: kinds.len(), todos: written.todos, fault })
+    Ok(Template { text: written.text, parts, kinds: kinds.len(), todos: written.todos, fault })
 }
 
 /// The name of `asset` as seen from the folder of `sidecar`.
