@@ -1,6 +1,6 @@
 //! A prim as the other modules see it: authored values at the chosen time, and a place for messages.
 
-use super::ledger::Ledger;
+use super::notes::Ledger;
 use super::value;
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};

@@ -1,8 +1,8 @@
 //! UsdGeomCamera. Apertures and focal length are in tenths of a scene unit, `focusDistance` in scene units.
 
 use super::attribute::PrimView;
-use super::ledger::Ledger;
-use super::marks::{Marks, refined};
+use super::notes::Ledger;
+use super::round_trip::{RoundTrip, refined};
 use crate::base::fault::Result;
 use crate::import::assembly::Camera;
 use glam::DAffine3;
@@ -24,7 +24,7 @@ pub(super) fn read(view: &PrimView, to_world: DAffine3, ledger: &mut Ledger) -> 
         }
         Err(view.fault_in(name, format!("the value {x}")).expected("a finite number > 0"))
     };
-    let marks = Marks::of(view)?;
+    let marks = RoundTrip::of(view)?;
     let name = marks.text("name").unwrap_or(view.name()).to_owned();
     if view.token("projection")?.as_deref() == Some("orthographic") {
         ledger.warn(view.at(), "an orthographic camera is no eye: not used");

@@ -1,7 +1,7 @@
 //! GeomSubsets: which polygon belongs to which CAD face, and to which material.
 
 use super::attribute::PrimView;
-use super::ledger::Ledger;
+use super::notes::Ledger;
 use super::reader::Reader;
 use super::value;
 use crate::base::fault::Result;

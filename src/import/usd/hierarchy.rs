@@ -2,8 +2,8 @@
 //! walked once per prototype; further instances copy its nodes and share its meshes.
 
 use super::attribute::PrimView;
-use super::marks::{Fold, Marks};
 use super::reader::Reader;
+use super::round_trip::{Fold, RoundTrip};
 use super::xform::{self, Local};
 use super::{binding, camera, implicit, instancer, light, material, mesh, optics};
 use crate::base::Where;
@@ -147,7 +147,7 @@ pub(super) fn prim(reader: &mut Reader, prim: Prim, above: &Above) -> Result<()>
     };
     let local = xform::local(&view, ledger)?;
     let handed = Handed { shown, material: above.handed.material.below(reader, &view)? };
-    let marks = Marks::of(&view)?;
+    let marks = RoundTrip::of(&view)?;
     let node = place(reader, &view, local, above.node, marks.text("name").unwrap_or(view.name()))?;
     reader.placed.folds.extend(marks.fold().map(|fold| (node, fold)));
     reader.assembly.nodes[node].attributes = optics::node(reader, &view)?;

@@ -2,8 +2,8 @@
 //! `normalize` says so (UsdLuxLightAPI).
 
 use super::attribute::{PrimView, resolved};
-use super::marks::{Marks, refined};
 use super::reader::Reader;
+use super::round_trip::{RoundTrip, refined};
 use super::{normalise, shape, value};
 use crate::base::fault::Result;
 use crate::base::units::luminance;
@@ -29,7 +29,7 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView, node: usize, type_name:
     let Some(to_world) = reader.assembly.nodes.get(node).map(|node| node.to_world) else { return Ok(()) };
     let fallback = if type_name == "DistantLight" { 50_000.0 } else { 1.0 };
     let Some(Strength { strength, color, kelvin }) = strength(reader, view, fallback)? else { return Ok(()) };
-    let marks = Marks::of(view)?;
+    let marks = RoundTrip::of(view)?;
     let light = Lit { view, marks: &marks, to_world, strength, normal: flag(view, "inputs:normalize")? };
     let mut holder = node;
     let form = match type_name {
@@ -210,7 +210,7 @@ pub(super) fn flag(view: &PrimView, name: &str) -> Result<bool> {
 /// One light on its way.
 struct Lit<'a> {
     view: &'a PrimView,
-    marks: &'a Marks,
+    marks: &'a RoundTrip,
     to_world: DAffine3,
     strength: f64,
     /// `inputs:normalize`.

@@ -2,8 +2,8 @@
 
 use super::attribute::PrimView;
 use super::binding::Collections;
-use super::marks::Marks;
 use super::reader::Reader;
+use super::round_trip::RoundTrip;
 use super::shader::{self, End};
 use super::surface::{self, Row};
 use super::{hierarchy, light, optics};
@@ -143,7 +143,7 @@ fn textures(reader: &mut Reader, view: &PrimView, depth: usize) -> Result<()> {
 
 fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
     reader.charge(view.path(), 1, size_of::<Material>() + 2 * view.path().as_str().len())?;
-    let marks = Marks::of(view)?;
+    let marks = RoundTrip::of(view)?;
     let (mut known, mut glass) = (false, None);
     let (mut mapped, mut looks) = (Vec::new(), Vec::new());
     // MaterialX can say more than the universal surface.

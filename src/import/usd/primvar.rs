@@ -1,7 +1,7 @@
 //! Primvars of a mesh: values that vary over it in one of USD's ways, perhaps through indices.
 
 use super::attribute::PrimView;
-use super::ledger::Ledger;
+use super::notes::Ledger;
 use super::value;
 use crate::base::fault::Result;
 use openusd::sdf::Value;

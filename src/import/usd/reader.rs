@@ -1,10 +1,10 @@
 //! What is carried through the reading of a stage.
 
 use super::attribute::Moment;
-use super::bound::Bound;
-use super::ledger::Ledger;
+use super::composition_budget::CompositionBudget;
+use super::notes::Ledger;
 use super::resolver::Opened;
-use super::{hierarchy, implicit, marks, material, mesh, optics, render, stage};
+use super::{hierarchy, implicit, material, mesh, optics, render, round_trip, stage};
 use crate::base::fault::Result;
 use crate::base::{Code, Where};
 use crate::import::assembly::Assembly;
@@ -18,7 +18,7 @@ pub(super) struct Reader {
     pub moment: Rc<Moment>,
     pub opened: Opened,
     pub ledger: Ledger,
-    pub bound: Bound,
+    pub bound: CompositionBudget,
     pub assembly: Assembly,
     pub placed: hierarchy::Placed,
     pub meshes: mesh::Known,
@@ -31,7 +31,7 @@ impl Reader {
         let opened = Opened::default();
         let stage = stage::open(file, &opened)?;
         Ok(Reader {
-            bound: Bound::new(&stage, &opened),
+            bound: CompositionBudget::new(&stage, &opened),
             stage,
             moment: Rc::new(Moment { file: file.to_owned(), frame }),
             opened,
@@ -53,7 +53,7 @@ impl Reader {
         material::sort(&mut self);
         render::read(&mut self)?;
         self.assembly.stage = Some(stage::facts(&self.stage, &mut self.placed.outermost));
-        marks::fold(&mut self.assembly, &self.placed.folds);
+        round_trip::fold(&mut self.assembly, &self.placed.folds);
         let Reader { stage, moment, assembly, ledger, .. } = &mut self;
         stage::check_layers(stage, moment, assembly, ledger);
         stage::note_errors(stage, moment, ledger);

@@ -1,7 +1,7 @@
 //! How layers are found and opened: by the library's default rules, but only regular files, with what was opened
 //! recorded, and text layers brought into the form that the library's parser knows.
 
-use super::{clips, guard, normalise};
+use super::{clips, crate_limits, normalise};
 use crate::base::package;
 use openusd::ar::{Asset, AssetBuffer, AssetInfo, DefaultResolver, ResolvedPath, Resolver};
 use std::borrow::Cow;
@@ -106,7 +106,7 @@ impl Resolver for Normalising {
         if buffer.starts_with(b"PXR-USDC") || buffer.starts_with(b"PK") {
             let named = package::with_names_in_utf8(&buffer);
             let view = named.map_or(buffer, AssetBuffer::from).into_shared();
-            guard::check(&view).map_err(|what| Error::new(ErrorKind::InvalidData, what))?;
+            crate_limits::check(&view).map_err(|what| Error::new(ErrorKind::InvalidData, what))?;
             return Ok(Box::new(Cursor::new(AssetBuffer::Shared(view))));
         }
         if !buffer.starts_with(b"#usda") && !buffer.starts_with(b"#sdf") {

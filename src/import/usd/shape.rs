@@ -2,8 +2,8 @@
 
 use super::attribute::PrimView;
 use super::light::{file, flag};
-use super::marks::{Marks, refined};
 use super::reader::Reader;
+use super::round_trip::{RoundTrip, refined};
 use crate::base::fault::Result;
 use crate::import::assembly::{LightForm, LightProfile, ProfileSource};
 
@@ -12,7 +12,7 @@ use crate::import::assembly::{LightForm, LightProfile, ProfileSource};
 ///
 /// # Errors
 /// Values that are negative or not finite.
-pub(super) fn cone(view: &PrimView, marks: &Marks) -> Result<Option<(f64, f64)>> {
+pub(super) fn cone(view: &PrimView, marks: &RoundTrip) -> Result<Option<(f64, f64)>> {
     let Some(angle) = angle(view)? else { return Ok(None) };
     let softness = view.length("inputs:shaping:cone:softness")?.unwrap_or(0.0).min(1.0);
     let outer = refined(marks.number("cone_outer"), angle.to_radians());
@@ -48,7 +48,7 @@ pub(super) fn profile(
     reader: &mut Reader,
     view: &PrimView,
     strength: f64,
-    marks: &Marks,
+    marks: &RoundTrip,
 ) -> Result<Option<LightProfile>> {
     let Some(found) = file(view, "inputs:shaping:ies:file")? else { return Ok(None) };
     let angle_scale = view.number("inputs:shaping:ies:angleScale")?.unwrap_or(0.0);

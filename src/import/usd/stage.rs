@@ -1,7 +1,7 @@
 //! Opening the stage, and what its layers say as a whole: unit, up axis, what could not be composed.
 
 use super::attribute::{Moment, one_line};
-use super::ledger::Ledger;
+use super::notes::Ledger;
 use super::resolver::{Normalising, Opened};
 use super::{sublayers, value};
 use crate::base::fault::Result;

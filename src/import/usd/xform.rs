@@ -1,7 +1,7 @@
 //! The local transform of a prim: `xformOpOrder` and its ops (UsdGeomXformable), in f64.
 
 use super::attribute::PrimView;
-use super::ledger::Ledger;
+use super::notes::Ledger;
 use super::value;
 use crate::base::Code;
 use crate::base::fault::Result;

@@ -72,7 +72,7 @@ impl Work {
     }
 }
 
-pub(super) struct Bound {
+pub(super) struct CompositionBudget {
     resolver: Normalising,
     variables: HashMap<String, Value>,
     stacks: Vec<Stack>,
@@ -83,7 +83,7 @@ pub(super) struct Bound {
     visited: usize,
 }
 
-impl Bound {
+impl CompositionBudget {
     pub fn new(stage: &Stage, opened: &Opened) -> Self {
         let resolver = Normalising::new(opened.clone());
         let variables = {
@@ -100,7 +100,7 @@ impl Bound {
                 root_name = name;
             }
         }
-        Bound {
+        CompositionBudget {
             resolver,
             variables,
             stacks: vec![own],

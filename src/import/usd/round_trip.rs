@@ -11,16 +11,16 @@ use std::collections::HashMap;
 
 /// The marks of one prim; empty for anyone else's.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Marks(Dictionary);
+pub(super) struct RoundTrip(Dictionary);
 
-impl Marks {
+impl RoundTrip {
     pub fn of(view: &PrimView) -> Result<Self> {
         Ok(match view.metadata("customData")? {
             Some(Value::Dictionary(mut all)) => match all.remove("eyebox") {
-                Some(Value::Dictionary(own)) => Marks(own),
-                Some(_) | None => Marks::default(),
+                Some(Value::Dictionary(own)) => RoundTrip(own),
+                Some(_) | None => RoundTrip::default(),
             },
-            Some(_) | None => Marks::default(),
+            Some(_) | None => RoundTrip::default(),
         })
     }
     pub fn text(&self, key: &str) -> Option<&str> {
