@@ -3,10 +3,10 @@
 
 use eyebox::film::frame::{Frame, Meta};
 use eyebox::output::exr::write_exr;
+use eyebox::output::light_shares::Rendering;
 use eyebox::output::luminance::layer_luminance;
 use eyebox::output::mix::{Recipe, mix};
 use eyebox::output::report::page;
-use eyebox::output::shares::Rendering;
 use eyebox::output::view::{ViewOptions, render_view};
 use serde_json::Value;
 use std::path::Path;

@@ -11,11 +11,11 @@ use crate::film::frame::Frame;
 use crate::film::still::{Remark, Still};
 use crate::output::exr::{read_exr, write_exr};
 use crate::output::fit::{Fit, Resize, fitted};
-use crate::output::join::join;
+use crate::output::light_shares::Rendering;
 use crate::output::mix::{Mixed, Recipe, Record, add_record, mix};
 use crate::output::plate::place;
-use crate::output::shares::Rendering;
 use crate::output::solve::{Goal, Solved, solve};
+use crate::output::sum_frames::join;
 use crate::output::view::{ViewOptions, write_view};
 
 /// Change lamp levels, the slide's contrast and the background of a rendered frame, without rendering again.

@@ -1,6 +1,6 @@
 //! All layers of a frame side by side, each with its name.
 
-use super::raster::{Raster, STEP};
+use super::canvas::{Canvas, STEP};
 use super::view::{ViewOptions, shown};
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::Frame;
@@ -17,7 +17,7 @@ const LETTER: usize = 2;
 /// options has no part in it.
 ///
 /// Errors: those of showing a layer; a frame without layers.
-pub fn contact_sheet(frame: &Frame, options: &ViewOptions) -> Result<Raster> {
+pub fn contact_sheet(frame: &Frame, options: &ViewOptions) -> Result<Canvas> {
     // False colours have a scale per picture, and their legends would not be read at this size.
     let plain = ViewOptions { false_colour: false, layer: None, ..options.clone() };
     let lone = |name: &&str| !name.contains('.') && !["R", "G", "B"].contains(name);
@@ -36,7 +36,7 @@ pub fn contact_sheet(frame: &Frame, options: &ViewOptions) -> Result<Raster> {
     let columns = ((count * cell[1]) as f64 / cell[0] as f64).sqrt().ceil().max(1.0) as usize;
     let columns = columns.min(count);
     let rows = count.div_ceil(columns);
-    let mut sheet = Raster::new(columns * cell[0] + GAP, rows * cell[1] + GAP, [24; 3]);
+    let mut sheet = Canvas::new(columns * cell[0] + GAP, rows * cell[1] + GAP, [24; 3]);
     for (index, name) in names.into_iter().enumerate() {
         let corner = [GAP + index % columns * cell[0], GAP + index / columns * cell[1]];
         let (picture, _) = shown(frame, &ViewOptions { layer: Some(name.to_owned()), ..plain.clone() })?;

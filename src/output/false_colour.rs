@@ -1,6 +1,6 @@
 //! Luminances as colours on a logarithmic scale, with the scale beside them.
 
-use super::raster::{Raster, STEP};
+use super::canvas::{Canvas, STEP};
 
 /// Decades below the largest luminance that have colours of their own.
 pub(super) const DECADES: f64 = 4.0;
@@ -49,13 +49,13 @@ pub fn colour(value: f64, [low, high]: [f64; 2]) -> [u8; 3] {
 }
 
 /// The picture in false colours with its legend on the right: a bar, and labels in cd/m².
-pub fn draw(luminance: &[f64], width: usize, height: usize) -> Raster {
+pub fn draw(luminance: &[f64], width: usize, height: usize) -> Canvas {
     let ends = scale(luminance);
     let letter = if height >= 300 { 2 } else { 1 };
     let (bar, gap) = (8 * letter, 3 * letter);
     let legend = 2 * gap + bar + letter * STEP[0] * 8;
     let tall = height.max(letter * STEP[1] * 7);
-    let mut out = Raster::new(width + legend, tall, [24; 3]);
+    let mut out = Canvas::new(width + legend, tall, [24; 3]);
     for (index, value) in luminance.iter().enumerate() {
         out.set(index % width.max(1), index / width.max(1), colour(*value, ends));
     }

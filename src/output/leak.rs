@@ -1,8 +1,8 @@
 //! Light that a dark slide lets through, and whether an adapted eye sees it.
 
 use super::field::Field;
+use super::light_shares::{Rendering, luminance_of};
 use super::luminance::Luminance;
-use super::shares::{Rendering, luminance_of};
 use crate::base::vision::threshold_ferwerda;
 use crate::film::frame::Frame;
 

@@ -10,8 +10,8 @@ mod points;
 use super::average::{Image, Uncertain, pixels_are_independent, weighted};
 use super::field::Field;
 use super::leak::modulated;
+use super::light_shares::Rendering;
 use super::luminance::Luminance;
-use super::shares::Rendering;
 use super::tone::{Adaptation, adaptation_luminance};
 use crate::base::fault::{Fault, Result, Where};
 use crate::base::rng::{Rng, Stream};
@@ -162,7 +162,7 @@ impl<'f> Measurer<'f> {
         let pixels = self.all.values.len();
         let (mut values, mut variances) = (vec![0.0; pixels], Some(vec![0.0; pixels]));
         for share in self.rendering.shares.iter().filter(|share| takes(&share.group)) {
-            let light = super::shares::luminance_of(share, contrast, &self.weigh, pixels);
+            let light = super::light_shares::luminance_of(share, contrast, &self.weigh, pixels);
             values.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
             let at = |pixel: usize| match (&share.split, contrast) {
                 (Some(split), Some(contrast)) => split.variance(contrast, pixel),
@@ -170,7 +170,7 @@ impl<'f> Measurer<'f> {
             };
             let own: Option<Vec<f64>> = (0..pixels).map(at).collect();
             // A plate has no noise.
-            if share.layer == super::shares::PLATE {
+            if share.layer == super::light_shares::PLATE {
                 continue;
             }
             variances = variances.zip(own).map(|(sum, own)| sum.iter().zip(own).map(|(a, b)| a + b).collect());

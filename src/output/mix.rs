@@ -1,7 +1,7 @@
 //! One rendering, recombined: gains per light group, another contrast of the slide, standard errors carried along.
 //! `docs/mix.md` has the formulas.
 
-use super::shares::{PLATE, Rendering, Share};
+use super::light_shares::{PLATE, Rendering, Share};
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::aov;
 use crate::film::frame::{Frame, Meta, split_name};

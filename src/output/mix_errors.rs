@@ -4,8 +4,8 @@
 //! sum, so the sum of all covariances is known, and for two shares that is the only one. For more it is spread over the
 //! pairs as one correlation ρ = (V − Σσᵢ²)/Σᵢ≠ⱼ σᵢσⱼ: exact for two shares, and where all gains are alike.
 
+use super::light_shares::{PLATE, Rendering, Share, not_negative};
 use super::mix::{Errors, Recipe, is_lit, set_layer};
-use super::shares::{PLATE, Rendering, Share, not_negative};
 use crate::film::frame::Frame;
 use crate::film::layer::Layer;
 

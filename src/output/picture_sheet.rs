@@ -1,6 +1,6 @@
 //! Several frames side by side, each toned for its own adaptation, with captions.
 
-use super::raster::{Raster, STEP};
+use super::canvas::{Canvas, STEP};
 use super::view::{ViewOptions, shown};
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::Frame;
@@ -19,7 +19,7 @@ const MOST_PIXELS: usize = 1 << 28;
 /// at spaces.
 ///
 /// Errors: those of showing a frame; no frames, or too many for one sheet.
-pub fn picture_sheet(frames: &[(Frame, String)], columns: usize, options: &ViewOptions) -> Result<Raster> {
+pub fn picture_sheet(frames: &[(Frame, String)], columns: usize, options: &ViewOptions) -> Result<Canvas> {
     let mut cells = Vec::with_capacity(frames.len());
     for (frame, caption) in frames {
         let (picture, _) = shown(frame, options)?;
@@ -43,7 +43,7 @@ pub fn picture_sheet(frames: &[(Frame, String)], columns: usize, options: &ViewO
         let what = format!("{} pictures make a sheet of {} × {} pixels", cells.len(), size[0], size[1]);
         return Err(Fault::new(Where::Nowhere, what).expected(format!("1 to {MOST_PIXELS} pixels")));
     }
-    let mut sheet = Raster::new(size[0], size[1], [24; 3]);
+    let mut sheet = Canvas::new(size[0], size[1], [24; 3]);
     let mut top = GAP;
     for (row, height) in heights.iter().enumerate() {
         let place = row * columns;

@@ -1,9 +1,9 @@
 //! An artist's plate behind the optics: its luminance times the frame's `seethrough`.
 
 use super::fit::Fit;
+use super::light_shares::{PLATE, groups_of};
 use super::luminance::Luminance;
 use super::mix::set_layer;
-use super::shares::{PLATE, groups_of};
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::aov;
 use crate::film::frame::Frame;

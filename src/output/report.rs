@@ -9,9 +9,9 @@ mod planes;
 
 use super::exr::COLOR_INTEROP_ID;
 use super::false_colour;
+use super::light_shares::{Picture, Rendering, luminance_of};
 use super::luminance::Luminance;
 use super::measure::{Target, measure};
-use super::shares::{Picture, Rendering, luminance_of};
 use super::tone::{Adaptation, adaptation_luminance, ward_scale};
 use super::view::{Shown, choose};
 use crate::base::colour::ColourSpace;
@@ -178,7 +178,7 @@ fn layers<'f>(frame: &'f Frame, planes: &mut Planes<'f>) -> Vec<Value> {
 /// The shares that the page recombines.
 fn mixed<'f>(rendering: &Rendering<'f>, planes: &mut Planes<'f>) -> Vec<Value> {
     let mut place = |picture: Picture<'f>| picture.map(|plane| planes.index(plane, Reduce::Mean));
-    let entry = |share: &super::shares::Share<'f>| {
+    let entry = |share: &super::light_shares::Share<'f>| {
         let split = share.split.as_ref().map(|split| {
             json!({
                 "open": place(split.open),

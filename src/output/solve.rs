@@ -1,9 +1,9 @@
 //! The lamp level that reaches a goal: the picture's contrast against its background, or a leak that is not seen.
 
 use super::leak::{Visibility, brightest, leak_luminance, modulated};
+use super::light_shares::{Rendering, luminance_of};
 use super::luminance::Luminance;
 use super::mix::Recipe;
-use super::shares::{Rendering, luminance_of};
 use crate::base::fault::{Fault, Result, Where};
 use crate::base::vision::threshold_ferwerda;
 

@@ -6,12 +6,12 @@ use crate::base::colour::ColourSpace;
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::frame::{Channel, Frame};
 use crate::film::sharpness::Sharpness;
+use crate::output::canvas::Canvas;
 use crate::output::exr::COLOR_INTEROP_ID;
 use crate::output::false_colour::{draw, scale};
 use crate::output::field::Field;
 use crate::output::glare::{PIGMENT, spread};
 use crate::output::luminance::Luminance;
-use crate::output::raster::Raster;
 use crate::output::tone::{Adaptation, adaptation_luminance, code, srgb_code, ward_scale};
 use glam::DVec3;
 
@@ -96,10 +96,10 @@ pub fn write_view(path: &Path, frame: &Frame, options: &ViewOptions) -> Result<V
 
 /// The layer as it is written: with the legend, if there is one.
 /// Errors: those of [`render_view`]; false colours of what is no luminance.
-pub fn shown(frame: &Frame, options: &ViewOptions) -> Result<(Raster, ViewInfo)> {
+pub fn shown(frame: &Frame, options: &ViewOptions) -> Result<(Canvas, ViewInfo)> {
     if !options.false_colour {
         let (bytes, info) = render_view(frame, options)?;
-        return Ok((Raster { width: frame.width, height: frame.height, bytes }, info));
+        return Ok((Canvas { width: frame.width, height: frame.height, bytes }, info));
     }
     check(frame, options)?;
     let (layer, kind, channels) = choose(frame, options.layer.as_deref())?;

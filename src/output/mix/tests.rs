@@ -1,8 +1,8 @@
 use super::*;
 use crate::film::frame::Meta;
 use crate::film::still::{Light, Still};
-use crate::output::join::join;
 use crate::output::plate::place;
+use crate::output::sum_frames::join;
 
 /// Two pixels of a frame with two groups: `led` crosses the slide (once and twice), `sky` does not. Values are exact in
 /// f32, so that sums are too.

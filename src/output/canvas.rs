@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// sRGB, three bytes a pixel, row by row from the top left.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Raster {
+pub struct Canvas {
     pub width: usize,
     pub height: usize,
     pub bytes: Vec<u8>,
@@ -66,10 +66,10 @@ const LETTERS: [(char, [u8; 5]); 43] = [
     ('²', [6, 2, 4, 6, 0]),
 ];
 
-impl Raster {
+impl Canvas {
     /// One colour all over.
-    pub fn new(width: usize, height: usize, colour: [u8; 3]) -> Raster {
-        Raster { width, height, bytes: colour.repeat(width.saturating_mul(height)) }
+    pub fn new(width: usize, height: usize, colour: [u8; 3]) -> Canvas {
+        Canvas { width, height, bytes: colour.repeat(width.saturating_mul(height)) }
     }
 
     /// Colours a pixel; outside nothing happens.
@@ -87,7 +87,7 @@ impl Raster {
     }
 
     /// Draws another on this one, its top left corner at a place.
-    pub fn paste(&mut self, [x, y]: [usize; 2], other: &Raster) {
+    pub fn paste(&mut self, [x, y]: [usize; 2], other: &Canvas) {
         for (index, colour) in other.bytes.as_chunks::<3>().0.iter().enumerate() {
             self.set(x + index % other.width.max(1), y + index / other.width.max(1), *colour);
         }
@@ -107,10 +107,10 @@ impl Raster {
     }
 
     /// Means of blocks of `factor` × `factor` pixels, in sRGB codes: for thumbnails.
-    pub fn reduced(&self, factor: usize) -> Raster {
+    pub fn reduced(&self, factor: usize) -> Canvas {
         let factor = factor.max(1);
         let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
-        let mut out = Raster::new(width, height, [0; 3]);
+        let mut out = Canvas::new(width, height, [0; 3]);
         for y in 0..height {
             for x in 0..width {
                 let (mut sum, mut count) = ([0u32; 3], 0u32);
@@ -150,9 +150,9 @@ mod tests {
 
     #[test]
     fn letters_and_thumbnails() {
-        let mut raster = Raster::new(8, 6, [0; 3]);
+        let mut raster = Canvas::new(8, 6, [0; 3]);
         raster.text([0, 0], "T?", 1, [255; 3]);
-        let row = |raster: &Raster, y: usize| -> Vec<u8> {
+        let row = |raster: &Canvas, y: usize| -> Vec<u8> {
             raster.bytes[3 * y * raster.width..].chunks(3).take(raster.width).map(|c| c[0] / 255).collect()
         };
         assert_eq!(row(&raster, 0), [1, 1, 1, 0, 0, 0, 0, 0]);

@@ -1,7 +1,7 @@
 //! Renderings of different lamps of one assembly, added up: light is linear.
 
+use super::light_shares::{PLATE, Rendering, groups_of};
 use super::mix::set_layer;
-use super::shares::{PLATE, Rendering, groups_of};
 use crate::base::fault::{Fault, Result, Where};
 use crate::film::aov;
 use crate::film::frame::{Frame, Meta};
