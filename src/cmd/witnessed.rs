@@ -3,7 +3,7 @@
 use super::shards::Saver;
 use crate::base::ids::GroupId;
 use crate::estimate::run::{Films, Limits, Observer, Outcome, Start, Status, Stop, begin, drive};
-use crate::film::guide::PupilGuide;
+use crate::film::guide::ApertureGuide;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use crate::film::witness::Judgement;
 use crate::world::World;
@@ -15,7 +15,7 @@ pub struct Watched<'r> {
     pub size: [usize; 2],
     pub seed: u64,
     /// A witness is to look, through where a pilot saw lamps in the pupil.
-    pub watch: Option<Option<PupilGuide>>,
+    pub watch: Option<Option<ApertureGuide>>,
     /// The plan was chosen by us, for a run in one piece: it may be changed.
     pub may_change: bool,
 }

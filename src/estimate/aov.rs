@@ -4,7 +4,7 @@
 
 use super::picture::possible_layers;
 use super::render_vars::{Named, plain};
-use crate::base::lpe::{Alphabet, Letter, Lpe, Sieve, Source, Verdict};
+use crate::base::lpe::{Alphabet, Letter, Lpe, Product, Source, Verdict};
 use crate::base::path::{Class, Event};
 use crate::base::{Fault, Result, Where};
 use crate::film::aov::Aov;
@@ -38,7 +38,7 @@ pub struct Granted {
     /// A warning for each wish that cannot be had.
     pub notes: Vec<Note>,
     /// For [`World::sieve`]: the expressions that part classes.
-    pub sieve: Option<Arc<Sieve>>,
+    pub sieve: Option<Arc<Product>>,
 }
 
 /// The layers of `asked` (names and expressions of the command line) and of those `wishes` of the asset that are
@@ -115,7 +115,7 @@ struct Maker<'s> {
     taken: BTreeSet<String>,
     /// The expressions that part classes, so far.
     parting: Vec<Lpe>,
-    sieve: Option<Sieve>,
+    sieve: Option<Product>,
 }
 
 impl<'s> Maker<'s> {
@@ -143,7 +143,7 @@ impl<'s> Maker<'s> {
                 let all: Vec<Lpe> = self.parting.iter().cloned().chain([lpe]).collect();
                 let groups = self.scene.groups.iter().map(|group| group.name.as_str());
                 let groups: Vec<(&str, Vec<Source>)> = groups.zip(self.sources.iter().cloned()).collect();
-                let sieve = Sieve::new(&all, &groups, &self.events).map_err(Refused::Expression)?;
+                let sieve = Product::new(&all, &groups, &self.events).map_err(Refused::Expression)?;
                 let bit = self.parting.len();
                 let takes = |group: usize| {
                     Class::ALL.into_iter().any(|class| {

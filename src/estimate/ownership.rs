@@ -1,7 +1,7 @@
 //! Where an estimator puts the light of a path: the plan's ownership as a table.
 
 use crate::base::ids::GroupId;
-use crate::base::lpe::{Sieve, Source, Takes, Told};
+use crate::base::lpe::{LpeState, Product, Source, Takes};
 use crate::base::path::{Class, Event, Trail};
 use crate::film::accumulate::PlaneKey;
 use crate::film::plan::{Estimator, Plan, Verdict};
@@ -22,7 +22,7 @@ pub struct Ownership {
 
 #[derive(Debug, Clone)]
 struct Parted {
-    sieve: Arc<Sieve>,
+    sieve: Arc<Product>,
     /// Share → what is taken of it, and the planes that hold it.
     planes: Vec<Vec<(Takes, usize)>>,
 }
@@ -35,7 +35,7 @@ impl Ownership {
             let layer = plan.layer(estimator, group, class, broad);
             plan.computes(estimator, group, class, broad).then_some(PlaneKey { layer, group, takes: 0 })
         };
-        Ownership { connected, ..Route::by(groups, &key) }
+        Ownership { connected, ..Ownership::by(groups, &key) }
     }
 
     /// The plane that `key` names for the paths of each group and class, with a broad scatterer among them or not. Nothing
@@ -68,7 +68,7 @@ impl Ownership {
 
     /// The same with a plane for whatever the expressions of `sieve` take of a share.
     #[must_use]
-    pub fn parted_by(self, sieve: Option<&Arc<Sieve>>) -> Ownership {
+    pub fn parted_by(self, sieve: Option<&Arc<Product>>) -> Ownership {
         let Some(sieve) = sieve else { return self };
         let (mut planes, mut parts) = (Vec::new(), vec![Vec::new(); self.planes.len()]);
         for group in 0..self.groups {
@@ -94,7 +94,7 @@ impl Ownership {
 
     /// The plane of a share's path of which expressions take what `takes` says.
     #[inline]
-    pub fn plane(&self, share: usize, takes: impl FnOnce(&Sieve) -> Takes) -> usize {
+    pub fn plane(&self, share: usize, takes: impl FnOnce(&Product) -> Takes) -> usize {
         let Some(Parted { sieve, planes }) = &self.parted else { return share };
         let takes = takes(sieve);
         let parts = &planes[share];
@@ -105,7 +105,7 @@ impl Ownership {
 
     /// The plane of a path from the eye that has met a lamp of a group.
     #[inline]
-    pub fn plane_from_eye(&self, share: usize, told: Told, group: GroupId, source: Source) -> usize {
+    pub fn plane_from_eye(&self, share: usize, told: LpeState, group: GroupId, source: Source) -> usize {
         self.plane(share, |sieve| sieve.takes(told, sieve.lamp(group.index(), source)))
     }
 

@@ -6,7 +6,7 @@ pub mod adaptive_kernel;
 use super::manifold::receiver::Claim;
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
-use crate::base::lpe::Told;
+use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
 use crate::film::accumulate::Light;
 use crate::world::geometry::Site;
@@ -30,7 +30,7 @@ pub struct Photon<M: Mode> {
     /// From the lamp up to, but without, this vertex.
     pub trail: Trail,
     /// What light path expressions know of that.
-    pub told: Told,
+    pub told: LpeState,
     /// Whether specular connection has the path from the lamp to here, or to where it is gathered.
     pub claim: Claim,
     pub site: Site,
@@ -216,7 +216,7 @@ pub(super) mod tests {
             alone: false,
             group: GroupId(0),
             trail: Trail::START.then(Event::Specular),
-            told: Told::default(),
+            told: LpeState::default(),
             claim: Claim::Free,
             site: Site { part: 0, face, triangle: 0 },
             outside: true,

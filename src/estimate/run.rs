@@ -9,7 +9,7 @@ use super::ledger::Ledger;
 use crate::base::memory::give_back;
 use crate::base::stats::{beyond_noise, variance_ratio};
 use crate::film::accumulate::{Components, Film};
-use crate::film::guide::PupilGuide;
+use crate::film::guide::ApertureGuide;
 use crate::film::plan::{Estimator, Plan};
 use crate::film::witness::{Judgement, Witness, judge};
 use crate::world::World;
@@ -202,7 +202,7 @@ pub trait Tracing: Send {
     fn step(&mut self, count: u64);
     fn films(&self) -> &Films;
     /// Has a witness look beside every pass from now on. `guide`: where in the pupil lamps are seen, if that is known.
-    fn watch(&mut self, guide: Option<&PupilGuide>);
+    fn watch(&mut self, guide: Option<&ApertureGuide>);
     /// Starts from pass `first`, or goes on from films that such a run has left. False if they are of another run.
     fn start(&mut self, from: Start) -> bool;
     fn into_films(self: Box<Self>) -> Films;

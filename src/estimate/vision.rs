@@ -17,7 +17,7 @@ use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::base::warp::disk;
 use crate::film::accumulate::Light;
-use crate::film::guide::{PupilGuide, Windows};
+use crate::film::guide::{ApertureGuide, Portals};
 use crate::film::plan::Plan;
 use crate::film::specular_chain::Glint;
 use crate::world::World;
@@ -51,16 +51,16 @@ pub struct Hints<'p> {
     /// In a pinhole's picture.
     pub glints: &'p [Glint],
     /// Through a pupil that is no point.
-    pub pupil: Option<&'p PupilGuide>,
+    pub pupil: Option<&'p ApertureGuide>,
     /// Through which windows scatterers see the sky.
-    pub windows: Option<&'p Windows>,
+    pub windows: Option<&'p Portals>,
     /// Of the pixels that a pass looks at for lamps.
     pub share: f64,
 }
 
 impl<'p> Hints<'p> {
     /// For paths that scatter alone.
-    pub fn of_sky(windows: Option<&'p Windows>) -> Hints<'p> {
+    pub fn of_sky(windows: Option<&'p Portals>) -> Hints<'p> {
         Hints { glints: &[], pupil: None, windows, share: 1.0 }
     }
 
@@ -82,7 +82,7 @@ pub struct Vision<'w> {
     unknown: Option<Unknown>,
     /// By pixel: the places in it or near it that show lamps.
     glints: HashMap<u64, Vec<Glint>>,
-    pupil: Option<PupilGuide>,
+    pupil: Option<ApertureGuide>,
     seed: u64,
 }
 

@@ -4,7 +4,7 @@ use super::ledger::{Ledger, cost};
 use super::specular_event::{Branch, SpecularEvent};
 use super::throughput::Throughput;
 use crate::base::chain::{Chain, Link, Step};
-use crate::base::lpe::{Letter, Told};
+use crate::base::lpe::{Letter, LpeState};
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Rng;
 use crate::base::warp::Frame;
@@ -48,7 +48,7 @@ pub struct Walker<'w, M: Mode> {
     start_weight: f64,
     pub trail: Trail,
     /// What light path expressions know of it, where the world has any.
-    pub told: Told,
+    pub told: LpeState,
     pub interior: Interior,
     pub rng: Rng,
     /// Vertices so far.
@@ -155,7 +155,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             start_weight: beam.weight(),
             beam,
             trail: Trail::START,
-            told: Told::default(),
+            told: LpeState::default(),
             interior,
             rng,
             events: 0,

@@ -18,7 +18,7 @@ use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::rng::{Rng, Stream};
 use crate::film::accumulate::{Light, PlaneKey};
-use crate::film::guide::PupilGuide;
+use crate::film::guide::ApertureGuide;
 use crate::film::plan::{Estimator, Plan, Radii, Row, Verdict};
 use crate::film::witness::{Unwatched, Watched, Witness as Record, pixels};
 use crate::world::World;
@@ -64,7 +64,7 @@ impl<'w, M: Mode> Witness<'w, M> {
         world: &'w World,
         plan: &Plan,
         groups: usize,
-        (size, guide): ([usize; 2], Option<&PupilGuide>),
+        (size, guide): ([usize; 2], Option<&ApertureGuide>),
         seed: u64,
     ) -> Option<Self> {
         let (watched, unwatched) = kinds(world, plan);

@@ -1,6 +1,6 @@
 //! The plan as data: who owns which (light group, path class), and why. Made on floor 5, read by all below.
 
-use super::guide::{Guide, PupilGuide, Windows};
+use super::guide::{ApertureGuide, Guide, Portals};
 use super::layer::Layer;
 use super::layer_moments::ErrorDetail;
 use super::specular_chain::{Connection, Glint, Screen};
@@ -150,11 +150,11 @@ pub struct Plan {
     /// Guided aperture: where in the pupil the backward estimator's rays look for lamps through specular faces, learned by
     /// a pilot; none: all over it.
     #[serde(default)]
-    pub pupil_guide: Option<PupilGuide>,
+    pub pupil_guide: Option<ApertureGuide>,
     /// Guided sky: through which windows light of the sky gets in to the scatterers that the backward estimator meets, learned
     /// by a pilot; none: directions to the sky are chosen by its luminance alone. Plans without it read as they always did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sky_guide: Option<Windows>,
+    pub sky_guide: Option<Portals>,
     /// Paths per pixel and pass of the backward estimator.
     pub backward_paths: u32,
     /// Branches with this share of a path's light and more are followed for certain on the way to the first scatterer,

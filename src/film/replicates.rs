@@ -134,6 +134,6 @@ impl Replicates {
         }
         let (sum_a, sum_b): (f64, f64) = (a.iter().sum(), b.iter().sum());
         let apart = |s: usize| (a[s] - self.shares[s] * sum_a) * (b[s] - self.shares[s] * sum_b);
-        (0..SCRAMBLES).map(apart).sum::<f64>() * used / (used - 1.0)
+        (0..REPLICATES).map(apart).sum::<f64>() * used / (used - 1.0)
     }
 }

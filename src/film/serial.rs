@@ -37,7 +37,7 @@ impl Table<'_> {
     pub fn stride(&self) -> usize {
         match &self.sums {
             Sums::Tiles(tiles) => tiles.stride(),
-            Sums::Turns(_) => PER_PIXEL,
+            Sums::RqmcVariance(_) => PER_PIXEL,
         }
     }
 
@@ -45,7 +45,7 @@ impl Table<'_> {
     pub fn sum(&self, pixel: usize, column: usize) -> Sum {
         match &self.sums {
             Sums::Tiles(tiles) => tiles.sum(pixel, column),
-            Sums::Turns(turns) => turns.sum(pixel, column),
+            Sums::RqmcVariance(turns) => turns.sum(pixel, column),
         }
     }
 
@@ -53,14 +53,14 @@ impl Table<'_> {
     pub fn bytes(&self) -> usize {
         match &self.sums {
             Sums::Tiles(tiles) => tiles.bytes(),
-            Sums::Turns(turns) => turns.bytes(),
+            Sums::RqmcVariance(turns) => turns.bytes(),
         }
     }
 
     fn first_invalid(&self) -> Option<usize> {
         match &self.sums {
             Sums::Tiles(tiles) => tiles.first_invalid(),
-            Sums::Turns(turns) => turns.first_invalid(),
+            Sums::RqmcVariance(turns) => turns.first_invalid(),
         }
     }
 }
@@ -70,7 +70,7 @@ impl TableMut<'_> {
     pub fn stride(&self) -> usize {
         match &self.sums {
             SumsMut::Tiles(tiles) => tiles.stride(),
-            SumsMut::Turns(_) => PER_PIXEL,
+            SumsMut::RqmcVariance(_) => PER_PIXEL,
         }
     }
 
@@ -78,7 +78,7 @@ impl TableMut<'_> {
     pub fn put(&mut self, pixel: usize, sums: &[Sum]) -> bool {
         match &mut self.sums {
             SumsMut::Tiles(tiles) => tiles.put(pixel, sums),
-            SumsMut::Turns(turns) => return turns.put(pixel, sums),
+            SumsMut::RqmcVariance(turns) => return turns.put(pixel, sums),
         }
         true
     }
@@ -103,7 +103,7 @@ impl Film {
             ("blur", self.blur.as_ref().map(|b| &b.sums)),
         ];
         let tiles = tiles.into_iter().filter_map(|(name, tiles)| Some(Table { name, sums: Sums::Tiles(tiles?) }));
-        tiles.chain(self.turns.as_ref().map(|turns| Table { name: TURNS, sums: Sums::Turns(turns) })).collect()
+        tiles.chain(self.turns.as_ref().map(|turns| Table { name: TURNS, sums: Sums::RqmcVariance(turns) })).collect()
     }
 
     /// The same, to be filled.
@@ -132,7 +132,7 @@ impl Film {
             ("blur", self.blur.as_mut().map(|b| &mut b.sums)),
         ];
         let tiles = tiles.into_iter().filter_map(|(name, tiles)| Some(TableMut { name, sums: SumsMut::Tiles(tiles?) }));
-        tiles.chain(self.turns.as_mut().map(|turns| TableMut { name: TURNS, sums: SumsMut::Turns(turns) })).collect()
+        tiles.chain(self.turns.as_mut().map(|turns| TableMut { name: TURNS, sums: SumsMut::RqmcVariance(turns) })).collect()
     }
 
     /// Passes for, less passes against, of its [turns](crate::film::turns); zeros if it has none.
@@ -158,9 +158,9 @@ impl Film {
         for (own, theirs) in own.iter_mut().zip(&theirs) {
             match (&mut own.sums, &theirs.sums) {
                 (SumsMut::Tiles(own), Sums::Tiles(more)) => own.merge(more),
-                (SumsMut::Turns(own), Sums::Turns(more)) => own.merge(more),
+                (SumsMut::RqmcVariance(own), Sums::RqmcVariance(more)) => own.merge(more),
                 // Tables of one name are of one kind.
-                (SumsMut::Tiles(_), Sums::Turns(_)) | (SumsMut::Turns(_), Sums::Tiles(_)) => return false,
+                (SumsMut::Tiles(_), Sums::RqmcVariance(_)) | (SumsMut::RqmcVariance(_), Sums::Tiles(_)) => return false,
             }
         }
         self.totals.merge(&other.totals);

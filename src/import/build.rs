@@ -1,6 +1,6 @@
 //! Assembly + sidecar + `--set` → [`Scene`]: the attributes are bound, read and put where they belong.
 
-use super::assembly::{Assembly, LayerWish};
+use super::assembly::{Assembly, RequestedLayer};
 use super::asset_attributes::AssetAttributes;
 use super::bind::bind;
 use super::binding_slots::{PartBound, Slot, Slots};
@@ -26,7 +26,7 @@ pub struct Built {
     pub scene: Scene,
     pub explained: Explained,
     /// The layers that the asset asks for.
-    pub layers: Vec<LayerWish>,
+    pub layers: Vec<RequestedLayer>,
     /// The asset's own file, and its world → the scene's world, a turn that leaves lengths.
     pub asset: PathBuf,
     pub axes: DMat3,

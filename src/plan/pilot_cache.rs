@@ -1,6 +1,6 @@
 //! What pilots have made for one plan, for the next that differs from it in something else.
 
-use super::Making;
+use super::Planner;
 use super::pilot::{self, ForwardPilot, SEED};
 use super::pinhole_pilot;
 use super::split_threshold::{self, Branches};
@@ -43,7 +43,7 @@ impl PilotCache {
     }
 
     /// [`branching::learn`].
-    pub(super) fn branching(&self, making: &Making<'_>, plan: &Plan) -> Branches {
+    pub(super) fn branching(&self, making: &Planner<'_>, plan: &Plan) -> Branches {
         let broad = |row: &Row| [false, true].map(|b| plan.computes(Estimator::Backward, row.group, row.class, b));
         let key = plan.rows.iter().flat_map(broad).collect();
         known(&self.branching, key, |_| split_threshold::learn(making, plan))

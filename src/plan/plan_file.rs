@@ -61,7 +61,7 @@ impl PlanFile {
     fn fits(self, path: &Path, scene: &Scene, asked: Asked) -> Result<PlanFile> {
         let fault = |what: String| Fault::new(Where::file(path), what);
         let frozen = self;
-        let mine = PlanFile { hash: String::new(), ..Frozen::new(scene, asked, &frozen.plan) };
+        let mine = PlanFile { hash: String::new(), ..PlanFile::new(scene, asked, &frozen.plan) };
         let differs = |what: &str, got: String, want: String| Err(fault(format!("is for {what} {got}")).expected(want));
         if frozen.eyebox != mine.eyebox {
             return differs("version", frozen.eyebox, mine.eyebox);

@@ -11,7 +11,7 @@ use crate::estimate::ShouldStop;
 use crate::estimate::emission::{Emission, Origin, Shots, Starts, Visitor};
 use crate::estimate::ownership::Ownership;
 use crate::estimate::walk::{Vertex, Walker};
-use crate::film::guide::{Guide, PupilGuide};
+use crate::film::guide::{ApertureGuide, Guide};
 use crate::film::plan::{Estimator, Plan, Verdict};
 use crate::film::pupil::{Aperture, Crossing, Pupil};
 use crate::film::sharpness::GroupPupil;
@@ -68,7 +68,7 @@ pub struct Surveyed {
     /// What each light group has of it.
     pub pupils: Vec<GroupPupil>,
     /// Through which part of it each part of the picture sees lamps; none where that is not known.
-    pub guide: Option<PupilGuide>,
+    pub guide: Option<ApertureGuide>,
 }
 
 /// What each light group has of the pupil. Light that is traced from the eye, and all that scatters, is taken to fill
@@ -148,7 +148,7 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
         }
     }
     let guide =
-        (asked.guides == Guides::On).then(|| PupilGuide::learn(&lit(&lamps, world.eye.pupil_radius_m()))).flatten();
+        (asked.guides == Guides::On).then(|| ApertureGuide::learn(&lit(&lamps, world.eye.pupil_radius_m()))).flatten();
     Surveyed { pupils: found, guide }
 }
 

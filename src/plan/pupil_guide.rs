@@ -3,11 +3,11 @@
 
 use super::facts::{connect, kind, lamps_over_eye, skip};
 use super::selection::OPEN;
-use super::{Making, pupil};
+use super::{Planner, pupil};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::warp::disk_inverse;
-use crate::film::guide::{Lit, PupilGuide};
+use crate::film::guide::{ApertureGuide, Lit};
 use crate::film::plan::{Estimator, Plan, Row};
 use crate::film::pupil::Crossing;
 use glam::DVec2;
@@ -25,11 +25,11 @@ const WORTH: f64 = 1.5;
 /// What rays from the eye need to know to find the lamps that the plan leaves to them in rows that `asks` says true of. None
 /// if it leaves none to them, no light of theirs arrives, or it fills the pupil. `known`: a plan of other owners.
 pub(super) fn learn(
-    making: &Making<'_>,
+    making: &Planner<'_>,
     plan: &Plan,
     asks: impl Fn(&Row) -> bool,
     known: Option<&Plan>,
-) -> Option<PupilGuide> {
+) -> Option<ApertureGuide> {
     let facts = making.checked.facts();
     if !facts.specular || facts.pinhole || making.stopped() {
         return None;
@@ -64,14 +64,14 @@ pub(super) fn learn(
     };
     let look = |paths: u64| {
         let lit = lit(&pupil::crossings(world, &own, groups, &guide, paths, making.stop), world.eye.pupil_radius_m());
-        PupilGuide::learn(&lit).filter(|learned| learned.gain(&lit) >= WORTH)
+        ApertureGuide::learn(&lit).filter(|learned| learned.gain(&lit) >= WORTH)
     };
     look(LOOK).and_then(|_| look(PATHS))
 }
 
 /// For each of the groups `of` that connection sees, how dense the light of one lamp is in the pupil for a place in the
 /// picture, over that of light that fills it: the mean over the lamps.
-pub(super) fn densities(making: &Making<'_>, plan: &Plan, of: &[bool]) -> Vec<Option<f64>> {
+pub(super) fn densities(making: &Planner<'_>, plan: &Plan, of: &[bool]) -> Vec<Option<f64>> {
     let (world, groups) = (making.world, making.groups());
     let connected = |row: &Row| {
         let kind = kind(&row.verdict);
@@ -85,7 +85,7 @@ pub(super) fn densities(making: &Making<'_>, plan: &Plan, of: &[bool]) -> Vec<Op
         let lamps = by_lamp.range((group, 0)..=(group, usize::MAX)).filter(|_| of[group.index()]).take(MOST_LAMPS);
         let known = lamps.filter_map(|(lamp, crossings)| {
             let lit = lit(&BTreeMap::from([(*lamp, crossings.clone())]), world.eye.pupil_radius_m());
-            Some(PupilGuide::learn(&lit)?.gain(&lit))
+            Some(ApertureGuide::learn(&lit)?.gain(&lit))
         });
         let (sum, count) = known.fold((0.0, 0u32), |(sum, count), density| (sum + density, count + 1));
         (count > 0).then(|| sum / f64::from(count))

@@ -5,7 +5,7 @@ mod pilot_run;
 mod verdict;
 
 use super::facts::{connect, kind, lamps_over_eye, own};
-use super::{Making, pupil_guide};
+use super::{Planner, pupil_guide};
 use crate::base::path::Class;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use pilot_run::{Trials, Tried};
@@ -62,7 +62,7 @@ impl Question {
 }
 
 /// The plan that a pilot finds best among `base` and what differs from it in one answer after the other.
-pub(super) fn settle(making: &Making<'_>, base: Plan, handicap: &Handicap) -> Plan {
+pub(super) fn settle(making: &Planner<'_>, base: Plan, handicap: &Handicap) -> Plan {
     let open = Open::new(making, &base);
     let trials = if open.is_nothing() { None } else { Trials::new(making) };
     let Some(trials) = trials else { return base };
@@ -143,7 +143,7 @@ struct Open {
 }
 
 impl Open {
-    fn new(making: &Making<'_>, base: &Plan) -> Open {
+    fn new(making: &Planner<'_>, base: &Plan) -> Open {
         let (scene, facts) = (making.checked.scene(), making.checked.facts());
         let (low, high) = making.world.geometry.bounds();
         let section = (high - low).length_squared();

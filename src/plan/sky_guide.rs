@@ -1,13 +1,13 @@
 //! Through which windows light of the sky gets in: in a room most directions that are chosen by the sky's luminance end on
 //! a wall. A few paths from the eye tell where it gets in, and the scatterers on all others aim there.
 
-use super::Making;
+use super::Planner;
 use super::pilot::SEED;
 use crate::base::path::Class;
 use crate::estimate::backward::{Backward, Daylight};
 use crate::estimate::ownership::Ownership;
 use crate::estimate::vision::Hints;
-use crate::film::guide::{Entry, Windows};
+use crate::film::guide::{Entry, Portals};
 use crate::film::plan::{Estimator, Plan};
 use crate::world::mode::Mono;
 
@@ -25,7 +25,7 @@ const TILES: usize = 4;
 
 /// What scatterers need to know to find the sky. None if the plan leaves
 /// no light of the sky that scatterers send to paths from the eye, or the sky is open.
-pub(super) fn learn(making: &Making<'_>, plan: &Plan) -> Option<Windows> {
+pub(super) fn learn(making: &Planner<'_>, plan: &Plan) -> Option<Portals> {
     let (world, facts) = (making.world, making.checked.facts());
     let sky = world.sky.as_ref().filter(|sky| sky.integral() > 0.0)?;
     let scattered = |class: &Class| match class {
@@ -71,10 +71,10 @@ pub(super) fn learn(making: &Making<'_>, plan: &Plan) -> Option<Windows> {
 
 /// Looks taken so far.
 struct Looks<'m> {
-    making: &'m Making<'m>,
+    making: &'m Planner<'m>,
     plan: &'m Plan,
     /// Each with what guided it and its number of paths.
-    taken: Vec<(Option<Windows>, u64)>,
+    taken: Vec<(Option<Portals>, u64)>,
     /// What was found, with the number of the look.
     found: Vec<(usize, Daylight)>,
 }
@@ -84,8 +84,8 @@ impl Looks<'_> {
         self.taken.iter().map(|(_, paths)| paths).sum()
     }
 
-    fn take(&mut self, windows: Option<Windows>, paths: u64) {
-        let Making { world, stop, .. } = self.making;
+    fn take(&mut self, windows: Option<Portals>, paths: u64) {
+        let Planner { world, stop, .. } = self.making;
         let route = Ownership::new(self.plan, self.making.groups(), Estimator::Backward);
         let hints = Hints::of_sky(windows.as_ref());
         let look = self.taken.len();
@@ -113,18 +113,18 @@ impl Looks<'_> {
         all
     }
 
-    fn learn(&self, aimed: f64) -> Option<Windows> {
+    fn learn(&self, aimed: f64) -> Option<Portals> {
         let entry = |(light, [share, density]): (&Daylight, [f64; 2])| Entry {
             to: light.point,
             from: light.dir,
             weight: share / density,
         };
         let entries: Vec<Entry> = self.weighed(0).into_iter().map(entry).collect();
-        Windows::learn(self.making.world.geometry.bounds(), aimed, &entries)
+        Portals::learn(self.making.world.geometry.bounds(), aimed, &entries)
     }
 
     /// Second moment of what a scatterer gets, relative to its tile's light, by the looks from `first` on.
-    fn moment(&self, windows: Option<&Windows>, first: usize) -> f64 {
+    fn moment(&self, windows: Option<&Portals>, first: usize) -> f64 {
         let square = |(light, [share, density]): (&Daylight, [f64; 2])| {
             let tried = light.density(windows);
             // Where no direction of these leads to, over faces that bend light, others do.

@@ -2,7 +2,7 @@
 //! variance times work is done. Through a combiner the eye sees a dark road, and in it the bright sky as a ghost of a lens:
 //! where chance chooses one way on, one path in a hundred brings all of that.
 
-use super::Making;
+use super::Planner;
 use super::pilot::SEED;
 use crate::estimate::backward::Backward;
 use crate::estimate::ownership::Ownership;
@@ -51,7 +51,7 @@ impl Branches {
 }
 
 /// Of what plans differ in, only the paths that backward computes matter, and through which windows it sees the sky.
-pub(super) fn learn(making: &Making<'_>, plan: &Plan) -> Branches {
+pub(super) fn learn(making: &Planner<'_>, plan: &Plan) -> Branches {
     let trial = |faintest: f64, passes: [u64; 2]| {
         let route = Ownership::new(plan, making.groups(), Estimator::Backward);
         let hints = Hints::of_sky(plan.sky_guide.as_ref());

@@ -27,7 +27,7 @@ pub mod tint;
 pub mod web;
 
 use crate::base::Result;
-use crate::base::lpe::Sieve;
+use crate::base::lpe::Product;
 use crate::scene::{BeaconForm, Coating, Eye, Medium, Scene};
 use contact::Contacts;
 use eye::EyeLens;
@@ -70,7 +70,7 @@ pub struct World {
     /// The wavelength of [`mode::Mono`], nm.
     pub wavelength_nm: f64,
     /// The light path expressions that paths are told to, if any was asked for that parts classes.
-    pub sieve: Option<Arc<Sieve>>,
+    pub sieve: Option<Arc<Product>>,
     /// A fault that a test plants in the walk, to see that the balances find it.
     #[cfg(test)]
     pub planted: Planted,

@@ -7,7 +7,7 @@ use crate::base::warp::Frame;
 use crate::estimate::ShouldStop;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::walk::{Meeting, Met, Travel, Vertex, Walker};
-use crate::film::guide::Windows;
+use crate::film::guide::Portals;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, Mono};
@@ -41,7 +41,7 @@ pub struct Daylight {
 impl Daylight {
     /// Density of the directions that a scatterer tries, one of its own and one to the sky, which `windows` guide: their number
     /// times that of each, 1/sr.
-    pub fn density(&self, windows: Option<&Windows>) -> f64 {
+    pub fn density(&self, windows: Option<&Portals>) -> f64 {
         self.by_face + windows.map_or(self.by_sky, |windows| windows.among(self.point, self.dir, self.by_sky))
     }
 }

@@ -1,18 +1,18 @@
 //! Directions to the sky: by its luminance, and where a pilot has seen through which windows its light gets in, by these,
 //! too.
 
-use crate::film::guide::Windows;
+use crate::film::guide::Portals;
 use crate::world::sky::SkyLight;
 use glam::DVec3;
 
 /// How a scatterer chooses directions to the sky.
 #[derive(Debug, Clone)]
 pub(super) struct SkySampling {
-    windows: Option<Windows>,
+    windows: Option<Portals>,
 }
 
 impl SkySampling {
-    pub fn new(windows: Option<&Windows>) -> SkySampling {
+    pub fn new(windows: Option<&Portals>) -> SkySampling {
         SkySampling { windows: windows.cloned() }
     }
 

@@ -12,7 +12,7 @@ use super::bicubic::{Rows, Spot};
 use super::film_grid::FilmGrid;
 use super::receiver::Receivers;
 use crate::base::chain::Chain;
-use crate::base::lpe::Told;
+use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
 use crate::base::rng::Rng;
 use crate::estimate::ledger::Ledger;
@@ -48,7 +48,7 @@ struct Glance<M: Mode> {
     /// A ray that landed over it: what it met, and what is the same for all.
     vertex: Vertex,
     trail: Trail,
-    told: Told,
+    told: LpeState,
     interior: Interior,
     events: u32,
     /// Over the picture, where any ray lands over this train.

@@ -13,7 +13,7 @@ use super::connections::Connections;
 use super::film_grid::FilmGrid;
 use super::receiver::{Crossing, SLIDES};
 use super::seeds::MOST_SHEETS;
-use crate::base::lpe::Told;
+use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
 use crate::film::accumulate::Light;
 use crate::world::World;
@@ -34,7 +34,7 @@ struct Node<M: Mode> {
     strength: M::Lanes<f64>,
     strength_by: [M::Lanes<f64>; 2],
     trail: Trail,
-    told: Told,
+    told: LpeState,
     alone: bool,
     slides: ArrayVec<Crossing, SLIDES>,
 }
@@ -47,7 +47,7 @@ pub(super) struct Brought<M: Mode> {
     pub(super) light: M::Lanes<Light>,
     pub(super) alone: bool,
     pub(super) trail: Trail,
-    pub(super) told: Told,
+    pub(super) told: LpeState,
 }
 
 /// A train and lamp.

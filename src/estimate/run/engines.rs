@@ -16,7 +16,7 @@ use crate::estimate::photon::PhotonMapper;
 use crate::estimate::vision::Hints;
 use crate::estimate::witness::Witness;
 use crate::film::accumulate::{Film, Sampling};
-use crate::film::guide::PupilGuide;
+use crate::film::guide::ApertureGuide;
 use crate::film::layer_moments::ErrorDetail;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
@@ -70,7 +70,7 @@ impl<M: Mode> Tracing for Engines<'_, M> {
             self.films.witness = Some(witness.record.clone());
         }
     }
-    fn watch(&mut self, guide: Option<&PupilGuide>) {
+    fn watch(&mut self, guide: Option<&ApertureGuide>) {
         let Some((_, film, _)) = self.films.films.first() else { return };
         let size = [film.width, film.height];
         self.witness = Witness::new(self.world, &self.plan, self.groups, (size, guide), self.seed);

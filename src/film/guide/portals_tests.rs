@@ -6,7 +6,7 @@ use crate::base::stats::Moments;
 use crate::base::warp::sphere;
 
 /// Learned from light that comes through a square of the upper z side into the middle of the box, and some of a low x one.
-fn learned() -> Windows {
+fn learned() -> Portals {
     let mut rng = Rng::new(1, Stream::Check, 0, 0);
     let entry = |k: usize| {
         let [a, b] = rng.pair();
@@ -15,7 +15,7 @@ fn learned() -> Windows {
         Entry { to, from: (on - to).normalize(), weight: 1.0 }
     };
     let entries: Vec<Entry> = (0..2000).map(entry).collect();
-    Windows::learn((DVec3::ZERO, DVec3::new(2.0, 1.5, 1.0)), 0.5, &entries).unwrap()
+    Portals::learn((DVec3::ZERO, DVec3::new(2.0, 1.5, 1.0)), 0.5, &entries).unwrap()
 }
 
 const POINTS: [DVec3; 3] = [DVec3::new(0.4, 1.0, 0.7), DVec3::new(1.9, 0.1, 0.0), DVec3::new(1.1, 0.6, 0.99)];
@@ -63,24 +63,24 @@ fn it_goes_where_light_came_from() {
 fn little_light_teaches_nothing() {
     let entry = Entry { to: POINTS[0], from: DVec3::Z, weight: 1.0 };
     let bounds = (DVec3::ZERO, DVec3::ONE * 2.0);
-    assert!(Windows::learn(bounds, 0.5, &[entry; FEWEST - 1]).is_none());
-    assert!(Windows::learn(bounds, 0.5, &[entry; FEWEST]).is_some());
+    assert!(Portals::learn(bounds, 0.5, &[entry; FEWEST - 1]).is_none());
+    assert!(Portals::learn(bounds, 0.5, &[entry; FEWEST]).is_some());
     let bad =
         [Entry { weight: f64::NAN, ..entry }, Entry { from: DVec3::NAN, ..entry }, Entry { to: DVec3::NAN, ..entry }];
-    assert!(Windows::learn(bounds, 0.5, &bad.repeat(FEWEST)).is_none());
+    assert!(Portals::learn(bounds, 0.5, &bad.repeat(FEWEST)).is_none());
     // A scene without room has no windows.
-    assert!(Windows::learn((DVec3::ZERO, DVec3::ZERO), 0.5, &[Entry { to: DVec3::ZERO, ..entry }; FEWEST]).is_none());
+    assert!(Portals::learn((DVec3::ZERO, DVec3::ZERO), 0.5, &[Entry { to: DVec3::ZERO, ..entry }; FEWEST]).is_none());
 }
 
 #[test]
 fn what_cannot_be_is_refused() {
     let windows = learned();
     let text = serde_json::to_value(&windows).unwrap();
-    assert_eq!(serde_json::from_value::<Windows>(text.clone()).unwrap(), windows);
+    assert_eq!(serde_json::from_value::<Portals>(text.clone()).unwrap(), windows);
     let said = |pointer: &str, value: serde_json::Value| {
         let mut other = text.clone();
         *other.pointer_mut(pointer).unwrap() = value;
-        serde_json::from_value::<Windows>(other).unwrap_err().to_string()
+        serde_json::from_value::<Portals>(other).unwrap_err().to_string()
     };
     assert!(said("/low/0", 5.0.into()).contains("has a box"));
     assert!(said("/high/1", 1e200.into()).contains("has a box"));

@@ -165,7 +165,7 @@ fn a_guided_aperture_is_unbiased_and_helps() {
         Lit { field, pupil: [u + at.x, v + at.y], weight: 1.0 }
     };
     let crossings: Vec<Lit> = (0..6000).map(crossing).collect();
-    let guide = PupilGuide::learn(&crossings).expect("enough crossings");
+    let guide = ApertureGuide::learn(&crossings).expect("enough crossings");
     let want = std::f64::consts::PI * radius * radius;
     assert!(guide.gain(&crossings) > 0.3 / want, "{}", guide.gain(&crossings));
     let run = |wrong: f64| {
@@ -184,19 +184,20 @@ fn a_guided_aperture_is_unbiased_and_helps() {
     assert!((planted.mean - want).abs() > 6.0 * planted.stderr(), "{} {want}", planted.mean);
     let even = want * (1.0 - want);
     assert!(even > 5.0 * right.variance(), "{even} {}", right.variance());
-    assert!(PupilGuide::learn(&crossings[..10]).is_none(), "ten crossings tell nothing");
+    assert!(ApertureGuide::learn(&crossings[..10]).is_none(), "ten crossings tell nothing");
 }
 
 /// A guided aperture comes back from a file as it was, and one that has no tree for each tile is refused.
 #[test]
 fn a_guided_aperture_is_read_with_care() {
     let lit = |k: usize| Lit { field: [0.5; 2], pupil: [0.4 + 1e-4 * k as f64, 0.5], weight: 1.0 };
-    let guide = PupilGuide::learn(&(0..200).map(lit).collect::<Vec<_>>()).expect("enough crossings");
+    let guide = ApertureGuide::learn(&(0..200).map(lit).collect::<Vec<_>>()).expect("enough crossings");
     let mut value = serde_json::to_value(&guide).expect("plain data");
-    assert_eq!(serde_json::from_value::<PupilGuide>(value.clone()).expect("a guide"), guide);
+    assert_eq!(serde_json::from_value::<ApertureGuide>(value.clone()).expect("a guide"), guide);
     for tiles in [[7, 8], [0, 64], [usize::MAX, 2]] {
         value["tiles"] = serde_json::json!(tiles);
-        let error = serde_json::from_value::<PupilGuide>(value.clone()).expect_err("tiles without trees").to_string();
+        let error =
+            serde_json::from_value::<ApertureGuide>(value.clone()).expect_err("tiles without trees").to_string();
         assert!(error.contains("trees"), "{error}");
     }
 }

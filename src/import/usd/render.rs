@@ -5,7 +5,7 @@ use super::reader::Reader;
 use super::value;
 use crate::base::Where;
 use crate::base::fault::Result;
-use crate::import::assembly::LayerWish;
+use crate::import::assembly::RequestedLayer;
 use openusd::sdf;
 
 /// What the walk met.
@@ -38,7 +38,7 @@ pub(super) fn read(reader: &mut Reader) -> Result<()> {
             if let Some(wish) = wish(reader, &var)?
                 && !reader.assembly.layers.contains(&wish)
             {
-                reader.charge(&path, 1, size_of::<LayerWish>() + 256)?;
+                reader.charge(&path, 1, size_of::<RequestedLayer>() + 256)?;
                 reader.assembly.layers.push(wish);
             }
         }
@@ -96,7 +96,7 @@ fn typed(reader: &mut Reader, from: &PrimView, path: &sdf::Path, type_name: &str
 
 /// What a RenderVar asks for. Its name: `driver:parameters:aov:channel_prefix`, else `driver:parameters:aov:name`, else
 /// the prim's.
-fn wish(reader: &mut Reader, var: &PrimView) -> Result<Option<LayerWish>> {
+fn wish(reader: &mut Reader, var: &PrimView) -> Result<Option<RequestedLayer>> {
     let source = var.token("sourceName")?.unwrap_or_default();
     let expression = match var.token("sourceType")?.as_deref() {
         None | Some("raw" | "intrinsic") => false,
@@ -117,7 +117,7 @@ fn wish(reader: &mut Reader, var: &PrimView) -> Result<Option<LayerWish>> {
             break;
         }
     }
-    Ok(Some(LayerWish { source, expression, name, at: var.at() }))
+    Ok(Some(RequestedLayer { source, expression, name, at: var.at() }))
 }
 
 /// Puts the camera of the settings before the others.

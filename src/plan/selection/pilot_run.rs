@@ -8,7 +8,7 @@ use crate::film::accumulate::Film;
 use crate::film::layer::Layer;
 use crate::film::plan::{Estimator, Plan};
 use crate::plan::pilot_resolution::PilotResolution;
-use crate::plan::{Making, pilot};
+use crate::plan::{Planner, pilot};
 
 /// Longer sides of the pilot's pictures, pixels: a rough one, and a fine one for what that leaves open.
 const SIDES: [usize; 2] = [12, 32];
@@ -55,19 +55,19 @@ pub(super) struct Trials {
 }
 
 impl Trials {
-    pub(super) fn new(making: &Making<'_>) -> Option<Trials> {
+    pub(super) fn new(making: &Planner<'_>) -> Option<Trials> {
         let [rough, fine] = [0, 1].map(|level| Small::new(making, level));
         Some(Trials { rough: rough?, fine: fine? })
     }
 
-    pub(super) fn start(&self, making: &Making<'_>, plan: &Plan) -> Tried {
+    pub(super) fn start(&self, making: &Planner<'_>, plan: &Plan) -> Tried {
         Tried { rough: self.rough.trial(making, plan), fine: None }
     }
 
     /// Holds a rival plan against another; none where nothing was seen.
     pub(super) fn compare(
         &self,
-        making: &Making<'_>,
+        making: &Planner<'_>,
         (plan, tried): (&Plan, &mut Tried),
         (rival, of_rival): (&Plan, &mut Tried),
         handicap: &Handicap,
@@ -119,12 +119,12 @@ struct Small {
 }
 
 impl Small {
-    fn new(making: &Making<'_>, level: usize) -> Option<Small> {
+    fn new(making: &Planner<'_>, level: usize) -> Option<Small> {
         let picture = PilotResolution::new(making.world, &making.checked.scene().eye, SIDES[level]).ok()?;
         Some(Small { picture, work: WORK[level] })
     }
 
-    fn trial(&self, making: &Making<'_>, plan: &Plan) -> Trial {
+    fn trial(&self, making: &Planner<'_>, plan: &Plan) -> Trial {
         let PilotResolution { world, size, longer, .. } = &self.picture;
         let own = self.picture.plan(plan);
         let begin = |seed: u64| {

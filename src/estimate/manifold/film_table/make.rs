@@ -1,7 +1,7 @@
 //! How the tables are filled: node by node from the solver's starts, and cell by cell on trial.
 
 use super::{FilmTable, FilmTables, Node, Places, Use, blend, through_slides};
-use crate::base::lpe::Told;
+use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
@@ -44,7 +44,7 @@ struct Found<M: Mode> {
     root: Root,
     strength: M::Lanes<f64>,
     trail: Trail,
-    told: Told,
+    told: LpeState,
     alone: bool,
     slides: Places,
 }

@@ -29,7 +29,7 @@ const BESIDE: f64 = 0.1;
 
 /// What filling a face's table has come to.
 pub(super) enum Filled<M: Mode> {
-    Connector(Box<Connector<M>>),
+    Lit(Box<Connector<M>>),
     /// There are solutions, but of lamps whose middle does not stand for them: more cells would not change that.
     LampsTooLarge,
     /// Nothing was found between these nodes.
