@@ -3,7 +3,8 @@
 //! The corridor, one function per arrow:
 //! `path ─import→ Scene ─check→ Checked ─freeze→ World ─plan→ Plan ─estimate→ Films ─finish→ Frame ─write→ EXR`.
 //! (The plan comes after the world is frozen, since its pilots trace.)
-//! Modules are floors; a module imports only from lower floors (`tests/floors.rs` enforces it).
+//! Modules are floors; a module imports only from lower floors (`tests/floors.rs` enforces it). [`prelude`] is the front for
+//! programs that use the library.
 
 pub mod author; // floor 2: glTF and USD out, and the schemas of the attributes
 pub mod base; // floor 0: units, ids, randomness, statistics, path strings, errors
@@ -15,6 +16,7 @@ pub mod film; // floor 1: layers, accumulators, frames, the plan as data
 pub mod import; // floor 2: glTF, sidecar → Scene
 pub mod output; // floor 2: EXR, view
 pub mod plan; // floor 5: who owns which paths
+pub mod prelude; // floor 7: the library's front
 pub mod scene; // floor 1: plain scene data
 pub mod validate; // floor 6: the rules over an asset, and reports of what they find
 pub mod world; // floor 3: what is traced

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 
-const FLOORS: [(&str, u32); 14] = [
+const FLOORS: [(&str, u32); 15] = [
     ("base", 0),
     ("scene", 1),
     ("film", 1),
@@ -19,6 +19,7 @@ const FLOORS: [(&str, u32); 14] = [
     ("bench", 6),
     ("validate", 6),
     ("cmd", 7),
+    ("prelude", 7),
     // The crate's own name stands for an import from outside, which the program's `main` may do.
     ("eyebox", 8),
 ];

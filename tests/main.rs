@@ -37,6 +37,7 @@ mod mix;
 
 // Files in and out.
 mod author;
+mod examples;
 mod hostile;
 mod usd_out;
 mod usd_survive;
