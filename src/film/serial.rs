@@ -132,7 +132,9 @@ impl Film {
             ("blur", self.blur.as_mut().map(|b| &mut b.sums)),
         ];
         let tiles = tiles.into_iter().filter_map(|(name, tiles)| Some(TableMut { name, sums: SumsMut::Tiles(tiles?) }));
-        tiles.chain(self.turns.as_mut().map(|turns| TableMut { name: TURNS, sums: SumsMut::RqmcVariance(turns) })).collect()
+        tiles
+            .chain(self.turns.as_mut().map(|turns| TableMut { name: TURNS, sums: SumsMut::RqmcVariance(turns) }))
+            .collect()
     }
 
     /// Passes for, less passes against, of its [turns](crate::film::turns); zeros if it has none.
@@ -160,7 +162,9 @@ impl Film {
                 (SumsMut::Tiles(own), Sums::Tiles(more)) => own.merge(more),
                 (SumsMut::RqmcVariance(own), Sums::RqmcVariance(more)) => own.merge(more),
                 // Tables of one name are of one kind.
-                (SumsMut::Tiles(_), Sums::RqmcVariance(_)) | (SumsMut::RqmcVariance(_), Sums::Tiles(_)) => return false,
+                (SumsMut::Tiles(_), Sums::RqmcVariance(_)) | (SumsMut::RqmcVariance(_), Sums::Tiles(_)) => {
+                    return false;
+                }
             }
         }
         self.totals.merge(&other.totals);
