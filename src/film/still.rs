@@ -243,23 +243,5 @@ fn inside(first: i64, n: usize, data: usize) -> Option<usize> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A picture of linear values is not read as if it were encoded, and what is cut off is no picture.
-    #[test]
-    fn only_what_is_encoded_is_taken_as_srgb() {
-        let hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
-        assert_eq!(Still::of_srgb(hdr), Err("it is hdr".to_owned()));
-        let mut png = std::io::Cursor::new(Vec::new());
-        image::RgbImage::from_raw(1, 1, vec![188, 255, 0])
-            .unwrap()
-            .write_to(&mut png, image::ImageFormat::Png)
-            .unwrap();
-        let png = png.into_inner();
-        let Light::Rgb(light) = Still::of_srgb(&png).expect("a PNG").light else { panic!("colours") };
-        // IEC 61966-2-1: 188/255 is 0.502886 of white.
-        assert!((light[0][0] - 0.502_886).abs() < 1e-5 && light[0][1..] == [1.0, 0.0], "{light:?}");
-        assert!((0..png.len() - 12).all(|length| Still::of_srgb(&png[..length]).is_err()));
-    }
-}
+#[path = "still_tests.rs"]
+mod tests;

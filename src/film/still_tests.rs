@@ -1,0 +1,100 @@
+//! Windows and colours of files that another library wrote.
+
+use super::*;
+use ::exr::prelude::*;
+
+/// An EXR whose data begin at `start` and have these reds, row by row; green and blue are 0.
+fn file(data: [usize; 2], start: [i32; 2], display: ([i32; 2], [usize; 2]), reds: &[f32], chroma: bool) -> Vec<u8> {
+    let at = |values: Vec<f32>, name: &str| AnyChannel::new(name, FlatSamples::F32(values));
+    let zero = vec![0.0; reds.len()];
+    let channels = [at(reds.to_vec(), "R"), at(zero.clone(), "G"), at(zero, "B")];
+    let mut layer = Layer::new(
+        (data[0], data[1]),
+        LayerAttributes { layer_position: Vec2(start[0], start[1]), ..LayerAttributes::default() },
+        Encoding::SMALL_LOSSLESS,
+        AnyChannels::sort(channels.into_iter().collect()),
+    );
+    layer.attributes.layer_name = None;
+    let ([left, top], [width, height]) = display;
+    let window = IntegerBounds::new((left, top), (width, height));
+    let mut image = Image::new(ImageAttributes::new(window), layer);
+    // SMPTE ST 2065-1: the primaries of ACES2065-1.
+    image.attributes.chromaticities = chroma.then_some(attribute::Chromaticities {
+        red: Vec2(0.7347, 0.2653),
+        green: Vec2(0.0, 1.0),
+        blue: Vec2(0.0001, -0.077),
+        white: Vec2(0.32168, 0.33767),
+    });
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write().to_buffered(&mut bytes).expect("written");
+    bytes.into_inner()
+}
+
+fn reds(still: &Still) -> Vec<f32> {
+    match &still.light {
+        Light::Grey(values) => values.clone(),
+        Light::Rgb(values) => values.iter().map(|rgb| rgb[0]).collect(),
+    }
+}
+
+/// A crop of 2 × 1 pixels in a picture of 4 × 2: black around it, and it is said.
+#[test]
+fn a_crop_stands_where_it_was_cut() {
+    let still = Still::of_exr(&file([2, 1], [1, 1], ([0, 0], [4, 2]), &[5.0, 7.0], false), None).expect("a picture");
+    assert_eq!((still.width, still.height), (4, 2));
+    assert_eq!(reds(&still), [0.0, 0.0, 0.0, 0.0, 0.0, 5.0, 7.0, 0.0]);
+    let [remark] = still.remarks.as_slice() else { panic!("{:?}", still.remarks) };
+    assert!(remark.warns && remark.text.contains("black where there are none"), "{remark:?}");
+}
+
+/// Overscan is cut off, wherever the display window begins.
+#[test]
+fn overscan_is_cut_off() {
+    let all: Vec<f32> = (0..12).map(|value| value as f32).collect();
+    for corner in [[0, 0], [-7, 3], [1000, -20]] {
+        let start = [corner[0] - 1, corner[1] - 1];
+        let still = Still::of_exr(&file([4, 3], start, (corner, [2, 1]), &all, false), None).expect("a picture");
+        assert_eq!((still.width, still.height, reds(&still)), (2, 1, vec![5.0, 6.0]), "{corner:?}");
+        let [remark] = still.remarks.as_slice() else { panic!("{:?}", still.remarks) };
+        assert!(!remark.warns && remark.text.contains("the overscan is cut off"), "{remark:?}");
+    }
+}
+
+/// A crop that hangs over one side of the display window.
+#[test]
+fn what_hangs_over_is_half_there() {
+    let still = Still::of_exr(&file([2, 1], [-1, 0], ([0, 0], [2, 1]), &[5.0, 7.0], false), None).expect("a picture");
+    assert_eq!((reds(&still), still.remarks[0].warns), (vec![7.0, 0.0], true));
+}
+
+/// A window of a million pixels a side around one pixel is a broken header.
+#[test]
+fn windows_without_measure_are_refused() {
+    let huge = file([1, 1], [0, 0], ([0, 0], [1_000_000, 1_000_000]), &[1.0], false);
+    assert!(Still::of_exr(&huge, None).is_err_and(|what| what.contains("1000000 × 1000000")));
+}
+
+/// The red of ACES2065-1 in linear Rec.709, as colour-science 0.4.7 has it (`RGB_to_RGB`, Bradford adaptation).
+#[test]
+fn chromaticities_count() {
+    let still = Still::of_exr(&file([1, 1], [0, 0], ([0, 0], [1, 1]), &[1.0], true), None).expect("a picture");
+    let Light::Rgb(light) = &still.light else { panic!("colours") };
+    for (got, want) in light[0].iter().zip([2.521_40, -0.276_21, -0.015_32]) {
+        assert!((got - want).abs() < 1e-4, "{light:?}");
+    }
+    assert!(still.remarks.iter().any(|remark| remark.text.contains("`chromaticities`")), "{:?}", still.remarks);
+}
+
+/// A picture of linear values is not read as if it were encoded, and what is cut off is no picture.
+#[test]
+fn only_what_is_encoded_is_taken_as_srgb() {
+    let hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
+    assert_eq!(Still::of_srgb(hdr), Err("it is hdr".to_owned()));
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_raw(1, 1, vec![188, 255, 0]).unwrap().write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let png = png.into_inner();
+    let Light::Rgb(light) = Still::of_srgb(&png).expect("a PNG").light else { panic!("colours") };
+    // IEC 61966-2-1: 188/255 is 0.502886 of white.
+    assert!((light[0][0] - 0.502_886).abs() < 1e-5 && light[0][1..] == [1.0, 0.0], "{light:?}");
+    assert!((0..png.len() - 12).all(|length| Still::of_srgb(&png[..length]).is_err()));
+}
