@@ -1,9 +1,9 @@
 //! What a ray meets first, and whether it meets anything: walks through the parts and the trees within.
 
+use super::bvh::node::Lanes;
+use super::bvh::wide::Visit;
 use super::instance::Instance;
 use super::local_ray::Touch;
-use super::node::Lanes;
-use super::wide::Visit;
 use super::{Geometry, Hit, Ray, Site};
 use glam::DVec3;
 use std::ops::ControlFlow;

@@ -1,12 +1,12 @@
 //! What a walk through a tree of plain triangles keeps: the nearest touch so far, or that there is one.
 
+use super::bvh::node::Lanes;
+use super::bvh::pack::Pack;
+use super::bvh::wide::Visit;
 use super::local_ray::{LocalRay, Touch};
-use super::node::Lanes;
-use super::pack::Pack;
 use super::patch::{Shear, point_on};
 use super::solid::Solid;
 use super::surface::Sheet;
-use super::wide::Visit;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -101,7 +101,7 @@ impl<const ANY: bool> Visit for ClosestHit<'_, ANY> {
             if ANY {
                 return ControlFlow::Break(());
             }
-            super::huge_pages::fetch(self.normals, pack.slot(lane) as usize);
+            super::bvh::huge_pages::fetch(self.normals, pack.slot(lane) as usize);
             let weights = [all.weights[0][lane], all.weights[1][lane], all.weights[2][lane]];
             (self.reach, self.index) = (t, whose.1);
             self.found = Some(Found { leaf, lane, weights });

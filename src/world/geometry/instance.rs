@@ -1,8 +1,8 @@
 //! A part in the world: a solid and its transform.
 
 use super::bound::Bounds;
+use super::bvh::node::Lanes;
 use super::local_ray::{LocalRay, Touch};
-use super::node::Lanes;
 use super::prepare::Traced;
 use super::solid::Solid;
 use super::{Hit, Ray, Site};

@@ -7,29 +7,21 @@
 //! known root out, and only on a faceted one rounding decides how near is too near.
 
 mod bound;
+pub mod bvh; // boxes of eight to a node, and the walk through them
 mod cast;
 mod closest_hit;
-mod collapse;
 mod coverage;
 pub mod curved;
 pub mod exact;
 mod grid;
-mod huge_pages;
 mod instance;
 pub mod interface_derivatives;
 mod local_ray;
-mod node;
-mod pack;
 mod patch;
 mod prepare;
 mod solid;
-mod split;
-mod stack;
 mod surface;
-mod top;
 mod touching;
-mod tree;
-mod wide;
 
 #[cfg(test)]
 mod brute_tests;
@@ -48,11 +40,11 @@ use crate::base::fault::Result;
 use crate::base::{Code, Fault, Where};
 use crate::scene::{Mesh, Part, Scene};
 use bound::Bounds;
+use bvh::top::Top;
 use glam::{DAffine3, DVec3};
 use instance::Instance;
 use solid::Solid;
 use std::collections::HashMap;
-use top::Top;
 
 /// A ray in the recentred world.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,16 +1,16 @@
 //! From a mesh and the shapes of its faces to a [`Solid`].
 
 use super::bound::{Bounds, patch_box, triangle_box};
+use super::bvh::huge_pages;
+use super::bvh::pack::Pack;
+use super::bvh::tree::Tree;
+use super::bvh::wide::{LEAF_SIZE, Leaf};
 use super::curved::Curved;
 use super::exact::Quadric;
 use super::grid::Grid;
-use super::huge_pages;
-use super::pack::Pack;
 use super::patch::{Projection, vertex};
 use super::solid::Solid;
 use super::surface::{Sheet, Surface, Triangle, winding};
-use super::tree::Tree;
-use super::wide::{LEAF_SIZE, Leaf};
 use crate::base::fault::Result;
 use crate::base::{Code, Fault, Where};
 use crate::scene::{FaceRange, Finish, Mesh, Part, Shape};

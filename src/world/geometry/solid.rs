@@ -1,17 +1,17 @@
 //! One mesh with its exact surfaces, traced in its own coordinates and shared by the parts that instance it.
 
 use super::bound::Bounds;
+use super::bvh::huge_pages;
+use super::bvh::node::Lanes;
+use super::bvh::pack::Pack;
+use super::bvh::tree::Tree;
+use super::bvh::wide::Leaf;
 use super::closest_hit::ClosestHit;
 use super::curved::Curved;
 use super::grid::Grid;
-use super::huge_pages;
 use super::local_ray::{LocalRay, Probe, Roots, Touch};
-use super::node::Lanes;
-use super::pack::Pack;
 use super::patch::{Projection, Shear, point_on};
 use super::surface::{Sheet, Surface, Triangle, winding};
-use super::tree::Tree;
-use super::wide::Leaf;
 use glam::DVec3;
 use std::ops::ControlFlow;
 

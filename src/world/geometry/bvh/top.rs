@@ -1,7 +1,7 @@
 //! The upper level: a tree over the boxes of parts, one part to a leaf, so that parts are entered from near to far:
 //! entering one costs a transform and a walk through its own tree.
 
-use super::bound::Bounds;
+use super::super::bound::Bounds;
 use super::node::Lanes;
 use super::tree::{Each, Tree};
 use super::wide::{Leaf, Visit};

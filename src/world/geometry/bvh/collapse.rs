@@ -6,6 +6,7 @@
 use super::split::{Extent, Item, halve, split};
 use arrayvec::ArrayVec;
 use glam::Vec3;
+use obvhs::bvh2::Bvh2;
 use std::ops::Range;
 
 /// Children of a node.
@@ -79,6 +80,54 @@ impl Halves {
         let mut all = Halves(all);
         all.weigh(most);
         all
+    }
+
+    /// Of a binary tree over the items, which are sorted as its leaves follow each other.
+    pub fn of_tree(tree: &Bvh2, items: &mut [Item], most: usize) -> Halves {
+        let half = |node: u32| {
+            let aabb = tree.nodes[node as usize].aabb;
+            let costs = [f32::INFINITY; WIDTH - 1];
+            Half { lo: aabb.min.into(), hi: aabb.max.into(), first: 0, count: 0, halves: 0, costs, is_leaf: false }
+        };
+        let mut all = Vec::with_capacity(2 * items.len());
+        let mut sorted = Vec::with_capacity(items.len());
+        all.push(half(0));
+        let mut open = vec![(0u32, 0usize)];
+        while let Some((node, index)) = open.pop() {
+            let node = &tree.nodes[node as usize];
+            if node.is_leaf() {
+                let own = node.first_index as usize..(node.first_index + node.prim_count) as usize;
+                (all[index].first, all[index].count) = (sorted.len() as u32, node.prim_count);
+                sorted.extend(tree.primitive_indices[own].iter().map(|item| items[*item as usize]));
+            } else {
+                let first = all.len();
+                all[index].halves = first as u32;
+                all.extend([half(node.first_index), half(node.first_index + 1)]);
+                open.extend([(node.first_index + 1, first + 1), (node.first_index, first)]);
+            }
+        }
+        items.copy_from_slice(&sorted);
+        for index in (0..all.len()).rev() {
+            if let Some(first) = all[index].halves() {
+                (all[index].first, all[index].count) = (all[first].first, all[first].count + all[first + 1].count);
+            }
+        }
+        let mut all = Halves(all);
+        all.weigh(most);
+        all
+    }
+
+    /// Whether no node is deeper than a walk can keep count of: sets that nest at every scale are joined in chains.
+    pub fn fits_the_stack(&self) -> bool {
+        let mut open = vec![(0usize, 0usize)];
+        while let Some((index, level)) = open.pop() {
+            if level >= DEEPEST {
+                return false;
+            }
+            let inner = self.children(index).into_iter().filter(|child| self.leaf(*child).is_none());
+            open.extend(inner.map(|child| (child, level + 1)));
+        }
+        true
     }
 
     /// From single items up: halves come behind what they are halves of.
@@ -205,16 +254,26 @@ mod tests {
         }
     }
 
+    /// By splits, and of a tree that is given.
+    const KINDS: [fn(&mut [Item], usize) -> Halves; 2] =
+        [Halves::new, |items, most| Halves::of_tree(&super::super::build::binary(items), items, most)];
+
     /// Of leaves of two, and of single items in clusters, where nodes below the first are full, too.
     #[test]
     fn no_tree_costs_less() {
+        for kind in KINDS {
+            least_of(kind);
+        }
+    }
+
+    fn least_of(kind: fn(&mut [Item], usize) -> Halves) {
         for seed in 0..6 {
             for (count, most) in [(11, 2), (18, 1)] {
                 let mut items = boxes(seed, count);
                 for item in items.iter_mut().filter(|item| most == 1 && item.index < 12) {
                     (item.lo, item.hi) = (5.0 + 0.1 * item.lo, 5.0 + 0.1 * item.hi);
                 }
-                let halves = Halves::new(&mut items, most);
+                let halves = kind(&mut items, most);
                 let least = least(&halves, 0, most, &mut HashMap::new());
                 let cost = stands(&halves, (0, 0), &mut Vec::new(), most);
                 assert!((cost / least - 1.0).abs() < 1e-5, "{cost} for {least}");
@@ -236,6 +295,26 @@ mod tests {
         let mut seen = Vec::new();
         stands(&halves, (0, 0), &mut seen, 4);
         assert_eq!(seen.len(), items.len());
+        assert!(halves.fits_the_stack());
+    }
+
+    /// Nodes of a chain, each of a single item and the rest, are deeper than a walk can follow.
+    #[test]
+    fn chains_are_told() {
+        let boxes = boxes(3, 1000);
+        let chain = |count: usize| {
+            let mut all = vec![Half::new(&boxes[..count], 0)];
+            for first in 1..count {
+                // The rest, whose halves follow it, then the item that it is parted from.
+                let place = all.len();
+                all[if first == 1 { 0 } else { place - 2 }].halves = place as u32;
+                all.extend([Half::new(&boxes[first..count], first), Half::new(&boxes[first - 1..first], first - 1)]);
+            }
+            let mut all = Halves(all);
+            all.weigh(1);
+            all.fits_the_stack()
+        };
+        assert!(chain(20) && !chain(1000));
     }
 
     #[test]
@@ -245,14 +324,17 @@ mod tests {
             // Some that nothing tells apart.
             let alike = items[0];
             items.iter_mut().step_by(3).for_each(|item| *item = Item { index: item.index, ..alike });
-            let halves = Halves::new(&mut items, most);
-            let mut seen = Vec::new();
-            stands(&halves, (0, 0), &mut seen, most);
-            seen.sort_unstable();
-            assert_eq!(seen, (0..count as usize).collect::<Vec<_>>());
-            let mut whose: Vec<u32> = items.iter().map(|item| item.index).collect();
-            whose.sort_unstable();
-            assert_eq!(whose, (0..count).collect::<Vec<_>>());
+            for kind in KINDS {
+                let mut items = items.clone();
+                let halves = kind(&mut items, most);
+                let mut seen = Vec::new();
+                stands(&halves, (0, 0), &mut seen, most);
+                seen.sort_unstable();
+                assert_eq!(seen, (0..count as usize).collect::<Vec<_>>());
+                let mut whose: Vec<u32> = items.iter().map(|item| item.index).collect();
+                whose.sort_unstable();
+                assert_eq!(whose, (0..count).collect::<Vec<_>>());
+            }
         }
     }
 }

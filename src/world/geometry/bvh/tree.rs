@@ -5,7 +5,7 @@
 //! cube: origin, direction and its inverse 6e-8 each over a length of up to 2√3, a zero component of the direction taken as
 //! 1.2e-7, four operations per plane.
 
-use super::bound::Bounds;
+use super::super::bound::Bounds;
 use super::node::{Beam, Lanes};
 use super::split::Item;
 use super::wide::{Leaf, Visit, Wide};
