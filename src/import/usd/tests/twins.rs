@@ -5,10 +5,9 @@ use glam::{DAffine3, DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The exporter's files, where they are at hand: they are no part of this repository.
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().map(|up| up.join("shared/cad")).find(|at| at.is_dir());
-    path.map(|folder| folder.join(name))
+/// A file of the exporter's.
+fn sample(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("samples").join(name)
 }
 
 type Triangle = [[u32; 3]; 3];
@@ -32,12 +31,9 @@ fn faces(assembly: &Assembly, mesh: usize) -> Vec<Vec<Triangle>> {
 
 #[test]
 fn hud_direct_and_hud_diffuse() {
-    for (stage, glb, parts) in
-        [("usd_direct/hud_direct.usda", "hud_direct.glb", 18), ("usd_diffuse/hud_diffuse.usda", "hud_diffuse.glb", 28)]
-    {
-        let (Some(stage), Some(glb)) = (shared(stage), shared(glb)) else { return };
-        let stage = usd::read(&stage, &ReadOptions::default()).unwrap();
-        let glb = gltf::read(&glb).unwrap();
+    for (name, parts) in [("hud-direct/hud_direct", 18), ("hud-diffuse/hud_diffuse", 28)] {
+        let stage = usd::read(&sample(&format!("{name}.usda")), &ReadOptions::default()).unwrap();
+        let glb = gltf::read(&sample(&format!("{name}.glb"))).unwrap();
         assert_eq!(stage.unit_m, 0.001);
         // The root of the glTF turns z up into y up; without it both are in the CAD frame.
         let turn = glb.nodes[0].to_world.inverse();
