@@ -43,6 +43,7 @@ mod usd_out;
 mod usd_survive;
 
 // Commands.
+mod completions;
 mod inspect_init;
 mod paths;
 mod report;

@@ -26,9 +26,21 @@ async function selftest() {
   }
   byId("reset").click();
   now();
-  canvas.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
-  found.pixel = shown.pixel;
+  const press = (key) => {
+    canvas.dispatchEvent(new KeyboardEvent("keydown", { key }));
+    return shown.pixel;
+  };
+  const point = (type, x, y) => {
+    const box = canvas.getBoundingClientRect();
+    const [clientX, clientY] = [box.left + (box.width * (x + 0.5)) / width, box.top + (box.height * (y + 0.5)) / height];
+    canvas.dispatchEvent(new PointerEvent(type, { clientX, clientY }));
+    return shown.pixel;
+  };
+  found.pixel = press("ArrowRight");
   found.readout = byId("readout").textContent;
+  // Let go, follow the pointer, keep a pixel while the pointer goes on, let go.
+  found.pointed = [press("Escape"), point("pointermove", 1, 3), point("click", 2, 4), point("pointermove", 0, 0)];
+  found.pointed.push(press("Escape"));
   const codes = () => Array.from(canvas.getContext("2d").getImageData(0, 0, width, height).data);
   found.codes = codes();
   byId("false-colour").click();
