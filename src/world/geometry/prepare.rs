@@ -225,11 +225,11 @@ fn arrange(triangles: &[Triangle], boxes: &[Bounds], sheets: &[Sheet]) -> Option
 /// Up to this many exact faces of a part are looked up one after the other.
 const MOST_GRIDS: usize = 6;
 
+/// A triangle's number in its mesh, and its corners.
+type Numbered = (usize, [[f32; 3]; 3]);
+
 /// The triangles of a face with their numbers: where their corners are, or what is wrong with one.
-fn corners_of(
-    mesh: &Mesh,
-    range: FaceRange,
-) -> Result<impl Iterator<Item = Result<(usize, [[f32; 3]; 3]), String>>, String> {
+fn corners_of(mesh: &Mesh, range: FaceRange) -> Result<impl Iterator<Item = Result<Numbered, String>>, String> {
     let Some(own) = mesh.triangles.get(range.triangles()) else {
         return Err(format!(
             "triangles {} to {} of mesh {} which has {}",
