@@ -3,6 +3,7 @@
 //! programming over the binary tree: H. Ylitie, T. Karras and S. Laine, "Efficient incoherent ray traversal on GPUs through
 //! compressed wide BVHs", HPG 2017).
 
+use super::build;
 use super::split::{Extent, Item, halve, split};
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -80,6 +81,12 @@ impl Halves {
         let mut all = Halves(all);
         all.weigh(most);
         all
+    }
+
+    /// Of the two trees the one that rays go through faster, of those that a walk can keep count of.
+    pub fn best(items: &mut [Item], most: usize) -> Halves {
+        let joined = (items.len() <= build::MOST).then(|| Halves::of_tree(&build::binary(items), items, most));
+        joined.filter(Halves::fits_the_stack).unwrap_or_else(|| Halves::new(items, most))
     }
 
     /// Of a binary tree over the items, which are sorted as its leaves follow each other.
@@ -254,9 +261,12 @@ mod tests {
         }
     }
 
+    fn joined(items: &mut [Item], most: usize) -> Halves {
+        Halves::of_tree(&build::binary(items), items, most)
+    }
+
     /// By splits, and of a tree that is given.
-    const KINDS: [fn(&mut [Item], usize) -> Halves; 2] =
-        [Halves::new, |items, most| Halves::of_tree(&super::super::build::binary(items), items, most)];
+    const KINDS: [fn(&mut [Item], usize) -> Halves; 2] = [Halves::new, joined];
 
     /// Of leaves of two, and of single items in clusters, where nodes below the first are full, too.
     #[test]
@@ -279,6 +289,15 @@ mod tests {
                 assert!((cost / least - 1.0).abs() < 1e-5, "{cost} for {least}");
             }
         }
+    }
+
+    /// Boxes that nothing tells apart are joined one after the other: a walk gets splits instead.
+    #[test]
+    fn joining_the_same_makes_chains() {
+        let alike = boxes(9, 1)[0];
+        let mut items: Vec<Item> = (0..1000).map(|index| Item { index, ..alike }).collect();
+        assert!(!joined(&mut items.clone(), 4).fits_the_stack());
+        assert!(Halves::best(&mut items, 4).fits_the_stack());
     }
 
     /// Boxes that nest at every scale make no chain, and what has no box is in a leaf like all else.
@@ -324,7 +343,7 @@ mod tests {
             // Some that nothing tells apart.
             let alike = items[0];
             items.iter_mut().step_by(3).for_each(|item| *item = Item { index: item.index, ..alike });
-            for kind in KINDS {
+            for kind in [Halves::new, Halves::best] {
                 let mut items = items.clone();
                 let halves = kind(&mut items, most);
                 let mut seen = Vec::new();

@@ -3,7 +3,6 @@
 //! What a walk proposes may differ by f32 rounding from processor to processor, but boxes are padded by more than that
 //! (see [`tree`](super::tree)), so what is hit does not.
 
-use super::build;
 use super::collapse::Halves;
 use super::huge_pages;
 use super::node::{Beam, CHILDREN, LEAF, Lanes, Node, OTHER, enter};
@@ -47,8 +46,7 @@ impl Wide {
     /// Builds over boxes in unit coordinates, which it sorts, with leaves of at most so many: the index of the i-th is
     /// that of slot i. None if there are more than can be told apart.
     pub fn build(items: &mut [Item], most: usize) -> Option<Wide> {
-        let joined = (items.len() <= build::MOST).then(|| Halves::of_tree(&build::binary(items), items, most));
-        let halves = joined.filter(Halves::fits_the_stack).unwrap_or_else(|| Halves::new(items, most));
+        let halves = Halves::best(items, most);
         let mut wide = Wide { nodes: vec![Node::EMPTY], leaves: Vec::new() };
         // A node and what it stands for.
         let mut open = vec![(0usize, 0usize)];
