@@ -115,7 +115,8 @@ fn meshopt_streams_come_back_exactly() {
     }
 }
 
-/// Streams of the C++ library that defines the format come back as that decodes them, bit for bit.
+/// Streams of the C++ library that defines the format come back as that decodes them, bit for bit; but for what filters make of
+/// unit vectors by square roots of f32, which that library itself rounds otherwise with SIMD than without: the last bit.
 #[test]
 fn streams_of_the_reference_library() {
     let bytes = |hex: &serde_json::Value| -> Vec<u8> {
@@ -141,7 +142,22 @@ fn streams_of_the_reference_library() {
                 Mode::Indices
             }
         };
-        assert_eq!(unpacked(mode, count, stride, &stream), Ok(bytes(&row["plain"])), "{}", row["what"]);
+        let (found, plain) = (unpacked(mode, count, stride, &stream).unwrap(), bytes(&row["plain"]));
+        match mode {
+            Mode::Attributes(Filter::Octahedral | Filter::Quaternion) => {
+                let numbers = |bytes: &[u8]| -> Vec<i32> {
+                    let wide = stride == 8;
+                    let short = |b: &[u8]| i32::from(i16::from_le_bytes([b[0], b[1]]));
+                    if wide { bytes.chunks(2).map(short).collect() } else { bytes.iter().map(|b| i32::from(*b as i8)).collect() }
+                };
+                let (found, plain) = (numbers(&found), numbers(&plain));
+                assert_eq!(found.len(), plain.len(), "{}", row["what"]);
+                assert!(found.iter().zip(&plain).all(|(a, b)| (a - b).abs() <= 1), "{}", row["what"]);
+            }
+            Mode::Attributes(Filter::None | Filter::Exponential | Filter::Color) | Mode::Triangles | Mode::Indices => {
+                assert_eq!(found, plain, "{}", row["what"]);
+            }
+        }
         // Cut short it is refused, and nothing panics.
         assert!((0..stream.len()).all(|length| unpacked(mode, count, stride, &stream[..length]).is_err()));
     }
