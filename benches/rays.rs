@@ -131,7 +131,14 @@ impl Case {
             faces,
             ..Mesh::default()
         };
-        let face = Face { finish: Finish::Absorber, coating: None, shape: Shape::Mesh, emitter: None, slide: None };
+        let face = Face {
+            finish: Finish::Absorber,
+            coating: None,
+            shape: Shape::Mesh,
+            emitter: None,
+            tint: None,
+            slide: None,
+        };
         let part = Part {
             name: self.name.clone(),
             path: self.name.clone(),
@@ -152,6 +159,7 @@ impl Case {
             age: 30.0,
         };
         Scene {
+            surfaces: vec![],
             name: self.name.clone(),
             unit_m: 1.0,
             wavelengths: eyebox::scene::Wavelengths::Mono { nm: 555.0 },

@@ -256,8 +256,15 @@ fn measured_faces_light_a_screen() {
         let mut lamp = face(Finish::Absorber);
         let group = add_group(&mut s, "light");
         let angular = Angular::Profile { profile: ProfileId(0), c0: DVec3::X };
-        lamp.emitter =
-            Some(Emitter { group, photometry, angular, spectrum: None, polarisation: None, both_sides: false });
+        lamp.emitter = Some(Emitter {
+            group,
+            photometry,
+            angular,
+            spectrum: None,
+            polarisation: None,
+            both_sides: false,
+            pattern: None,
+        });
         // Faces down: u × v = −z.
         let down = quad(DVec3::ZERO, DVec3::Y * side / 2.0, DVec3::X * side / 2.0);
         let place = DVec3::new(-0.15, 0.05, height);
@@ -304,7 +311,8 @@ fn a_sheet_shines_from_its_back() {
         let mut lamp = face(Finish::Absorber);
         let group = add_group(&mut s, "light");
         let angular = Angular::Lambert;
-        let light = Emitter { group, photometry, angular, spectrum: None, polarisation: None, both_sides: true };
+        let light =
+            Emitter { group, photometry, angular, spectrum: None, polarisation: None, both_sides: true, pattern: None };
         lamp.emitter = Some(light);
         let up = quad(DVec3::ZERO, DVec3::X * side / 2.0, DVec3::Y * side / 2.0);
         let place = DVec3::new(-0.15, 0.05, height);

@@ -69,6 +69,7 @@ fn material() -> impl Strategy<Value = Material> {
         ("roughness", unit().prop_map(number).boxed()),
     ]);
     ("[a-zA-Z /]{0,8}", mapped, looks).prop_map(|(name, mapped, looks)| Material {
+        surface: None,
         name,
         mapped,
         attributes: None,

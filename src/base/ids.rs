@@ -30,3 +30,5 @@ id!(/// A measured intensity distribution.
     ProfileId);
 id!(/// Measured scattering.
     ScatterId);
+id!(/// A standard surface: how an ordinary material looks.
+    SurfaceId);

@@ -24,6 +24,7 @@ pub fn scene(fov_deg: f64, pixels: usize) -> Scene {
         groups: Vec::new(),
         profiles: Vec::new(),
         scatters: Vec::new(),
+        surfaces: Vec::new(),
         lights: Vec::new(),
         sky: None,
         eye: Eye {
@@ -50,7 +51,7 @@ pub fn look(scene: &mut Scene, from: DVec3, to: DVec3) {
 
 /// A face of the triangles themselves.
 pub fn face(finish: Finish) -> Face {
-    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, slide: None }
+    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None }
 }
 
 /// A polished face that is exactly this.
@@ -61,8 +62,15 @@ pub fn polished(shape: Shape) -> Face {
 /// Takes everything and shines in front with this luminance, cd/m².
 pub fn shining(group: GroupId, luminance: f64) -> Face {
     let photometry = Photometry::LuminanceCdM2(luminance);
-    let emitter =
-        Emitter { group, photometry, angular: Angular::Lambert, spectrum: None, polarisation: None, both_sides: false };
+    let emitter = Emitter {
+        group,
+        photometry,
+        angular: Angular::Lambert,
+        spectrum: None,
+        polarisation: None,
+        both_sides: false,
+        pattern: None,
+    };
     Face { emitter: Some(emitter), ..face(Finish::Absorber) }
 }
 

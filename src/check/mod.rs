@@ -110,7 +110,8 @@ fn scatters(finish: Finish) -> bool {
         | Finish::CosM { .. }
         | Finish::Rough { .. }
         | Finish::Abg { .. }
-        | Finish::Measured { .. } => true,
+        | Finish::Measured { .. }
+        | Finish::Surface { .. } => true,
         Finish::None
         | Finish::Polished
         | Finish::MirrorMetal { .. }
@@ -221,6 +222,11 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
         Finish::Measured { table } => {
             if scene.scatters.get(table.index()).is_none() {
                 return Err(Fault::new(at(), "measured scattering without its table"));
+            }
+        }
+        Finish::Surface { surface } => {
+            if scene.surfaces.get(surface.index()).is_none() {
+                return Err(Fault::new(at(), "a standard surface without its parameters"));
             }
         }
         Finish::None | Finish::Polished | Finish::Absorber => {}

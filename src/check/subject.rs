@@ -89,6 +89,7 @@ pub fn is_specular(face: &Face) -> bool {
         | Finish::Measured { .. }
         | Finish::Polariser { .. }
         | Finish::Retarder { .. }
+        | Finish::Surface { .. }
         | Finish::Absorber => false,
     }
 }

@@ -271,6 +271,7 @@ fn of_scatter(scatter: &Scatter, finish: &Finish) -> Vec<Letter> {
         | Finish::Measured { .. }
         | Finish::Polariser { .. }
         | Finish::Retarder { .. }
+        | Finish::Surface { .. }
         | Finish::Absorber => (true, true),
     };
     let [reflected, transmitted] = match scatter.event() {

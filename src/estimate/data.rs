@@ -12,7 +12,7 @@ use crate::world::geometry::{Hit, Ray};
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
-use crate::world::scatter::Scatter;
+use crate::world::scatter::Principled;
 use crate::world::surface::Surface;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -29,8 +29,9 @@ pub struct Seen {
     pub position: DVec3,
     /// World, towards the eye.
     pub normal: DVec3,
-    /// Diffuse reflectance + transmittance; 1 for specular faces, as denoisers want it.
-    pub albedo: f64,
+    /// Share of light falling straight on that is scattered, linear Rec.709, as textures have it there; 1 for specular faces, as
+    /// denoisers want it.
+    pub albedo: [f64; 3],
     /// Part number from 1; 0 where nothing is hit.
     pub part: u32,
     /// CAD face number from 0.
@@ -39,7 +40,7 @@ pub struct Seen {
 
 impl Seen {
     const NOTHING: Seen =
-        Seen { z_m: FAR_M, position: DVec3::ZERO, normal: DVec3::ZERO, albedo: 0.0, part: 0, face: 0 };
+        Seen { z_m: FAR_M, position: DVec3::ZERO, normal: DVec3::ZERO, albedo: [0.0; 3], part: 0, face: 0 };
 }
 
 /// Data of one pixel.
@@ -59,6 +60,8 @@ pub struct SeenPixels {
     pub position: [Vec<f32>; 3],
     pub normal: [Vec<f32>; 3],
     pub albedo: Vec<f32>,
+    /// Green and blue of the albedo, from the first pixel that is not grey on.
+    pub tint: Option<[Vec<f32>; 2]>,
     pub part: Vec<f32>,
     pub face: Vec<f32>,
 }
@@ -66,7 +69,15 @@ pub struct SeenPixels {
 impl SeenPixels {
     fn push(&mut self, seen: &Seen) {
         self.z_m.push(seen.z_m as f32);
-        self.albedo.push(seen.albedo as f32);
+        let [r, g, b] = seen.albedo.map(|c| c as f32);
+        if self.tint.is_none() && (r != g || r != b) {
+            self.tint = Some([self.albedo.clone(), self.albedo.clone()]);
+        }
+        self.albedo.push(r);
+        if let Some([green, blue]) = &mut self.tint {
+            green.push(g);
+            blue.push(b);
+        }
         self.part.push(seen.part as f32);
         self.face.push(seen.face as f32);
         for axis in 0..3 {
@@ -84,6 +95,9 @@ pub struct Data {
     pub seen: SeenPixels,
     pub seethrough: Vec<f32>,
 }
+
+/// An ordinary material is there where it hides at least this share of what is behind it.
+const MOSTLY: f64 = 0.5;
 
 /// So many rows are looked at together.
 const BAND: usize = 32;
@@ -218,6 +232,20 @@ pub(crate) fn go_straight(
             Met::Pupil(_) | Met::Ended => return End::Lost,
             Met::Face(vertex) => vertex,
         };
+        if let Some(principled) = principled_at(world, &vertex) {
+            let look = vertex.point_of(principled).look(None);
+            let share = principled.passes(-walker.ray.dir.dot(vertex.normal), &look);
+            // What is cut out is not there.
+            if look.opacity >= MOSTLY {
+                met(&vertex);
+                if share < MOSTLY {
+                    return End::Seen;
+                }
+            }
+            walker.beam.scale(share);
+            walker.pass_through(&vertex);
+            continue;
+        }
         met(&vertex);
         if !walker.go_straight_on(&vertex, ledger) {
             return End::Seen;
@@ -226,13 +254,30 @@ pub(crate) fn go_straight(
     End::Lost
 }
 
+fn principled_at<'w>(world: &'w World, vertex: &Vertex) -> Option<&'w Principled> {
+    match &world.faces[vertex.hit.site.part as usize][vertex.hit.site.face as usize].surface {
+        Surface::Scatter(scatter) => scatter.principled(),
+        Surface::Absent
+        | Surface::Absorber
+        | Surface::Slide(_)
+        | Surface::Sheet(_)
+        | Surface::Mirror(_)
+        | Surface::Interface(_) => None,
+    }
+}
+
 fn seen(world: &World, vertex: &Vertex, eye: &EyeLens, from: DVec3) -> Seen {
     let hit: &Hit = &vertex.hit;
     let optics = &world.faces[hit.site.part as usize][hit.site.face as usize];
     let albedo = match &optics.surface {
-        Surface::Absorber => 0.0,
-        Surface::Absent | Surface::Slide(_) | Surface::Sheet(_) | Surface::Mirror(_) | Surface::Interface(_) => 1.0,
-        Surface::Scatter(scatter) => scatter_albedo(scatter),
+        Surface::Absorber => [0.0; 3],
+        Surface::Absent | Surface::Slide(_) | Surface::Sheet(_) | Surface::Mirror(_) | Surface::Interface(_) => {
+            [1.0; 3]
+        }
+        Surface::Scatter(scatter) => match scatter.principled() {
+            Some(principled) => vertex.point_of(principled).albedo(principled),
+            None => [scatter.specular() + scatter.albedo(1.0); 3],
+        },
     };
     Seen {
         z_m: (hit.point - from).dot(eye.look()),
@@ -242,8 +287,4 @@ fn seen(world: &World, vertex: &Vertex, eye: &EyeLens, from: DVec3) -> Seen {
         part: hit.site.part + 1,
         face: hit.site.face,
     }
-}
-
-fn scatter_albedo(scatter: &Scatter) -> f64 {
-    scatter.specular() + scatter.albedo(1.0)
 }

@@ -14,6 +14,8 @@ pub struct EmitterHit<'w> {
     pub cos: f64,
     /// That way, cd/m²; above 0.
     pub luminance: f64,
+    /// What the place has of it, if not all alike.
+    pub glow: Option<[f64; 3]>,
 }
 
 impl<'w, M: Mode> Walker<'w, M> {
@@ -26,7 +28,7 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     /// Adds the light of a lamp that the path has met, `factor` times.
     pub fn see(&self, out: &mut [Light], seen: &EmitterHit<'_>, factor: f64) {
-        let tint = self.optics.lamp(seen.index);
+        let tint = self.optics.lamp_at(seen.index, seen.glow);
         let index = self.index_here();
         let amounts = lanes::<M, _>(|lane| seen.luminance * factor * tint[lane] / (index[lane] * index[lane]));
         match seen.lamp.polarisation {
@@ -38,7 +40,7 @@ impl<'w, M: Mode> Walker<'w, M> {
     /// The light of a lamp that the path has met, as it arrives at the path's start: luminance per lane; whether the first
     /// lane stands for all.
     pub fn seen(&self, seen: &EmitterHit<'_>) -> (M::Lanes<Light>, bool) {
-        let tint = self.optics.lamp(seen.index);
+        let tint = self.optics.lamp_at(seen.index, seen.glow);
         let index = self.index_here();
         let beam = match seen.lamp.polarisation {
             None => self.beam,
@@ -73,6 +75,9 @@ impl<'w, M: Mode> Walker<'w, M> {
         let lamp = &world.lamps.all()[index];
         let cos = -self.ray.dir.dot(normal);
         let luminance = lamp.luminance_along(normal, -self.ray.dir);
-        (luminance > 0.0).then_some(EmitterHit { lamp, index, cos, luminance })
+        (luminance > 0.0).then(|| {
+            let glow = lamp.glow(site.triangle, vertex.hit.point);
+            EmitterHit { lamp, index, cos, luminance, glow }
+        })
     }
 }

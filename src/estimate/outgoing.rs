@@ -65,7 +65,7 @@ impl<'w, M: Mode> Walker<'w, M> {
     }
 
     /// Goes straight on behind the face.
-    pub(super) fn pass_through(&mut self, vertex: &Vertex) {
+    pub(crate) fn pass_through(&mut self, vertex: &Vertex) {
         self.interior = self.interior_beyond(vertex);
         self.ray = Ray { origin: vertex.hit.point, dir: self.ray.dir, from: Some(vertex.hit.site) };
         (self.beside, self.pending) = (vertex.beside, vertex.then);

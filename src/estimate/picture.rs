@@ -75,7 +75,7 @@ pub fn add_data_layers(frame: &mut Frame, data: Data) {
     let mut add = |name: String, data: Vec<f32>| frame.push(name, data);
     let Data { first, seen, seethrough } = data;
     let mut greys: Vec<(String, Samples)> = Vec::new();
-    for (suffix, depth, SeenPixels { z_m, position, normal, albedo, part, face }) in
+    for (suffix, depth, SeenPixels { z_m, position, normal, albedo, tint, part, face }) in
         [("", "Z", first), ("_seen", "Z_seen.Z", seen)]
     {
         add(depth.to_owned(), z_m);
@@ -85,7 +85,14 @@ pub fn add_data_layers(frame: &mut Frame, data: Data) {
         }
         add(format!("id{suffix}.part"), part);
         add(format!("id{suffix}.face"), face);
-        greys.push((format!("albedo{suffix}"), albedo.into()));
+        match tint {
+            None => greys.push((format!("albedo{suffix}"), albedo.into())),
+            Some([green, blue]) => {
+                for (name, data) in ["R", "G", "B"].into_iter().zip([albedo, green, blue]) {
+                    add(format!("albedo{suffix}.{name}"), data);
+                }
+            }
+        }
     }
     greys.push(("seethrough".to_owned(), seethrough.into()));
     for (layer, data) in greys {

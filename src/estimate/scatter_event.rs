@@ -6,22 +6,24 @@ use crate::base::lpe::Letter;
 use crate::base::path::Event;
 use crate::base::warp::Frame;
 use crate::world::mode::{Mode, lanes};
-use crate::world::scatter::{Scatter, Sides};
+use crate::world::scatter::{Look, Point, Principled, Scatter, Sides};
+use crate::world::stokes::Amount;
 use glam::DVec3;
 
-/// Refractive indices on both sides of a face that scatters.
-#[derive(Debug, Clone, Copy)]
+/// Refractive indices on both sides of a face that scatters, or what an ordinary material is there.
+#[derive(Debug, Clone)]
 pub struct FaceSides<M: Mode> {
     here: M::Lanes<f64>,
     beyond: M::Lanes<f64>,
-    /// The face's scattering depends on them.
+    /// The face's scattering depends on the lane.
     matter: bool,
+    looks: Option<Box<M::Lanes<Look>>>,
 }
 
 impl<M: Mode> FaceSides<M> {
     /// In a lane.
-    pub fn of(&self, lane: usize) -> Sides {
-        Sides { here: self.here[lane], beyond: self.beyond[lane] }
+    pub fn of(&self, lane: usize) -> Sides<'_> {
+        Sides { here: self.here[lane], beyond: self.beyond[lane], look: self.looks.as_ref().map(|looks| &looks[lane]) }
     }
 
     /// In the first lane, within the rounding that half vectors of refraction bear.
@@ -104,15 +106,23 @@ impl<'w, M: Mode> Walker<'w, M> {
         let part = vertex.hit.site.part;
         let d_in = frame.to_local(self.ray.dir);
         let sides = self.sides(vertex, scatter);
-        // What the face reflects specularly besides is not this path's.
-        let absorbed = 1.0 - scatter.specular() - scatter.albedo(-d_in.z);
-        self.absorb(part, self.beam.carried() * absorbed, ledger);
+        if scatter.principled().is_none() {
+            // What the face reflects specularly besides is not this path's.
+            let absorbed = 1.0 - scatter.specular() - scatter.albedo(-d_in.z);
+            self.absorb(part, self.beam.carried() * absorbed, ledger);
+        }
         self.trail = self.trail.then(scatter.event());
         self.unlink();
-        let sampled = scatter.sample(d_in, sides.of(0), u)?;
+        let before = self.beam.carried();
+        let Some(sampled) = scatter.sample(d_in, sides.of(0), u) else {
+            if scatter.principled().is_some() {
+                self.absorb(part, before, ledger);
+            }
+            return None;
+        };
         let through = sampled.dir.z < 0.0;
         self.tell(Letter::of(scatter.event(), through));
-        if M::LANES == 1 || !scatter.refracts() {
+        if M::LANES == 1 || !sides.matter {
             self.beam.scale(sampled.weight);
         } else {
             let (values, alone) = sides.eval(scatter, d_in, sampled.dir);
@@ -122,6 +132,10 @@ impl<'w, M: Mode> Walker<'w, M> {
                 self.beam.part();
             }
         }
+        if scatter.principled().is_some() {
+            // What it takes is known by what is left, on average.
+            self.absorb(part, before - self.beam.carried(), ledger);
+        }
         self.beam.depolarise(frame.to_world(sampled.dir));
         match self.go(vertex, frame.to_world(sampled.dir), through, ledger) {
             Meeting::Went => Some(sampled.pdf),
@@ -129,13 +143,50 @@ impl<'w, M: Mode> Walker<'w, M> {
         }
     }
 
-    /// Indices on both sides of the face at `vertex`, as far as `scatter` asks for them.
+    /// What `scatter` depends on at `vertex`: indices on both sides of the face, or what the material is there.
     pub fn sides(&self, vertex: &Vertex, scatter: &Scatter) -> FaceSides<M> {
         if scatter.refracts() {
-            FaceSides { here: self.index_here(), beyond: self.index_beyond(vertex), matter: true }
-        } else {
-            let air = lanes::<M, _>(|_| 1.0);
-            FaceSides { here: air, beyond: air, matter: false }
+            return FaceSides { here: self.index_here(), beyond: self.index_beyond(vertex), matter: true, looks: None };
         }
+        let air = lanes::<M, _>(|_| 1.0);
+        let looks = scatter.principled().map(|principled| Box::new(self.looks(vertex.point_of(principled))));
+        FaceSides { here: air, beyond: air, matter: looks.is_some(), looks }
+    }
+
+    /// A surface at a place, in every lane.
+    fn looks(&self, point: &Point) -> M::Lanes<Look> {
+        lanes::<M, _>(|lane| point.look(Some(self.optics.reflectance(lane))))
+    }
+
+    /// Goes straight on through an ordinary material by chance, as much as it lets through: what is cut out of it, and a sheet
+    /// that transmits. False where the path is to scatter; it then stands for that share alone.
+    pub(super) fn slips_through(&mut self, vertex: &Vertex, principled: &Principled, ledger: &mut Ledger) -> bool {
+        if !principled.surface.lets_through() {
+            return false;
+        }
+        let looks = self.looks(vertex.point_of(principled));
+        let cos = -self.ray.dir.dot(vertex.normal);
+        let share = self.share_through(vertex, principled);
+        // By the mean of the primaries, so that no lane decides.
+        let chance = principled.passes(cos, &Look { tint: looks[0].mean, ..looks[0] }).clamp(0.0, 1.0);
+        let before = self.beam.carried();
+        if self.rng.uniform() < chance {
+            self.beam.scale_lanes(&lanes::<M, _>(|lane| share[lane] / chance));
+            ledger.by_chance(self.beam.carried() - before);
+            return true;
+        }
+        let stays = 1.0 - chance;
+        let through = self.beam.carried_with(&lanes::<M, _>(|lane| share[lane] * self.beam.amount(lane).power()));
+        self.beam.scale(looks[0].opacity / stays);
+        ledger.by_chance((before - through) / stays - before);
+        // What is not cut out and neither goes straight through has to be booked as the material's.
+        self.absorb(vertex.hit.site.part, (before - through) / stays - self.beam.carried(), ledger);
+        false
+    }
+    /// What an ordinary material lets through unbent, per lane.
+    pub(super) fn share_through(&self, vertex: &Vertex, principled: &Principled) -> M::Lanes<f64> {
+        let looks = self.looks(vertex.point_of(principled));
+        let cos = -self.ray.dir.dot(vertex.normal);
+        lanes::<M, _>(|lane| principled.passes(cos, &looks[lane]))
     }
 }

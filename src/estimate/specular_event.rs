@@ -97,6 +97,10 @@ impl<'w, M: Mode> Walker<'w, M> {
             let films = self.optics.films(coating, lane);
             let turning = films.turning::<M::Amount>(n1[lane], n2[lane], cos_i, vertex.outside, self.optics.nm(lane));
             let parted = self.part(vertex, lane, axis, &turning);
+            let parted = match self.face(vertex).tint {
+                None => parted,
+                Some(tint) => parted.stained(self.optics.reflected(tint, lane)),
+            };
             error = error.max((parted.shares.iter().sum::<f64>() - 1.0).abs());
             let way = if lane == 0 || !disperses { refracted } else { refract(dir, normal, n1[lane] / n2[lane]) };
             if way.is_some() && parted.shares[1] > 0.0 {

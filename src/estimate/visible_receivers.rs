@@ -13,7 +13,7 @@ use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, Mono};
-use crate::world::scatter::{Scatter, Sides};
+use crate::world::scatter::{Look, Scatter, Sides};
 use crate::world::surface::Surface;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -49,7 +49,9 @@ pub struct Sighting {
     /// Whether the ray came from outside the part.
     outside: bool,
     /// Refractive indices about the face; and on the side of the light for light from the ray's side, and from beyond.
-    sides: Sides,
+    sides: [f64; 2],
+    /// What an ordinary material is here.
+    look: Option<Look>,
     index: [f64; 2],
     /// From the eye to here.
     trail: Trail,
@@ -61,13 +63,16 @@ pub struct Sighting {
 
 impl Sighting {
     fn new(&Place { walker, vertex, scatter, frame }: &Place<'_, '_>, share: f64) -> Sighting {
+        let all = walker.sides(vertex, scatter);
+        let Sides { here, beyond, look } = all.of(0);
         Sighting {
             site: vertex.hit.site,
             point: vertex.hit.point,
             d_in: frame.to_local(walker.ray.dir),
             frame,
             outside: vertex.outside,
-            sides: walker.sides(vertex, scatter).of(0),
+            sides: [here, beyond],
+            look: look.copied(),
             index: [false, true].map(|through| walker.beyond(vertex, through, 0.0).0.as_slice()[0]),
             trail: walker.trail,
             goes_on: final_gather::goes_on(walker.trail, scatter.asks_for_final_gather()),
@@ -100,7 +105,9 @@ impl Sighting {
         let Surface::Scatter(scatter) = &face.surface else { return 0.0 };
         let through = landing.outside != self.outside;
         let d_out = on_side(self.frame.to_local(-landing.dir), through);
-        self.share * scatter.eval(self.d_in, d_out, self.sides) / self.index[usize::from(through)].powi(2)
+        let [here, beyond] = self.sides;
+        let sides = Sides { here, beyond, look: self.look.as_ref() };
+        self.share * scatter.eval(self.d_in, d_out, sides) / self.index[usize::from(through)].powi(2)
     }
 }
 

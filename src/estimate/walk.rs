@@ -16,9 +16,10 @@ use crate::world::geometry::{Hit, Ray, Site};
 use crate::world::interior::{Interior, outranks};
 use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
-use crate::world::scatter::Scatter;
+use crate::world::scatter::{Point, Principled, Scatter};
 use crate::world::surface::{FaceOptics, Surface};
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// Paths from the eye are split at the first interfaces they meet: at both faces of a combiner, so that the image from
 /// its front and the ghost from its back are always both there.
@@ -98,9 +99,16 @@ pub struct Vertex {
     pub outside: bool,
     /// Unit shading normal on the side where the ray arrives.
     pub normal: DVec3,
+    /// What an ordinary material is here, once somebody has asked.
+    pub(super) point: OnceLock<Box<Point>>,
 }
 
 impl Vertex {
+    /// What the ordinary material of this face is here: its textures are read once.
+    pub fn point_of(&self, principled: &Principled) -> &Point {
+        self.point.get_or_init(|| Box::new(principled.at(&self.hit)))
+    }
+
     /// What a ray that leaves here, `through` the face or back from it, meets at no distance.
     pub fn at_once(&self, through: bool) -> Option<&Hit> {
         if through { self.then.as_ref() } else { self.back.as_ref() }
@@ -239,12 +247,13 @@ impl<'w, M: Mode> Walker<'w, M> {
         let other = touching.map(|other| other.site).or(then.map(|hit| hit.site));
         let beside = if at_once { self.ray.from } else { other };
         let outside = dir.dot(hit.normal) < 0.0;
-        let normal = if outside { hit.shading } else { -hit.shading };
-        Met::Face(Vertex { outside, normal, hit, touching, then, back, beside })
+        let shading = self.world.shading(&hit, dir);
+        let normal = if outside { shading } else { -shading };
+        Met::Face(Vertex { outside, normal, hit, touching, then, back, beside, point: OnceLock::new() })
     }
 
     /// Beer–Lambert over `length` metres of the medium that the ray runs in.
-    fn attenuate(&mut self, length: f64, ledger: &mut Ledger) {
+    pub(super) fn attenuate(&mut self, length: f64, ledger: &mut Ledger) {
         if let Some((part, _)) = self.interior.top(&self.world.solids)
             && let Some(absorption) = self.optics.absorption_in(part)
         {
@@ -329,6 +338,12 @@ impl<'w, M: Mode> Walker<'w, M> {
                     // Between equal media there is no interface.
                     self.pass_through(vertex);
                     return Meeting::Went;
+                }
+                if let Some(principled) = scatter.principled()
+                    && self.slips_through(vertex, principled, ledger)
+                {
+                    self.pass_through(vertex);
+                    return self.roulette(ledger);
                 }
                 let specular = scatter.specular();
                 if specular > 0.0 && self.stays_specular(vertex, scatter, specular, ledger) {

@@ -11,6 +11,7 @@ use crate::base::lpe::Letter;
 use crate::base::warp::Frame;
 use crate::world::mode::{LaneArray, Mode, lanes};
 use crate::world::scatter::Scatter;
+use crate::world::surface::Surface;
 use glam::DVec3;
 
 /// Faces that a chosen direction is followed through.
@@ -90,6 +91,50 @@ impl<M: Mode> Walker<'_, M> {
             }
         }
         false
+    }
+
+    /// Goes straight on for `rest` metres, or out of the scene where that is infinite, through what is cut out of ordinary
+    /// materials and what they let through unbent; false where anything else is in the way.
+    pub(super) fn go_straight(&mut self, mut rest: f64, ledger: &mut Ledger) -> bool {
+        // As many leaves as a tree may have one behind the other.
+        const MOST_LEAVES: usize = 256;
+        for _ in 0..MOST_LEAVES {
+            let blocked =
+                self.pending.is_some() || self.world.geometry.intersect_beside(&self.ray, self.beside, rest).is_some();
+            if !blocked && rest.is_finite() {
+                self.attenuate(rest, ledger);
+                return true;
+            }
+            match self.advance(ledger) {
+                Met::Sky => return true,
+                Met::Pupil(_) | Met::Ended => return false,
+                Met::Face(vertex) => {
+                    rest -= vertex.hit.t;
+                    if !self.thins(&vertex) {
+                        return false;
+                    }
+                    self.pass_through(&vertex);
+                }
+            }
+        }
+        false
+    }
+
+    /// Takes away what a face keeps of light that goes straight on; false if that is all.
+    fn thins(&mut self, vertex: &Vertex) -> bool {
+        let site = vertex.hit.site;
+        match &self.world.faces[site.part as usize][site.face as usize].surface {
+            Surface::Absent => true,
+            Surface::Scatter(scatter) => {
+                let Some(principled) = scatter.principled().filter(|p| p.surface.lets_through()) else { return false };
+                let share = self.share_through(vertex, principled);
+                self.beam.scale_lanes(&share);
+                share.as_slice().iter().any(|share| *share > 0.0)
+            }
+            Surface::Absorber | Surface::Slide(_) | Surface::Sheet(_) | Surface::Mirror(_) | Surface::Interface(_) => {
+                false
+            }
+        }
     }
 
     /// Goes on through the face at `vertex`; false if that lets nothing through.

@@ -3,7 +3,8 @@
 use super::assembly::{Assembly, RequestedLayer};
 use super::asset_attributes::AssetAttributes;
 use super::bind::bind;
-use super::binding_slots::{PartBound, Slot, Slots};
+use super::binding_slots::{PartBound, Rank, Slot, Slots};
+use super::defaults;
 use super::explain::Explained;
 use super::files;
 use super::frames;
@@ -11,10 +12,13 @@ use super::gltf::{large_by_its_unit, looks_like_millimetres};
 use super::optics;
 use super::select::{Candidate, candidates, listed};
 use super::set::Set;
+use super::surfaces::Surfaces;
 use super::value::Value;
 use crate::base::fault::Result;
 use crate::base::{Code, Fault, Shared, Where};
-use crate::scene::{Coating, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide, Wavelengths};
+use crate::scene::{
+    Coating, Face, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide, StandardSurface, Wavelengths,
+};
 use glam::DMat3;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -50,7 +54,16 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
     for set in rest {
         set.apply(&sheet, &parts, &mut bound)?;
     }
-    covered(&parts, &bound, &assembly)?;
+    // Nobody has said what any part is optically: the asset is a picture as it looks.
+    let bare = sheet.default.is_none() && sheet.binds.is_empty() && sets_nothing(&bound) && !assembly.carries_optics();
+    if !bare {
+        let seen = covered(&parts, &bound, &assembly)?;
+        if !sheet.binds.is_empty() && !seen.is_empty() {
+            let names = listed(seen.iter().map(|part| part.path.as_str()));
+            let text = format!("no finish binds faces of {names}: they look as their materials say");
+            notes.push(Note::warning(Where::file(&assembly.file), text).code(Code::PartUnbound));
+        }
+    }
     let explained = Explained::new(&parts, &bound);
 
     let wavelengths = optics::wavelengths(sheet.wavelengths.as_ref(), &mut notes)?;
@@ -76,6 +89,8 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         coatings: Vec::new(),
         slides: Vec::new(),
         scatters: Vec::new(),
+        surfaces: Vec::new(),
+        read: Surfaces::default(),
         groups: Vec::new(),
         profiles: Vec::new(),
         measured: HashMap::new(),
@@ -84,7 +99,8 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         notes,
     };
     builder.unused(&bound)?;
-    let scene_parts = parts.iter().zip(&bound).map(|(part, bound)| builder.part(part, bound)).collect::<Result<_>>()?;
+    let mut scene_parts: Vec<Part> =
+        parts.iter().zip(&bound).map(|(part, bound)| builder.part(part, bound)).collect::<Result<_>>()?;
     let sky = match &sheet.sky {
         Some(value) => Some(builder.sky(value)?),
         None => None,
@@ -96,11 +112,23 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
     let mut made = builder.lights(sky.as_ref().map(|sky| sky.group))?;
     made.lights.extend(sun);
     let sky = sky.or(made.dome.take());
-    let mut scene_parts: Vec<Part> = scene_parts;
+    // Glowing pictures on things are how those look; what lights a scene shines evenly.
+    let shines = |face: &Face| face.emitter.as_ref().is_some_and(|emitter| emitter.pattern.is_none());
+    let lit = |parts: &[Part]| parts.iter().flat_map(|part| &part.faces).any(shines);
+    let dark = sky.is_none() && made.lights.is_empty() && !lit(&scene_parts) && !lit(&made.parts);
+    let sky = if bare && dark { Some(builder.default_sky()) } else { sky };
     scene_parts.append(&mut made.parts);
-    let eye = frames::eye(&assembly, sheet.eye.as_ref(), unit_m, &mut builder.notes)?
-        .ok_or_else(|| no_eye(sidecar, &assembly.file))?;
-    let Builder { media, coatings, slides, scatters, groups, profiles, files, mut notes, .. } = builder;
+    let said = frames::eye(&assembly, sheet.eye.as_ref(), (unit_m, bare), &mut builder.notes)?;
+    let eye = match said {
+        Some(eye) => eye,
+        None => {
+            let (eye, note) = if bare { defaults::eye(&assembly, unit_m) } else { None }
+                .ok_or_else(|| no_eye(sidecar, &assembly.file))?;
+            builder.notes.push(note);
+            eye
+        }
+    };
+    let Builder { media, coatings, slides, scatters, surfaces, groups, profiles, files, mut notes, .. } = builder;
     let hash = hash(&files, sets)?;
     let mut all = assembly.notes;
     all.append(&mut notes);
@@ -128,6 +156,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         coatings,
         slides,
         scatters,
+        surfaces,
         groups,
         profiles,
         lights: made.lights,
@@ -139,25 +168,42 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
     Ok(Built { scene, explained, layers: assembly.layers, asset: assembly.file, axes: assembly.axes })
 }
 
+/// Whether no `--set` says anything of a part.
+fn sets_nothing(bound: &[PartBound]) -> bool {
+    let slots = bound.iter().flat_map(|part| std::iter::once(&part.part).chain(&part.faces));
+    slots.flat_map(Slots::all).all(|won| won.rank != Rank::Set)
+}
+
 fn no_eye(sidecar: Option<&Value>, file: &Path) -> Box<Fault> {
     Fault::new(super::asset_attributes::place(sidecar, file), "there is no eye")
         .expected("an [eye], or a perspective camera in the asset")
         .code(Code::EyeMissing)
 }
 
-/// Every face must have a finish or a slide.
-fn covered(parts: &[Candidate], bound: &[PartBound], assembly: &Assembly) -> Result<()> {
-    let open = |bound: &PartBound| -> Vec<usize> {
-        let bare = |(_, slots): &(usize, &Slots)| slots.get(Slot::Finish).is_none() && slots.get(Slot::Slide).is_none();
-        bound.faces.iter().enumerate().filter(bare).map(|(face, _)| face).collect()
+/// Where somebody has begun to say what parts are, every face must have a finish, a slide or a look of its own. Returns the
+/// parts of which faces have only that.
+fn covered<'p>(parts: &'p [Candidate], bound: &[PartBound], assembly: &Assembly) -> Result<Vec<&'p Candidate>> {
+    let looks = |part: &Candidate, face: usize| {
+        let materials = assembly.meshes.get(part.mesh).map_or(&[][..], |source| source.materials.as_slice());
+        let material = materials.get(face).copied().flatten().and_then(|index| assembly.materials.get(index));
+        material.is_some_and(|material| material.surface.is_some())
     };
+    let unsaid = |bound: &PartBound| -> Vec<usize> {
+        let unsaid =
+            |(_, slots): &(usize, &Slots)| slots.get(Slot::Finish).is_none() && slots.get(Slot::Slide).is_none();
+        bound.faces.iter().enumerate().filter(unsaid).map(|(face, _)| face).collect()
+    };
+    let open = |part: &Candidate, bound: &PartBound| -> Vec<usize> {
+        unsaid(bound).into_iter().filter(|face| !looks(part, *face)).collect()
+    };
+    let seen = parts.iter().zip(bound).filter(|(_, bound)| !unsaid(bound).is_empty()).map(|(part, _)| part).collect();
     let bare: Vec<(&Candidate, &PartBound, Vec<usize>)> = parts
         .iter()
         .zip(bound)
-        .map(|(part, bound)| (part, bound, open(bound)))
+        .map(|(part, bound)| (part, bound, open(part, bound)))
         .filter(|row| !row.2.is_empty())
         .collect();
-    let Some((first, slots, faces)) = bare.first() else { return Ok(()) };
+    let Some((first, slots, faces)) = bare.first() else { return Ok(seen) };
     let at = Where::file(&assembly.file);
     let wholly = |bound: &PartBound| bound.faces.iter().all(|face| face.all().next().is_none());
     if wholly(slots) || bare.len() > 1 {
@@ -199,6 +245,9 @@ pub(super) struct Builder<'a> {
     pub(super) coatings: Vec<Coating>,
     pub(super) slides: Vec<Slide>,
     pub(super) scatters: Vec<ScatterTable>,
+    pub(super) surfaces: Vec<Shared<StandardSurface>>,
+    /// What was read of ordinary materials.
+    pub(super) read: Surfaces,
     pub(super) groups: Vec<Group>,
     pub(super) profiles: Vec<LuminousProfile>,
     /// Profiles as their files say, by file.

@@ -26,7 +26,11 @@ fn lets_in(face: &Face) -> bool {
         Finish::Lambert { transmittance, .. }
         | Finish::Gauss { transmittance, .. }
         | Finish::CosM { transmittance, .. } => transmittance > 0.0,
-        Finish::MirrorMetal { .. } | Finish::MirrorIdeal { .. } | Finish::Abg { .. } | Finish::Absorber => false,
+        Finish::MirrorMetal { .. }
+        | Finish::MirrorIdeal { .. }
+        | Finish::Abg { .. }
+        | Finish::Surface { .. }
+        | Finish::Absorber => false,
     }
 }
 
@@ -40,7 +44,9 @@ impl Builder<'_> {
         }
         let medium = self.medium(&bound.part, faces.iter().any(lets_in))?;
         if medium.is_none() {
-            faces.iter_mut().zip(&bound.faces).for_each(|(face, slots)| self.thin_wall(face, slots));
+            for ((number, slots), face) in bound.faces.iter().enumerate().zip(&mut faces) {
+                self.thin_wall(part, number, slots, face)?;
+            }
         }
         Ok(Part {
             name: part.name.clone(),
@@ -53,19 +59,14 @@ impl Builder<'_> {
         })
     }
 
-    /// A face that a format calls clear (KHR_materials_transmission) without saying what is behind it is a thin wall: light
-    /// goes through it unbent. One that a person calls polished lacks its medium.
-    fn thin_wall(&mut self, face: &mut Face, slots: &Slots) {
-        let Some(won) = slots.get(Slot::Finish).filter(|won| won.rank == Rank::Mapped) else { return };
-        if face.finish != Finish::Polished {
-            return;
+    /// A face that a format calls clear (KHR_materials_transmission) without saying what is behind it is a thin wall: what its
+    /// material looks like, which lets light through unbent. One that a person calls polished lacks its medium.
+    fn thin_wall(&mut self, part: &Candidate, number: usize, slots: &Slots, face: &mut Face) -> Result<()> {
+        let mapped = slots.get(Slot::Finish).filter(|won| won.rank == Rank::Mapped);
+        if mapped.is_some() && face.finish == Finish::Polished {
+            (face.finish, face.coating) = (Finish::Surface { surface: self.own_surface(part, number)? }, None);
         }
-        (face.finish, face.coating) = (Finish::None, None);
-        let text = "a thin wall that transmits (no volume, no index) lets all light through here: it reflects none";
-        let note = Note::warning(won.entry.value.at.clone(), text).code(Code::IndexMissing);
-        if !self.notes.contains(&note) {
-            self.notes.push(note);
-        }
+        Ok(())
     }
 
     /// The medium of a part; `lit`: light gets into it. An index that nothing asks for may be an impossible one:
@@ -130,8 +131,8 @@ impl Builder<'_> {
                 FinishSpec::Given(finish) => finish,
                 FinishSpec::Measured { file, at } => self.measured_finish(&file, &at)?,
             },
-            // Only a face with a slide gets here without a finish.
-            None => Finish::None,
+            None if slots.get(Slot::Slide).is_some() => Finish::None,
+            None => Finish::Surface { surface: self.own_surface(part, number)? },
         };
         let shape = match slots.get(Slot::Shape) {
             Some(won) => self.shape(part, number, &won.entry.value, to_world)?,
@@ -146,7 +147,13 @@ impl Builder<'_> {
                     let (at, text) = (won.entry.value.at.clone(), "`spectrum` of emitter is not said: D65".to_owned());
                     self.notes.push(Note::info(at, text));
                 }
-                Some(self.emitter(part, number, spec)?)
+                let mut emitter = self.emitter(part, number, spec)?;
+                // What a format says of emission goes with its texture; what a person says is the whole face's.
+                if won.rank == Rank::Mapped {
+                    let own = self.own_surface(part, number)?;
+                    emitter.pattern = self.surfaces[own.index()].emission.is_some().then_some(own);
+                }
+                Some(emitter)
             }
             None => None,
         };
@@ -154,7 +161,35 @@ impl Builder<'_> {
             Some(won) => self.slide(part, number, &won.entry.value)?,
             None => None,
         };
-        Ok(Face { finish, coating: self.coating(part, number, slots, finish)?, shape, emitter, slide })
+        let tint = match slots.get(Slot::Finish) {
+            Some(won) if won.rank == Rank::Mapped => self.stain(part, number, finish),
+            Some(_) | None => None,
+        };
+        Ok(Face { finish, coating: self.coating(part, number, slots, finish)?, shape, emitter, tint, slide })
+    }
+
+    /// What the base colour of a solid that transmits takes at each of its faces: the root, as light gets in and out (so has it
+    /// Blender's Principled BSDF; KHR_materials_transmission leaves solids open).
+    fn stain(&mut self, part: &Candidate, number: usize, finish: Finish) -> Option<[f64; 3]> {
+        let (_, surface, at) = self.look_of(part, number)?;
+        let (colour, at) = (surface.base_color.clone(), at.clone());
+        let said = match finish {
+            Finish::Polished if colour.texture.is_some() => {
+                Some("a base colour texture on glass is not used: its factor alone tints")
+            }
+            Finish::Rough { .. } if colour.texture.is_some() || colour.factor != [1.0; 3] => {
+                Some("the base colour of rough glass is not used: it is clear")
+            }
+            _ => None,
+        };
+        if let Some(text) = said {
+            let note = Note::warning(at, text);
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+        let root = colour.factor.map(|c| c.clamp(0.0, 1.0).sqrt());
+        (finish == Finish::Polished && root != [1.0; 3]).then_some(root)
     }
 
     /// The finish of a file of measured scattering.
@@ -208,6 +243,13 @@ impl Builder<'_> {
                 return Err(Fault::new(won.entry.at.clone(), what)
                     .expected("finish = \"polished\" there, or no coating")
                     .code(Code::CoatingNotPolished));
+            }
+            if matches!(finish, Finish::Surface { .. }) {
+                let note =
+                    Note::warning(won.entry.at.clone(), "a thin film on a material that is not glass is not shown yet");
+                if !self.notes.contains(&note) {
+                    self.notes.push(note);
+                }
             }
             return Ok(None);
         }

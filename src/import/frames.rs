@@ -1,6 +1,7 @@
 //! Where things stand: units, frames of reference, the eye, and exact surfaces fitted to faces.
 
 use super::assembly::{Assembly, Camera};
+use super::defaults;
 use super::fit::{self, Fitted};
 use super::optics::{self, Lens, Pose};
 use super::select;
@@ -49,7 +50,13 @@ fn frame_of(assembly: &Assembly, frame: Option<&(String, Where)>) -> Result<DAff
 
 /// The eye that `value` and the asset's camera describe; none if neither does.
 /// Faults: incomplete or contradictory descriptions.
-pub fn eye(assembly: &Assembly, value: Option<&Value>, unit_m: f64, notes: &mut Vec<Note>) -> Result<Option<Eye>> {
+/// `bare`: nobody has said what parts are optically, so that cameras are pinholes and pictures larger.
+pub fn eye(
+    assembly: &Assembly,
+    value: Option<&Value>,
+    (unit_m, bare): (f64, bool),
+    notes: &mut Vec<Note>,
+) -> Result<Option<Eye>> {
     let usable = |camera: &&Camera| camera.yfov.is_some();
     let mut cameras = assembly.cameras.iter().filter(usable);
     let camera = cameras.next();
@@ -60,7 +67,7 @@ pub fn eye(assembly: &Assembly, value: Option<&Value>, unit_m: f64, notes: &mut 
         (None, None) => return Ok(None),
     };
     let lens = camera.map_or(Lens::default(), |camera| Lens {
-        pupil_diameter_m: camera.pupil.map(|pupil| pupil * unit_m),
+        pupil_diameter_m: camera.pupil.map(|pupil| pupil * unit_m).or(bare.then_some(0.0)),
         focus_distance_m: camera.focus.map(|focus| focus * unit_m),
     });
     let spec = optics::eye(value, lens, notes)?;
@@ -69,10 +76,11 @@ pub fn eye(assembly: &Assembly, value: Option<&Value>, unit_m: f64, notes: &mut 
     let resolution = match (spec.resolution, camera.and_then(|camera| camera.aspect)) {
         (Some(given), _) => given,
         (None, aspect) => {
-            let height = aspect.map_or(180.0, |aspect| (360.0 / aspect).round().clamp(1.0, 65536.0));
-            let text = format!("`resolution` of eye is not said: 360 x {height}");
+            let [width, height] = if bare { defaults::RESOLUTION } else { [360, 180] };
+            let height = aspect.map_or(height as f64, |aspect| (width as f64 / aspect).round().clamp(1.0, 65536.0));
+            let text = format!("`resolution` of eye is not said: {width} x {height}");
             notes.push(Note::info(spec.at.clone(), text));
-            [360, height as usize]
+            [width, height as usize]
         }
     };
     let (position, look, up) = match (&spec.pose, camera) {

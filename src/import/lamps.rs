@@ -69,7 +69,7 @@ impl Builder<'_> {
                 Photometry::FluxLm(flux)
             }
         };
-        Ok(Emitter { group, photometry, angular, spectrum, polarisation, both_sides: spec.both_sides })
+        Ok(Emitter { group, photometry, angular, spectrum, polarisation, both_sides: spec.both_sides, pattern: None })
     }
 
     /// The profile in a file that `at` names.

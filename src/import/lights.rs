@@ -181,9 +181,16 @@ impl Builder<'_> {
             spectrum: self.light_spectrum(light)?,
             polarisation: None,
             both_sides: false,
+            pattern: None,
         };
-        let face =
-            Face { finish: Finish::Absorber, coating: None, shape: Shape::Mesh, emitter: Some(emitter), slide: None };
+        let face = Face {
+            finish: Finish::Absorber,
+            coating: None,
+            shape: Shape::Mesh,
+            emitter: Some(emitter),
+            tint: None,
+            slide: None,
+        };
         let node = self.assembly.nodes.get(light.node).map_or("", |node| node.path.as_str());
         made.parts.push(Part {
             name: light.name.clone(),

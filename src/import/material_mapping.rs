@@ -32,17 +32,31 @@ pub fn mapped(material: &Material, notes: &mut Vec<Note>) -> Result<Vec<(String,
     let solid = number("thickness").filter(|(thickness, _)| *thickness > 0.0);
     let clear = match number("transmission") {
         Some((share, value)) if share >= 1.0 => Some(value),
-        Some((share, value)) if share > 0.0 => {
-            let text = format!("transmission {share} between 0 and 1 has no meaning here and is ignored");
+        Some((share, value)) if share > 0.0 && solid.is_some() => {
+            let text =
+                format!("transmission {share} of a solid is between 0 and 1: its faces are taken as thin sheets");
             note(Note::warning(value.at.clone(), text).code(Code::TransmissionPartial));
             None
         }
         Some(_) | None => None,
     };
     if let Some(value) = clear {
-        all.push(("finish".to_owned(), Value::new(Data::Text("polished".into()), value.at.clone())));
+        // What nothing is said of is polished: the formats' own defaults, fully rough or nearly so, mean no glass.
+        let roughness = material.looks.iter().find(|(key, _)| key == "roughness").and_then(|(_, value)| value.number());
+        let finish = match (solid, roughness) {
+            (Some(_), Some(roughness)) if roughness > 0.0 => {
+                let alpha = (roughness * roughness).clamp(1e-4, 1.0);
+                let row = |key: &str, data: Data| (key.to_owned(), Value::new(data, value.at.clone()));
+                Data::Table(vec![row("kind", Data::Text("rough".into())), row("alpha", Data::Number(alpha))])
+            }
+            (Some(_) | None, _) => Data::Text("polished".into()),
+        };
+        all.push(("finish".to_owned(), Value::new(finish, value.at.clone())));
     }
+    // What transmits and is not said to be solid is a thin sheet, which no medium is behind.
+    let sheet = clear.is_some() && solid.is_none();
     match (number("ior"), number("dispersion").filter(|(dispersion, _)| *dispersion > 0.0)) {
+        (_, _) if sheet => {}
         (ior, Some((dispersion, value))) => {
             // KHR_materials_ior: 1.5 where it isn't said.
             let n_d = Value::new(Data::Number(ior.map_or(1.5, |(ior, _)| ior)), value.at.clone());
@@ -125,6 +139,12 @@ mod tests {
         assert_eq!(said(&[("ior", 1.4), ("dispersion", 0.5)]), (vec!["abbe = [1.4, 40]".into()], 0));
         assert_eq!(said(&[("luminance_cd_m2", 7.0)]), (vec!["emitter = { luminance_cd_m2 = 7 }".into()], 0));
         assert_eq!(said(&[("transmission", 0.5), ("thickness", 1.0)]), (vec![], 1));
+        let mut frosted = assembly(&[]).materials.remove(0);
+        let value = |x: f64| Value::new(Data::Number(x), Where::Nowhere);
+        frosted.mapped = vec![("transmission".into(), value(1.0)), ("thickness".into(), value(1.0))];
+        frosted.looks = vec![("roughness".into(), value(0.5))];
+        let (_, finish) = mapped(&frosted, &mut Vec::new()).unwrap().remove(0);
+        assert_eq!(finish.to_string(), "{ kind = \"rough\", alpha = 0.25 }");
         assert_eq!(
             said(&[("transmission", 1.0), ("thickness", 1.0)]),
             (vec!["finish = \"polished\"".into(), "ior = 1.5".into()], 1)

@@ -7,6 +7,7 @@ mod asset_rows; // what the asset says of itself
 pub mod bind; // which value holds for an attribute of a part or face
 pub mod binding_slots; // the places that values are offered for
 pub mod build; // assembly + sidecar + sets → scene
+mod defaults; // an eye and a sky for assets that have none
 pub mod deps; // the files that an asset needs
 pub mod explain; // which line won
 mod faces; // parts and their faces from attributes
@@ -29,6 +30,7 @@ pub mod photometric; // IES LM-63 and EULUMDAT
 mod scene_images; // slides and the sky
 pub mod select; // which parts and faces a selector means
 pub mod set; // --set
+mod surfaces; // how ordinary materials look: their pictures are read
 pub mod template; // a sidecar to start from
 #[cfg(test)]
 pub mod testing;

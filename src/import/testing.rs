@@ -64,6 +64,7 @@ pub fn assembly(names: &[&str]) -> Assembly {
         mapped: Vec::new(),
         attributes: None,
         looks: Vec::new(),
+        surface: None,
         at: pointer("/materials/0".into()),
     };
     Assembly { file: "a.glb".into(), unit_m: 1.0, nodes, meshes, materials: vec![material], ..Assembly::default() }

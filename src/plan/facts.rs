@@ -16,10 +16,23 @@ pub(super) fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row>
             Choice::Auto => auto(checked, world, group, class, is_sky),
             Choice::Only(estimator) => only(checked, estimator, class, is_sky),
         };
+        let verdict = uneven(world, group, verdict);
         Row { group, class, verdict: without_area(world, group, class, verdict) }
     };
     let groups = (0..scene.groups.len()).map(GroupId::from_index);
     groups.flat_map(|group| Class::ALL.map(|class| row(group, class))).collect()
+}
+
+/// What remains of a verdict for a group of lamps with emission textures: the tables of connection take a lamp to shine alike
+/// from all of its places.
+fn uneven(world: &World, group: GroupId, verdict: Verdict) -> Verdict {
+    let even = world.lamps.all().iter().filter(|lamp| lamp.group == group).all(|lamp| lamp.is_even());
+    match verdict {
+        Verdict::Connect { rest, because } if !even => {
+            own(rest, format!("{because}; a lamp has an emission texture, which connection does not know"))
+        }
+        Verdict::Own { .. } | Verdict::Connect { .. } | Verdict::Skip { .. } => verdict,
+    }
 }
 
 /// What remains of a verdict for a group of points and parallel light, which no ray meets by chance.

@@ -39,16 +39,18 @@ fn spectral(scene: &Scene, world: &World) -> (Spectral, String) {
         let medium = scene.medium(part.medium?);
         matches!(medium.absorption, Absorption::Colour { .. }).then_some((medium, part))
     });
-    match (coloured_sky || tinted.is_some(), mixed) {
+    let painted = painted(scene);
+    match (coloured_sky || tinted.is_some() || painted.is_some(), mixed) {
         (false, None) => {
             (Spectral::Mono, "nothing tells wavelengths apart: each group is its luminance times its colour".to_owned())
         }
         (_, mixed) => {
-            let what = match (mixed, tinted) {
+            let what = match (mixed, tinted, painted) {
                 _ if coloured_sky => "the sky is coloured".to_owned(),
-                (_, Some((medium, part))) => format!("the medium {} of {} has a colour", medium.name, part.path),
-                (Some(group), None) => format!("the lamps of group {group} differ in colour"),
-                (None, None) => "something is coloured".to_owned(),
+                (_, Some((medium, part)), _) => format!("the medium {} of {} has a colour", medium.name, part.path),
+                (_, None, Some(name)) => format!("the material {name} has a colour"),
+                (Some(group), None, None) => format!("the lamps of group {group} differ in colour"),
+                (None, None, None) => "something is coloured".to_owned(),
             };
             if tints.clone().all(|power| power.rec709_per_lumen().iter().all(|c| *c >= 0.0)) {
                 (Spectral::Rgb, format!("{what}, and nothing tells wavelengths apart"))
@@ -57,6 +59,41 @@ fn spectral(scene: &Scene, world: &World) -> (Spectral, String) {
             }
         }
     }
+}
+
+/// An ordinary material of some face, or the part of a stained one, that has a colour.
+fn painted(scene: &Scene) -> Option<&str> {
+    let coloured: Vec<bool> = scene.surfaces.iter().map(|surface| surface.is_coloured()).collect();
+    let grey = |[r, g, b, _]: &[f32; 4]| r == g && r == b;
+    scene.parts.iter().find_map(|part| {
+        let vertices = scene.meshes.get(part.mesh.index()).is_some_and(|mesh| !mesh.colors.iter().all(grey));
+        part.faces.iter().find_map(|face| {
+            let shown = match face.finish {
+                Finish::Surface { surface } => Some(surface),
+                Finish::None
+                | Finish::Polished
+                | Finish::Rough { .. }
+                | Finish::Lambert { .. }
+                | Finish::Gauss { .. }
+                | Finish::CosM { .. }
+                | Finish::Abg { .. }
+                | Finish::Measured { .. }
+                | Finish::Polariser { .. }
+                | Finish::Retarder { .. }
+                | Finish::MirrorMetal { .. }
+                | Finish::MirrorIdeal { .. }
+                | Finish::Absorber => None,
+            };
+            if face.tint.is_some_and(|[r, g, b]| r != g || r != b) {
+                return Some(part.path.as_str());
+            }
+            let emits = face.emitter.as_ref().and_then(|emitter| emitter.pattern);
+            [shown, emits].into_iter().flatten().find_map(|id| {
+                let surface = scene.surfaces.get(id.index())?;
+                (coloured[id.index()] || vertices && surface.vertex_colors).then_some(surface.name.as_str())
+            })
+        })
+    })
 }
 
 /// What in the scene treats wavelengths differently, if anything does.

@@ -157,7 +157,8 @@ impl Open {
             }
             let ratio = lamps_over_eye(making.world, lamps().map(|lamp| lamp.area_m2).sum());
             let area: f64 = lamps().map(|lamp| lamp.area_m2).sum();
-            let sees = facts.specular && !facts.pinhole;
+            // Connection knows no emission textures.
+            let sees = facts.specular && !facts.pinhole && lamps().all(|lamp| lamp.is_even());
             let [small, between] = [sees && ratio < OPEN[0], sees && (OPEN[0]..=OPEN[1]).contains(&ratio)];
             // Without specular faces every scatterer asks for the lamps, whatever their size.
             let seen = area > SMALL * section && (facts.pinhole || ratio > OPEN[0]);

@@ -2,7 +2,7 @@
 //! the asset itself carries, before any optical meaning is decided.
 
 use super::value::Value;
-use super::{Mesh, Note};
+use super::{Mesh, Note, StandardSurface};
 use crate::base::{Shared, Where};
 use glam::{DAffine3, DMat3};
 use std::path::PathBuf;
@@ -119,6 +119,8 @@ pub struct Material {
     /// How it looks to other programs; kept for writing, of no meaning to light here: `base_color` (3 numbers,
     /// linear Rec.709), `opacity`, `metallic`, `roughness`.
     pub looks: Vec<(String, Value)>,
+    /// How it looks, which is what its faces are where nothing says otherwise; its pictures are not read yet.
+    pub surface: Option<Shared<StandardSurface>>,
     pub at: Where,
 }
 

@@ -1,6 +1,6 @@
 //! What a face does with light that meets it.
 
-use crate::base::ids::ScatterId;
+use crate::base::ids::{ScatterId, SurfaceId};
 use glam::DVec3;
 
 /// Finish of a face. A coating, if any, acts on `Polished` faces.
@@ -35,6 +35,8 @@ pub enum Finish {
     Polariser { axis: DVec3, transmittance: f64, extinction: f64 },
     /// A thin sheet that delays linear polarisation along `axis` by `retardance_nm` against the other one; loses nothing.
     Retarder { axis: DVec3, retardance_nm: f64 },
+    /// An ordinary material: layers with colours and textures, from both sides alike.
+    Surface { surface: SurfaceId },
     /// Takes everything.
     Absorber,
 }

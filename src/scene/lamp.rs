@@ -1,7 +1,7 @@
 //! Whatever emits: faces, lamps that are no faces, and the sky.
 
 use super::Spectrum;
-use crate::base::ids::{GroupId, ProfileId};
+use crate::base::ids::{GroupId, ProfileId, SurfaceId};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -58,6 +58,8 @@ pub struct Emitter {
     pub spectrum: Option<Spectrum>,
     /// None: unpolarised.
     pub polarisation: Option<PolarisedLight>,
+    /// The surface whose emission texture the light shines through: its own values are those of a white texture.
+    pub pattern: Option<SurfaceId>,
 }
 
 /// A lamp that is no face: a point, a spot or a distant lamp.

@@ -13,6 +13,12 @@ pub struct Mesh {
     /// Texture coordinates, one per position, or none.
     #[serde(skip)]
     pub uvs: Vec<[f32; 2]>,
+    /// A second set of them, or none.
+    #[serde(skip)]
+    pub second_uvs: Vec<[f32; 2]>,
+    /// Linear Rec.709 colours with alpha, one per position, or none.
+    #[serde(skip)]
+    pub colors: Vec<[f32; 4]>,
     /// Vertex indices of each triangle, counter-clockwise seen from outside the solid.
     #[serde(skip)]
     pub triangles: Vec<[u32; 3]>,

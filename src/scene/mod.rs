@@ -21,6 +21,8 @@ pub mod scatter_table;
 pub mod shape;
 pub mod slide;
 pub mod spectrum;
+pub mod surface; // how ordinary materials look
+pub mod texture;
 pub mod value;
 
 pub use abg::AbgLaw;
@@ -38,9 +40,11 @@ pub use scatter_table::ScatterTable;
 pub use shape::Shape;
 pub use slide::{Polarisation, Slide};
 pub use spectrum::{Led, PowerDistribution, Spectrum};
+pub use surface::{Opacity, StandardSurface};
+pub use texture::{Colour, Scalar, Texture, TextureInput};
 
 use crate::base::Shared;
-use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, ScatterId, SlideId};
+use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, ScatterId, SlideId, SurfaceId};
 
 /// At which wavelengths the scene is defined.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -86,6 +90,8 @@ pub struct Scene {
     pub slides: Vec<Slide>,
     /// Measured scattering that finishes refer to.
     pub scatters: Vec<ScatterTable>,
+    /// Standard surfaces that finishes refer to.
+    pub surfaces: Vec<Shared<StandardSurface>>,
     pub groups: Vec<Group>,
     /// Measured intensity distributions that lamps refer to.
     pub profiles: Vec<LuminousProfile>,
@@ -135,5 +141,6 @@ table! {
     coating: CoatingId => coatings: Coating,
     slide: SlideId => slides: Slide,
     scatter: ScatterId => scatters: ScatterTable,
+    surface: SurfaceId => surfaces: StandardSurface,
     group: GroupId => groups: Group,
 }

@@ -107,6 +107,9 @@ pub struct Face {
     pub coating: Option<CoatingId>,
     pub shape: Shape,
     pub emitter: Option<Emitter>,
+    /// Share of the light that gets through a polished face, linear Rec.709, beside what Fresnel's equations or the coating say:
+    /// stained glass. None: all.
+    pub tint: Option<[f64; 3]>,
     /// A face with a slide transmits straight through, weighted by the picture, whatever its finish.
     pub slide: Option<SlideId>,
 }

@@ -2,6 +2,7 @@
 
 use super::beam::Beam;
 use super::cdf::Cdf;
+use super::glow::Glow;
 use crate::base::fault::Result;
 use crate::base::ids::GroupId;
 use crate::base::warp;
@@ -34,6 +35,8 @@ pub struct Lamp {
     unit_cd: f64,
     /// Direction of the electric field (world) and polarised share of its light.
     pub polarisation: Option<(DVec3, f64)>,
+    /// The texture that it shines through, if any: flux, intensity and luminance are the mean's.
+    glow: Option<Box<Glow>>,
     triangles: Vec<Triangle>,
     by_area: Cdf,
     /// Sphere about the face: centre, and radius squared.
@@ -125,7 +128,9 @@ impl Lamp {
             | Photometry::IntensityCd(_)
             | Photometry::AsMeasured => 1.0,
         };
-        let unit_cd = share * emitter.unit_cd(&spread, area_m2);
+        let glow = Glow::build(scene, owner, emitter, triangles.iter().map(|triangle| triangle.index));
+        let mean = glow.as_ref().map_or(1.0, |glow| glow.mean());
+        let unit_cd = share * mean * emitter.unit_cd(&spread, area_m2);
         let (flux_lm, intensity_cd) = (unit_cd * beam.whole(), unit_cd * spread.normal);
         let brightest = unit_cd * spread.peak / area_m2;
         if !(value >= 0.0 && unit_cd >= 0.0 && flux_lm.is_finite() && brightest.is_finite()) {
@@ -156,6 +161,7 @@ impl Lamp {
             beam,
             unit_cd,
             polarisation: emitter.polarisation.map(|light| (to_world.transform_vector3(light.axis), light.degree)),
+            glow,
             triangles,
             by_area,
             centre,
@@ -175,6 +181,23 @@ impl Lamp {
             Beam::CosN(n) => unit * cos.powf(*n - 1.0),
             Beam::Gauss(_) | Beam::Profile { .. } => unit * self.beam.intensity(normal, dir, cos) / cos,
         }
+    }
+
+    /// What a place has of the mean light, linear Rec.709, whose luminance is 1 on average; none of a lamp that shines evenly.
+    pub fn glow(&self, triangle: u32, position: DVec3) -> Option<[f64; 3]> {
+        let glow = self.glow.as_ref()?;
+        let at = self.triangles.binary_search_by_key(&triangle, |triangle| triangle.index).ok()?;
+        let Triangle { origin, edges: [e, f], .. } = self.triangles[at];
+        // Shares of the corners, seen along the normal.
+        let normal = e.cross(f);
+        let (off, whole) = (position - origin, normal.length_squared());
+        let (v, w) = (off.cross(f).dot(normal) / whole, e.cross(off).dot(normal) / whole);
+        Some(glow.at(at, [1.0 - v - w, v, w]))
+    }
+
+    /// Whether it shines alike from all of its places.
+    pub fn is_even(&self) -> bool {
+        self.glow.is_none()
     }
 
     /// [`Lamp::luminance_along`] a direction at `cos_theta` to the normal; for a profile, the one in its plane C0.

@@ -34,7 +34,9 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
                 spectrum: None,
                 polarisation: None,
                 both_sides: false,
+                pattern: None,
             }),
+            tint: None,
             slide: None,
         }],
     };
@@ -48,6 +50,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
         coatings: vec![],
         slides: vec![],
         scatters: vec![],
+        surfaces: vec![],
         profiles: Vec::new(),
         groups: vec![],
         lights: Vec::new(),

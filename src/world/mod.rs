@@ -9,6 +9,7 @@ pub mod films;
 pub mod fresnel;
 pub mod gauss;
 pub mod geometry;
+mod glow;
 pub mod interior;
 pub mod lamp;
 pub mod light;
@@ -22,6 +23,7 @@ pub mod sky;
 pub mod slide;
 pub mod stokes;
 pub mod surface;
+pub mod texture;
 pub mod thinfilm;
 pub mod tint;
 pub mod web;
@@ -31,7 +33,8 @@ use crate::base::lpe::Product;
 use crate::scene::{BeaconForm, Coating, Eye, Medium, Scene};
 use contact::Contacts;
 use eye::EyeLens;
-use geometry::{Geometry, Site};
+use geometry::{Geometry, Hit, Site};
+use glam::DVec3;
 use interior::{Interior, Solid};
 use lamp::Lamps;
 use light::Lights;
@@ -39,7 +42,7 @@ use rim::Rims;
 use sky::SkyLight;
 use slide::SlideMap;
 use std::sync::Arc;
-use surface::FaceOptics;
+use surface::{FaceOptics, Surface};
 use tint::Tints;
 
 /// Everything that a ray can meet, in a frame whose origin is the middle of the scene (so that an assembly 10 km from
@@ -66,6 +69,8 @@ pub struct World {
     pub sky: Option<Arc<SkyLight>>,
     pub eye: EyeLens,
     pub slides: Arc<Vec<SlideMap>>,
+    /// Some face is an ordinary material.
+    pub ordinary: bool,
     pub tints: Tints,
     /// The wavelength of [`mode::Mono`], nm.
     pub wavelength_nm: f64,
@@ -145,7 +150,9 @@ impl World {
                 BeaconForm::Distant { .. } => Interior::default(),
             })
             .collect();
+        let is_ordinary = |face: &FaceOptics| matches!(&face.surface, Surface::Scatter(s) if s.principled().is_some());
         Ok(World {
+            ordinary: faces.iter().flatten().any(is_ordinary),
             rims: Arc::new(Rims::find(scene, &geometry, &faces)),
             faces: Arc::new(faces),
             solids,
@@ -170,7 +177,28 @@ impl World {
 
     /// Whether rays pass a face as if it were not there.
     pub fn is_absent(&self, site: Site) -> bool {
-        matches!(self.faces[site.part as usize][site.face as usize].surface, surface::Surface::Absent)
+        matches!(self.faces[site.part as usize][site.face as usize].surface, Surface::Absent)
+    }
+
+    /// The normal for optics where a ray along `dir` has met a face, in the hemisphere of the face's own. An ordinary material
+    /// may have a normal map; and its interpolated normals never turn away from the ray, which would see nothing there.
+    #[inline]
+    pub fn shading(&self, hit: &Hit, dir: DVec3) -> DVec3 {
+        if !self.ordinary {
+            return hit.shading;
+        }
+        match &self.faces[hit.site.part as usize][hit.site.face as usize].surface {
+            Surface::Scatter(scatter) => match scatter.principled() {
+                Some(principled) => principled.shading(hit, dir, &self.geometry.part_to_world(hit.site.part)),
+                None => hit.shading,
+            },
+            Surface::Absent
+            | Surface::Absorber
+            | Surface::Slide(_)
+            | Surface::Mirror(_)
+            | Surface::Sheet(_)
+            | Surface::Interface(_) => hit.shading,
+        }
     }
 
     /// The same world in a picture of another size. Errors: a picture without pixels.
@@ -190,6 +218,7 @@ impl World {
             sky: self.sky.clone(),
             eye: EyeLens::build(eye, self.geometry.origin())?,
             slides: self.slides.clone(),
+            ordinary: self.ordinary,
             tints: self.tints.clone(),
             wavelength_nm: self.wavelength_nm,
             sieve: self.sieve.clone(),

@@ -110,6 +110,7 @@ impl<A: Amount> Mode for Mono<A> {
                 lights: one(world.lights.all().len()),
                 sky: [[1.0]; 3],
                 slide: [[1.0]; 3],
+                reflectance: [colour::basis(world.wavelength_nm)],
             },
         )
     }
@@ -139,6 +140,7 @@ impl<A: Amount> Mode for Rgb<A> {
                 lights: colours(&world.tints.lights),
                 sky: PRIMARIES,
                 slide: PRIMARIES,
+                reflectance: PRIMARIES,
             },
         )
     }
@@ -186,6 +188,7 @@ impl<A: Amount> Mode for Hero<A> {
                 lights: watts(&world.tints.lights),
                 sky: [0, 1, 2].map(|c| waves.map(|Lane { nm, pdf }| colour::uplift_emission(primary(c), nm) / pdf)),
                 slide: [0, 1, 2].map(|c| waves.map(|lane| colour::uplift_reflectance(primary(c), lane.nm))),
+                reflectance: waves.map(|lane| colour::basis(lane.nm)),
             },
         )
     }

@@ -35,6 +35,8 @@ pub struct Lighting<M: Mode> {
     pub sky: [M::Lanes<f64>; 3],
     /// What the lanes have of red, green and blue pixels of a slide.
     pub slide: [M::Lanes<f64>; 3],
+    /// Per lane: the shares of red, green and blue of a colour in its reflectance. They sum to 1.
+    pub reflectance: M::Lanes<[f64; 3]>,
 }
 
 impl<M: Mode> Optics<M> {
@@ -95,6 +97,19 @@ impl<M: Mode> Optics<M> {
         self.lighting.nm[lane]
     }
 
+    /// Share that a lane has of a linear Rec.709 colour of 0 to 1.
+    #[inline]
+    pub fn reflected(&self, rgb: [f64; 3], lane: usize) -> f64 {
+        let shares = self.lighting.reflectance[lane];
+        shares.iter().zip(rgb).map(|(share, c)| share * c).sum::<f64>().clamp(0.0, 1.0)
+    }
+
+    /// Shares of red, green and blue of a surface's colour in its reflectance in a lane.
+    #[inline]
+    pub fn reflectance(&self, lane: usize) -> [f64; 3] {
+        self.lighting.reflectance[lane]
+    }
+
     /// Linear Rec.709 per unit of each lane's light.
     #[inline]
     pub fn response(&self) -> M::Lanes<[f64; 3]> {
@@ -105,6 +120,17 @@ impl<M: Mode> Optics<M> {
     #[inline]
     pub fn lamp(&self, index: usize) -> M::Lanes<f64> {
         self.lighting.lamps[index]
+    }
+
+    /// What the lanes have of a unit of a lamp's light at a place of it, which has `glow` of the whole.
+    #[inline]
+    pub fn lamp_at(&self, index: usize, glow: Option<[f64; 3]>) -> M::Lanes<f64> {
+        let whole = self.lighting.lamps[index];
+        let Some(rgb) = glow else { return whole };
+        lanes::<M, f64>(|lane| {
+            let shares = self.lighting.reflectance[lane];
+            whole[lane] * shares.iter().zip(rgb).map(|(share, c)| share * c).sum::<f64>().max(0.0)
+        })
     }
 
     /// What the lanes have of a unit of a light's light.

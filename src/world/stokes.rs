@@ -40,6 +40,14 @@ pub struct Parted<A> {
     pub departs: f64,
 }
 
+impl<A: Amount> Parted<A> {
+    /// The same where only this share of what gets through goes on.
+    pub fn stained(self, share: f64) -> Self {
+        let [r, t, a] = self.shares;
+        Parted { shares: [r, t * share, a + t * (1.0 - share)], transmitted: self.transmitted.scaled(share), ..self }
+    }
+}
+
 /// One lane's amount of light or importance.
 pub trait Amount: Copy + Debug + Send + Sync + 'static {
     const POLARISED: bool;

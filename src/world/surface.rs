@@ -2,12 +2,12 @@
 //! and the interaction with a ray that meets it.
 
 use super::fresnel::{PowerSp, fresnel, fresnel_turning};
-use super::scatter::{Lost, Measured, Rough, Scatter};
+use super::scatter::{Lost, Measured, Principled, Rough, Scatter};
 use super::stokes::{Amount, Turning};
 use crate::base::complex::Complex;
 use crate::base::ids::ScatterId;
 use crate::base::{Code, Fault, Result, Where};
-use crate::scene::{Face, Finish, Medium, Part, Scene, Wavelengths};
+use crate::scene::{Face, Finish, Medium, Part, Scene, Shape, Wavelengths};
 use glam::DVec3;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -21,6 +21,8 @@ pub struct FaceOptics {
     pub surface: Surface,
     /// Index into the lamps, if the face emits.
     pub lamp: bool,
+    /// Share of what gets through an interface that goes on, linear Rec.709.
+    pub tint: Option<[f64; 3]>,
 }
 
 #[derive(Debug, Clone)]
@@ -204,6 +206,15 @@ fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Res
                 tables.measured.entry(table).or_insert_with(|| Arc::new(Measured::new(scene.scatter(table))));
             Surface::Scatter(Box::new(Scatter::Measured(measured.clone())))
         }
+        (None, Finish::Surface { surface }) => {
+            let own = &scene.surfaces[surface.index()];
+            if face.shape != Shape::Mesh && own.is_textured() {
+                return Err(Fault::new(at(), "textures on an exact shape, which has no texture coordinates")
+                    .expected("`shape = \"mesh\"` there, or a finish without textures"));
+            }
+            let mesh = scene.meshes[part.mesh.index()].clone();
+            Surface::Scatter(Box::new(Scatter::Principled(Box::new(Principled::new(own.clone(), mesh)))))
+        }
         (None, Finish::Lambert { .. } | Finish::Gauss { .. } | Finish::CosM { .. } | Finish::Abg { .. }) => {
             match Scatter::from_finish(&face.finish) {
                 Some(scatter) => Surface::Scatter(Box::new(scatter)),
@@ -211,5 +222,5 @@ fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Res
             }
         }
     };
-    Ok(FaceOptics { surface, lamp: face.emitter.is_some() })
+    Ok(FaceOptics { surface, lamp: face.emitter.is_some(), tint: face.tint })
 }

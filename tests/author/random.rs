@@ -118,7 +118,8 @@ prop_compose! {
             let mapped = rows.into_iter().enumerate().filter(|(i, _)| which >> i & 1 == 1);
             let mapped = mapped.map(|(_, (key, value))| (key.to_owned(), value)).collect();
             let looks = vec![("base_color".to_owned(), color), ("roughness".to_owned(), number(ior))];
-            all.materials.push(Material { name: format!("M{index}"), mapped, attributes, looks, at: Where::Nowhere });
+            let (name, at) = (format!("M{index}"), Where::Nowhere);
+            all.materials.push(Material { name, mapped, attributes, looks, surface: None, at });
         }
         let count = all.materials.len();
         all.meshes = faces.into_iter().map(|(corners, rows, seed)| {

@@ -23,6 +23,7 @@ pub fn scene() -> Scene {
         media: Vec::new(),
         coatings: Vec::new(),
         slides: Vec::new(),
+        surfaces: Vec::new(),
         scatters: Vec::new(),
         profiles: Vec::new(),
         groups: Vec::new(),
@@ -44,7 +45,7 @@ pub fn scene() -> Scene {
 }
 
 pub fn face(finish: Finish) -> Face {
-    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, slide: None }
+    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None }
 }
 
 /// One mesh face per polygon given (fan-triangulated, flat normals).
@@ -161,6 +162,7 @@ pub fn lamp(group: GroupId, luminance: f64) -> Option<Emitter> {
         spectrum: None,
         polarisation: None,
         both_sides: false,
+        pattern: None,
     })
 }
 

@@ -22,8 +22,15 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         faces: vec![FaceRange { first: 0, count: triangles.len() as u32 }],
         ..Mesh::default()
     };
-    let emitter =
-        Some(Emitter { group: GroupId(0), photometry, angular, spectrum: None, polarisation: None, both_sides: false });
+    let emitter = Some(Emitter {
+        group: GroupId(0),
+        photometry,
+        angular,
+        spectrum: None,
+        polarisation: None,
+        both_sides: false,
+        pattern: None,
+    });
     let part = Part {
         name: "lamp".into(),
         path: "lamp".into(),
@@ -31,7 +38,14 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         to_world: DAffine3::from_scale(DVec3::splat(MM)),
         medium: None,
         priority: 0,
-        faces: vec![Face { finish: Finish::Absorber, coating: None, shape: Shape::Mesh, emitter, slide: None }],
+        faces: vec![Face {
+            finish: Finish::Absorber,
+            coating: None,
+            shape: Shape::Mesh,
+            emitter,
+            tint: None,
+            slide: None,
+        }],
     };
     let scene = Scene {
         name: "oracle".into(),
@@ -42,6 +56,7 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         media: vec![],
         coatings: vec![],
         slides: vec![],
+        surfaces: Vec::new(),
         scatters: vec![],
         profiles: Vec::new(),
         groups: vec![],

@@ -109,6 +109,7 @@ fn integrating_spheres() {
             spectrum: None,
             polarisation: None,
             both_sides: false,
+            pattern: None,
         });
         add_part(&mut s, "source", sphere_mesh(5e-4, 24, 48), DVec3::ZERO, None, vec![ball]);
         let got = luminance(&s, BACKWARD, 512, 16);
@@ -123,6 +124,7 @@ fn integrating_spheres() {
             spectrum: None,
             polarisation: None,
             both_sides: false,
+            pattern: None,
         };
         let half = 1e-4;
         panel(&mut s, DVec3::new(-0.05, 0.0, 0.0), [DVec3::Z * half, DVec3::Y * half], beam);
@@ -284,6 +286,7 @@ fn chain_of_an_idealised_hud() {
             spectrum: None,
             polarisation: None,
             both_sides: false,
+            pattern: None,
         };
         panel(&mut s, DVec3::new(0.0, 0.415, -0.4), half, parallel);
         for (value, key) in [(1.0, "L_virtual"), (0.0, "L_black")] {

@@ -20,7 +20,7 @@ const PLANTS: &[(&str, Plant)] = &[
         b.gltf["extensionsRequired"] = json!(["ACME_curved_space"]);
     }),
     ("EB0004", |b| {
-        b.gltf["materials"][0]["extensions"] = json!({ "KHR_materials_clearcoat": { "clearcoatFactor": 1 } })
+        b.gltf["materials"][0]["extensions"] = json!({ "KHR_materials_anisotropy": { "anisotropyStrength": 1 } })
     }),
     ("EB0005", |b| b.node("BAFFLE")["rotation"] = json!([0, 0, 0, 2])),
     ("EB0006", |b| b.gltf["images"] = json!([{ "uri": "housing.png" }])),
@@ -70,7 +70,10 @@ const PLANTS: &[(&str, Plant)] = &[
     ("EB0209", |b| b.swap("glass = \"N-BK7\"", "glass = \"N-BK8\"")),
     ("EB0210", |b| b.swap("glass = \"PMMA\"", "glass = \"PMMA\"\nabsorption_per_m = [[600, 1], [700, 1]]")),
     ("EB0211", |b| {
-        b.gltf["materials"][0]["extensions"] = json!({ "KHR_materials_transmission": { "transmissionFactor": 0.5 } });
+        b.gltf["materials"][0]["extensions"] = json!({
+            "KHR_materials_transmission": { "transmissionFactor": 0.5 },
+            "KHR_materials_volume": { "thicknessFactor": 1 },
+        });
     }),
     ("EB0301", |b| b.swap("luminance_cd_m2 = 5000, ", "")),
     ("EB0302", |b| b.swap("luminance_cd_m2 = 5000, ", "luminance_cd_m2 = 5000, flux_lm = 1, ")),

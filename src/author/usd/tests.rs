@@ -13,6 +13,8 @@ fn triangle(name: &str, faces: u32) -> MeshSource {
         name: name.into(),
         normals: vec![[-0.0, 0.0, 1.0]; positions.len()],
         uvs: positions.iter().map(|p| [p[0], p[1]]).collect(),
+        second_uvs: Vec::new(),
+        colors: Vec::new(),
         triangles: (0..faces).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         faces: (0..faces).map(|first| FaceRange { first, count: 1 }).collect(),
         positions,
@@ -37,6 +39,7 @@ fn one_of_everything() -> Assembly {
     let number = |x: f64| Value::new(Data::Number(x), Where::Nowhere);
     for (name, ior) in [("Glas/klar", 1.517), ("Glas/klar", 1.4), ("", 2.0)] {
         a.materials.push(Material {
+            surface: None,
             name: name.into(),
             mapped: vec![("ior".into(), number(ior))],
             attributes: None,

@@ -81,7 +81,15 @@ pub fn lobe(dice: &mut Dice) -> Angular {
 pub fn lamp(group: GroupId, luminance: f64, angular: Angular) -> Face {
     let photometry = Photometry::LuminanceCdM2(luminance);
     Face {
-        emitter: Some(Emitter { group, photometry, angular, spectrum: None, polarisation: None, both_sides: false }),
+        emitter: Some(Emitter {
+            group,
+            photometry,
+            angular,
+            spectrum: None,
+            polarisation: None,
+            both_sides: false,
+            pattern: None,
+        }),
         ..black()
     }
 }

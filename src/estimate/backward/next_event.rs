@@ -74,8 +74,8 @@ impl<M: Mode> Backward<'_, M> {
                 // What is behind the lamp is not before it, whatever rounding says.
                 Some((_, reach)) => distance - 4.0 * reach / cos,
             };
-        let target = Some(site);
-        let tint = here.walker.optics.lamp(index);
+        let (target, on_lamp) = (Some(site), target.position);
+        let tint = here.walker.optics.lamp_at(index, lamp.glow(site.triangle, on_lamp));
         let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
         let (group, source) = (lamp.group, Source::Face);
         self.connect(here, &Sent { dir, distance, target, luminance, pdf, by_chance: true, group, source }, out);
@@ -130,8 +130,12 @@ impl<M: Mode> Backward<'_, M> {
         let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
         let (dir, distance, source) = (toward.dir, toward.distance, Source::Light);
         let sent = Sent { dir, distance, target: None, luminance, pdf, by_chance, group, source };
-        if !self.connect(here, &sent, out) && by_chance {
-            self.through_panes(here, &sent, Beyond::Disc(index), out, scratch);
+        if !self.connect(here, &sent, out) {
+            if by_chance {
+                self.through_panes(here, &sent, Beyond::Disc(index), out, scratch);
+            } else if self.world.ordinary {
+                self.through_cutouts(here, &sent, out, scratch);
+            }
         }
     }
 
@@ -182,6 +186,20 @@ impl<M: Mode> Backward<'_, M> {
             walker.pick_up_in(&index, out, &arriving);
         }
         true
+    }
+
+    /// Adds the light of a point or of a direction that comes through cut-out materials, which no scattered ray finds.
+    fn through_cutouts(&self, here: &Here<'_, '_, M>, sent: &Sent<M>, out: &mut [Light], scratch: &mut Ledger) {
+        let Some(share) = self.share_of(here, sent.group) else { return };
+        let Here { walker, vertex, scatter, frame } = *here;
+        let mut walker = walker.clone();
+        walker.rng = walker.rng.fork();
+        let sent_here = (vertex, scatter, frame);
+        if !walker.scatter_to(sent_here, (sent.dir, sent.pdf), scratch) || !walker.go_straight(sent.distance, scratch) {
+            return;
+        }
+        let plane = self.route.plane_from_eye(share, walker.told, sent.group, sent.source);
+        walker.pick_up(plane_of::<M>(out, plane), &sent.luminance);
     }
 
     /// Adds the light that comes from a direction over faces that transmit. Where they bend it, what is found is what lies

@@ -106,7 +106,8 @@ impl Backward<'_, Mono> {
         found: &mut Vec<Daylight>,
     ) {
         let (point, d_in) = (vertex.hit.point, frame.to_local(walker.ray.dir));
-        let sides = walker.sides(vertex, scatter).of(0);
+        let sides = walker.sides(vertex, scatter);
+        let sides = sides.of(0);
         let (to_sky, of_face) = (rng.pair(), rng.triple());
         let own = scatter.sample(d_in, sides, of_face).map(|sampled| frame.to_world(sampled.dir));
         let ledger = &mut Ledger::new(self.world.solids.len());

@@ -25,6 +25,7 @@ use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
 use eye_hit::{EyeHit, EyeHits, OVER_PUPIL};
 use glam::DVec2;
+use std::sync::OnceLock;
 
 /// The outer nodes over the pupil, in radii.
 const OUTER: f64 = 0.8;
@@ -291,8 +292,18 @@ impl<M: Mode> Glance<M> {
             normal: meet.normal,
             shading: meet.shading,
         };
-        let normal = if outside { hit.shading } else { -hit.shading };
-        let vertex = Vertex { hit, touching: known.touching, then: None, back: None, beside: None, outside, normal };
+        let shading = world.shading(&hit, ray.dir);
+        let normal = if outside { shading } else { -shading };
+        let vertex = Vertex {
+            hit,
+            touching: known.touching,
+            then: None,
+            back: None,
+            beside: None,
+            outside,
+            normal,
+            point: OnceLock::new(),
+        };
         let weights = lanes::<M, _>(|lane| weight * landing.weight[lane]);
         let interior = self.interior;
         let mut walker = Walker::with_weights((world, optics), Travel::FromEye, ray, weights, interior, rng);

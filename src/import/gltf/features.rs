@@ -19,14 +19,15 @@ pub(super) const VISIBILITY: &str = "KHR_node_visibility";
 enum Standing {
     /// Read and applied.
     Applied,
-    /// About textures (which are not used), metadata or playback: nothing of light is lost without it.
+    /// About other encodings of textures, metadata or playback: nothing of light is lost without it, or what is lost is said where
+    /// it is met.
     NoBearing,
     /// Changes what is seen and is not applied: said where it is there, refused where the asset requires it.
     Refused,
 }
 
 /// All extensions that are known.
-const KNOWN: [(&str, Standing); 36] = {
+const KNOWN: [(&str, Standing); 38] = {
     use Standing::{Applied, NoBearing, Refused};
     [
         ("EYEBOX_optics", Applied),
@@ -37,6 +38,13 @@ const KNOWN: [(&str, Standing); 36] = {
         ("KHR_materials_emissive_strength", Applied),
         ("KHR_materials_iridescence", Applied),
         ("KHR_materials_diffuse_transmission", Applied),
+        ("KHR_materials_clearcoat", Applied),
+        ("KHR_materials_sheen", Applied),
+        ("KHR_materials_specular", Applied),
+        ("KHR_materials_unlit", Applied),
+        ("KHR_materials_pbrSpecularGlossiness", Applied),
+        ("KHR_texture_transform", Applied),
+        ("EXT_texture_webp", Applied),
         ("KHR_lights_punctual", Applied),
         ("EXT_lights_ies", Applied),
         ("KHR_mesh_quantization", Applied),
@@ -58,12 +66,7 @@ const KNOWN: [(&str, Standing); 36] = {
         ("KHR_materials_variants", NoBearing),
         ("EXT_lights_image_based", Refused),
         ("KHR_materials_anisotropy", Refused),
-        ("KHR_materials_clearcoat", Refused),
-        ("KHR_materials_pbrSpecularGlossiness", Refused),
-        ("KHR_materials_sheen", Refused),
-        ("KHR_materials_specular", Refused),
         ("KHR_materials_subsurface", Refused),
-        ("KHR_materials_unlit", Refused),
         ("KHR_materials_volume_scatter", Refused),
         ("MSFT_lod", Refused),
     ]
@@ -139,10 +142,6 @@ pub(super) fn note_unused(root: &At<'_>, notes: &mut Notes) -> Result<()> {
             "`EYEBOX_optics` means nothing here: ignored".to_owned()
         } else if name == "KHR_materials_variants" {
             "`KHR_materials_variants`: the default materials are used".to_owned()
-        } else if name == "KHR_texture_transform" {
-            let text = "`KHR_texture_transform` moves nothing: textures are not used";
-            notes.add_many(Severity::Info, at, text, count);
-            continue;
         } else {
             match standing(name) {
                 Some(Standing::Refused) => format!("`{name}` bears on what is seen but is not used"),

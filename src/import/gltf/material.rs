@@ -8,7 +8,6 @@ use crate::base::fault::Result;
 use crate::base::units::luminance;
 use crate::import::assembly::Material;
 use crate::import::value::{Data, Value};
-use crate::scene::Severity;
 
 /// Reads material `index`. Only what the file says is mapped; its defaults are ours to choose.
 ///
@@ -19,10 +18,9 @@ use crate::scene::Severity;
 /// | `transmission` | `KHR_materials_transmission.transmissionFactor` | 0–1 |
 /// | `thickness` | `KHR_materials_volume.thicknessFactor` | mesh units; > 0 says solid |
 /// | `attenuation_distance`, `attenuation_color` | `KHR_materials_volume` | m; transmittance over that distance |
-/// | `luminance_cd_m2` | `emissiveFactor` × `KHR_materials_emissive_strength`, if not black | cd/m² |
+/// | `luminance_cd_m2` | `emissiveFactor` × `KHR_materials_emissive_strength`, if not black: of a white `emissiveTexture` | cd/m² |
 /// | `emitter.spectrum` | `emissiveFactor`, if not grey | – |
 /// | `coating` | `KHR_materials_iridescence`, see [`surface::iridescence`] | – |
-/// | `finish` | `KHR_materials_diffuse_transmission`, see [`surface::diffuse`] | – |
 ///
 /// # Errors
 /// Values of the wrong kind or out of the range that the specification gives.
@@ -102,29 +100,16 @@ pub(super) fn read(at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<Mat
             {
                 entry("emitter.sides", Data::Text("both".to_owned()), &both);
             }
-            if let Some(texture) = at.get("emissiveTexture")? {
-                ledger.notes.warn(&texture, "`emissiveTexture` is ignored: the luminance is that of a white texture");
-            }
         }
     }
     mapped.extend(surface::iridescence(at, ledger)?);
-    let transmits = |(key, value): &(String, Value)| key == "transmission" && value.number().is_some_and(|t| t > 0.0);
     let looks = surface::looks(at, ledger)?;
-    if mapped.iter().any(transmits) {
-        // Transmission replaces what scatters (KHR_materials_transmission), whether it goes back or through.
-        let rough = |(key, value): &&(String, Value)| key == "roughness" && value.number().is_some_and(|r| r > 0.0);
-        if let Some((_, value)) = looks.iter().find(rough) {
-            let text = "`roughnessFactor` of a material that transmits is not used: its faces are polished";
-            ledger.notes.add_many(Severity::Warning, value.at.clone(), text, 1);
-        }
-    } else {
-        mapped.extend(surface::diffuse(at, ledger)?);
-    }
     Ok(Material {
         name: at.name("material", index)?,
         mapped,
         attributes: at.optics(&mut ledger.budget)?,
         looks,
+        surface: None,
         at: at.place(),
     })
 }

@@ -41,21 +41,28 @@ pub(in crate::import) fn append(mesh: &mut Mesh, face: FaceMesh) -> Option<()> {
     first.checked_add(count)?;
     if mesh.positions.is_empty() && mesh.triangles.is_empty() {
         // Most meshes are one face: nothing is copied.
-        (mesh.positions, mesh.normals, mesh.uvs, mesh.triangles) =
-            (face.positions, face.normals, face.uvs, face.triangles);
+        (mesh.positions, mesh.normals, mesh.triangles) = (face.positions, face.normals, face.triangles);
+        (mesh.uvs, mesh.second_uvs, mesh.colors) = (face.uvs, face.second_uvs, face.colors);
         mesh.faces.push(FaceRange { first, count });
         return Some(());
     }
-    // Texture coordinates are for all vertices of the mesh or for none.
-    if !face.uvs.is_empty() {
-        mesh.uvs.resize(mesh.positions.len(), [0.0; 2]);
-        mesh.uvs.extend(face.uvs);
-    } else if !mesh.uvs.is_empty() {
-        mesh.uvs.resize(mesh.positions.len() + face.positions.len(), [0.0; 2]);
-    }
+    let counts = [mesh.positions.len(), face.positions.len()];
+    joined(&mut mesh.uvs, face.uvs, [0.0; 2], counts);
+    joined(&mut mesh.second_uvs, face.second_uvs, [0.0; 2], counts);
+    joined(&mut mesh.colors, face.colors, [1.0; 4], counts);
     mesh.triangles.extend(face.triangles.iter().map(|triangle| triangle.map(|vertex| base + vertex)));
     mesh.positions.extend(face.positions);
     mesh.normals.extend(face.normals);
     mesh.faces.push(FaceRange { first, count });
     Some(())
+}
+
+/// Adds what a face says of its vertices: it is said of all vertices of a mesh or of none.
+fn joined<T: Copy>(all: &mut Vec<T>, own: Vec<T>, unsaid: T, [before, count]: [usize; 2]) {
+    if own.is_empty() && all.is_empty() {
+        return;
+    }
+    all.resize(before, unsaid);
+    all.extend(own);
+    all.resize(before + count, unsaid);
 }

@@ -20,7 +20,9 @@ mod meshopt;
 mod node;
 pub(super) mod normals;
 pub(super) mod notes;
+mod picture;
 pub(super) mod primitive;
+mod standard;
 mod surface;
 pub(super) mod transform;
 mod world;
@@ -77,8 +79,13 @@ pub fn read_bytes(file: &Path, bytes: &[u8]) -> Result<Assembly> {
     assembly.dependencies.push(file.to_owned());
     assembly.dependencies.extend(document.buffers.files.iter().cloned());
     assembly.optics = document.root.optics(&mut ledger.budget)?;
+    let mut pictures = picture::Pictures::default();
     for (index, at) in document.root.list("materials")?.iter().enumerate() {
-        assembly.materials.push(material::read(at, index, &mut ledger)?);
+        let mut material = material::read(at, index, &mut ledger)?;
+        let (document, pictures) = (&document, &mut pictures);
+        let mut reader = standard::Reader { document, pictures, ledger: &mut ledger };
+        material.surface = Some(reader.surface(at, &material.name)?.into());
+        assembly.materials.push(material);
     }
     for (index, at) in document.root.list("meshes")?.iter().enumerate() {
         assembly.meshes.push(mesh::read(&document, at, index, &mut ledger)?);

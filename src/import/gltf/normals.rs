@@ -65,6 +65,8 @@ pub(in crate::import) fn flat_shaded(face: &FaceMesh) -> (FaceMesh, usize) {
             out.positions.push(face.positions.get(vertex as usize).copied().unwrap_or_default());
             out.normals.push(normal);
             out.uvs.extend(face.uvs.get(vertex as usize));
+            out.second_uvs.extend(face.second_uvs.get(vertex as usize));
+            out.colors.extend(face.colors.get(vertex as usize));
         }
     }
     (out, without_area)

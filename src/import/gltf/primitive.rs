@@ -16,6 +16,10 @@ pub(in crate::import) struct FaceMesh {
     pub normals: Vec<[f32; 3]>,
     /// One per position, or none.
     pub uvs: Vec<[f32; 2]>,
+    /// A second set, one per position, or none.
+    pub second_uvs: Vec<[f32; 2]>,
+    /// Linear Rec.709 and alpha, one per position, or none.
+    pub colors: Vec<[f32; 4]>,
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -26,8 +30,8 @@ pub(super) struct FaceName<'a> {
     pub face: usize,
 }
 
-/// Bytes of a vertex with normal and texture coordinates, and of a triangle.
-const VERTEX: usize = 32;
+/// Bytes of a vertex with normal, two sets of texture coordinates and a colour, and of a triangle.
+const VERTEX: usize = 56;
 const TRIANGLE: usize = 12;
 
 /// Reads the primitive at `at`. Without a surface (points, lines, no positions) the face is empty, with a note, so that
@@ -52,7 +56,7 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, led
         ledger.notes.warn(at, "a primitive without positions: the face is empty");
         return Ok(FaceMesh::default());
     };
-    let positions = open(document, &reference, 3, ledger)?;
+    let positions = open(document, &reference, &[3], ledger)?;
     if !positions.is_backed() {
         // Zeros, as the specification says; usually a buffer that was lost.
         ledger.notes.warn(&positions.at, "positions without data in the asset: all of them are 0, 0, 0");
@@ -72,20 +76,12 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, led
             .expected("finite positions")
             .code(Code::DataNotFinite));
     }
-    if let Some(reference) = attributes.get("TEXCOORD_0")? {
-        let uvs = open(document, &reference, 2, ledger)?;
-        same_count(&reference, &uvs, &positions)?;
-        check_type(document, &uvs, &[Component::I8, Component::I16], ledger)?;
-        let finite = |uv: [f32; 2]| uv.iter().all(|x| x.is_finite());
-        face.uvs = uvs.gather(&used);
-        for uv in face.uvs.iter_mut().filter(|uv| !finite(**uv)) {
-            ledger.notes.warn_of(Code::DataNotFinite, &uvs.at, "texture coordinates that are not finite: set to 0");
-            *uv = [0.0; 2];
-        }
-    }
+    face.uvs = coordinates(document, &attributes, "TEXCOORD_0", (&positions, &used), ledger)?;
+    face.second_uvs = coordinates(document, &attributes, "TEXCOORD_1", (&positions, &used), ledger)?;
+    face.colors = colors(document, &attributes, (&positions, &used), ledger)?;
     match attributes.get("NORMAL")? {
         Some(reference) => {
-            let stored = open(document, &reference, 3, ledger)?;
+            let stored = open(document, &reference, &[3], ledger)?;
             same_count(&reference, &stored, &positions)?;
             check_type(document, &stored, &[Component::I8, Component::I16], ledger)?;
             let read = stored.gather(&used);
@@ -100,6 +96,49 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, led
         }
     }
     Ok(face)
+}
+
+/// A set of texture coordinates, one per used vertex; none if there is none.
+fn coordinates(
+    document: &Document<'_>,
+    attributes: &At<'_>,
+    key: &str,
+    (positions, used): (&Accessor<'_>, &[u32]),
+    ledger: &mut Ledger,
+) -> Result<Vec<[f32; 2]>> {
+    let Some(reference) = attributes.get(key)? else { return Ok(Vec::new()) };
+    let accessor = open(document, &reference, &[2], ledger)?;
+    same_count(&reference, &accessor, positions)?;
+    check_type(document, &accessor, &[Component::I8, Component::I16], ledger)?;
+    let mut uvs: Vec<[f32; 2]> = accessor.gather(used);
+    for uv in uvs.iter_mut().filter(|uv| !uv.iter().all(|x| x.is_finite())) {
+        ledger.notes.warn_of(Code::DataNotFinite, &accessor.at, "texture coordinates that are not finite: set to 0");
+        *uv = [0.0; 2];
+    }
+    Ok(uvs)
+}
+
+/// Colours of the vertices, linear Rec.709 with alpha (1 where there is none); none if there are none.
+fn colors(
+    document: &Document<'_>,
+    attributes: &At<'_>,
+    (positions, used): (&Accessor<'_>, &[u32]),
+    ledger: &mut Ledger,
+) -> Result<Vec<[f32; 4]>> {
+    let Some(reference) = attributes.get("COLOR_0")? else { return Ok(Vec::new()) };
+    let accessor = open(document, &reference, &[3, 4], ledger)?;
+    same_count(&reference, &accessor, positions)?;
+    check_type(document, &accessor, &[], ledger)?;
+    let mut colors: Vec<[f32; 4]> = if accessor.lanes == 4 {
+        accessor.gather(used)
+    } else {
+        accessor.gather::<3>(used).into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect()
+    };
+    for color in colors.iter_mut().filter(|color| !color.iter().all(|x| (0.0..=1.0).contains(x))) {
+        ledger.notes.warn_of(Code::DataNotFinite, &accessor.at, "colours of vertices outside 0 to 1: brought there");
+        *color = color.map(|x| if x.is_nan() { 0.0 } else { x.clamp(0.0, 1.0) });
+    }
+    Ok(colors)
 }
 
 /// Mends normals that contradict their triangles, and says so.
@@ -131,13 +170,20 @@ enum Shape {
     Fan,
 }
 
-/// Opens an attribute's accessor, which must have `lanes` components per element.
-fn open<'d>(document: &'d Document<'_>, reference: &At<'_>, lanes: usize, ledger: &mut Ledger) -> Result<Accessor<'d>> {
+/// Opens an attribute's accessor, which must have one of these numbers of components per element.
+fn open<'d>(
+    document: &'d Document<'_>,
+    reference: &At<'_>,
+    lanes: &[usize],
+    ledger: &mut Ledger,
+) -> Result<Accessor<'d>> {
     let accessor = document.accessor(reference)?;
     ledger.budget.charge(reference, accessor.opening_cost(), 8)?;
-    if accessor.lanes != lanes {
+    if !lanes.contains(&accessor.lanes) {
         let what = format!("the accessor has {} components per element", accessor.lanes);
-        return Err(accessor.at.want("type")?.fault(what).expected(format!("{lanes} (for {})", reference.pointer)));
+        let wanted: Vec<String> = lanes.iter().map(usize::to_string).collect();
+        let expected = format!("{} (for {})", wanted.join(" or "), reference.pointer);
+        return Err(accessor.at.want("type")?.fault(what).expected(expected));
     }
     Ok(accessor)
 }
@@ -150,7 +196,9 @@ fn check_type(
     quantized: &[Component],
     ledger: &mut Ledger,
 ) -> Result<()> {
-    let picture = accessor.lanes == 2 && matches!(accessor.component, Component::U8 | Component::U16);
+    // Texture coordinates and colours.
+    let picture = accessor.lanes != 3 || quantized.is_empty();
+    let picture = picture && matches!(accessor.component, Component::U8 | Component::U16);
     if accessor.component == Component::F32 || picture && accessor.normalized {
         return Ok(());
     }
@@ -183,7 +231,7 @@ fn corners(
     ledger: &mut Ledger,
 ) -> Result<Vec<[u32; 3]>> {
     let indices = match at.get("indices")? {
-        Some(reference) => Some(open(document, &reference, 1, ledger)?),
+        Some(reference) => Some(open(document, &reference, &[1], ledger)?),
         None => None,
     };
     if let Some(accessor) = indices.as_ref().filter(|accessor| !accessor.component.is_index()) {

@@ -3,7 +3,6 @@
 use super::at::At;
 use super::notes::Ledger;
 use crate::base::fault::Result;
-use crate::base::units::luminance;
 use crate::import::value::{Data, Value};
 
 type Row = (String, Value);
@@ -45,49 +44,6 @@ pub(super) fn iridescence(at: &At<'_>, ledger: &mut Ledger) -> Result<Option<Row
     Ok(Some(row("coating", Data::Table(vec![name, row("stack", stack, &film)]), &film)))
 }
 
-/// `KHR_materials_diffuse_transmission` as a `lambert` finish: the share `diffuseTransmissionFactor` of what scatters
-/// goes through, tinted; the rest comes back with the base colour.
-///
-/// # Errors
-/// Values of the wrong kind or out of range.
-pub(super) fn diffuse(at: &At<'_>, ledger: &mut Ledger) -> Result<Option<Row>> {
-    let Some(extension) = at.extension("KHR_materials_diffuse_transmission")? else { return Ok(None) };
-    let factor = match extension.get("diffuseTransmissionFactor")? {
-        Some(field) => field.number_in(0.0, 1.0)?,
-        None => 0.0,
-    };
-    if factor == 0.0 {
-        return Ok(None);
-    }
-    let through = match extension.get("diffuseTransmissionColorFactor")? {
-        Some(field) => luminance(unit_color(&field)?),
-        None => 1.0,
-    };
-    let back = match at.get("pbrMetallicRoughness")?.map(|pbr| pbr.get("baseColorFactor")).transpose()?.flatten() {
-        Some(field) => {
-            let [r, g, b, _] = field.numbers()?;
-            luminance([r, g, b].map(|lane: f64| lane.clamp(0.0, 1.0)))
-        }
-        None => 1.0,
-    };
-    ledger.notes.info(&extension, "diffuse transmission is taken as a lambert finish, without gloss and textures");
-    let finish = vec![
-        row("kind", Data::Text("lambert".to_owned()), &extension),
-        row("reflectance", Data::Number((1.0 - factor) * back), &extension),
-        row("transmittance", Data::Number(factor * through), &extension),
-    ];
-    Ok(Some(row("finish", Data::Table(finish), &extension)))
-}
-
-fn unit_color(field: &At<'_>) -> Result<[f64; 3]> {
-    let mut color = [0.0; 3];
-    field.numbers::<3>()?;
-    for (slot, lane) in color.iter_mut().zip(field.items()?) {
-        *slot = lane.number_in(0.0, 1.0)?;
-    }
-    Ok(color)
-}
-
 /// `pbrMetallicRoughness` without its textures, for writing: `base_color` (linear Rec.709), `opacity` (unless the
 /// material is opaque), `metallic`, `roughness`; only what is said. Values out of range are left out, with a note.
 ///
@@ -96,7 +52,6 @@ fn unit_color(field: &At<'_>) -> Result<[f64; 3]> {
 pub(super) fn looks(at: &At<'_>, ledger: &mut Ledger) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     let Some(pbr) = at.get("pbrMetallicRoughness")? else { return Ok(rows) };
-    ledger.notes.info(&pbr, "`pbrMetallicRoughness` is how a material looks, not optics: kept for writing only");
     let sound = |number: f64| (0.0..=1.0).contains(&number);
     if let Some(field) = pbr.get("baseColorFactor")? {
         let lanes: [f64; 4] = field.numbers()?;

@@ -316,11 +316,16 @@ pub(super) fn file(view: &PrimView, name: &str) -> Result<Option<PathBuf>> {
         _ => None,
     };
     let Some(path) = view.read(name, "an asset path", asset)? else { return Ok(None) };
+    Ok(located(view, &path))
+}
+
+/// Where the file of an asset path is; none of an empty one.
+pub(super) fn located(view: &PrimView, path: &sdf::AssetPath) -> Option<PathBuf> {
     if path.as_str().is_empty() {
-        return Ok(None);
+        return None;
     }
     let folder = view.moment.file.parent().unwrap_or(Path::new(""));
-    Ok(Some(match resolved(&path) {
+    Some(match resolved(path) {
         Some(found) => {
             // Named as the asset is named, so that messages and files do not depend on where it lies.
             let home = if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.canonicalize().ok();
@@ -328,7 +333,7 @@ pub(super) fn file(view: &PrimView, name: &str) -> Result<Option<PathBuf>> {
             below.map_or_else(|| found.to_owned(), |rest| folder.join(rest))
         }
         None => folder.join(&*normalise::meant(path.as_str())),
-    }))
+    })
 }
 
 /// Whether the top of a DomeLight_1 is +z; the stage's up axis where it says `scene`.

@@ -11,6 +11,7 @@ use crate::base::Where;
 use crate::base::fault::Result;
 use crate::import::assembly::Material;
 use crate::import::value::{Data, Value};
+use crate::scene::StandardSurface;
 use openusd::sdf;
 use std::collections::{HashMap, HashSet};
 
@@ -146,12 +147,14 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
     let marks = RoundTrip::of(view)?;
     let (mut known, mut glass) = (false, None);
     let (mut mapped, mut looks) = (Vec::new(), Vec::new());
+    let mut standard = None;
     // MaterialX can say more than the universal surface.
     for context in ["outputs:mtlx:surface", "outputs:surface"] {
-        let End::Node(shader) = shader::follow(reader, view, context)? else { continue };
+        let End::Node(shader, _) = shader::follow(reader, view, context)? else { continue };
         known = true;
         if let Some(found) = surface::read(reader, &shader)? {
             (mapped, looks) = (found.mapped, found.looks);
+            standard = Some(found.standard);
             // Our own writer's surface: the marks have its numbers exactly.
             known = !found.preview;
             glass = found.glass;
@@ -175,16 +178,12 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
     }
     let attributes = optics::material(reader, view)?;
     if let Some(at) = glass.filter(|_| attributes.as_ref().is_none_or(|own| own.get("finish").is_none())) {
-        let text = "an `opacity` below 1 with an `ior` is how others write glass, and is not used yet: say `polished`";
+        let text = "an `opacity` below 1 with an `ior` is how others write glass: shown as a share of what is behind; say `polished`";
         reader.ledger.warn(at, text);
     }
-    Ok(Material {
-        name: marks.text("name").unwrap_or(view.name()).to_owned(),
-        mapped,
-        attributes,
-        looks,
-        at: view.at(),
-    })
+    let name = marks.text("name").unwrap_or(view.name()).to_owned();
+    let surface = standard.map(|found| StandardSurface { name: name.clone(), ..found }.into());
+    Ok(Material { name, mapped, attributes, looks, surface, at: view.at() })
 }
 
 /// The rows of a mark: a list of [key, value] in JSON. Anything else is someone else's and says nothing.

@@ -12,8 +12,8 @@ const MOST_HOPS: usize = 64;
 /// Where connections end.
 pub(super) enum End {
     Value(Value, Where),
-    /// A shader's output.
-    Node(PrimView),
+    /// A shader, and which of its outputs (`outputs:…`).
+    Node(PrimView, String),
     Nothing,
 }
 
@@ -53,7 +53,7 @@ pub(super) fn follow(reader: &mut Reader, start: &PrimView, name: &str) -> Resul
         };
         if next.type_name()? == "Shader" && property.starts_with("outputs:") {
             if !id(&next)?.starts_with("ND_constant_") {
-                return Ok(End::Node(next));
+                return Ok(End::Node(next, property));
             }
             name = "inputs:value".to_owned();
         } else {

@@ -4,14 +4,28 @@
 use super::attribute::PrimView;
 use super::reader::Reader;
 use super::shader::{self, End};
-use super::value;
+use super::{standard, value};
 use crate::base::Where;
 use crate::base::fault::Result;
 use crate::base::units::luminance;
 use crate::import::value::{Data, Value};
+use crate::scene::StandardSurface;
 use openusd::sdf;
 
 pub(super) type Row = (String, Value);
+
+/// What of the models may be a picture.
+const SHOWN: [&str; 9] = [
+    "diffuseColor",
+    "metallic",
+    "roughness",
+    "opacity",
+    "clearcoat",
+    "base_color",
+    "metalness",
+    "base_metalness",
+    "specular_roughness",
+];
 
 /// How a material looks, without meaning to light.
 pub(super) const LOOKS: [&str; 4] = ["base_color", "opacity", "metallic", "roughness"];
@@ -20,6 +34,7 @@ pub(super) const LOOKS: [&str; 4] = ["base_color", "opacity", "metallic", "rough
 pub(super) struct Surface {
     pub mapped: Vec<Row>,
     pub looks: Vec<Row>,
+    pub standard: StandardSurface,
     /// A UsdPreviewSurface.
     pub preview: bool,
     /// Where a UsdPreviewSurface says that it is not opaque, if it has an index, too: how others write glass.
@@ -82,7 +97,9 @@ impl Inputs<'_> {
         let full = format!("inputs:{name}");
         Ok(match shader::follow(self.reader, self.view, &full)? {
             End::Value(value, at) => Some((value, at)),
-            End::Node(node) => {
+            // How it looks is read beside this.
+            End::Node(..) if SHOWN.contains(&name) => None,
+            End::Node(node, _) => {
                 let what = if node.has("inputs:file") { "a picture" } else { "the result of a shader network" };
                 let text = format!("{what} as `{name}` of a surface is not used");
                 self.reader.ledger.info(self.view.at_property(&full), text);
@@ -172,7 +189,7 @@ fn preview(inputs: &mut Inputs<'_>) -> Result<Surface> {
         out.glass = Some(value.at.clone());
     }
     inputs.note("emissiveColor", "has no unit: it is no light here, say `emitter` for that")?;
-    inputs.note("clearcoat", "is not used")?;
+    out.standard = standard::preview(inputs.reader, inputs.view)?;
     Ok(out)
 }
 
@@ -209,7 +226,7 @@ const OPEN_PBR: Model = Model {
     film_default: 1.4,
     film_nm: 1000.0,
     film_weight: Some("thin_film_weight"),
-    other: &["coat_weight", "fuzz_weight", "subsurface_weight", "specular_roughness_anisotropy"],
+    other: &["subsurface_weight", "specular_roughness_anisotropy", "base_diffuse_roughness"],
 };
 
 const STANDARD: Model = Model {
@@ -224,7 +241,7 @@ const STANDARD: Model = Model {
     film_default: 1.5,
     film_nm: 1.0,
     film_weight: None,
-    other: &["coat", "sheen", "subsurface", "specular_anisotropy", "transmission_extra_roughness"],
+    other: &["subsurface", "specular_anisotropy", "transmission_extra_roughness", "diffuse_roughness"],
 };
 
 fn layered(inputs: &mut Inputs<'_>, model: &Model) -> Result<Surface> {
@@ -260,6 +277,7 @@ fn layered(inputs: &mut Inputs<'_>, model: &Model) -> Result<Surface> {
         inputs.note("emission", "has no unit: it is no light here, say `emitter` for that")?;
     }
     looks(inputs, model, &mut out)?;
+    out.standard = standard::layered(inputs.reader, inputs.view, model.film_weight.is_some())?;
     for name in model.other {
         inputs.note(name, "is not used")?;
     }
@@ -298,13 +316,12 @@ fn volume(inputs: &mut Inputs<'_>, at: &Where, out: &mut Surface) -> Result<()> 
     Ok(())
 }
 
-/// What transmits is polished here, whatever its roughness, which both models have above 0 where they do not say it.
+/// What transmits is polished where its roughness is not said, which both models then have above 0.
 fn rough(inputs: &mut Inputs<'_>, model: &Model, transmits: &Where) -> Result<()> {
-    let (roughness, at) =
-        inputs.number("specular_roughness", 0.0, 1.0)?.unwrap_or_else(|| (model.roughness, transmits.clone()));
-    if roughness > 0.0 {
-        let text = format!("`specular_roughness` {roughness} of a surface that transmits is not used yet: polished");
-        inputs.reader.ledger.warn(at, text);
+    if inputs.number("specular_roughness", 0.0, 1.0)?.is_none() {
+        let roughness = model.roughness;
+        let text = format!("`specular_roughness` of a surface that transmits is not said: polished, not {roughness}");
+        inputs.reader.ledger.warn(transmits.clone(), text);
     }
     Ok(())
 }

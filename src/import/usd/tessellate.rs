@@ -32,8 +32,8 @@ impl Builder {
         let face = FaceMesh {
             positions: points.iter().map(|&(p, _)| turned(p)).collect(),
             normals: points.iter().map(|&(_, n)| turned(n)).collect(),
-            uvs: Vec::new(),
             triangles,
+            ..FaceMesh::default()
         };
         let _ = append(&mut self.mesh, face);
     }

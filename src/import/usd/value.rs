@@ -54,6 +54,26 @@ pub(super) fn triple(value: &Value) -> Option<[f64; 3]> {
     }
 }
 
+/// Four numbers; the fourth of three is 1.
+pub(super) fn four(value: &Value) -> Option<[f64; 4]> {
+    match value {
+        Value::Vec4h(x) => Some([x.x, x.y, x.z, x.w].map(|x| x.to_f64())),
+        Value::Vec4f(x) => Some([x.x, x.y, x.z, x.w].map(f64::from)),
+        Value::Vec4d(x) => Some([x.x, x.y, x.z, x.w]),
+        other => triple(other).map(|[x, y, z]| [x, y, z, 1.0]),
+    }
+}
+
+/// Two numbers.
+pub(super) fn pair(value: &Value) -> Option<[f64; 2]> {
+    match value {
+        Value::Vec2h(x) => Some([x.x, x.y].map(|x| x.to_f64())),
+        Value::Vec2f(x) => Some([x.x, x.y].map(f64::from)),
+        Value::Vec2d(x) => Some([x.x, x.y]),
+        _ => None,
+    }
+}
+
 /// A quaternion as x, y, z, w.
 pub(super) fn quaternion(value: &Value) -> Option<[f64; 4]> {
     match value {

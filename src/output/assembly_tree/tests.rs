@@ -17,13 +17,15 @@ fn mesh(name: &str) -> Mesh {
         positions: vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
         normals: vec![[0.0, 0.0, 1.0]; 4],
         uvs: Vec::new(),
+        second_uvs: Vec::new(),
+        colors: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         faces: vec![FaceRange { first: 0, count: 1 }, FaceRange { first: 1, count: 1 }],
     }
 }
 
 fn face(finish: Finish) -> Face {
-    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, slide: None }
+    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None }
 }
 
 fn part(path: &str, mesh: usize, x_m: f64, faces: [Face; 2]) -> Part {
@@ -46,6 +48,7 @@ fn scene() -> Scene {
         spectrum: Some(Spectrum::Led(Led::B1)),
         polarisation: None,
         both_sides: false,
+        pattern: None,
     };
     let led = || [face(Finish::Absorber), Face { emitter: Some(emitter.clone()), ..face(Finish::Absorber) }];
     let shape = Shape::Sphere { vertex: DVec3::ZERO, axis: DVec3::Z, radius: -50.0 };
@@ -77,6 +80,7 @@ fn scene() -> Scene {
             vec![FilmLayer { index: Dispersion::Constant(1.38), thickness_nm: 99.638 }],
         )],
         scatters: vec![],
+        surfaces: vec![],
         slides: vec![Slide {
             name: "s".into(),
             file: "s.png".into(),
@@ -193,6 +197,7 @@ fn cosine_powers_and_the_three_photometries_agree() {
             spectrum: None,
             polarisation: None,
             both_sides: false,
+            pattern: None,
         });
         let (flux, along) = luminance(&scene);
         assert!((flux / std::f64::consts::PI - 1.0).abs() < 1e-9 && (along / 2e6 - 1.0).abs() < 1e-9, "{flux} {along}");

@@ -88,6 +88,7 @@ fn finish(finish: Finish) -> String {
         Finish::Retarder { axis, retardance_nm } => {
             format!("retarder about {}, {} nm", direction(axis), number(retardance_nm, 5))
         }
+        Finish::Surface { surface } => format!("surface {}", surface.0),
         Finish::Absorber => "absorber".to_owned(),
     }
 }
@@ -133,6 +134,7 @@ fn shape(face: &FaceReport) -> Option<String> {
             | Finish::Measured { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
+            | Finish::Surface { .. }
             | Finish::Absorber => None,
         },
         Shape::Plane { .. } => Some("plane".to_owned()),

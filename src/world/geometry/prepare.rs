@@ -38,6 +38,7 @@ pub fn traced(part: &Part) -> Vec<Traced> {
             | Finish::Measured { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
+            | Finish::Surface { .. }
             | Finish::Absorber,
             None,
             _,

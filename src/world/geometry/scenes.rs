@@ -163,6 +163,7 @@ pub fn emitter() -> Emitter {
         spectrum: None,
         polarisation: None,
         both_sides: false,
+        pattern: None,
     }
 }
 
@@ -173,6 +174,7 @@ pub fn part(mesh: u32, shapes: &[Shape], to_world: DAffine3) -> Part {
         coating: None,
         shape: shape.clone(),
         emitter: None,
+        tint: None,
         slide: None,
     };
     Part {
@@ -197,7 +199,7 @@ pub fn add_square(scene: &mut Scene, (half, z, towards): (f64, f64, DVec3), fini
     scene.meshes.push(builder.mesh.into());
     let mut part = part(scene.meshes.len() as u32 - 1, &[Shape::Mesh], to_world);
     part.medium = None;
-    part.faces = vec![Face { finish, coating: None, shape: Shape::Mesh, emitter: None, slide: None }];
+    part.faces = vec![Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None }];
     scene.parts.push(part);
 }
 
@@ -216,6 +218,7 @@ pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
         coatings: vec![],
         slides: vec![],
         scatters: vec![],
+        surfaces: vec![],
         profiles: Vec::new(),
         groups: vec![],
         lights: Vec::new(),

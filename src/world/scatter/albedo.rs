@@ -11,9 +11,9 @@ const SECTORS: usize = 128;
 const LANES: usize = 8;
 
 /// What all normals of an integral share.
-struct Bounces {
+struct Bounces<'a> {
     alpha: f64,
-    n: Sides,
+    n: Sides<'a>,
     /// Of the direction that light comes from: across the face and out of it; and the same stretched by the roughness, to
     /// unit length.
     wi: [f64; 2],
@@ -27,7 +27,7 @@ impl Facets {
     /// Shares of what arrives under `cos_in` > 0 that one bounce sends back and through, by the midpoint rule over the square
     /// that visible normals are drawn from, dense where normals are steep: there what a facet does changes at once, from
     /// refraction to total reflection or to light that leaves on the wrong side.
-    pub fn albedo(self, cos_in: f64, n: Sides) -> [f64; 2] {
+    pub fn albedo(self, cos_in: f64, n: Sides<'_>) -> [f64; 2] {
         let across = ((1.0 - cos_in) * (1.0 + cos_in)).max(0.0).sqrt();
         let length = (self.alpha * across).hypot(cos_in);
         let bounces = Bounces {
@@ -48,7 +48,7 @@ impl Facets {
     }
 }
 
-impl Bounces {
+impl Bounces<'_> {
     /// The sums over a ring: `height` of its cap, 0 at its edge and 1 at its pole.
     fn ring(&self, height: f64) -> [f64; 2] {
         #[cfg(target_arch = "x86_64")]
@@ -136,7 +136,7 @@ mod tests {
         for alpha in [1e-4, 0.03, 0.4, 1.0] {
             for (here, beyond) in [(1.0, 1.5), (1.5, 1.0), (1.0, 1.0), (1.3, 2.4)] {
                 for cos in [1e-12, 1e-6, 0.02, 0.3, 0.8, 1.0f64] {
-                    let (facets, n) = (Facets { alpha }, Sides { here, beyond });
+                    let (facets, n) = (Facets { alpha }, Sides::between(here, beyond));
                     let wi = DVec3::new(((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt(), 0.0, cos);
                     let mut sums = [0.0; 2];
                     for ring in 0..RINGS {

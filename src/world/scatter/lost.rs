@@ -78,7 +78,7 @@ impl Lost {
     }
 
     fn row(&self, ln_ratio: f64) -> Row {
-        let n = Sides { here: 1.0, beyond: ln_ratio.exp() };
+        let n = Sides::between(1.0, ln_ratio.exp());
         let at = |step: usize| {
             // Light along the face is the limit of light that nearly is.
             let x = (step as f64).max(1e-3) / Self::STEPS as f64;
@@ -108,7 +108,7 @@ impl Lost {
         sum / (3 * count) as f64
     }
 
-    pub(super) fn split(&self, n: Sides) -> Split {
+    pub(super) fn split(&self, n: Sides<'_>) -> Split {
         let ln = (n.beyond / n.here).ln();
         let (ln, side) = if ln < 0.0 { (-ln, 1) } else { (ln, 0) };
         let above = self.rows.partition_point(|(x, _)| *x < ln).clamp(1, self.rows.len().max(2) - 1);

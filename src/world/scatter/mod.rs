@@ -13,11 +13,13 @@ mod gauss;
 mod lambert;
 mod lost;
 mod measured;
+mod principled;
 mod rough;
 
 pub use abg::Abg;
 pub use lost::Lost;
 pub use measured::Measured;
+pub use principled::{Look, Point, Principled};
 pub use rough::Rough;
 
 use super::gauss::GaussLobe;
@@ -39,6 +41,8 @@ pub enum Scatter {
     Abg(Abg),
     /// Read from a table.
     Measured(Arc<Measured>),
+    /// An ordinary material; the same in both directions of light, and from both sides.
+    Principled(Box<Principled>),
 }
 
 /// Shares that are reflected and transmitted.
@@ -61,20 +65,27 @@ impl Shares {
     }
 }
 
-/// Refractive indices on the side where the ray arrives and behind the face.
+/// What values depend on at a place: refractive indices on the side where the ray arrives and behind the face, and what an
+/// ordinary material is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sides {
+pub struct Sides<'a> {
     pub here: f64,
     pub beyond: f64,
+    pub look: Option<&'a Look>,
 }
 
-impl Sides {
-    pub const AIR: Sides = Sides { here: 1.0, beyond: 1.0 };
+impl Sides<'_> {
+    pub const AIR: Sides<'static> = Sides { here: 1.0, beyond: 1.0, look: None };
+
+    /// Between these indices.
+    pub const fn between(here: f64, beyond: f64) -> Sides<'static> {
+        Sides { here, beyond, look: None }
+    }
 
     /// Seen from behind.
     #[must_use]
-    pub fn swapped(self) -> Sides {
-        Sides { here: self.beyond, beyond: self.here }
+    pub fn swapped(self) -> Self {
+        Sides { here: self.beyond, beyond: self.here, ..self }
     }
 }
 
@@ -90,7 +101,7 @@ pub struct Sampled {
 }
 
 impl Scatter {
-    /// None if the finish does not scatter, if it takes tables (rough, measured), or if its numbers are outside their
+    /// None if the finish does not scatter, if it takes tables (rough, measured, an ordinary material), or if its numbers are outside their
     /// ranges (which `check` reports).
     pub fn from_finish(finish: &Finish) -> Option<Scatter> {
         let shares = |reflectance: f64, transmittance: f64| {
@@ -118,6 +129,7 @@ impl Scatter {
             | Finish::MirrorIdeal { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
+            | Finish::Surface { .. }
             | Finish::Absorber => None,
         }
     }
@@ -132,6 +144,7 @@ impl Scatter {
             Scatter::Gauss(lobe, _) => lobe.sigma_rad() < limit,
             Scatter::Rough(rough) => rough.half_width_rad() < half_width,
             Scatter::Abg(abg) => abg.half_width() < half_width,
+            Scatter::Principled(principled) => principled.is_narrow(half_width),
         }
     }
 
@@ -146,7 +159,11 @@ impl Scatter {
         const WIDEST_DEG: f64 = 35.0;
         match self {
             Scatter::Rough(rough) => rough.half_width_rad() < WIDEST_DEG.to_radians(),
-            Scatter::Lambert(_) | Scatter::Gauss(..) | Scatter::Abg(_) | Scatter::Measured(_) => false,
+            Scatter::Lambert(_)
+            | Scatter::Gauss(..)
+            | Scatter::Abg(_)
+            | Scatter::Measured(_)
+            | Scatter::Principled(_) => false,
         }
     }
 
@@ -159,7 +176,21 @@ impl Scatter {
     pub fn refracts(&self) -> bool {
         match self {
             Scatter::Rough(_) => true,
-            Scatter::Lambert(_) | Scatter::Gauss(..) | Scatter::Abg(_) | Scatter::Measured(_) => false,
+            Scatter::Lambert(_)
+            | Scatter::Gauss(..)
+            | Scatter::Abg(_)
+            | Scatter::Measured(_)
+            | Scatter::Principled(_) => false,
+        }
+    }
+
+    /// The ordinary material here, if it is one.
+    pub fn principled(&self) -> Option<&Principled> {
+        match self {
+            Scatter::Principled(principled) => Some(principled),
+            Scatter::Lambert(_) | Scatter::Gauss(..) | Scatter::Rough(_) | Scatter::Abg(_) | Scatter::Measured(_) => {
+                None
+            }
         }
     }
 
@@ -167,12 +198,16 @@ impl Scatter {
     pub fn specular(&self) -> f64 {
         match self {
             Scatter::Abg(abg) => abg.specular(),
-            Scatter::Lambert(_) | Scatter::Gauss(..) | Scatter::Rough(_) | Scatter::Measured(_) => 0.0,
+            Scatter::Lambert(_)
+            | Scatter::Gauss(..)
+            | Scatter::Rough(_)
+            | Scatter::Measured(_)
+            | Scatter::Principled(_) => 0.0,
         }
     }
 
     /// Bidirectional scattering distribution, 1/sr, without a cosine. Unit directions.
-    pub fn eval(&self, d_in: DVec3, d_out: DVec3, n: Sides) -> f64 {
+    pub fn eval(&self, d_in: DVec3, d_out: DVec3, n: Sides<'_>) -> f64 {
         if !(d_in.z < 0.0 && d_out.z.abs() > 0.0) {
             return 0.0;
         }
@@ -182,12 +217,13 @@ impl Scatter {
             Scatter::Rough(rough) => rough.eval(d_in, d_out, n),
             Scatter::Abg(abg) => abg.eval(d_in, d_out),
             Scatter::Measured(measured) => measured.eval(d_in, d_out),
+            Scatter::Principled(principled) => n.look.map_or(0.0, |look| principled.eval(d_in, d_out, look)),
         }
     }
 
     /// Density with which [`Scatter::sample`] returns `d_out`, 1/sr. Its integral is less than 1 by the share of
     /// samples that have no direction.
-    pub fn pdf(&self, d_in: DVec3, d_out: DVec3, n: Sides) -> f64 {
+    pub fn pdf(&self, d_in: DVec3, d_out: DVec3, n: Sides<'_>) -> f64 {
         if !(d_in.z < 0.0 && d_out.z.abs() > 0.0) {
             return 0.0;
         }
@@ -198,12 +234,13 @@ impl Scatter {
             Scatter::Rough(rough) => rough.pdf(d_in, d_out, n),
             Scatter::Abg(abg) => abg.pdf(d_in, d_out),
             Scatter::Measured(measured) => measured.pdf(d_in, d_out),
+            Scatter::Principled(principled) => n.look.map_or(0.0, |look| principled.pdf(d_in, d_out, look)),
         }
     }
 
     /// Samples a direction; `u[0]` chooses the side, the others the direction. None is a sample of weight 0: absorbed,
     /// or in the wrong half space.
-    pub fn sample(&self, d_in: DVec3, n: Sides, u: [f64; 3]) -> Option<Sampled> {
+    pub fn sample(&self, d_in: DVec3, n: Sides<'_>, u: [f64; 3]) -> Option<Sampled> {
         if d_in.z.is_nan() || d_in.z >= 0.0 {
             return None;
         }
@@ -214,12 +251,14 @@ impl Scatter {
             Scatter::Rough(rough) => rough.sample(d_in, n, u),
             Scatter::Abg(abg) => abg.sample(d_in, [u[1], u[2]]),
             Scatter::Measured(measured) => measured.sample(d_in, u),
+            Scatter::Principled(principled) => n.look.and_then(|look| principled.sample(d_in, look, u)),
         };
         sampled.filter(|s| s.pdf > 0.0 && s.pdf.is_finite() && s.weight.is_finite())
     }
 
     /// Share of the arriving light that is scattered, either way, at incidence `cos_in` in (0, 1]; Gaussian lobes by a
-    /// table good to 5e-5. What rough faces lose or gain by their tables, up to 3e-4, is not told apart from 1.
+    /// table good to 5e-5. What rough faces lose or gain by their tables, up to 3e-4, is not told apart from 1. Of an ordinary
+    /// material a guess: that of its factors, without its textures.
     pub fn albedo(&self, cos_in: f64) -> f64 {
         match self {
             Scatter::Lambert(shares) => shares.total(),
@@ -228,6 +267,7 @@ impl Scatter {
             Scatter::Rough(_) => 1.0,
             Scatter::Abg(abg) => abg.albedo(cos_in),
             Scatter::Measured(measured) => measured.albedo(cos_in),
+            Scatter::Principled(principled) => principled.albedo(cos_in),
         }
     }
 }

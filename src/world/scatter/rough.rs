@@ -39,22 +39,22 @@ impl Rough {
 
     /// Half width at half maximum of the reflected lobe where light falls straight on: twice the slope where D is half.
     pub(super) fn half_width_rad(&self) -> f64 {
-        2.0 * (self.facets.alpha * (std::f64::consts::SQRT_2 - 1.0).sqrt()).atan()
+        half_width_rad(self.facets.alpha)
     }
 
-    pub(super) fn eval(&self, d_in: DVec3, d_out: DVec3, n: Sides) -> f64 {
+    pub(super) fn eval(&self, d_in: DVec3, d_out: DVec3, n: Sides<'_>) -> f64 {
         let split = self.lost.split(n);
         let share = self.lost.at(&split, false, -d_in.z);
         finite(self.facets.eval(-d_in, d_out, n) + self.lost.eval(&split, share, d_out.z))
     }
 
-    pub(super) fn pdf(&self, d_in: DVec3, d_out: DVec3, n: Sides) -> f64 {
+    pub(super) fn pdf(&self, d_in: DVec3, d_out: DVec3, n: Sides<'_>) -> f64 {
         let split = self.lost.split(n);
         let share = self.lost.at(&split, false, -d_in.z);
         finite((1.0 - share) * self.facets.pdf(-d_in, d_out, n) + share * self.lost.pdf(&split, d_out.z))
     }
 
-    pub(super) fn sample(&self, d_in: DVec3, n: Sides, u: [f64; 3]) -> Option<Sampled> {
+    pub(super) fn sample(&self, d_in: DVec3, n: Sides<'_>, u: [f64; 3]) -> Option<Sampled> {
         let split = self.lost.split(n);
         let share = self.lost.at(&split, false, -d_in.z);
         let dir = if u[0] < share {
@@ -67,6 +67,11 @@ impl Rough {
         let value = finite(value + self.lost.eval(&split, share, dir.z));
         Some(Sampled { dir, weight: value * dir.z.abs() / pdf, pdf })
     }
+}
+
+/// Half width at half maximum of what facets of this roughness reflect where light falls straight on.
+pub(super) fn half_width_rad(alpha: f64) -> f64 {
+    2.0 * (alpha * (std::f64::consts::SQRT_2 - 1.0).sqrt()).atan()
 }
 
 /// Directions along the face have no value.
@@ -100,13 +105,13 @@ impl Facets {
     }
 
     /// Reflected share at a facet under the cosine `cos`.
-    fn fresnel(n: Sides, cos: f64) -> f64 {
+    fn fresnel(n: Sides<'_>, cos: f64) -> f64 {
         fresnel(n.here, Complex::real(n.beyond), cos).reflectance()
     }
 
     /// The facet that sends `wi` to `wo` (both away from the face), and the length of the sum of both, each times its
     /// index.
-    fn half(wi: DVec3, wo: DVec3, n: Sides) -> Option<(DVec3, f64)> {
+    fn half(wi: DVec3, wo: DVec3, n: Sides<'_>) -> Option<(DVec3, f64)> {
         let sum = if wo.z > 0.0 { wi + wo } else { wi * n.here + wo * n.beyond };
         let length = sum.length();
         let h = if sum.z > 0.0 { sum / length } else { -sum / length };
@@ -114,18 +119,18 @@ impl Facets {
         (length > 0.0 && h.z > 0.0 && faces).then_some((h, length))
     }
 
-    pub fn eval(self, wi: DVec3, wo: DVec3, n: Sides) -> f64 {
+    pub fn eval(self, wi: DVec3, wo: DVec3, n: Sides<'_>) -> f64 {
         self.value_and_pdf(wi, wo, n)[0]
     }
 
     /// Density of [`Facets::sample`].
-    pub fn pdf(self, wi: DVec3, wo: DVec3, n: Sides) -> f64 {
+    pub fn pdf(self, wi: DVec3, wo: DVec3, n: Sides<'_>) -> f64 {
         self.value_and_pdf(wi, wo, n)[1]
     }
 
     /// Value without the cosine and density of [`Facets::sample`], 1/sr.
     #[inline]
-    fn value_and_pdf(self, wi: DVec3, wo: DVec3, n: Sides) -> [f64; 2] {
+    fn value_and_pdf(self, wi: DVec3, wo: DVec3, n: Sides<'_>) -> [f64; 2] {
         let Some((h, length)) = Self::half(wi, wo, n) else { return [0.0; 2] };
         let (ci, co) = (wi.dot(h), wo.dot(h).abs());
         let f = Self::fresnel(n, ci);
@@ -135,6 +140,16 @@ impl Facets {
         let turns = if wo.z > 0.0 { 0.25 * f } else { (1.0 - f) * ci * co * (n.beyond / length) * (n.beyond / length) };
         let value = Self::masking(lambda_in, self.lambda(wo)) / wo.z.abs();
         [share * turns * value, share * turns / (1.0 + lambda_in)]
+    }
+
+    /// Of facets that reflect everything, on one side: the value without the cosine and the density of what they send from
+    /// `wi` to `wo`, 1/sr, and the cosine at the facet; none where none does.
+    pub fn mirrored(self, wi: DVec3, wo: DVec3) -> Option<[f64; 3]> {
+        let (h, _) = Self::half(wi, wo, Sides::AIR).filter(|_| wo.z > 0.0)?;
+        let lambda_in = self.lambda(wi);
+        let share = 0.25 * self.distribution(h) / wi.z;
+        let value = finite(share * Self::masking(lambda_in, self.lambda(wo)) / wo.z);
+        Some([value, finite(share / (1.0 + lambda_in)), wi.dot(h)])
     }
 
     /// A normal that is visible from `wi`, by its density.
@@ -150,7 +165,7 @@ impl Facets {
     }
 
     /// Where `wi` goes from a facet, if it leaves on the side it should; reflected for `u` below Fresnel's share.
-    pub fn sample(self, wi: DVec3, n: Sides, u: f64, at: [f64; 2]) -> Option<DVec3> {
+    pub fn sample(self, wi: DVec3, n: Sides<'_>, u: f64, at: [f64; 2]) -> Option<DVec3> {
         let h = self.visible_normal(wi, at);
         let ci = wi.dot(h);
         if u < Self::fresnel(n, ci) {
@@ -163,7 +178,7 @@ impl Facets {
 
     /// Shares of what arrives from `wi` at one visible normal that leave for good, back and through.
     #[cfg(test)]
-    pub fn bounce(self, wi: DVec3, n: Sides, at: [f64; 2]) -> [f64; 2] {
+    pub fn bounce(self, wi: DVec3, n: Sides<'_>, at: [f64; 2]) -> [f64; 2] {
         let lambda_in = self.lambda(wi);
         let seen = |wo: DVec3| (1.0 + lambda_in) * Self::masking(lambda_in, self.lambda(wo));
         let h = self.visible_normal(wi, at);
@@ -183,7 +198,7 @@ mod tests {
     fn half_vectors_are_the_facets() {
         let wi = DVec3::new(0.6, 0.0, 0.8);
         let h = DVec3::new(0.1, -0.2, 1.0).normalize();
-        for n in [Sides { here: 1.0, beyond: 1.5 }, Sides { here: 1.5, beyond: 1.0 }] {
+        for n in [Sides::between(1.0, 1.5), Sides::between(1.5, 1.0)] {
             for wo in [h * (2.0 * wi.dot(h)) - wi, refract(-wi, h, n.here / n.beyond).unwrap()] {
                 let (found, _) = Facets::half(wi, wo, n).unwrap();
                 assert!((found - h).length() < 1e-14, "{found} {h}");

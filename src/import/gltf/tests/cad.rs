@@ -176,9 +176,8 @@ fn wrong_pole_normals_are_turned_and_said() {
             assert!(note.text.contains(face) && note.text.contains(turned), "{}", note.text);
             assert_eq!(note.at, Where::Pointer { file: file.into(), pointer: (*pointer).to_owned() });
         }
-        // The rest is for the record: looks that are not optics.
         let infos: Vec<_> = notes.iter().filter(|note| note.severity == Severity::Info).collect();
-        assert!(infos.len() == 1 && infos[0].text.contains("pbrMetallicRoughness"), "{infos:?}");
+        assert!(infos.is_empty(), "{infos:?}");
     }
 }
 

@@ -148,7 +148,11 @@ fn streams_of_the_reference_library() {
                 let numbers = |bytes: &[u8]| -> Vec<i32> {
                     let wide = stride == 8;
                     let short = |b: &[u8]| i32::from(i16::from_le_bytes([b[0], b[1]]));
-                    if wide { bytes.chunks(2).map(short).collect() } else { bytes.iter().map(|b| i32::from(*b as i8)).collect() }
+                    if wide {
+                        bytes.chunks(2).map(short).collect()
+                    } else {
+                        bytes.iter().map(|b| i32::from(*b as i8)).collect()
+                    }
                 };
                 let (found, plain) = (numbers(&found), numbers(&plain));
                 assert_eq!(found.len(), plain.len(), "{}", row["what"]);

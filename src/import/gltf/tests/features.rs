@@ -354,8 +354,7 @@ fn what_bears_on_light_and_is_not_used_is_said_once_per_kind() {
     builder.json["nodes"][0]["extensions"] = json!({ "KHR_lights_punctual": { "light": 0 }, "EYEBOX_optic": {} });
     builder.json["nodes"][0]["extras"] = json!({ "extensions": { "NOT_AN_EXTENSION": {} } });
     for _ in 0..3 {
-        builder
-            .push("materials", json!({ "extensions": { "KHR_materials_clearcoat": {}, "KHR_texture_transform": {} } }));
+        builder.push("materials", json!({ "extensions": { "KHR_materials_anisotropy": {} } }));
     }
     builder.json["meshes"][0]["extensions"] = json!({ "EYEBOX_optics": { "shape": {} } });
     let assembly = builder.read().unwrap();
@@ -367,12 +366,8 @@ fn what_bears_on_light_and_is_not_used_is_said_once_per_kind() {
             "the extension `EYEBOX_optic` is not known and was ignored; did you mean `EYEBOX_optics`?",
         ),
         (
-            "/materials/0/extensions/KHR_texture_transform",
-            "`KHR_texture_transform` moves nothing: textures are not used (3 places, first here)",
-        ),
-        (
-            "/materials/0/extensions/KHR_materials_clearcoat",
-            "`KHR_materials_clearcoat` bears on what is seen but is not used (3 places, first here)",
+            "/materials/0/extensions/KHR_materials_anisotropy",
+            "`KHR_materials_anisotropy` bears on what is seen but is not used (3 places, first here)",
         ),
     ];
     assert_eq!(found.len(), want.len(), "{found:?}");
@@ -419,7 +414,7 @@ fn what_an_asset_requires_is_applied_or_refused_unless_light_does_without() {
         builder.json["extensionsRequired"] = json!([name]);
         assert!(builder.read().is_ok(), "{name}");
     }
-    for name in ["KHR_materials_clearcoat", "EXT_lights_image_based", "MSFT_lod"] {
+    for name in ["KHR_materials_anisotropy", "EXT_lights_image_based", "MSFT_lod"] {
         builder.json["extensionsRequired"] = json!([name]);
         let fault = builder.read().unwrap_err().to_string();
         assert!(fault.contains(&format!("requires `{name}`, which bears on light")), "{fault}");

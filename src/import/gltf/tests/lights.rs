@@ -110,32 +110,30 @@ fn iridescence_is_one_film() {
     assert!(notes.iter().any(|note| note.contains("below 1")) && notes.iter().any(|note| note.contains("Texture")));
 }
 
+/// Sheets are how a material looks.
 #[test]
-fn diffuse_transmission_is_a_lambert_finish() {
-    let material = |transmission: f64| {
-        mapped(json!({
+fn what_transmits() {
+    let material = |transmission: f64, thickness: f64| {
+        json!({
             "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.5, 0.5, 1], "roughnessFactor": 0.25, "metallicFactor": 0 },
             "extensions": {
                 "KHR_materials_transmission": { "transmissionFactor": transmission },
+                "KHR_materials_volume": { "thicknessFactor": thickness },
                 "KHR_materials_diffuse_transmission": {
                     "diffuseTransmissionFactor": 0.25, "diffuseTransmissionColorFactor": [0.8, 0.8, 0.8] },
             },
-        }))
+        })
     };
-    let (rows, looks, _) = material(0.0);
-    let finish = rows.iter().find(|row| row.starts_with("finish")).unwrap();
-    let number = |key: &str| -> f64 {
-        let rest = finish.split(&format!("{key} = ")).nth(1).unwrap();
-        rest.split([',', ' ']).next().unwrap().parse().unwrap()
-    };
-    assert!(finish.contains("kind = \"lambert\""), "{finish}");
-    // A quarter goes through, tinted by 0.8; three quarters come back, tinted by 0.5.
-    assert!((number("transmittance") - 0.2).abs() < 1e-12 && (number("reflectance") - 0.375).abs() < 1e-12, "{finish}");
+    let mut builder = Builder::square();
+    builder.push("materials", material(0.5, 0.0));
+    let found = builder.read().unwrap().materials.remove(0);
+    let surface = found.surface.unwrap();
+    assert_eq!((surface.transmission.factor, surface.diffuse_transmission.factor), (0.5, 0.25));
+    assert_eq!((surface.base_color.factor, surface.diffuse_transmission_color.factor), ([0.5; 3], [0.8; 3]));
+    assert_eq!((surface.metallic.factor, surface.roughness.factor), (0.0, 0.25));
+    let (rows, looks, _) = mapped(material(0.0, 0.0));
+    assert!(!rows.iter().any(|row| row.starts_with("finish")), "{rows:?}");
     assert_eq!(looks, ["base_color = [0.5, 0.5, 0.5]", "metallic = 0", "roughness = 0.25"]);
-    // Transmission replaces it, and the roughness is not passed over in silence.
-    let (rows, _, notes) = material(1.0);
-    assert!(!rows.iter().any(|row| row.starts_with("finish")));
-    assert!(notes.iter().any(|note| note.contains("`roughnessFactor`")), "{notes:?}");
 }
 
 #[test]

@@ -126,6 +126,7 @@ fn by_points(data: &mut Data, mut triangles: Vec<[u32; 3]>, alone: bool) -> Face
             .as_ref()
             .map_or_else(Vec::new, |uvs| points().map(|point| uvs.at(0, 0, point).unwrap_or_default()).collect()),
         triangles,
+        ..FaceMesh::default()
     }
 }
 
@@ -138,6 +139,7 @@ fn whole(data: &mut Data, triangles: Vec<[u32; 3]>) -> FaceMesh {
         normals: data.normals.take().map_or_else(Vec::new, |normals| normals.into_points(count)),
         uvs: data.uvs.take().map_or_else(Vec::new, |uvs| uvs.into_points(count)),
         triangles,
+        ..FaceMesh::default()
     }
 }
 

@@ -3,6 +3,8 @@
 use super::kit::{Folder, SQUARE, assembly, notes};
 use crate::import::Assembly;
 use crate::import::value::Value;
+use crate::scene::Opacity;
+use crate::scene::texture::{Channel, Encoding, Wrap};
 
 /// The material of each face of the node at `path`.
 fn bound<'a>(assembly: &'a Assembly, path: &str) -> Vec<&'a str> {
@@ -195,7 +197,7 @@ fn preview_surfaces_are_looks_and_an_index() {
 fn layered_surfaces_are_optics() {
     let found = surface(
         "ND_open_pbr_surface_surfaceshader",
-        "float inputs:specular_ior = 1.5\nfloat inputs:transmission_weight = 1\nfloat inputs:transmission_depth = 2\ncolor3f inputs:transmission_color = (0.5, 0.5, 0.5)\nfloat inputs:transmission_dispersion_scale = 0.5\nfloat inputs:transmission_dispersion_abbe_number = 25\nfloat inputs:thin_film_weight = 1\nfloat inputs:thin_film_thickness = 0.25\nfloat inputs:thin_film_ior = 1.375\nfloat inputs:emission_luminance = 250\nfloat inputs:coat_weight = 1",
+        "float inputs:specular_ior = 1.5\nfloat inputs:transmission_weight = 1\nfloat inputs:transmission_depth = 2\ncolor3f inputs:transmission_color = (0.5, 0.5, 0.5)\nfloat inputs:transmission_dispersion_scale = 0.5\nfloat inputs:transmission_dispersion_abbe_number = 25\nfloat inputs:thin_film_weight = 1\nfloat inputs:thin_film_thickness = 0.25\nfloat inputs:thin_film_ior = 1.375\nfloat inputs:emission_luminance = 250\nfloat inputs:subsurface_weight = 1",
     );
     let material = &found.materials[0];
     let want = [
@@ -209,7 +211,7 @@ fn layered_surfaces_are_optics() {
         "luminance_cd_m2 = 250",
     ];
     assert_eq!(said(&material.mapped), want);
-    assert!(notes(&found).contains("`coat_weight` of a surface is not used"));
+    assert!(notes(&found).contains("`subsurface_weight` of a surface is not used"));
     let found = surface(
         "ND_standard_surface_surfaceshader_100",
         "float inputs:base = 0.5\ncolor3f inputs:base_color = (1, 0.5, 0)\nfloat inputs:metalness = 1\nfloat inputs:specular_IOR = 1.25\nfloat inputs:transmission = 1\nbool inputs:thin_walled = 1\nfloat inputs:transmission_dispersion = 40\nfloat inputs:thin_film_thickness = 500\nfloat inputs:emission = 1",
@@ -246,12 +248,12 @@ fn glass_of_others_is_not_lost_without_a_word() {
         (
             open_pbr,
             "float inputs:transmission_weight = 1",
-            Some("`specular_roughness` 0.3 of a surface that transmits"),
+            Some("`specular_roughness` of a surface that transmits is not said: polished, not 0.3"),
         ),
         (
             "ND_standard_surface_surfaceshader",
             "float inputs:transmission = 1",
-            Some("`specular_roughness` 0.2 of a surface"),
+            Some("`specular_roughness` of a surface that transmits is not said: polished, not 0.2"),
         ),
         (open_pbr, &format!("{clear}{tint} = 0"), Some("a `transmission_color` that tints surfaces")),
         (open_pbr, &format!("{clear}{tint} = 2"), None),
@@ -308,7 +310,8 @@ def Material "M" {
     assert_eq!(said(&material.mapped), ["ior = 1.75", "transmission = 1"]);
     assert_eq!(said(&material.looks), ["metallic = 0.5"]);
     let notes = notes(&found);
-    assert!(notes.contains("a picture as `base_color`"), "{notes}");
+    let picture = material.surface.as_ref().and_then(|surface| surface.base_color.texture.as_ref()).unwrap();
+    assert_eq!((picture.texture.name.as_str(), picture.encoding), ("a.png", Encoding::Srgb));
     assert!(notes.contains("go round"), "{notes}");
 }
 
@@ -348,4 +351,81 @@ def Material "M" (
     ] {
         assert_eq!(said(&assembly(&text(ior)).materials[0].mapped), want);
     }
+}
+
+/// UsdUVTexture, UsdTransform2d and UsdPreviewSurface 2.6: t runs up from the bottom row; scaled, turned against the clock,
+/// moved.
+#[test]
+fn preview_surfaces_look_as_they_say() {
+    let text = r#"
+def Material "M" {
+    token outputs:surface.connect = </M/S.outputs:surface>
+    def Shader "S" {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </M/colour.outputs:rgb>
+        float inputs:roughness.connect = </M/rest.outputs:g>
+        float inputs:opacity.connect = </M/colour.outputs:a>
+        float inputs:opacityThreshold = 0.25
+        float inputs:metallic = 0.5
+        float inputs:clearcoat = 1
+        normal3f inputs:normal.connect = </M/bumps.outputs:rgb>
+        token outputs:surface
+    }
+    def Shader "colour" {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @wood.png@
+        float2 inputs:st.connect = </M/moved.outputs:result>
+        token inputs:wrapS = "mirror"
+        token inputs:wrapT = "repeat"
+        float4 inputs:scale = (0.5, 1, 1, 1)
+    }
+    def Shader "moved" {
+        uniform token info:id = "UsdTransform2d"
+        float2 inputs:in.connect = </M/st.outputs:result>
+        float2 inputs:scale = (2, 3)
+        float inputs:rotation = 90
+        float2 inputs:translation = (0.25, 0.5)
+    }
+    def Shader "st" {
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "st"
+    }
+    def Shader "rest" {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @rest.png@
+        token inputs:sourceColorSpace = "raw"
+    }
+    def Shader "bumps" {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @bumps.png@
+        float4 inputs:scale = (2, 2, 2, 1)
+        float4 inputs:bias = (-1, -1, -1, 0)
+        token inputs:sourceColorSpace = "raw"
+    }
+}
+"#;
+    let found = assembly(text);
+    let surface = found.materials[0].surface.as_ref().unwrap();
+    let colour = surface.base_color.texture.as_ref().unwrap();
+    assert_eq!(
+        (colour.wrap, colour.encoding, colour.scale),
+        ([Wrap::Mirror, Wrap::Repeat], Encoding::Srgb, [0.5, 1.0, 1.0, 1.0])
+    );
+    // (u, v) → (2u, 3v) → (−3v, 2u) → (0.25 − 3v, 0.5 + 2u), and from the top: 1 − (0.5 + 2u).
+    let place = |u: f64, v: f64| colour.to_picture.map(|[a, b, c]| a * u + b * v + c);
+    for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.3, 0.8)] {
+        let [s, t] = place(u, v);
+        assert!((s - (0.25 - 3.0 * v)).abs() < 1e-12 && (t - (0.5 - 2.0 * u)).abs() < 1e-12, "{s} {t}");
+    }
+    let (rest, channel) = surface.roughness.texture.as_ref().unwrap();
+    assert_eq!(
+        (rest.to_picture, *channel, rest.encoding),
+        ([[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]], Channel::Green, Encoding::Linear)
+    );
+    assert_eq!((surface.metallic.factor, surface.coat.factor, surface.ior), (0.5, 1.0, 1.5));
+    let Opacity::Mask { alpha, cutoff } = &surface.opacity else { panic!("{:?}", surface.opacity) };
+    assert_eq!((alpha.texture.as_ref().unwrap().1, *cutoff), (Channel::Alpha, 0.25));
+    let (bumps, strength) = surface.normal.as_ref().unwrap();
+    assert_eq!((bumps.scale, bumps.bias, *strength), ([2.0, 2.0, 2.0, 1.0], [-1.0, -1.0, -1.0, 0.0], 1.0));
+    assert!(!notes(&found).contains("not used"), "{}", notes(&found));
 }

@@ -1,0 +1,102 @@
+//! Emission textures: what each place of a lamp has of its light.
+
+use super::texture::read;
+use crate::base::units::luminance;
+use crate::base::warp;
+use crate::scene::texture::{Filter, Texels, TextureInput};
+use crate::scene::{Emitter, Part, Scene};
+
+/// Places of a triangle at which its mean is taken, and of all triangles together at most.
+const PLACES: [usize; 2] = [16, 1 << 16];
+
+/// The least mean of a texture that is not black, of its brightest texel: a light too small for all the places is still one.
+const LEAST: f64 = 1e-4;
+
+/// An emission texture on the triangles of a lamp.
+#[derive(Debug, Clone)]
+pub struct Glow {
+    input: TextureInput,
+    /// Texture coordinates of the corners, per triangle of the lamp.
+    corners: Vec<[[f64; 2]; 3]>,
+    mean: f64,
+}
+
+/// The largest luminance of a texture's texels.
+fn brightest_of(input: &TextureInput) -> f64 {
+    let (width, height) = (input.texture.width, input.texture.height);
+    let plain = TextureInput {
+        filter: Filter::Nearest,
+        to_picture: [[1.0 / width as f64, 0.0, 0.0], [0.0, 1.0 / height as f64, 0.0]],
+        ..input.clone()
+    };
+    let texels = (0..width * height).map(|i| read(&plain, [(i % width) as f64 + 0.5, (i / width) as f64 + 0.5]));
+    texels.map(|[r, g, b, _]| luminance([r, g, b])).fold(0.0, f64::max)
+}
+
+impl Glow {
+    /// None where the light has no texture.
+    pub fn build(
+        scene: &Scene,
+        part: &Part,
+        emitter: &Emitter,
+        triangles: impl Iterator<Item = u32>,
+    ) -> Option<Box<Glow>> {
+        let surface = scene.surfaces.get(emitter.pattern?.index())?;
+        let input = surface.emission.clone()?;
+        let mesh = scene.meshes.get(part.mesh.index())?;
+        let set = if input.set > 0 { &mesh.second_uvs } else { &mesh.uvs };
+        let corner = |vertex: u32| set.get(vertex as usize).map_or([0.0; 2], |uv| uv.map(f64::from));
+        let (mut corners, mut areas) = (Vec::new(), Vec::new());
+        for index in triangles {
+            let vertices = *mesh.triangles.get(index as usize)?;
+            corners.push(vertices.map(corner));
+            let [a, b, c] = vertices.map(|v| {
+                mesh.positions.get(v as usize).map_or(glam::DVec3::ZERO, |p| glam::DVec3::from(p.map(f64::from)))
+            });
+            areas.push((b - a).cross(c - a).length());
+        }
+        let mut glow = Glow { input, corners, mean: 1.0 };
+        glow.mean = glow.mean_of(&areas);
+        Some(Box::new(glow))
+    }
+
+    fn mean_of(&self, areas: &[f64]) -> f64 {
+        let each = (PLACES[1] / areas.len().max(1)).clamp(1, PLACES[0]);
+        let (mut sum, mut whole, mut brightest) = (0.0, 0.0, 0.0f64);
+        for (at, area) in areas.iter().enumerate() {
+            for place in 0..each {
+                // Points of the golden ratio's lattice.
+                let (row, turn) = (
+                    (place as f64 + 0.5) / each as f64,
+                    ((at * each + place) as f64 * 0.618_033_988_749_894_9).fract(),
+                );
+                let [u, v, w] = warp::triangle([row, turn]);
+                let found = luminance(self.texel(at, [w, u, v]));
+                (sum, whole, brightest) = (sum + found * area, whole + area, brightest.max(found));
+            }
+        }
+        let mean = if whole > 0.0 { sum / whole } else { 0.0 };
+        let possible = match self.input.texture.texels {
+            Texels::Bytes(_) | Texels::Encoded(_) => 1.0,
+            Texels::Floats(_) => f64::INFINITY,
+        };
+        if mean > LEAST * possible { mean } else { mean.max(LEAST * brightest.max(brightest_of(&self.input))) }
+    }
+
+    fn texel(&self, at: usize, weights: [f64; 3]) -> [f64; 3] {
+        let corners = self.corners[at];
+        let uv = [0, 1].map(|c| (0..3).map(|i| weights[i] * corners[i][c]).sum());
+        let [r, g, b, _] = read(&self.input, uv);
+        [r, g, b].map(|c: f64| c.max(0.0))
+    }
+
+    /// Luminance of the whole, of a white texture's.
+    pub fn mean(&self) -> f64 {
+        self.mean
+    }
+
+    /// Linear Rec.709 at shares of the corners of triangle `at` of the lamp, over the mean's luminance.
+    pub fn at(&self, at: usize, weights: [f64; 3]) -> [f64; 3] {
+        if self.mean > 0.0 { self.texel(at, weights).map(|c| c / self.mean) } else { [0.0; 3] }
+    }
+}

@@ -1,0 +1,115 @@
+//! What a standard surface is where light meets it, for one wavelength or primary.
+
+use super::energy::{self, Energy};
+use super::sheen;
+use glam::DVec3;
+use std::sync::LazyLock;
+
+/// Its colours.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tint {
+    pub base: f64,
+    pub specular: f64,
+    /// Of what scatters through.
+    pub through: f64,
+    pub sheen: f64,
+}
+
+/// A standard surface at a point, in a lane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Look {
+    pub tint: Tint,
+    /// Means over the primaries: what lobes are chosen by, alike for all lanes.
+    pub mean: Tint,
+    pub metallic: f64,
+    /// Of the facets of the base.
+    pub alpha: f64,
+    /// Reflectance at normal incidence by the index alone.
+    pub straight: f64,
+    /// Weight of the dielectric's reflection.
+    pub specular: f64,
+    /// Share that goes straight through a sheet.
+    pub transmission: f64,
+    /// Share of what is scattered that goes through.
+    pub diffuse_transmission: f64,
+    pub coat: f64,
+    pub coat_alpha: f64,
+    pub sheen_alpha: f64,
+    /// The largest of the primaries of the sheen: how much it takes from below.
+    pub most_sheen: f64,
+    pub opacity: f64,
+}
+
+impl Look {
+    /// Of the base.
+    pub fn roughness(&self) -> f64 {
+        self.alpha.sqrt()
+    }
+
+    /// Reflectance of the dielectric where light falls straight on, and where it grazes (KHR_materials_specular).
+    pub fn dielectric(&self, colour: f64) -> [f64; 2] {
+        [(self.straight * colour).min(1.0) * self.specular, self.specular]
+    }
+
+    /// Share that comes back of what facets of a metal lose by one bounce.
+    pub fn again(&self, straight: f64, energy: &Energy) -> f64 {
+        // Schlick's form averaged by the cosine.
+        let fresnel = straight + (1.0 - straight) / 21.0;
+        let [mean, _] = energy.mean(self.roughness());
+        let rest = 1.0 - fresnel * (1.0 - mean);
+        if rest > 0.0 { fresnel * fresnel * mean / rest } else { 0.0 }
+    }
+}
+
+/// Reflectance of a metal: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994).
+pub fn schlick(straight: f64, cos: f64) -> f64 {
+    straight + (1.0 - straight) * (1.0 - cos).clamp(0.0, 1.0).powi(5)
+}
+
+const COSINES: usize = 32;
+const ROUGHNESSES: usize = 16;
+
+/// What a white sheen reflects, by √α and cosine.
+static SHEEN: LazyLock<Vec<[f64; COSINES]>> = LazyLock::new(|| {
+    const STEPS: usize = 64;
+    let reflected = |alpha: f64, cos: f64| -> f64 {
+        let wi = DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+        let one = |turn: usize, tilt: usize| {
+            // Uniform in the square of the cosine: what counts is near the horizon as well.
+            let phi = std::f64::consts::PI * (turn as f64 + 0.5) / STEPS as f64;
+            let z = (tilt as f64 + 0.5) / STEPS as f64;
+            let sin = (1.0 - z * z).sqrt();
+            sheen(wi, DVec3::new(sin * phi.cos(), sin * phi.sin(), z), alpha) * z
+        };
+        let sum: f64 = (0..STEPS * STEPS).map(|i| one(i / STEPS, i % STEPS)).sum();
+        2.0 * std::f64::consts::PI * sum / (STEPS * STEPS) as f64
+    };
+    (0..ROUGHNESSES)
+        .map(|r| {
+            let alpha = sheen_alpha(r as f64 / (ROUGHNESSES - 1) as f64);
+            std::array::from_fn(|c| reflected(alpha, (c as f64 / (COSINES - 1) as f64).max(0.01)))
+        })
+        .collect()
+});
+
+/// α of a sheen's roughness: below it fibres are hardly more than a rim of light.
+pub fn sheen_alpha(roughness: f64) -> f64 {
+    (roughness * roughness).clamp(0.01, 1.0)
+}
+
+/// Share of light under a cosine that a white sheen reflects; at most all of it.
+pub fn sheen_reflects(cos: f64, alpha: f64) -> f64 {
+    let cell = |x: f64, count: usize| {
+        let scaled = x.clamp(0.0, 1.0) * (count - 1) as f64;
+        let cell = (scaled as usize).min(count - 2);
+        (cell, scaled - cell as f64)
+    };
+    let ((r, s), (c, t)) = (cell(alpha.sqrt(), ROUGHNESSES), cell(cos, COSINES));
+    let row = |r: usize| SHEEN[r][c] + (SHEEN[r][c + 1] - SHEEN[r][c]) * t;
+    (row(r) + (row(r + 1) - row(r)) * s).min(1.0)
+}
+
+/// Roughness as facets have it.
+pub fn facets(roughness: f64) -> f64 {
+    energy::alpha(roughness.clamp(0.0, 1.0))
+}

@@ -1,0 +1,199 @@
+//! The parameters of a standard surface at a place: textures and colours of vertices are read there.
+
+use super::Principled;
+use super::energy;
+use super::look::{Look, Tint, facets, sheen_alpha};
+use crate::scene::{Mesh, Opacity, StandardSurface};
+use crate::world::geometry::Hit;
+use crate::world::texture::{Coordinates, of_set, read};
+use glam::{DAffine3, DVec3};
+
+/// A standard surface at a place: its colours in linear Rec.709, its numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    pub base: [f64; 3],
+    pub specular_color: [f64; 3],
+    pub through: [f64; 3],
+    pub sheen: [f64; 3],
+    rest: Look,
+}
+
+/// Shares of the corners of a triangle.
+type Weights = [f64; 3];
+
+impl Principled {
+    /// The surface where a ray has met it.
+    pub fn at(&self, hit: &Hit) -> Point {
+        let coloured = self.surface.vertex_colors && !self.mesh.colors.is_empty();
+        let asks = coloured || self.surface.is_textured();
+        let corners = if asks { corners(&self.mesh, hit) } else { None };
+        let Some((corners, weights)) = corners else { return Point::plain(&self.surface) };
+        let uv = coordinates(&self.mesh, corners, weights);
+        let colour = if coloured { of_vertices(&self.mesh, corners, weights) } else { [1.0; 4] };
+        Point::new(&self.surface, &uv, colour)
+    }
+
+    /// The normal for optics of a ray along `dir`, in the hemisphere of the face's own.
+    pub fn shading(&self, hit: &Hit, dir: DVec3, to_world: &DAffine3) -> DVec3 {
+        // The cosine of 87°: less of it is seen of no normal.
+        const LEAST: f64 = 0.05;
+        // Cosine of the lowest direction that is mirrored, and its most of that of the ray.
+        const GRAZING: f64 = 0.01;
+        const GRAZES: f64 = 0.9;
+        let shading = self.bent_normal(hit, to_world).unwrap_or(hit.shading);
+        let towards = if dir.dot(hit.normal) < 0.0 { -dir } else { dir };
+        let (cos, least) = (shading.dot(towards), LEAST.min(hit.normal.dot(towards)));
+        let shading = if cos >= least { shading } else { (shading + towards * (least - cos)).normalize() };
+        // What it mirrors must not lie below the face: pulled up to that, the mirrored direction says the normal (Keller et al.,
+        // "The Iray Light Transport Simulation and Rendering System", 2017, section on normals).
+        let mirrored = shading * (2.0 * shading.dot(towards)) - towards;
+        let (up, lowest) = (mirrored.dot(hit.normal), GRAZING.min(GRAZES * hit.normal.dot(towards)));
+        if up >= lowest {
+            return shading;
+        }
+        (towards + (mirrored + hit.normal * (lowest - up)).normalize()).normalize()
+    }
+
+    /// The normal that a normal map makes of the shading normal, world; none where there is no map. Its x runs with the
+    /// picture's columns, its y against its rows.
+    pub fn bent_normal(&self, hit: &Hit, to_world: &DAffine3) -> Option<DVec3> {
+        let (input, strength) = self.surface.normal.as_ref()?;
+        let (corners, weights) = corners(&self.mesh, hit)?;
+        let uv = of_set(input, &coordinates(&self.mesh, corners, weights));
+        let [x, y, z, _] = read(input, uv);
+        let (x, y) = (x * strength, y * strength);
+        let set = if input.set > 0 { &self.mesh.second_uvs } else { &self.mesh.uvs };
+        let uvs = corners.map(|corner| set.get(corner).map(|uv| uv.map(f64::from)));
+        let [Some(a), Some(b), Some(c)] = uvs else { return None };
+        let picture = |[u, v]: [f64; 2]| input.to_picture.map(|[p, q, r]| p * u + q * v + r);
+        let ([a, b, c], [p, q, r]) = ([a, b, c].map(picture), positions(&self.mesh, corners)?);
+        // p(s, t) is linear over the triangle: its derivatives by the picture's axes.
+        let (e, f) = (q - p, r - p);
+        let ([s1, t1], [s2, t2]) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+        let det = s1 * t2 - s2 * t1;
+        let (by_s, by_t) = ((e * t2 - f * t1) / det, (f * s1 - e * s2) / det);
+        let normal = hit.shading;
+        let across = |by: DVec3| {
+            let by = to_world.transform_vector3(by);
+            (by - normal * by.dot(normal)).try_normalize()
+        };
+        let tangent = across(by_s)?;
+        // At a right angle, on the side where the rows run the other way.
+        let upright = normal.cross(tangent);
+        let upright = if upright.dot(across(by_t)?) > 0.0 { -upright } else { upright };
+        (tangent * x + upright * y + normal * z).try_normalize()
+    }
+}
+
+/// The triangle that a ray has met, and where in it.
+fn corners(mesh: &Mesh, hit: &Hit) -> Option<([usize; 3], Weights)> {
+    let corners = mesh.triangles.get(hit.site.triangle as usize)?.map(|corner| corner as usize);
+    let [a, b, c] = positions(mesh, corners)?;
+    // Shares of the area, seen along the triangle's normal.
+    let normal = (b - a).cross(c - a);
+    let whole = normal.length_squared();
+    let share = |p: DVec3, q: DVec3| (p - hit.local).cross(q - hit.local).dot(normal) / whole;
+    let weights = [share(b, c), share(c, a), share(a, b)];
+    weights.iter().all(|weight| weight.is_finite()).then_some((corners, weights))
+}
+
+fn positions(mesh: &Mesh, corners: [usize; 3]) -> Option<[DVec3; 3]> {
+    let at = |corner: usize| mesh.positions.get(corner).map(|p| DVec3::from(p.map(f64::from)));
+    let [a, b, c] = corners.map(at);
+    Some([a?, b?, c?])
+}
+
+/// What is said at the corners, between them.
+fn between<const N: usize>(all: &[[f32; N]], corners: [usize; 3], weights: Weights) -> Option<[f64; N]> {
+    let [a, b, c] = corners.map(|corner| all.get(corner));
+    let (a, b, c) = (a?, b?, c?);
+    Some(std::array::from_fn(|i| {
+        weights[0] * f64::from(a[i]) + weights[1] * f64::from(b[i]) + weights[2] * f64::from(c[i])
+    }))
+}
+
+fn coordinates(mesh: &Mesh, corners: [usize; 3], weights: Weights) -> Coordinates {
+    [&mesh.uvs, &mesh.second_uvs].map(|set| between(set, corners, weights).unwrap_or_default())
+}
+
+fn of_vertices(mesh: &Mesh, corners: [usize; 3], weights: Weights) -> [f64; 4] {
+    between(&mesh.colors, corners, weights).unwrap_or([1.0; 4])
+}
+
+impl Point {
+    /// Where no texture says anything.
+    pub fn plain(surface: &StandardSurface) -> Point {
+        // Factors alone: a texture counts as white.
+        let strip = |scalar: &crate::scene::Scalar| scalar.factor;
+        let alpha = match &surface.opacity {
+            Opacity::Opaque => 1.0,
+            Opacity::Mask { alpha, cutoff } => f64::from(alpha.factor >= *cutoff),
+            Opacity::Blend { alpha } => alpha.factor,
+        };
+        Point::of(surface, &|scalar| strip(scalar), &|colour| colour.factor, [1.0; 4], alpha)
+    }
+
+    fn new(surface: &StandardSurface, uv: &Coordinates, colour: [f64; 4]) -> Point {
+        let alpha = match &surface.opacity {
+            Opacity::Opaque => 1.0,
+            Opacity::Mask { alpha, cutoff } => f64::from(alpha.at(uv) * colour[3] >= *cutoff),
+            Opacity::Blend { alpha } => alpha.at(uv) * colour[3],
+        };
+        Point::of(surface, &|scalar| scalar.at(uv), &|found| found.at(uv), colour, alpha)
+    }
+
+    fn of(
+        surface: &StandardSurface,
+        number: &dyn Fn(&crate::scene::Scalar) -> f64,
+        colour: &dyn Fn(&crate::scene::Colour) -> [f64; 3],
+        [r, g, b, _]: [f64; 4],
+        alpha: f64,
+    ) -> Point {
+        let share = |scalar: &crate::scene::Scalar| number(scalar).clamp(0.0, 1.0);
+        let shares = |found: &crate::scene::Colour| colour(found).map(|c| c.clamp(0.0, 1.0));
+        let base = colour(&surface.base_color);
+        let white = Tint { base: 1.0, specular: 1.0, through: 1.0, sheen: 1.0 };
+        let sheen = shares(&surface.sheen_color);
+        let base = [base[0] * r, base[1] * g, base[2] * b].map(|c| c.clamp(0.0, 1.0));
+        Point {
+            base,
+            // More than 1 is allowed: what it makes of the index ends at 1.
+            specular_color: colour(&surface.specular_color).map(|c| c.max(0.0)),
+            through: shares(&surface.diffuse_transmission_color),
+            sheen,
+            rest: Look {
+                tint: white,
+                mean: white,
+                metallic: share(&surface.metallic),
+                alpha: facets(share(&surface.roughness)),
+                straight: energy::normal_reflectance(surface.ior),
+                specular: share(&surface.specular),
+                transmission: share(&surface.transmission),
+                diffuse_transmission: share(&surface.diffuse_transmission),
+                coat: share(&surface.coat),
+                coat_alpha: facets(share(&surface.coat_roughness)),
+                sheen_alpha: sheen_alpha(share(&surface.sheen_roughness)),
+                most_sheen: sheen.into_iter().fold(0.0, f64::max),
+                opacity: alpha.clamp(0.0, 1.0),
+            },
+        }
+    }
+
+    /// The look in a lane that has these shares of red, green and blue; without any, in the mean of the three.
+    pub fn look(&self, lane: Option<[f64; 3]>) -> Look {
+        let mixed = |rgb: [f64; 3], shares: [f64; 3]| rgb[0] * shares[0] + rgb[1] * shares[1] + rgb[2] * shares[2];
+        let tint = |shares: [f64; 3]| Tint {
+            base: mixed(self.base, shares),
+            specular: mixed(self.specular_color, shares),
+            through: mixed(self.through, shares),
+            sheen: mixed(self.sheen, shares),
+        };
+        let mean = tint([1.0 / 3.0; 3]);
+        Look { tint: lane.map_or(mean, tint), mean, ..self.rest }
+    }
+    /// Share of light falling straight on that is scattered, linear Rec.709.
+    pub fn albedo(&self, principled: &Principled) -> [f64; 3] {
+        let primaries = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        primaries.map(|lane| principled.scatters(1.0, &self.look(Some(lane))))
+    }
+}

@@ -1,0 +1,157 @@
+use super::super::tests::{Case, are_reciprocal, incoming, samples_follow};
+use super::super::{Scatter, Sides};
+use super::*;
+use crate::base::rng::{Rng, Stream};
+use crate::base::stats::{Moments, sidak_z};
+use crate::scene::{Colour, Scalar};
+
+fn principled(surface: StandardSurface) -> (Principled, Look) {
+    let principled = Principled::new(surface.into(), Mesh::default().into());
+    let look = Point::plain(&principled.surface).look(None);
+    (principled, look)
+}
+
+fn case(name: &str, surface: StandardSurface) -> Case {
+    let (principled, look) = principled(surface);
+    let n = Sides { here: 1.0, beyond: 1.0, look: Some(Box::leak(Box::new(look))) };
+    Case {
+        name: name.to_owned(),
+        scatter: Scatter::Principled(Box::new(principled)),
+        n,
+        width: std::f64::consts::FRAC_PI_4,
+    }
+}
+
+fn some() -> Vec<Case> {
+    let grey = |c: f64| Colour::new([c; 3]);
+    let plain = StandardSurface { roughness: Scalar::new(0.5), base_color: grey(0.6), ..StandardSurface::default() };
+    let with = |change: &dyn Fn(&mut StandardSurface)| {
+        let mut surface = plain.clone();
+        change(&mut surface);
+        surface
+    };
+    vec![
+        case("plastic", plain.clone()),
+        case("metal", with(&|s| s.metallic = Scalar::new(1.0))),
+        case("half metal", with(&|s| (s.metallic, s.roughness) = (Scalar::new(0.5), Scalar::new(0.8)))),
+        case("paper", with(&|s| (s.diffuse_transmission, s.specular) = (Scalar::new(0.4), Scalar::new(0.5)))),
+        case("varnish", with(&|s| (s.coat, s.coat_roughness) = (Scalar::new(0.8), Scalar::new(0.4)))),
+        case("cloth", with(&|s| (s.sheen_color, s.sheen_roughness) = (grey(0.7), Scalar::new(0.5)))),
+        case("sheet", with(&|s| s.transmission = Scalar::new(0.5))),
+    ]
+}
+
+#[test]
+fn chi_squared() {
+    samples_follow(&some());
+}
+
+#[test]
+fn reciprocity() {
+    are_reciprocal(&some());
+}
+
+/// A surface by chance; `white`: nothing of it absorbs.
+fn random(rng: &mut Rng, white: bool) -> StandardSurface {
+    // Ends of the range are as common as what lies between.
+    let mut share = || match rng.uniform() {
+        x if x < 0.25 => Scalar::new(0.0),
+        x if x < 0.5 => Scalar::new(1.0),
+        x => Scalar::new(2.0 * x - 1.0),
+    };
+    let mut out = StandardSurface {
+        metallic: share(),
+        roughness: share(),
+        ior: 1.0 + 1.5 * share().factor,
+        specular: share(),
+        transmission: share(),
+        diffuse_transmission: share(),
+        ..StandardSurface::default()
+    };
+    if !white {
+        (out.coat, out.coat_roughness, out.sheen_roughness) = (share(), share(), share());
+        let mut colour = || Colour::new([share().factor; 3]);
+        out.base_color = colour();
+        out.specular_color = colour();
+        out.diffuse_transmission_color = colour();
+        out.sheen_color = colour();
+    }
+    out
+}
+
+/// What a surface shows of a furnace of luminance 1, scattered and straight through.
+fn furnace(surface: &StandardSurface, theta_deg: f64, count: u32, rng: &mut Rng) -> Moments {
+    let (principled, look) = principled(surface.clone());
+    let d_in = incoming(theta_deg);
+    let through = principled.passes(-d_in.z, &look);
+    let mut all = Moments::default();
+    for _ in 0..count {
+        let scattered = principled.sample(d_in, &look, [rng.uniform(), rng.uniform(), rng.uniform()]);
+        all.add(through + scattered.map_or(0.0, |s| s.weight));
+    }
+    all
+}
+
+/// No surface gives more than it gets, whatever its parameters; and those of which nothing absorbs give all of it.
+#[test]
+fn furnaces() {
+    const SETS: usize = 200;
+    const TABLES: f64 = 2e-3;
+    let limit = sidak_z(0.001, 3 * SETS);
+    let mut worst = (0.0, String::new());
+    for white in [false, true] {
+        for set in 0..SETS {
+            let mut rng = Rng::new(21, Stream::Check, u64::from(white), set as u64);
+            let surface = random(&mut rng, white);
+            for theta in [0.0, 50.0, 80.0] {
+                let all = furnace(&surface, theta, 1 << 14, &mut rng);
+                let (over, error) = (all.mean - 1.0, limit * all.stderr() + TABLES);
+                assert!(over < error, "θ {theta}: {} ± {}: {surface:?}", all.mean, all.stderr());
+                if white {
+                    assert!(over > -error, "θ {theta}: {} ± {}: {surface:?}", all.mean, all.stderr());
+                    if over.abs() > worst.0 {
+                        worst = (over.abs(), format!("θ {theta} {} ± {}", all.mean, all.stderr()));
+                    }
+                }
+            }
+        }
+    }
+    println!("worst {}", worst.1);
+}
+
+/// The furnace sees a lobe that is a hundredth too strong.
+#[test]
+fn the_furnace_bites() {
+    let surface = StandardSurface { roughness: Scalar::new(0.7), ..StandardSurface::default() };
+    let mut rng = Rng::new(22, Stream::Check, 0, 0);
+    let all = furnace(&surface, 50.0, 1 << 16, &mut rng);
+    assert!((all.mean - 1.0).abs() < 3.0 * all.stderr() + 2e-3, "{} ± {}", all.mean, all.stderr());
+    assert!(1.01 * all.mean - 1.0 > 3.0 * all.stderr() + 2e-3, "{} ± {}", all.mean, all.stderr());
+}
+
+/// What a face under a coat keeps is what the model takes away between two directions: no more than that of its facets.
+#[test]
+fn coats_keep_the_body() {
+    let coated = StandardSurface { coat: Scalar::new(1.0), specular: Scalar::new(0.0), ..StandardSurface::default() };
+    let mut rng = Rng::new(23, Stream::Check, 0, 0);
+    for theta in [0.0, 60.0, 80.0] {
+        let all = furnace(&coated, theta, 1 << 16, &mut rng);
+        assert!((all.mean - 1.0).abs() < 3.0 * all.stderr() + 2e-3, "{theta}: {} ± {}", all.mean, all.stderr());
+    }
+}
+
+/// glTF 2.0, appendix B: a smooth metal of base colour c reflects c + (1 − c)(1 − cos)⁵.
+#[test]
+fn smooth_metals_show_their_colour() {
+    for (theta, base) in [(0.0f64, 0.336), (60.0, 0.336), (85.0, 0.336), (0.0, 1.0), (85.0, 0.766)] {
+        let surface = StandardSurface {
+            base_color: Colour::new([base; 3]),
+            metallic: Scalar::new(1.0),
+            roughness: Scalar::new(0.0),
+            ..StandardSurface::default()
+        };
+        let want = base + (1.0 - base) * (1.0 - theta.to_radians().cos()).powi(5);
+        let all = furnace(&surface, theta, 64, &mut Rng::new(24, Stream::Check, 0, 0));
+        assert!((all.mean - want).abs() < 3e-3, "{theta}: {} for {want}", all.mean);
+    }
+}

@@ -1,0 +1,187 @@
+//! Reading textures: from a place on a mesh to the texel, filtered between its neighbours.
+//!
+//! A pixel's paths lie anywhere in it, so that what a texture shows within a pixel is averaged by them.
+
+use crate::scene::texture::{Encoding, Filter, Texels, TextureInput, Wrap};
+use crate::scene::{Colour, Scalar};
+use std::sync::LazyLock;
+
+/// Light of the 256 values of a byte, by the curve of IEC 61966-2-1.
+static SRGB: LazyLock<[f64; 256]> = LazyLock::new(|| std::array::from_fn(|byte| linear(byte as f64 / 255.0)));
+
+/// IEC 61966-2-1, 0–1 and beyond.
+fn linear(encoded: f64) -> f64 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+/// A texel before it is scaled; alpha is never encoded.
+fn texel(input: &TextureInput, index: usize) -> [f64; 4] {
+    match (&input.texture.texels, input.encoding) {
+        // A scene holds none of these.
+        (Texels::Encoded(_), _) => [0.0; 4],
+        (Texels::Bytes(bytes), encoding) => {
+            let [r, g, b, a] = bytes.get(index).copied().unwrap_or_default();
+            let plain = |byte: u8| f64::from(byte) / 255.0;
+            let colour = |byte: u8| match encoding {
+                Encoding::Srgb => SRGB[usize::from(byte)],
+                Encoding::Linear => plain(byte),
+            };
+            [colour(r), colour(g), colour(b), plain(a)]
+        }
+        (Texels::Floats(floats), Encoding::Linear) => floats.get(index).copied().unwrap_or_default().map(f64::from),
+        (Texels::Floats(floats), Encoding::Srgb) => {
+            let [r, g, b, a] = floats.get(index).copied().unwrap_or_default().map(f64::from);
+            [linear(r), linear(g), linear(b), a]
+        }
+    }
+}
+
+/// The texel that a whole coordinate means; none outside of a picture that ends in black.
+fn wrapped(at: f64, count: usize, wrap: Wrap) -> Option<usize> {
+    let size = count as f64;
+    let inside = match wrap {
+        Wrap::Repeat => at.rem_euclid(size),
+        Wrap::Mirror => {
+            let twice = at.rem_euclid(2.0 * size);
+            if twice < size { twice } else { 2.0 * size - 1.0 - twice }
+        }
+        Wrap::Clamp => at.clamp(0.0, size - 1.0),
+        Wrap::Black if (0.0..size).contains(&at) => at,
+        Wrap::Black => return None,
+    };
+    // Rounding may reach the end of a wide picture.
+    Some((inside as usize).min(count.saturating_sub(1)))
+}
+
+/// What a parameter reads at texture coordinates of the mesh: red, green, blue, alpha.
+pub fn read(input: &TextureInput, [u, v]: [f64; 2]) -> [f64; 4] {
+    let (width, height) = (input.texture.width, input.texture.height);
+    let [across, down] = input.to_picture.map(|[a, b, c]| a * u + b * v + c);
+    let (x, y) = (across * width as f64, down * height as f64);
+    let at = |x: f64, y: f64| -> [f64; 4] {
+        match (wrapped(x, width, input.wrap[0]), wrapped(y, height, input.wrap[1])) {
+            (Some(x), Some(y)) => texel(input, y * width + x),
+            (None, _) | (_, None) => [0.0; 4],
+        }
+    };
+    let found = if !(x.is_finite() && y.is_finite()) {
+        [0.0; 4]
+    } else {
+        match input.filter {
+            Filter::Nearest => at(x.floor(), y.floor()),
+            Filter::Linear => {
+                let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
+                let (s, t) = (x - 0.5 - left, y - 0.5 - top);
+                let row = |y: f64| -> [f64; 4] {
+                    let (a, b) = (at(left, y), at(left + 1.0, y));
+                    std::array::from_fn(|c| a[c] + (b[c] - a[c]) * s)
+                };
+                let (a, b) = (row(top), row(top + 1.0));
+                std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t)
+            }
+        }
+    };
+    std::array::from_fn(|c| found[c] * input.scale[c] + input.bias[c])
+}
+
+/// Texture coordinates of a place, by set.
+pub type Coordinates = [[f64; 2]; 2];
+
+/// The coordinates that an input asks for.
+pub fn of_set(input: &TextureInput, uv: &Coordinates) -> [f64; 2] {
+    uv[usize::from(input.set > 0)]
+}
+
+impl Scalar {
+    /// At these texture coordinates.
+    pub fn at(&self, uv: &Coordinates) -> f64 {
+        match &self.texture {
+            None => self.factor,
+            Some((input, channel)) => self.factor * channel.of(read(input, of_set(input, uv))),
+        }
+    }
+}
+
+impl Colour {
+    /// At these texture coordinates, linear Rec.709.
+    pub fn at(&self, uv: &Coordinates) -> [f64; 3] {
+        match &self.texture {
+            None => self.factor,
+            Some(input) => {
+                let found = read(input, of_set(input, uv));
+                std::array::from_fn(|c| self.factor[c] * found[c])
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Shared;
+    use crate::scene::Texture;
+    use std::sync::Arc;
+
+    fn input(wrap: Wrap, filter: Filter) -> TextureInput {
+        // Red counts the columns, green the rows.
+        let texels = (0..6).map(|i| [(i % 3) as f32, (i / 3) as f32, 0.5, 1.0]).collect();
+        let texture = Texture { name: "t".into(), width: 3, height: 2, texels: Texels::Floats(Arc::new(texels)) };
+        TextureInput {
+            texture: Shared::from(texture),
+            encoding: Encoding::Linear,
+            wrap: [wrap; 2],
+            filter,
+            set: 0,
+            to_picture: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            scale: [1.0; 4],
+            bias: [0.0; 4],
+        }
+    }
+
+    #[test]
+    fn texels_lie_from_the_top_left() {
+        let input = input(Wrap::Repeat, Filter::Nearest);
+        for (u, v, want) in [(0.1, 0.1, [0.0, 0.0]), (0.5, 0.9, [1.0, 1.0]), (0.99, 0.0, [2.0, 0.0])] {
+            assert_eq!(read(&input, [u, v])[..2], want);
+        }
+    }
+
+    #[test]
+    fn outside_of_the_picture() {
+        let column = |wrap, u: f64| read(&input(wrap, Filter::Nearest), [u, 0.25])[0];
+        assert_eq!((column(Wrap::Repeat, 1.1), column(Wrap::Repeat, -0.1)), (0.0, 2.0));
+        assert_eq!((column(Wrap::Mirror, 1.1), column(Wrap::Mirror, -0.5), column(Wrap::Mirror, 2.1)), (2.0, 1.0, 0.0));
+        assert_eq!((column(Wrap::Clamp, 7.0), column(Wrap::Clamp, -7.0)), (2.0, 0.0));
+        assert_eq!(read(&input(Wrap::Black, Filter::Nearest), [1.5, 0.25]), [0.0; 4]);
+        assert_eq!(read(&input(Wrap::Repeat, Filter::Linear), [f64::NAN, 0.0]), [0.0; 4]);
+        assert!(read(&input(Wrap::Repeat, Filter::Linear), [1e300, -1e300]).iter().all(|x| x.is_finite()));
+    }
+
+    #[test]
+    fn between_texels() {
+        let clamped = input(Wrap::Clamp, Filter::Linear);
+        // Centres are at (i + ½)/3.
+        for (u, want) in [(0.5 / 3.0, 0.0), (1.0 / 3.0, 0.5), (0.5, 1.0), (1.0, 2.0)] {
+            assert!((read(&clamped, [u, 0.25])[0] - want).abs() < 1e-12, "{u}");
+        }
+        // Round the edge: the last and the first column alike.
+        assert!((read(&input(Wrap::Repeat, Filter::Linear), [0.0, 0.25])[0] - 1.0).abs() < 1e-12);
+    }
+
+    /// IEC 61966-2-1: 188/255 is 0.502886 of white, 10/255 lies on the straight piece.
+    #[test]
+    fn colours_are_decoded_before_they_are_mixed() {
+        let texels = Texels::Bytes(Arc::new(vec![[188, 10, 255, 188]]));
+        let texture = Texture { name: "t".into(), width: 1, height: 1, texels };
+        let srgb = TextureInput {
+            texture: Shared::from(texture),
+            encoding: Encoding::Srgb,
+            scale: [2.0, 1.0, 1.0, 1.0],
+            bias: [0.0, 0.0, -1.0, 0.0],
+            ..input(Wrap::Repeat, Filter::Linear)
+        };
+        let [r, g, b, a] = read(&srgb, [0.3, 0.3]);
+        assert!((r - 2.0 * 0.502_886).abs() < 2e-6 && (g - 10.0 / 255.0 / 12.92).abs() < 1e-12, "{r} {g}");
+        assert!(b.abs() < 1e-12 && (a - 188.0 / 255.0).abs() < 1e-12);
+    }
+}
