@@ -1,5 +1,8 @@
 //! EXR → frame. The file is not trusted: sizes are checked against the file's length before anything is allocated.
 
+mod luminance_chroma;
+mod subsampled;
+
 use std::collections::HashSet;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,6 +21,7 @@ use super::cryptomatte;
 use super::frame::{Channel, Frame, Meta, split_name};
 use crate::base::colour::Chromaticities;
 use crate::base::fault::{Fault, Result, Where};
+use subsampled::Sampling;
 
 /// The attribute that names the colour space of the pictures.
 pub const COLOR_INTEROP_ID: &str = "colorInteropID";
@@ -35,14 +39,15 @@ const EXPANSION: usize = 1100;
 const BATCH: usize = 16;
 
 /// Reads any flat EXR (scan lines or tiles, one or several parts, float, half or 32-bit integer samples, any lossless
-/// or lossy compression of the format) into a frame; of mip maps the largest level. The frame is the data window.
+/// or lossy compression of the format) into a frame; of mip maps the largest level. The frame is the data window. Channels with
+/// fewer samples are filled in between them, and luminance with chroma (Y, RY, BY) becomes red, green and blue.
 ///
 /// A channel without a dot in the second or a later part gets the part's name as its layer, unless it is called so itself.
 /// The prefix that `eyebox.layerPrefix` names is taken from the layers' names. Integer samples become
 /// the nearest f32. Metadata as written by [`write_exr`](super::write_exr): `colorInteropID`, `whiteLuminance`,
 /// `cryptomatte/…` and what stands under `eyebox.`, without the prefix; other attributes are not kept.
 ///
-/// Errors: not a readable file, not EXR, deep or subsampled data, parts of different sizes, missing or damaged chunks,
+/// Errors: not a readable file, not EXR, deep data, parts of different sizes, missing or damaged chunks,
 /// a picture larger than the file could hold.
 pub fn read_exr(path: &Path) -> Result<Frame> {
     let at = || Where::file(path);
@@ -100,7 +105,8 @@ fn said(error: ::exr::error::Error) -> String {
 }
 
 fn decode_trusting(bytes: &[u8]) -> Result<(Frame, About), String> {
-    let reader = ::exr::block::read(Cursor::new(bytes), false).map_err(said)?;
+    let (bytes, sampling) = Sampling::taken_out(bytes);
+    let reader = ::exr::block::read(Cursor::new(&bytes), false).map_err(said)?;
     let size = check_sizes(reader.headers(), bytes.len())?;
     let mut frame = Frame::new(size.0, size.1);
     let about = reader.headers().first().map(about).unwrap_or_default();
@@ -132,7 +138,7 @@ fn decode_trusting(bytes: &[u8]) -> Result<(Frame, About), String> {
         let meta = chunks.meta_data();
         let blocks: Vec<UncompressedBlock> = batch
             .into_par_iter()
-            .map(|chunk| UncompressedBlock::decompress_chunk(chunk, meta, false))
+            .map(|chunk| sampling.decompress(chunk, meta))
             .collect::<Result<_, _>>()
             .map_err(said)?;
         for block in blocks {
@@ -141,7 +147,13 @@ fn decode_trusting(bytes: &[u8]) -> Result<(Frame, About), String> {
             if index.level != largest || !seen.insert((index.layer, index.pixel_position.0, index.pixel_position.1)) {
                 return Err("a part of the picture is stored twice, another is missing".into());
             }
-            store(&mut frame, &meta.headers, &first_of_part, &block).ok_or("a chunk does not fit the picture")?;
+            let stored = match (meta.headers.get(index.layer), first_of_part.get(index.layer)) {
+                (Some(header), Some(first)) if sampling.concerns(index.layer) => {
+                    sampling.store(&mut frame, &header.channels, *first, &block)
+                }
+                _ => store(&mut frame, &meta.headers, &first_of_part, &block),
+            };
+            stored.ok_or("a chunk does not fit the picture")?;
             if let Some(covered) = covered.get_mut(index.layer) {
                 *covered += index.pixel_size.area();
             }
@@ -150,7 +162,9 @@ fn decode_trusting(bytes: &[u8]) -> Result<(Frame, About), String> {
     if covered.iter().any(|covered| *covered != pixels) {
         return Err("a part of the picture is missing".into());
     }
+    sampling.spread(&mut frame, &first_of_part);
     without_prefix(&mut frame);
+    luminance_chroma::to_rgb(&mut frame, about.chromaticities.as_ref());
     Ok((frame, about))
 }
 
@@ -207,14 +221,18 @@ fn store(frame: &mut Frame, headers: &[Header], first_of_part: &[usize], block: 
         let start = y.checked_mul(frame.width)?.checked_add(x)?;
         let channel = frame.channels.get_mut(first.checked_add(line.channel)?)?;
         let to = channel.data.get_mut(start..start.checked_add(line.sample_count)?)?;
-        // The decoder hands out samples in the machine's byte order.
-        match channels.list.get(line.channel)?.sample_type {
-            SampleType::F32 => copy(to, bytes, f32::from_ne_bytes),
-            SampleType::F16 => copy(to, bytes, |raw| f16::from_ne_bytes(raw).to_f32()),
-            SampleType::U32 => copy(to, bytes, |raw| u32::from_ne_bytes(raw) as f32),
-        }
+        copy_samples(to, bytes, channels.list.get(line.channel)?.sample_type);
     }
     Some(())
+}
+
+fn copy_samples(to: &mut [f32], bytes: &[u8], kind: SampleType) {
+    // The decoder hands out samples in the machine's byte order.
+    match kind {
+        SampleType::F32 => copy(to, bytes, f32::from_ne_bytes),
+        SampleType::F16 => copy(to, bytes, |raw| f16::from_ne_bytes(raw).to_f32()),
+        SampleType::U32 => copy(to, bytes, |raw| u32::from_ne_bytes(raw) as f32),
+    }
 }
 
 fn copy<const N: usize>(to: &mut [f32], bytes: &[u8], sample: impl Fn([u8; N]) -> f32) {

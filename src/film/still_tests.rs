@@ -98,3 +98,66 @@ fn only_what_is_encoded_is_taken_as_srgb() {
     assert!((light[0][0] - 0.502_886).abs() < 1e-5 && light[0][1..] == [1.0, 0.0], "{light:?}");
     assert!((0..png.len() - 12).all(|length| Still::of_srgb(&png[..length]).is_err()));
 }
+
+/// A file of luminance and chroma as the format's description has it, not compressed: BY and RY have a sample for 2 × 2 pixels,
+/// odd lines have none of them. The chroma is that of (1, 0.5, 0.25) everywhere, the luminance doubles from pixel to pixel.
+#[test]
+fn luminance_and_chroma() {
+    const COLOUR: [f32; 3] = [1.0, 0.5, 0.25];
+    // IEC 61966-2-1.
+    let y = 0.2126 * COLOUR[0] + 0.7152 * COLOUR[1] + 0.0722 * COLOUR[2];
+    let (width, height) = (4i32, 4i32);
+    let mut file = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
+    let mut put = |name: &str, kind: &str, value: &[u8]| {
+        file.extend(name.bytes().chain([0]).chain(kind.bytes()).chain([0]));
+        file.extend((value.len() as i32).to_le_bytes());
+        file.extend(value);
+    };
+    let numbers = |all: &[i32]| all.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
+    let mut channels = Vec::new();
+    for (name, step) in [("BY", 2), ("RY", 2), ("Y", 1)] {
+        channels.extend(name.bytes().chain([0]));
+        channels.extend(numbers(&[2, 0, step, step]));
+    }
+    channels.push(0);
+    put("channels", "chlist", &channels);
+    put("compression", "compression", &[0]);
+    let window = numbers(&[0, 0, width - 1, height - 1]);
+    put("dataWindow", "box2i", &window);
+    put("displayWindow", "box2i", &window);
+    put("lineOrder", "lineOrder", &[0]);
+    put("pixelAspectRatio", "float", &1f32.to_le_bytes());
+    put("screenWindowCenter", "v2f", &[0; 8]);
+    put("screenWindowWidth", "float", &1f32.to_le_bytes());
+    file.push(0);
+    let lines: Vec<Vec<u8>> = (0..height)
+        .map(|row| {
+            let mut samples = Vec::new();
+            if row % 2 == 0 {
+                samples.extend([(COLOUR[2] - y) / y; 2]);
+                samples.extend([(COLOUR[0] - y) / y; 2]);
+            }
+            samples.extend((0..width).map(|column| y * 2f32.powi(column + row)));
+            let data: Vec<u8> = samples.iter().flat_map(|sample| sample.to_le_bytes()).collect();
+            [numbers(&[row, data.len() as i32]), data].concat()
+        })
+        .collect();
+    let mut offset = file.len() + 8 * lines.len();
+    for line in &lines {
+        file.extend((offset as u64).to_le_bytes());
+        offset += line.len();
+    }
+    lines.iter().for_each(|line| file.extend(line));
+    let still = Still::of_exr(&file, None).expect("a picture");
+    let Light::Rgb(pixels) = &still.light else { panic!("it has colours") };
+    for (index, pixel) in pixels.iter().enumerate() {
+        let scale = 2f32.powi((index % 4 + index / 4) as i32);
+        for (found, want) in pixel.iter().zip(COLOUR) {
+            assert!((found / scale - want).abs() < 1e-4, "{index}: {pixel:?}");
+        }
+    }
+    // A sampling of 0 is no reason to stumble.
+    let at = file.windows(4).position(|four| four == [b'B', b'Y', 0, 2]).expect("the channel") + 11;
+    file[at..at + 4].fill(0);
+    assert!(Still::of_exr(&file, None).is_err());
+}
