@@ -29,7 +29,7 @@ fn collect(folder: &Path, out: &mut Vec<PathBuf>) {
 fn open(file: &Path, bytes: &[u8]) -> bool {
     let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if extension == "glb" || extension == "gltf" {
-        return eyebox::import::gltf::read_bytes(file, bytes).is_ok();
+        return eyebox::import::gltf::read_bytes(file, bytes, &eyebox::import::ReadOptions::default()).is_ok();
     }
     let broken = file.with_file_name(format!(".broken.{extension}"));
     std::fs::write(&broken, bytes).expect("the folder can be written");

@@ -204,7 +204,9 @@ fn main() {
     std::fs::write(&path, &bytes).expect("the file");
     drop(bytes);
     let raw = measured(|| raw(&path));
-    let assembly = measured(|| eyebox::import::gltf::read(&path).expect("it reads").meshes.len());
+    let assembly = measured(|| {
+        eyebox::import::gltf::read(&path, &eyebox::import::ReadOptions::default()).expect("it reads").meshes.len()
+    });
     println!("2 000 000 triangles, {:.1} MB", size / 1e6);
     say(&[("gltf crate", raw), ("assembly", assembly), ("scene", measured(|| scene(&path)))], raw, size);
 }

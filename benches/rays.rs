@@ -146,6 +146,7 @@ impl Case {
             to_world: DAffine3::IDENTITY,
             medium: None,
             priority: 0,
+            materials: Vec::new(),
             faces: vec![face],
         };
         let eye = Eye {

@@ -44,7 +44,7 @@ use std::path::Path;
 /// A file that cannot be read, an attribute that is wrong or missing, each with its place; a set that fits nothing.
 pub fn open(path: impl AsRef<Path>, sets: &[&str]) -> Result<Scene> {
     let sets = sets.iter().map(|text| Set::parse(text)).collect::<Result<Vec<_>>>()?;
-    Ok(import(path.as_ref(), &ImportOptions { sets, frame: None })?.scene)
+    Ok(import(path.as_ref(), &ImportOptions { sets, ..ImportOptions::default() })?.scene)
 }
 
 /// What `eyebox validate` finds in an asset, in the order of its rules. An asset that cannot be read is a finding, too.

@@ -3,5 +3,8 @@
 mod broken;
 mod bytes;
 mod kit;
+mod looks;
+mod looks_usd;
 mod random;
+mod said;
 mod samples;

@@ -113,6 +113,15 @@ fn the_sample_by_part_and_role() {
             Matte::Role => assert!(shown.contains("combiner"), "{shown:?}"),
             Matte::PartSeen => assert!(shown.iter().all(|name| !name.ends_with("COMBINER_PLATE_NBK7")), "{shown:?}"),
             Matte::RoleSeen => assert!(!shown.contains("lens") && !shown.contains("slide"), "{shown:?}"),
+            Matte::Material => {
+                let combiner = scene.parts.iter().find(|part| part.name == "COMBINER_PLATE_NBK7").expect("it is there");
+                assert_eq!(combiner.materials.len(), combiner.faces.len());
+                assert!(combiner.materials.iter().any(|name| shown.contains(name.as_str())), "{shown:?}");
+            }
+            Matte::MaterialSeen => {
+                let all: BTreeSet<&str> = scene.parts.iter().flat_map(|part| &part.materials).map(|m| &**m).collect();
+                assert!(shown.iter().all(|name| all.contains(name)), "{shown:?}");
+            }
         }
     }
     let roles = eyebox::world::role::roles(&scene, &world);

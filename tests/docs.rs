@@ -46,7 +46,9 @@ fn place(noun: Noun) -> &'static str {
         Noun::Slide => {
             "A thin transmissive picture on a face. `slide = { image = …, size = …, u = …, v = … }` in a `[[bind]]`."
         }
-        Noun::Sky => "Light from everywhere. `[sky]`.",
+        Noun::Sky => {
+            "Light from everywhere. `[sky]`, with exactly one of `image`, `luminance_cd_m2`, `overcast_cd_m2` and `sun_sky`."
+        }
         Noun::Sun => "Light from one direction: the sun through the combiner. `[sun]`.",
         Noun::Eye => "Who looks. `[eye]`.",
     }

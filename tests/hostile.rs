@@ -40,11 +40,19 @@ fn broken_assets_end_in_a_result_or_a_fault() {
     let glb = std::fs::read(&sample).expect("the sample");
     let assets: [(PathBuf, &[u8], u64); 2] = [("small.gltf".into(), SMALL.as_bytes(), 800), (sample, &glb, 60)];
     for (file, bytes, rounds) in assets {
-        eyebox::import::gltf::read_bytes(&file, bytes).expect("sound before it is broken");
+        eyebox::import::gltf::read_bytes(&file, bytes, &eyebox::import::ReadOptions::default())
+            .expect("sound before it is broken");
         let mut opened = 0;
         for seed in 0..rounds {
             let start = Instant::now();
-            opened += u64::from(eyebox::import::gltf::read_bytes(&file, &mutate::mutated(bytes, seed)).is_ok());
+            opened += u64::from(
+                eyebox::import::gltf::read_bytes(
+                    &file,
+                    &mutate::mutated(bytes, seed),
+                    &eyebox::import::ReadOptions::default(),
+                )
+                .is_ok(),
+            );
             assert!(start.elapsed() < Duration::from_secs(20), "{} broken with seed {seed} hangs", file.display());
         }
         // Most of a large file is coordinates, which may be anything; of the small one most is structure.

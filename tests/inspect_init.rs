@@ -50,6 +50,59 @@ fn a_bare_asset_is_shown_then_gets_a_sidecar_and_can_be_inspected() {
     assert_eq!(tree["parts"][0]["medium"]["name"], "PMMA");
 }
 
+/// What is assumed of an asset that is no optics is written down, and is the same then.
+#[test]
+fn a_picture_keeps_its_eye_its_sky_and_its_looks() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (asset, sidecar) = (folder.path().join("card.gltf"), folder.path().join("own.optics.toml"));
+    let numbers = [-1.0f32, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, 1.0, 0.0, -1.0, 1.0, 0.5];
+    let indices = [0u16, 1, 2, 0, 2, 3].iter().flat_map(|index| index.to_le_bytes());
+    let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).chain(indices).collect();
+    std::fs::write(folder.path().join("card.bin"), &bytes).expect("a file");
+    let json = serde_json::json!({
+        "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "name": "Card", "mesh": 0 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "material": 0 }] }],
+        "materials": [{ "name": "Paint", "pbrMetallicRoughness": {
+            "baseColorFactor": [0.5, 0.25, 0.125, 1], "metallicFactor": 0, "roughnessFactor": 0.5 } }],
+        "accessors": [
+            { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0.5] },
+            { "bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR" }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 48 }, { "buffer": 0, "byteOffset": 48, "byteLength": 12 }],
+        "buffers": [{ "byteLength": 60, "uri": "card.bin" }] });
+    std::fs::write(&asset, json.to_string()).expect("a file");
+    let (asset, sidecar) = (asset.to_str().expect("UTF-8"), sidecar.to_str().expect("UTF-8"));
+    let tree = |file: &str| -> serde_json::Value {
+        let run = eyebox(&["inspect", file, "--format", "json"]);
+        assert_eq!((run.status.code(), text(&run.stderr)), (Some(0), ""));
+        serde_json::from_slice(&run.stdout).expect("JSON")
+    };
+    let bare = tree(asset);
+    let look = &bare["parts"][0]["faces"][0]["look"];
+    assert_eq!((&look["material"], &look["kind"]), (&"Paint".into(), &"dielectric".into()));
+    assert_eq!(look["base_color"], serde_json::json!([0.5, 0.25, 0.125]));
+    let shown = eyebox(&["inspect", asset]);
+    let look = "surface Paint: dielectric, base colour (0.5, 0.25, 0.125), roughness 0.5";
+    assert!(text(&shown.stdout).contains(look), "{}", text(&shown.stdout));
+
+    let init = eyebox(&["init", asset, "-o", sidecar]);
+    assert_eq!((init.status.code(), text(&init.stderr)), (Some(0), ""));
+    let written = std::fs::read_to_string(sidecar).expect("it was written");
+    assert!(written.contains("\n[sky]") && written.contains("\n[eye]") && written.contains("# assumed"), "{written}");
+    let told = tree(sidecar);
+    for what in ["parts", "bounds"] {
+        assert_eq!(told[what], bare[what], "{what}");
+    }
+    for what in ["sky", "lamps", "groups"] {
+        assert_eq!(told["optics"][what], bare["optics"][what], "{what}");
+    }
+    for what in ["pupil_diameter_m", "fov_deg", "resolution", "position"] {
+        assert_eq!(told["optics"]["eye"][what], bare["optics"]["eye"][what], "{what}");
+    }
+    let valid = eyebox(&["validate", asset]);
+    assert_eq!(valid.status.code(), Some(0), "{}", text(&valid.stdout));
+}
+
 #[test]
 fn explain_names_the_line_and_the_nearest_part() {
     let sidecar = sample("hud-direct/hud.optics.toml");

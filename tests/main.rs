@@ -22,6 +22,7 @@ mod doublet;
 mod generated;
 mod hud;
 mod lights;
+mod looks;
 mod manifold;
 mod modes;
 mod peers;

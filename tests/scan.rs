@@ -198,7 +198,8 @@ fn the_display_behind_a_thick_lens() {
     for (glass, n) in [("N-BK7", 1.518_522_387_620_788), ("N-SK16", 1.622_607_688_060_801)] {
         let sets = ["eye.pupil_diameter=\"0.2 mm\"".to_owned(), format!("LENS_02_NBK7.glass={glass}")];
         let sets = sets.iter().map(|text| Set::parse(text).unwrap()).collect();
-        let scene = import(&path, &ImportOptions { sets, frame: None }).expect("the sample imports").scene;
+        let scene =
+            import(&path, &ImportOptions { sets, ..ImportOptions::default() }).expect("the sample imports").scene;
         let found = run(&scene, &asked([3, 1], [0.12, 0.0]));
         assert!(found.part.ends_with("LCD_ACTIVE_AREA"), "{}", found.part);
         assert!((found.picture_m[0] - 0.04).abs() < 1e-9 && (found.picture_m[1] - 0.02).abs() < 1e-9);

@@ -2,6 +2,7 @@
 //! the asset that it was made for. And the published schemas of the attribute vocabulary.
 
 pub mod gltf; // .gltf and .glb
+mod picture; // the files of pictures
 pub mod schema; // JSON and USD schemas from the attribute table
 pub mod usd; // .usda, .usdc and .usdz
 

@@ -201,7 +201,16 @@ pub fn add(
         scene.media.push(Medium { name, index, absorption: Absorption::NONE });
         MediumId::from_index(scene.media.len() - 1)
     });
-    scene.parts.push(Part { path: name.clone(), name, mesh: id, to_world, medium, priority: 0, faces });
+    scene.parts.push(Part {
+        path: name.clone(),
+        name,
+        mesh: id,
+        to_world,
+        medium,
+        priority: 0,
+        faces,
+        materials: Vec::new(),
+    });
     scene.parts.len() - 1
 }
 

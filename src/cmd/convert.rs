@@ -1,21 +1,23 @@
 //! `eyebox convert`: an assembly in another format.
 
+use super::moment::Moment;
 use super::{Format, authored};
 use crate::author;
 use crate::base::Result;
 use crate::base::atomic::check_writable;
 use crate::base::relative_path::folder_of;
-use crate::import::{self, ReadOptions, annotate};
+use crate::import::{self, annotate};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Write an assembly in another format, with all its optical attributes.
+/// Write an assembly in another format, with all its optical attributes and its looks.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 The extension of OUT says the format. A sidecar as IN becomes part of the new asset. Names, hierarchy, instances and \
-geometry stay; what the format can't say is listed (docs/interchange.md). Images are not copied: OUT names them relative \
-to its own folder.
+geometry stay; what the format can't say is listed (docs/interchange.md). Pictures of materials are copied: into a .glb or \
+.usdz, else into the folder NAME_textures beside OUT. Pictures of skies and slides are not: OUT names them relative to its \
+own folder.
 
 Examples:
   eyebox convert hud.optics.toml hud.glb
@@ -27,9 +29,8 @@ pub struct ConvertArgs {
     asset: PathBuf,
     /// The asset to write (.glb, .gltf, .usda, .usdc, .usdz).
     output: PathBuf,
-    /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
-    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
-    frame: Option<f64>,
+    #[command(flatten)]
+    moment: Moment,
     /// How the summary is printed.
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -38,7 +39,7 @@ pub struct ConvertArgs {
 /// Runs the command.
 pub fn run(args: &ConvertArgs) -> Result<ExitCode> {
     check_writable(&args.output)?;
-    let (mut assembly, sidecar) = import::read(&args.asset, &ReadOptions { frame: args.frame })?;
+    let (mut assembly, sidecar) = import::read(&args.asset, &args.moment.reading())?;
     let sidecar = sidecar.map(|(_, value)| value);
     annotate(&assembly, sidecar.as_ref(), &folder_of(&args.output))?.apply(&mut assembly);
     let written = author::convert(&assembly, &args.output)?;

@@ -11,8 +11,9 @@ use std::process::ExitCode;
 /// Write a commented sidecar for a bare asset: every part with its faces, fitted surfaces and guesses from names.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-What can't be known is marked TODO; what can be guessed (glass names, lens caps, LEDs) is filled in. An existing file is \
-not overwritten without --force.
+What can't be known is marked TODO; what can be guessed (glass names, lens caps, LEDs) is filled in. Where no name is that \
+of optics, the sidecar keeps the picture of the bare asset: the eye and the sky that render assumes are written down. An \
+existing file is not overwritten without --force.
 
 Examples:
   eyebox init hud.glb -o hud.optics.toml
@@ -52,6 +53,7 @@ impl InitArgs {
         let mut lines = vec![format!("{output}: {} parts of {} kinds", skeleton.parts, skeleton.kinds)];
         lines.extend(skeleton.todos.iter().map(|todo| format!("  TODO {todo}")));
         lines.push(match &skeleton.fault {
+            None if skeleton.todos.is_empty() => format!("it can be imported as it is: eyebox inspect {output}"),
             None => format!("it can be imported as it is, with stand-ins for the TODOs: eyebox inspect {output}"),
             Some(fault) => format!("it can't be imported yet: {fault}"),
         });

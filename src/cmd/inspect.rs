@@ -16,7 +16,8 @@ use std::process::ExitCode;
 /// Show an assembly as a tree: media, faces, lamps, slides, eye, sky and every note.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Lengths are in mm of the world. Parts that are alike take one line with their count. Where the optical attributes can't be \
+Lengths are in mm of the world. Parts that are alike take one line with their count. Of ordinary \
+materials kind, base colour (linear Rec.709), roughness, layers and the names of their textures are shown. Where the optical attributes can't be \
 used, the geometry is shown all the same before the error (exit 2). What render would refuse is an error here too, after \
 the tree. --geometry asks for no optics at all; --deps lists every file that is needed and ends with exit 1 if one is missing.
 

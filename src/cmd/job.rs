@@ -28,7 +28,7 @@ pub struct JobArgs {
     /// Pieces that the passes of a frame are cut into.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000))]
     shards: u64,
-    /// Time codes of a USD asset: A-B, or A-BxS for every S-th.
+    /// Time codes of a USD asset or frames of a glTF one: A-B, or A-BxS for every S-th.
     #[arg(long, value_name = "A-B[xS],…", value_parser = parse_frames, allow_hyphen_values = true)]
     frames: Option<Frames>,
     /// The template to write: YAML, or JSON if the name says so.

@@ -29,6 +29,7 @@ mod man;
 mod measure;
 mod merge;
 mod mix;
+mod moment;
 mod paths;
 mod plan;
 mod printer;

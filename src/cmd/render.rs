@@ -67,7 +67,7 @@ pub enum Ended {
 /// Renders one frame. `partial`: whether the passes until a signal are written.
 pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended> {
     let start = Instant::now();
-    let args = &RenderArgs { output: named(&args.output, args.source.frame)?, ..args.clone() };
+    let args = &RenderArgs { output: named(&args.output, args.source.moment.frame)?, ..args.clone() };
     check_destination(&args.output)?;
     if let Some(packing) = args.compression {
         let at = || Where::Option(format!("--compression {}", packing.name()));

@@ -2,6 +2,7 @@
 
 use super::Format;
 use super::frames::{Frames, parse_frames};
+use super::moment::Moment;
 use super::progress::ProgressArg;
 use super::shards::parse_shard;
 use super::source::Source;
@@ -103,7 +104,7 @@ pub struct RenderArgs {
     /// ghosts='C.*<RS>.*<RS>.*<L.'led'>'. More than one may be given.
     #[arg(long = "aov", value_name = "NAME=LPE", value_parser = aov::parse_option)]
     pub aovs: Vec<(String, String)>,
-    /// Write Cryptomatte layers, too: CryptoPart and CryptoRole of what is met first, CryptoPartSeen and CryptoRoleSeen
+    /// Write Cryptomatte layers, too: CryptoPart, CryptoRole and CryptoMaterial of what is met first, …Seen
     /// of what is met behind specular faces.
     #[arg(long)]
     pub cryptomatte: bool,
@@ -134,7 +135,7 @@ pub struct RenderArgs {
     pub chains: Vec<String>,
     #[command(flatten)]
     pub source: Source,
-    /// One file for each of these whole time codes (1-24, 1-24x2, 1,3,5), each with noise of its own and imported by itself; limits hold for each. A frame that fails is
+    /// One file for each of these whole time codes or frames (1-24, 1-24x2, 1,3,5), each with noise of its own and imported by itself; limits hold for each. A frame that fails is
     /// reported and the others go on (exit code 2). Ctrl-C keeps what is done and does not write the frame under way.
     #[arg(long, value_name = "A-B[xS],…", value_parser = parse_frames, allow_hyphen_values = true, conflicts_with = "frame")]
     pub frames: Option<Frames>,
@@ -273,14 +274,15 @@ impl RenderArgs {
 
     /// The same for one frame of a sequence.
     pub fn of_frame(&self, output: PathBuf, frame: f64) -> RenderArgs {
-        let source = Source { frame: Some(frame), ..self.source.clone() };
+        let moment = Moment { frame: Some(frame), ..self.source.moment.clone() };
+        let source = Source { moment, ..self.source.clone() };
         RenderArgs { output, source, frames: None, ..self.clone() }
     }
 
     /// The seed of the passes: that of `--seed`, and at a time code one that hangs on both, or a sequence would move under a
     /// still pattern of noise. 53 bits, which every reader of JSON keeps.
     pub fn seed_of_passes(&self) -> u64 {
-        match self.source.frame {
+        match self.source.moment.frame {
             None => self.seed,
             Some(frame) => Rng::new(self.seed, Stream::Frame, frame.to_bits(), 0).next_u64() >> 11,
         }

@@ -6,6 +6,7 @@ use super::render::{Ended, one};
 use super::render_args::RenderArgs;
 use super::say;
 use crate::base::Result;
+use crate::scene::Scene;
 use std::process::ExitCode;
 
 /// Renders the frames one after the other. What fails is reported and the others go on; the exit code is then 2. A signal
@@ -45,10 +46,11 @@ pub fn run(args: &RenderArgs, frames: &Frames, signals: &Signals) -> Result<Exit
 /// frames themselves tell.
 fn still(args: &RenderArgs, frames: &Frames, pattern: &Pattern) -> Option<String> {
     let (first, last) = (frames.codes().next()?, frames.codes().last()?);
-    let hash = |code: i64| {
+    // Not by their hashes, which are of the files; notes tell which frame it is.
+    let scene = |code: i64| {
         let built = args.of_frame(pattern.path(code), code as f64).source.import();
-        built.ok().map(|built| built.scene.hash)
+        built.ok().map(|built| Scene { notes: Vec::new(), ..built.scene })
     };
-    let same = first != last && hash(first)? == hash(last)?;
+    let same = first != last && scene(first)? == scene(last)?;
     same.then(|| format!("the asset is the same at {first} and {last}: nothing in it moves, only the noise differs"))
 }

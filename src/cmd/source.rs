@@ -1,5 +1,6 @@
 //! The asset that a command looks at, as `--set` and `--frame` change it: the same arguments and the same import for all.
 
+use super::moment::Moment;
 use crate::base::Result;
 use crate::check::facets;
 use crate::check::rules::eb0103;
@@ -15,23 +16,31 @@ pub struct Source {
     /// Change an attribute: PART-OR-GROUP.ATTRIBUTE=VALUE, e.g. led.flux_lm=0.5, eye.pupil_diameter="3 mm".
     #[arg(long = "set", value_name = "TARGET.ATTRIBUTE=VALUE")]
     pub sets: Vec<String>,
-    /// The time code at which a USD asset is taken; its own values without time, else the earliest, if not said.
-    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
-    pub frame: Option<f64>,
+    #[command(flatten)]
+    pub moment: Moment,
+    /// Memory for textures: where they would take more, all are read at a half, a quarter, … of their width and height,
+    /// with a warning. Default 4096.
+    #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u32).range(1..))]
+    pub texture_memory: Option<u32>,
 }
 
 impl Source {
     /// The asset with its optics, changed as asked, and with a warning for each face whose facets an eye will see and each solid that is inside out. Faults: of a `--set` that cannot be read, and those of [`import`].
     pub fn import(&self) -> Result<Built> {
-        let mut built = import(&self.asset, &ImportOptions { sets: sets(&self.sets)?, frame: self.frame })?;
+        let mut built = import(&self.asset, &self.options()?)?;
         built.scene.notes.extend(facets::warnings(&built.scene));
         built.scene.notes.extend(eb0103::warnings(&built.scene));
         Ok(built)
     }
 
+    fn options(&self) -> Result<ImportOptions> {
+        let texture_bytes = self.texture_memory.map(|mib| u64::from(mib) << 20);
+        Ok(ImportOptions { sets: sets(&self.sets)?, reading: self.reading(), texture_bytes })
+    }
+
     /// How the asset is read where its optics are not asked for.
     pub fn reading(&self) -> ReadOptions {
-        ReadOptions { frame: self.frame }
+        self.moment.reading()
     }
 }
 

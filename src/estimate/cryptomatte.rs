@@ -2,7 +2,7 @@
 
 use super::data::{End, go_straight, place};
 use super::ledger::Ledger;
-use crate::film::cryptomatte::{self, Matte, NOTHING, POINTS, Ranked, identity, rank};
+use crate::film::cryptomatte::{self, Matte, MatteBy, NOTHING, POINTS, Ranked, identity, rank};
 use crate::film::frame::Frame;
 use crate::scene::Scene;
 use crate::world::World;
@@ -22,6 +22,8 @@ struct Identities {
     parts: Vec<u32>,
     /// Part, face.
     roles: Vec<Vec<Option<u32>>>,
+    /// Part, face; nothing where the asset names no material.
+    materials: Vec<Vec<u32>>,
 }
 
 impl Identities {
@@ -31,15 +33,21 @@ impl Identities {
         Identities {
             parts: scene.parts.iter().map(|part| identity(&part.path)).collect(),
             roles: roles(scene, world).into_iter().map(of_part).collect(),
+            materials: scene
+                .parts
+                .iter()
+                .map(|part| part.materials.iter().map(|name| identity(name)).collect())
+                .collect(),
         }
     }
 
     fn of(&self, matte: Matte, site: Option<Site>) -> u32 {
         let Some(Site { part, face, .. }) = site else { return NOTHING };
-        let found = if matte.by_role() {
-            self.roles.get(part as usize).and_then(|faces| faces.get(face as usize).copied().flatten())
-        } else {
-            self.parts.get(part as usize).copied()
+        let (part, face) = (part as usize, face as usize);
+        let found = match matte.by() {
+            MatteBy::Role => self.roles.get(part).and_then(|faces| faces.get(face).copied().flatten()),
+            MatteBy::Material => self.materials.get(part).and_then(|faces| faces.get(face).copied()),
+            MatteBy::Part => self.parts.get(part).copied(),
         };
         found.unwrap_or(NOTHING)
     }
@@ -49,7 +57,8 @@ impl Identities {
     }
 }
 
-/// Adds the layers of `mattes` and their attributes. A part is called by its path, a role as [`Role::name`] says. The first
+/// Adds the layers of `mattes` and their attributes. A part is called by its path, a role as [`Role::name`] says, a material as
+/// in the asset; what has none is called `none`. The first
 /// face of a look is the first that is there for light; behind specular faces a look goes on as the data layers do.
 pub fn add(frame: &mut Frame, scene: &Scene, world: &World, mattes: &[Matte]) {
     if mattes.is_empty() {
@@ -79,8 +88,17 @@ pub fn add(frame: &mut Frame, scene: &Scene, world: &World, mattes: &[Matte]) {
         (0..width * height).into_par_iter().map_init(|| Ledger::new(world.solids.len()), pixel).collect();
     let parts: Vec<&str> = scene.parts.iter().map(|part| part.path.as_str()).collect();
     let roles = Role::ALL.map(Role::name);
+    let mut materials: Vec<&str> =
+        scene.parts.iter().flat_map(|part| part.materials.iter().map(|name| &**name)).collect();
+    materials.sort_unstable();
+    materials.dedup();
     for (index, matte) in mattes.iter().enumerate() {
         let of_matte: Vec<Ranked> = pixels.iter().filter_map(|pixel| pixel.get(index).copied()).collect();
-        cryptomatte::add(frame, *matte, &of_matte, if matte.by_role() { &roles } else { &parts });
+        let names: &[&str] = match matte.by() {
+            MatteBy::Part => &parts,
+            MatteBy::Role => &roles,
+            MatteBy::Material => &materials,
+        };
+        cryptomatte::add(frame, *matte, &of_matte, names);
     }
 }

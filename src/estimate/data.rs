@@ -6,6 +6,7 @@ use super::kernel_bias::{Edges, radius_px};
 use super::ledger::Ledger;
 use super::walk::{Met, Travel, Vertex, Walker};
 use crate::base::rng::{Rng, Stream};
+use crate::base::warp::Frame;
 use crate::world::World;
 use crate::world::eye::EyeLens;
 use crate::world::geometry::{Hit, Ray};
@@ -36,11 +37,30 @@ pub struct Seen {
     pub part: u32,
     /// CAD face number from 0.
     pub face: u32,
+    pub look: SeenLook,
+}
+
+/// What ordinary materials have there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeenLook {
+    /// World, towards the eye: of the face, without interpolation and maps.
+    pub geometric: DVec3,
+    /// First set of texture coordinates; 0 where there is none.
+    pub uv: [f64; 2],
+    /// Share of the face that is there.
+    pub opacity: f64,
 }
 
 impl Seen {
-    const NOTHING: Seen =
-        Seen { z_m: FAR_M, position: DVec3::ZERO, normal: DVec3::ZERO, albedo: [0.0; 3], part: 0, face: 0 };
+    const NOTHING: Seen = Seen {
+        z_m: FAR_M,
+        position: DVec3::ZERO,
+        normal: DVec3::ZERO,
+        albedo: [0.0; 3],
+        part: 0,
+        face: 0,
+        look: SeenLook { geometric: DVec3::ZERO, uv: [0.0; 2], opacity: 0.0 },
+    };
 }
 
 /// Data of one pixel.
@@ -64,10 +84,30 @@ pub struct SeenPixels {
     pub tint: Option<[Vec<f32>; 2]>,
     pub part: Vec<f32>,
     pub face: Vec<f32>,
+    /// Where the scene has ordinary materials.
+    pub looks: Option<SeenLooks>,
+}
+
+/// [`SeenLook`] of all pixels.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SeenLooks {
+    pub geometric: [Vec<f32>; 3],
+    pub uv: [Vec<f32>; 2],
+    pub opacity: Vec<f32>,
 }
 
 impl SeenPixels {
+    fn new(looks: bool) -> Self {
+        SeenPixels { looks: looks.then(SeenLooks::default), ..SeenPixels::default() }
+    }
+
     fn push(&mut self, seen: &Seen) {
+        if let Some(looks) = &mut self.looks {
+            let SeenLook { geometric, uv, opacity } = seen.look;
+            looks.geometric.iter_mut().zip(geometric.to_array()).for_each(|(to, x)| to.push(x as f32));
+            looks.uv.iter_mut().zip(uv).for_each(|(to, x)| to.push(x as f32));
+            looks.opacity.push(opacity as f32);
+        }
         self.z_m.push(seen.z_m as f32);
         let [r, g, b] = seen.albedo.map(|c| c as f32);
         if self.tint.is_none() && (r != g || r != b) {
@@ -109,7 +149,8 @@ pub fn data_layers(world: &World, width: usize, height: usize) -> Data {
     };
     let ledger = || Ledger::new(world.solids.len());
     let middle = |ledger: &mut Ledger, pixel: usize| at(ledger, pixel, ([0.5; 2], [0.5; 2]));
-    let mut all = Data::default();
+    let pixels = || SeenPixels::new(world.ordinary);
+    let mut all = Data { first: pixels(), seen: pixels(), seethrough: Vec::new() };
     let mut edges = Edges::new(width, height);
     let mut above: Vec<PixelData> = Vec::new();
     for band in (0..height).step_by(BAND) {
@@ -233,8 +274,9 @@ pub(crate) fn go_straight(
             Met::Face(vertex) => vertex,
         };
         if let Some(principled) = principled_at(world, &vertex) {
-            let look = vertex.point_of(principled).look(None);
-            let share = principled.passes(-walker.ray.dir.dot(vertex.normal), &look);
+            let look = vertex.point_of(principled, world).look(None);
+            let wi = Frame::about(vertex.normal).to_local(-walker.ray.dir);
+            let share = principled.passes(wi, &look);
             // What is cut out is not there.
             if look.opacity >= MOSTLY {
                 met(&vertex);
@@ -269,13 +311,20 @@ fn principled_at<'w>(world: &'w World, vertex: &Vertex) -> Option<&'w Principled
 fn seen(world: &World, vertex: &Vertex, eye: &EyeLens, from: DVec3) -> Seen {
     let hit: &Hit = &vertex.hit;
     let optics = &world.faces[hit.site.part as usize][hit.site.face as usize];
+    let principled = principled_at(world, vertex);
+    let geometric = if vertex.outside { hit.normal } else { -hit.normal };
+    let look = SeenLook {
+        geometric,
+        uv: principled.map_or([0.0; 2], |principled| principled.uv(hit)),
+        opacity: principled.map_or(1.0, |principled| vertex.point_of(principled, world).look(None).opacity),
+    };
     let albedo = match &optics.surface {
         Surface::Absorber => [0.0; 3],
         Surface::Absent | Surface::Slide(_) | Surface::Sheet(_) | Surface::Mirror(_) | Surface::Interface(_) => {
             [1.0; 3]
         }
         Surface::Scatter(scatter) => match scatter.principled() {
-            Some(principled) => vertex.point_of(principled).albedo(principled),
+            Some(principled) => vertex.point_of(principled, world).albedo(principled),
             None => [scatter.specular() + scatter.albedo(1.0); 3],
         },
     };
@@ -286,5 +335,6 @@ fn seen(world: &World, vertex: &Vertex, eye: &EyeLens, from: DVec3) -> Seen {
         albedo,
         part: hit.site.part + 1,
         face: hit.site.face,
+        look,
     }
 }

@@ -1,6 +1,6 @@
 //! The last step before writing: films, data layers and the record of the run become one frame.
 
-use super::data::{Data, SeenPixels};
+use super::data::{Data, SeenLooks, SeenPixels};
 use super::finishing::Finishing;
 use super::run::{Films, Outcome, Stop};
 use crate::base::colour::ColourSpace;
@@ -69,13 +69,13 @@ fn tints(scene: &Scene, plan: &Plan) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Adds `Z`, `normal`, `albedo`, `position`, `id` at the first hit, the same `_seen` behind specular faces, and
-/// `seethrough`.
+/// Adds `Z`, `normal`, `albedo`, `position`, `id` at the first hit, where there are ordinary materials also `normal_geometric`, `uv`
+/// and `opacity`, the same `_seen` behind specular faces, and `seethrough`.
 pub fn add_data_layers(frame: &mut Frame, data: Data) {
     let mut add = |name: String, data: Vec<f32>| frame.push(name, data);
     let Data { first, seen, seethrough } = data;
     let mut greys: Vec<(String, Samples)> = Vec::new();
-    for (suffix, depth, SeenPixels { z_m, position, normal, albedo, tint, part, face }) in
+    for (suffix, depth, SeenPixels { z_m, position, normal, albedo, tint, part, face, looks }) in
         [("", "Z", first), ("_seen", "Z_seen.Z", seen)]
     {
         add(depth.to_owned(), z_m);
@@ -85,6 +85,15 @@ pub fn add_data_layers(frame: &mut Frame, data: Data) {
         }
         add(format!("id{suffix}.part"), part);
         add(format!("id{suffix}.face"), face);
+        if let Some(SeenLooks { geometric, uv, opacity }) = looks {
+            for (name, data) in ["X", "Y", "Z"].into_iter().zip(geometric) {
+                add(format!("normal_geometric{suffix}.{name}"), data);
+            }
+            for (name, data) in ["u", "v"].into_iter().zip(uv) {
+                add(format!("uv{suffix}.{name}"), data);
+            }
+            add(format!("opacity{suffix}.A"), opacity);
+        }
         match tint {
             None => greys.push((format!("albedo{suffix}"), albedo.into())),
             Some([green, blue]) => {

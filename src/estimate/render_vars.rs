@@ -15,7 +15,7 @@ pub struct Named {
 }
 
 /// Other names that renderers give to what we have.
-const SYNONYMS: [(&str, &str); 10] = [
+const SYNONYMS: [(&str, &str); 13] = [
     ("Ci", "hybrid"),
     ("beauty", "hybrid"),
     ("color", "hybrid"),
@@ -24,6 +24,9 @@ const SYNONYMS: [(&str, &str); 10] = [
     ("z", "Z"),
     ("N", "normal"),
     ("Nn", "normal"),
+    ("Ng", "normal_geometric"),
+    ("st", "uv"),
+    ("A", "opacity"),
     ("P", "position"),
     ("diffuse_albedo", "albedo"),
 ];

@@ -149,8 +149,13 @@ impl<'w, M: Mode> Walker<'w, M> {
             return FaceSides { here: self.index_here(), beyond: self.index_beyond(vertex), matter: true, looks: None };
         }
         let air = lanes::<M, _>(|_| 1.0);
-        let looks = scatter.principled().map(|principled| Box::new(self.looks(vertex.point_of(principled))));
+        let looks = scatter.principled().map(|principled| Box::new(self.looks(self.point_at(vertex, principled))));
         FaceSides { here: air, beyond: air, matter: looks.is_some(), looks }
+    }
+
+    /// What the ordinary material of a face is where it was met.
+    fn point_at<'v>(&self, vertex: &'v Vertex, principled: &Principled) -> &'v Point {
+        vertex.point_of(principled, self.world)
     }
 
     /// A surface at a place, in every lane.
@@ -164,11 +169,11 @@ impl<'w, M: Mode> Walker<'w, M> {
         if !principled.surface.lets_through() {
             return false;
         }
-        let looks = self.looks(vertex.point_of(principled));
-        let cos = -self.ray.dir.dot(vertex.normal);
+        let looks = self.looks(self.point_at(vertex, principled));
+        let wi = Frame::about(vertex.normal).to_local(-self.ray.dir);
         let share = self.share_through(vertex, principled);
         // By the mean of the primaries, so that no lane decides.
-        let chance = principled.passes(cos, &Look { tint: looks[0].mean, ..looks[0] }).clamp(0.0, 1.0);
+        let chance = principled.passes(wi, &Look { tint: looks[0].mean, ..looks[0] }).clamp(0.0, 1.0);
         let before = self.beam.carried();
         if self.rng.uniform() < chance {
             self.beam.scale_lanes(&lanes::<M, _>(|lane| share[lane] / chance));
@@ -185,8 +190,8 @@ impl<'w, M: Mode> Walker<'w, M> {
     }
     /// What an ordinary material lets through unbent, per lane.
     pub(super) fn share_through(&self, vertex: &Vertex, principled: &Principled) -> M::Lanes<f64> {
-        let looks = self.looks(vertex.point_of(principled));
-        let cos = -self.ray.dir.dot(vertex.normal);
-        lanes::<M, _>(|lane| principled.passes(cos, &looks[lane]))
+        let looks = self.looks(self.point_at(vertex, principled));
+        let wi = Frame::about(vertex.normal).to_local(-self.ray.dir);
+        lanes::<M, _>(|lane| principled.passes(wi, &looks[lane]))
     }
 }

@@ -105,8 +105,12 @@ pub struct Vertex {
 
 impl Vertex {
     /// What the ordinary material of this face is here: its textures are read once.
-    pub fn point_of(&self, principled: &Principled) -> &Point {
-        self.point.get_or_init(|| Box::new(principled.at(&self.hit)))
+    pub fn point_of(&self, principled: &Principled, world: &World) -> &Point {
+        let read = || {
+            let to_world = world.geometry.part_to_world(self.hit.site.part);
+            Box::new(principled.at(&self.hit, &to_world).seen_about(self.normal))
+        };
+        self.point.get_or_init(read)
     }
 
     /// What a ray that leaves here, `through` the face or back from it, meets at no distance.

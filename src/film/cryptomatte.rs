@@ -1,4 +1,4 @@
-//! Cryptomatte layers: which parts and which optical roles a pixel shows, and how much of it each covers.
+//! Cryptomatte layers: which parts, optical roles and materials a pixel shows, and how much of it each covers.
 //!
 //! Format: "Cryptomatte Specification version 1.2.0" (Psyop, github.com/Psyop/Cryptomatte): names are hashed with
 //! MurmurHash3_x86_32, the hash's bits are an f32, and `NAME00`, `NAME01`, … hold (identity, coverage) pairs of the
@@ -13,20 +13,35 @@ use std::collections::BTreeMap;
 pub enum Matte {
     Part,
     Role,
+    Material,
     PartSeen,
     RoleSeen,
+    MaterialSeen,
+}
+
+/// What a matte tells apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MatteBy {
+    Part,
+    /// What a face is optically.
+    Role,
+    /// The asset's material of a face.
+    Material,
 }
 
 impl Matte {
-    pub const ALL: [Matte; 4] = [Matte::Part, Matte::Role, Matte::PartSeen, Matte::RoleSeen];
+    pub const ALL: [Matte; 6] =
+        [Matte::Part, Matte::Role, Matte::Material, Matte::PartSeen, Matte::RoleSeen, Matte::MaterialSeen];
 
     /// The name before the number in layer names.
     pub fn name(self) -> &'static str {
         match self {
             Matte::Part => "CryptoPart",
             Matte::Role => "CryptoRole",
+            Matte::Material => "CryptoMaterial",
             Matte::PartSeen => "CryptoPartSeen",
             Matte::RoleSeen => "CryptoRoleSeen",
+            Matte::MaterialSeen => "CryptoMaterialSeen",
         }
     }
 
@@ -39,16 +54,17 @@ impl Matte {
     /// Whether it shows what is behind specular faces.
     pub fn is_seen(self) -> bool {
         match self {
-            Matte::Part | Matte::Role => false,
-            Matte::PartSeen | Matte::RoleSeen => true,
+            Matte::Part | Matte::Role | Matte::Material => false,
+            Matte::PartSeen | Matte::RoleSeen | Matte::MaterialSeen => true,
         }
     }
 
-    /// Whether it tells optical roles, not parts.
-    pub fn by_role(self) -> bool {
+    /// What it tells apart.
+    pub fn by(self) -> MatteBy {
         match self {
-            Matte::Part | Matte::PartSeen => false,
-            Matte::Role | Matte::RoleSeen => true,
+            Matte::Part | Matte::PartSeen => MatteBy::Part,
+            Matte::Role | Matte::RoleSeen => MatteBy::Role,
+            Matte::Material | Matte::MaterialSeen => MatteBy::Material,
         }
     }
 }

@@ -144,8 +144,10 @@ impl Library {
 /// `over`'s entries, then those of `under` that it lacks.
 fn merge(over: Value, under: Value, key: &str) -> Result<Value> {
     let mut all = entries(&over, key)?.to_vec();
+    // Another kind of sky leaves what goes with the asset's own behind.
+    let kind = optics::kind_of_sky(all.iter().map(|(name, _)| name.as_str())).filter(|_| key == "sky");
     for (name, value) in entries(&under, key)? {
-        if over.get(name).is_none() {
+        if over.get(name).is_none() && kind.is_none_or(|kind| optics::goes_with_sky(kind, name)) {
             all.push((name.clone(), value.clone()));
         }
     }

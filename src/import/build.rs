@@ -34,6 +34,17 @@ pub struct Built {
     /// The asset's own file, and its world → the scene's world, a turn that leaves lengths.
     pub asset: PathBuf,
     pub axes: DMat3,
+    pub assumed: Assumed,
+}
+
+/// What nobody says of a bare asset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Assumed {
+    /// The scene's eye is the one that frames the asset.
+    pub eye: bool,
+    /// The scene's sky is overcast, with as much light as a uniform one of `sky_cd_m2`.
+    pub sky: bool,
+    pub sky_cd_m2: f64,
 }
 
 /// Builds the scene of `assembly`. `assembly.dependencies` (the sidecar among them, if it was a file) are hashed.
@@ -41,6 +52,16 @@ pub struct Built {
 /// Faults: whatever is wrong with the sidecar, the asset's attributes, the sets or the pictures they name; parts that
 /// nothing binds; no eye.
 pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Result<Built> {
+    build_within(assembly, sidecar, sets, super::TEXTURE_BYTES)
+}
+
+/// [`build`], with so much memory for textures.
+pub(super) fn build_within(
+    assembly: Assembly,
+    sidecar: Option<&Value>,
+    sets: &[Set],
+    texture_bytes: u64,
+) -> Result<Built> {
     let mut sheet = AssetAttributes::new(sidecar, assembly.optics.as_ref())?;
     let mut rest = Vec::new();
     for set in sets {
@@ -91,6 +112,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         scatters: Vec::new(),
         surfaces: Vec::new(),
         read: Surfaces::default(),
+        texture_bytes,
         groups: Vec::new(),
         profiles: Vec::new(),
         measured: HashMap::new(),
@@ -101,13 +123,20 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
     builder.unused(&bound)?;
     let mut scene_parts: Vec<Part> =
         parts.iter().zip(&bound).map(|(part, bound)| builder.part(part, bound)).collect::<Result<_>>()?;
-    let sky = match &sheet.sky {
-        Some(value) => Some(builder.sky(value)?),
-        None => None,
+    let (sky, its_sun) = match &sheet.sky {
+        Some(value) => {
+            let (sky, sun) = builder.sky(value)?;
+            (Some(sky), sun)
+        }
+        None => (None, None),
     };
     let sun = match &sheet.sun {
+        Some(value) if its_sun.is_some() => {
+            return Err(Fault::new(value.at.clone(), "the sky has a sun already, that of its `sun_sky`")
+                .expected("one of sun_sky and [sun]"));
+        }
         Some(value) => Some(builder.sun(value)?),
-        None => None,
+        None => its_sun,
     };
     let mut made = builder.lights(sky.as_ref().map(|sky| sky.group))?;
     made.lights.extend(sun);
@@ -116,15 +145,18 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
     let shines = |face: &Face| face.emitter.as_ref().is_some_and(|emitter| emitter.pattern.is_none());
     let lit = |parts: &[Part]| parts.iter().flat_map(|part| &part.faces).any(shines);
     let dark = sky.is_none() && made.lights.is_empty() && !lit(&scene_parts) && !lit(&made.parts);
-    let sky = if bare && dark { Some(builder.default_sky()) } else { sky };
+    let mut assumed = Assumed { eye: false, sky: bare && dark, sky_cd_m2: defaults::SKY_CD_M2 };
+    let sky = if assumed.sky { Some(builder.assumed_sky(assumed.sky_cd_m2)) } else { sky };
     scene_parts.append(&mut made.parts);
     let said = frames::eye(&assembly, sheet.eye.as_ref(), (unit_m, bare), &mut builder.notes)?;
     let eye = match said {
         Some(eye) => eye,
         None => {
-            let (eye, note) = if bare { defaults::eye(&assembly, unit_m) } else { None }
-                .ok_or_else(|| no_eye(sidecar, &assembly.file))?;
+            let assumed_eye = || defaults::eye(&assembly, unit_m, defaults::RESOLUTION, defaults::FOV_DEG);
+            let (eye, note) = if bare { assumed_eye() } else { None }
+                .ok_or_else(|| if bare { no_surface(&assembly) } else { no_eye(sidecar, &assembly.file) })?;
             builder.notes.push(note);
+            assumed.eye = true;
             eye
         }
     };
@@ -165,7 +197,7 @@ pub fn build(assembly: Assembly, sidecar: Option<&Value>, sets: &[Set]) -> Resul
         notes: seen,
         hash,
     };
-    Ok(Built { scene, explained, layers: assembly.layers, asset: assembly.file, axes: assembly.axes })
+    Ok(Built { scene, explained, layers: assembly.layers, asset: assembly.file, axes: assembly.axes, assumed })
 }
 
 /// Whether no `--set` says anything of a part.
@@ -178,6 +210,17 @@ fn no_eye(sidecar: Option<&Value>, file: &Path) -> Box<Fault> {
     Fault::new(super::asset_attributes::place(sidecar, file), "there is no eye")
         .expected("an [eye], or a perspective camera in the asset")
         .code(Code::EyeMissing)
+}
+
+/// An asset of which nothing can be seen.
+fn no_surface(assembly: &Assembly) -> Box<Fault> {
+    let unread = match assembly.unread.as_slice() {
+        [] => String::new(),
+        kinds => format!(" (geometry of type {} is not read)", listed(kinds.iter().map(String::as_str))),
+    };
+    Fault::new(Where::file(&assembly.file), format!("nothing in the asset has a surface{unread}"))
+        .expected("a mesh or a shape to look at")
+        .code(Code::NothingToTrace)
 }
 
 /// Where somebody has begun to say what parts are, every face must have a finish, a slide or a look of its own. Returns the
@@ -248,6 +291,8 @@ pub(super) struct Builder<'a> {
     pub(super) surfaces: Vec<Shared<StandardSurface>>,
     /// What was read of ordinary materials.
     pub(super) read: Surfaces,
+    /// What textures may take of memory.
+    pub(super) texture_bytes: u64,
     pub(super) groups: Vec<Group>,
     pub(super) profiles: Vec<LuminousProfile>,
     /// Profiles as their files say, by file.

@@ -48,7 +48,13 @@ impl Builder<'_> {
                 self.thin_wall(part, number, slots, face)?;
             }
         }
+        let named = |face: usize| {
+            let index = self.assembly.meshes.get(part.mesh)?.materials.get(face).copied().flatten()?;
+            Some(self.assembly.materials.get(index)?.name.clone())
+        };
+        let materials = (0..faces.len()).map(|face| named(face).unwrap_or_else(|| "none".to_owned())).collect();
         Ok(Part {
+            materials,
             name: part.name.clone(),
             path: part.path.clone(),
             mesh: MeshId::from_index(part.mesh),
@@ -130,6 +136,7 @@ impl Builder<'_> {
             Some(won) => match optics::finish(&won.entry.value, &mut self.notes)? {
                 FinishSpec::Given(finish) => finish,
                 FinishSpec::Measured { file, at } => self.measured_finish(&file, &at)?,
+                FinishSpec::Surface { surface, at } => Finish::Surface { surface: self.given_surface(*surface, &at)? },
             },
             None if slots.get(Slot::Slide).is_some() => Finish::None,
             None => Finish::Surface { surface: self.own_surface(part, number)? },
@@ -244,17 +251,27 @@ impl Builder<'_> {
                     .expected("finish = \"polished\" there, or no coating")
                     .code(Code::CoatingNotPolished));
             }
-            if matches!(finish, Finish::Surface { .. }) {
-                let note =
-                    Note::warning(won.entry.at.clone(), "a thin film on a material that is not glass is not shown yet");
-                if !self.notes.contains(&note) {
-                    self.notes.push(note);
-                }
-            }
             return Ok(None);
+        }
+        if won.rank == Rank::Mapped {
+            self.whole_film(part, number);
         }
         self.extrapolated(value);
         Ok(Some(CoatingId::from_index(intern(&mut self.coatings, coating))))
+    }
+
+    /// Says so if a format has a film on a part of some glass, or of many thicknesses: a coating is the same all over.
+    fn whole_film(&mut self, part: &Candidate, number: usize) {
+        let Some((_, surface, at)) = self.look_of(part, number) else { return };
+        let Some(film) = &surface.film else { return };
+        let varies = film.weight.texture.is_some() || film.thickness_nm.texture.is_some();
+        if varies || film.weight.factor < 1.0 {
+            let text = "a thin film on glass is taken as whole, and as thick as it gets";
+            let note = Note::warning(at.clone(), text);
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
     }
 
     fn shape(&mut self, part: &Candidate, number: usize, value: &Value, to_world: &DAffine3) -> Result<Shape> {

@@ -3,7 +3,7 @@
 use super::assembly::{Assembly, Camera};
 use super::defaults;
 use super::fit::{self, Fitted};
-use super::optics::{self, Lens, Pose};
+use super::optics::{self, EyeSpec, Lens, Pose};
 use super::select;
 use super::value::{Data, Value};
 use crate::base::fault::Result;
@@ -70,7 +70,19 @@ pub fn eye(
         pupil_diameter_m: camera.pupil.map(|pupil| pupil * unit_m).or(bare.then_some(0.0)),
         focus_distance_m: camera.focus.map(|focus| focus * unit_m),
     });
+    let assumes = bare && camera.is_none();
+    let lens = if assumes { Lens { pupil_diameter_m: Some(0.0), ..lens } } else { lens };
     let spec = optics::eye(value, lens, notes)?;
+    if assumes && spec.pose.is_none() {
+        // Somebody has said how large the picture is, or how wide, and leaves the rest to us.
+        let resolution = spec.resolution.unwrap_or(defaults::RESOLUTION);
+        let fov_deg = spec.fov_deg.unwrap_or(defaults::FOV_DEG);
+        if let Some((eye, note)) = defaults::eye(assembly, unit_m, resolution, fov_deg) {
+            notes.push(note);
+            let EyeSpec { pupil_diameter_m, focus_distance_m, age, .. } = spec;
+            return Ok(Some(Eye { pupil_diameter_m, focus_distance_m, age, ..eye }));
+        }
+    }
     // A camera gives what the eye leaves open only if the eye says nothing of where it stands.
     let camera = camera.filter(|_| spec.pose.is_none());
     let resolution = match (spec.resolution, camera.and_then(|camera| camera.aspect)) {

@@ -29,11 +29,11 @@ fn luminance(rgb: [f32; 3]) -> f32 {
 }
 
 impl Picture {
-    fn grey(width: usize, height: usize, pixels: Vec<f32>) -> Self {
+    pub(super) fn grey(width: usize, height: usize, pixels: Vec<f32>) -> Self {
         Picture { width, height, pixels, rgb: None, clipped: 0, remarks: Vec::new() }
     }
 
-    fn coloured(width: usize, height: usize, mut rgb: Vec<[f32; 3]>) -> Self {
+    pub(super) fn coloured(width: usize, height: usize, mut rgb: Vec<[f32; 3]>) -> Self {
         let pixels: Vec<f32> = rgb.iter().map(|pixel| luminance(*pixel)).collect();
         let mut clipped = 0;
         for (pixel, own) in rgb.iter_mut().zip(&pixels).filter(|(pixel, _)| pixel.iter().any(|c| *c < 0.0)) {
@@ -122,7 +122,8 @@ fn no_layer(layer: Option<&str>, path: &Path, at: &Where) -> Result<()> {
     }
 }
 
-/// A panorama: OpenEXR with channel Y or R, G, B (of `layer`, if one is named), or Radiance HDR. Values are linear.
+/// A panorama: OpenEXR with channel Y or R, G, B (of `layer`, if one is named), or Radiance HDR, whose values are linear; PNG or
+/// JPEG, whose values are sRGB.
 pub fn panorama(bytes: &[u8], layer: Option<&str>, path: &Path, at: &Where) -> Result<Picture> {
     let picture = if is_exr(bytes) {
         exr(bytes, layer, path, at)?.without_negatives()
@@ -132,20 +133,27 @@ pub fn panorama(bytes: &[u8], layer: Option<&str>, path: &Path, at: &Where) -> R
         let decoded = reader.decode().map_err(|error| broken(path, at, error))?;
         let (width, height) = (decoded.width() as usize, decoded.height() as usize);
         Picture::coloured(width, height, decoded.to_rgb32f().pixels().map(|pixel| pixel.0).collect())
+    } else if let Ok(still) = Still::of_srgb(bytes) {
+        no_layer(layer, path, at)?;
+        still_picture(still)
     } else {
-        return Err(broken(path, at, "it is neither OpenEXR nor Radiance HDR").expected("a .exr or .hdr file"));
+        let fault = broken(path, at, "it is none of OpenEXR, Radiance HDR, PNG and JPEG");
+        return Err(fault.expected("a .exr or .hdr file, or a picture whose brightest is 1"));
     };
     checked(picture, path, at)
 }
 
 /// The picture of an EXR file, or of one of its layers.
 fn exr(bytes: &[u8], layer: Option<&str>, path: &Path, at: &Where) -> Result<Picture> {
-    let still = Still::of_exr(bytes, layer).map_err(|error| broken(path, at, error))?;
+    Still::of_exr(bytes, layer).map(still_picture).map_err(|error| broken(path, at, error))
+}
+
+fn still_picture(still: Still) -> Picture {
     let picture = match still.light {
         Light::Grey(pixels) => Picture::grey(still.width, still.height, pixels),
         Light::Rgb(pixels) => Picture::coloured(still.width, still.height, pixels),
     };
-    Ok(Picture { remarks: still.remarks, ..picture })
+    Picture { remarks: still.remarks, ..picture }
 }
 
 fn checked(picture: Picture, path: &Path, at: &Where) -> Result<Picture> {
@@ -229,7 +237,7 @@ mod tests {
         );
         assert_eq!(
             panorama(b"P6", None, &path, &at).unwrap_err().to_string(),
-            "can't read the picture picture: it is neither OpenEXR nor Radiance HDR; expected a .exr or .hdr file"
+            "can't read the picture picture: it is none of OpenEXR, Radiance HDR, PNG and JPEG; expected a .exr or .hdr file, or a picture whose brightest is 1"
         );
     }
 

@@ -199,6 +199,7 @@ impl Builder<'_> {
             to_world,
             medium: None,
             priority: 0,
+            materials: Vec::new(),
             faces: vec![face],
         });
         made.meshes.push(Mesh { name: light.name.clone(), ..mesh });

@@ -7,6 +7,7 @@ mod asset_rows; // what the asset says of itself
 pub mod bind; // which value holds for an attribute of a part or face
 pub mod binding_slots; // the places that values are offered for
 pub mod build; // assembly + sidecar + sets → scene
+mod daylight; // skies by formula, and the sun
 mod defaults; // an eye and a sky for assets that have none
 pub mod deps; // the files that an asset needs
 pub mod explain; // which line won
@@ -27,21 +28,26 @@ pub mod optics; // readers of the attribute vocabulary
 mod outline; // the geometry alone
 mod patch; // changing a value in place
 pub mod photometric; // IES LM-63 and EULUMDAT
-mod scene_images; // slides and the sky
+mod scene_images; // slides and panoramas
 pub mod select; // which parts and faces a selector means
 pub mod set; // --set
+mod skies; // the sky, read or made
+mod skinning; // joints that move vertices
 mod surfaces; // how ordinary materials look: their pictures are read
 pub mod template; // a sidecar to start from
 #[cfg(test)]
 pub mod testing;
 #[cfg(test)]
 mod tests;
+mod texture_file; // the files of those pictures
+mod tiles; // pictures in tiles, put together
 pub mod toml; // sidecars
 pub mod usd; // .usda, .usdc and .usdz
 
 pub use crate::scene::assembly::{self, Assembly};
 pub use crate::scene::value::{self, Data, Value};
 pub use annotate::annotate;
+use build::build_within;
 pub use build::{Built, build};
 pub use deps::dependencies;
 pub use explain::Explained;
@@ -62,16 +68,23 @@ pub struct Format {
 }
 
 /// How to read an asset.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
     /// The time code at which time-sampled values are taken; none takes an attribute's own value, and its earliest
-    /// sample where it has none. Formats without time ignore it.
+    /// sample where it has none. Of glTF, frame `frame` of an animation; none leaves nodes as they are written.
     pub frame: Option<f64>,
+    /// Frames a second of glTF's animations, which count in seconds; 24 if not said.
+    pub fps: Option<f64>,
+    /// The name or number of glTF's animation; the first if not said.
+    pub animation: Option<String>,
 }
+
+/// What textures may take of memory where nobody says, bytes.
+pub const TEXTURE_BYTES: u64 = 4 << 30;
 
 /// What can be imported.
 pub const FORMATS: &[Format] = &[
-    Format { extensions: &["glb", "gltf"], name: "glTF 2.0", read: |path, _| gltf::read(path) },
+    Format { extensions: &["glb", "gltf"], name: "glTF 2.0", read: gltf::read },
     Format { extensions: &["usda", "usdc", "usdz", "usd"], name: "USD", read: usd::read },
 ];
 
@@ -80,8 +93,10 @@ pub const FORMATS: &[Format] = &[
 pub struct ImportOptions {
     /// `--set`, in order.
     pub sets: Vec<Set>,
-    /// `--frame`.
-    pub frame: Option<f64>,
+    /// `--frame`, `--fps`, `--animation`.
+    pub reading: ReadOptions,
+    /// `--texture-memory`: bytes that textures may take; [`TEXTURE_BYTES`] if not said.
+    pub texture_bytes: Option<u64>,
 }
 
 /// Imports a scene: `path` is an asset, or a sidecar (`.toml`) that names its asset.
@@ -89,11 +104,12 @@ pub struct ImportOptions {
 /// An asset without attributes of its own takes the sidecar `NAME.optics.toml` beside it, with a note, unless that names
 /// another asset.
 pub fn import(path: &Path, options: &ImportOptions) -> Result<Built> {
-    let (mut assembly, sidecar) = read(path, &ReadOptions { frame: options.frame })?;
+    let (mut assembly, sidecar) = read(path, &options.reading)?;
     if let Some((file, _)) = &sidecar {
         assembly.dependencies.push(file.clone());
     }
-    build(assembly, sidecar.as_ref().map(|(_, value)| value), &options.sets)
+    let texture_bytes = options.texture_bytes.unwrap_or(TEXTURE_BYTES);
+    build_within(assembly, sidecar.as_ref().map(|(_, value)| value), &options.sets, texture_bytes)
 }
 
 /// The assembly that `path` means and its sidecar, as they were read.

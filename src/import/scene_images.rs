@@ -1,16 +1,16 @@
-//! The parts of a scene that need pictures: slides on faces, and the sky.
+//! The pictures of a scene: slides on faces, and what panoramas need to become skies.
 
 use super::build::{Builder, intern};
 use super::image::Picture;
 use super::measure::FaceMeasure;
 use super::select::Candidate;
 use super::value::Value;
-use super::{files, frames, image, optics};
+use super::{files, image, optics};
 use crate::base::fault::Result;
-use crate::base::ids::{GroupId, SlideId};
+use crate::base::ids::SlideId;
 use crate::base::units::luminance;
 use crate::base::{Code, Fault, Where};
-use crate::scene::{Group, Note, Sky, Slide, Wavelengths};
+use crate::scene::{Note, Slide, Wavelengths};
 use std::sync::Arc;
 
 impl Builder<'_> {
@@ -95,36 +95,6 @@ impl Builder<'_> {
             polarisation: spec.polarisation,
         };
         Ok(Some(SlideId::from_index(intern(&mut self.slides, slide))))
-    }
-
-    /// The panorama as luminance in cd/m², and its axes.
-    pub(super) fn sky(&mut self, value: &Value) -> Result<Sky> {
-        let spec = optics::sky(value, &mut self.notes)?;
-        let file = files::resolve(&spec.image, &spec.image_at);
-        let bytes = files::read(&file, &spec.image_at, "sky image")?;
-        let mut read = image::panorama(&bytes, spec.layer.as_deref(), &file, &spec.image_at)?;
-        self.notes.extend(read.notes(&spec.image, &spec.image_at));
-        self.files.push(file);
-        let rgb = self.scaled(&mut read, [spec.scale_cd_m2; 3], &spec.image_at);
-        if !finite(&read.pixels, rgb.as_deref()) {
-            return Err(Fault::new(value.at.clone(), "the sky's luminance overflows").expected("a smaller scale_cd_m2"));
-        }
-        if read.width != 2 * read.height {
-            let text =
-                format!("the panorama has {} x {} pixels; twice as wide as high is usual", read.width, read.height);
-            self.notes.push(Note::warning(spec.image_at.clone(), text));
-        }
-        let group = GroupId::from_index(intern(&mut self.groups, Group { name: spec.group }));
-        let frame = frames::frame_rotation(self.assembly, spec.frame.as_ref())?;
-        Ok(Sky {
-            group,
-            width: read.width,
-            height: read.height,
-            luminance: Arc::new(read.pixels),
-            rgb: rgb.map(Arc::new),
-            to_world: frame * glam::DMat3::from_rotation_y(spec.rotation_deg.to_radians()),
-            file: spec.image,
-        })
     }
 
     /// Whether colour is traced.

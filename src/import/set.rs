@@ -4,7 +4,7 @@
 use super::asset_attributes::AssetAttributes;
 use super::bind::{BINDABLE, said};
 use super::binding_slots::{Entry, PartBound, Slot};
-use super::optics::{EMITTER, SLIDE, STRENGTHS};
+use super::optics::{self, EMITTER, SLIDE, STRENGTHS};
 use super::patch::{Step, patch, patch_parameter, steps};
 use super::select::{Candidate, is_glob, listed};
 use super::toml::parse_value;
@@ -89,6 +89,12 @@ impl Set {
         // `wavelengths.mono_nm` over "visible": a new table.
         if matches!(target.data, Data::Text(_)) && !steps.is_empty() {
             target.data = Data::Table(Vec::new());
+        }
+        if let ("sky", Some(Step::Key(key)), Data::Table(table)) = (top, steps.first(), &mut target.data)
+            && let Some(kind) = optics::kind_of_sky(std::iter::once(key.as_str()))
+        {
+            // Another kind of sky replaces the one that is there.
+            table.retain(|(other, _)| optics::goes_with_sky(kind, other));
         }
         if let (Slot::Index, Some(Step::Key(key)), Data::Table(table)) =
             (top_slot(&steps), steps.first(), &mut target.data)

@@ -3,28 +3,39 @@
 use super::build::Builder;
 use super::files;
 use super::select::Candidate;
+use super::texture_file::{MOST_BYTES, decoded, halved, size_bytes};
+use super::tiles;
 use crate::base::fault::Result;
 use crate::base::ids::SurfaceId;
 use crate::base::{Fault, Shared, Where};
-use crate::film::exr::is_exr;
-use crate::film::still::{Light, Still};
-use crate::scene::texture::{PictureSource, Texels};
-use crate::scene::{Colour, Note, Scalar, StandardSurface, Texture};
-use image::{DynamicImage, ImageFormat, ImageReader, Limits};
-use std::collections::HashMap;
-use std::io::Cursor;
+use crate::scene::texture::{Encoding, PictureSource, Texels, Wrap};
+use crate::scene::{Colour, Note, Opacity, Scalar, StandardSurface, Texture};
+use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// Bytes that one picture may take while it is decoded: a header can claim any size.
-const MOST_BYTES: u64 = 1 << 31;
 
 /// What was read so far.
 #[derive(Debug, Default)]
 pub(super) struct Surfaces {
-    /// Of the scene, by material of the assembly; the last is that of faces without one.
-    by_material: HashMap<Option<usize>, SurfaceId>,
-    pictures: HashMap<Key, Shared<Texture>>,
+    by_look: HashMap<Look, SurfaceId>,
+    /// With what the file's numbers stand for where the asset leaves that to it.
+    pictures: HashMap<Key, (Shared<Texture>, Encoding)>,
+    /// Of meshes that have colours of vertices: whether some of them let light through.
+    painted: HashMap<usize, Option<bool>>,
+    /// How often each picture is halved, so that all of them stay within the memory that they may take; once it is known.
+    halvings: Option<u32>,
+}
+
+/// What a face's looks come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Look {
+    /// Its material, by its number.
+    Material(usize),
+    /// The colours of its vertices alone.
+    Painted {
+        blend: bool,
+    },
+    Nothing,
 }
 
 /// A picture: its file, or where its bytes are in memory.
@@ -32,6 +43,7 @@ pub(super) struct Surfaces {
 enum Key {
     File(PathBuf),
     Embedded(usize),
+    Tiles(PathBuf),
 }
 
 impl Builder<'_> {
@@ -48,14 +60,16 @@ impl Builder<'_> {
     /// A picture that cannot be read.
     pub(super) fn own_surface(&mut self, part: &Candidate, face: usize) -> Result<SurfaceId> {
         let known = self.look_of(part, face);
-        let key = known.map(|(material, ..)| material);
+        let look = known.map(|(material, ..)| Look::Material(material));
         let known = known.map(|(_, surface, at)| (surface.clone(), at.clone()));
-        if let Some(surface) = self.read.by_material.get(&key) {
+        let look = look.or_else(|| self.painted(part.mesh)).unwrap_or(Look::Nothing);
+        if let Some(surface) = self.read.by_look.get(&look) {
             return Ok(*surface);
         }
-        let surface = match known {
-            Some((surface, at)) => self.with_pictures(surface, &at)?,
-            None => {
+        let surface = match (known, look) {
+            (Some((surface, at)), _) => self.with_pictures(surface, &at)?,
+            (None, Look::Painted { blend }) => painted(blend),
+            (None, Look::Material(_) | Look::Nothing) => {
                 let at = Where::file(&self.assembly.file);
                 self.notes.push(Note::info(
                     at,
@@ -66,8 +80,32 @@ impl Builder<'_> {
         };
         let id = SurfaceId::from_index(self.surfaces.len());
         self.surfaces.push(surface.into());
-        self.read.by_material.insert(key, id);
+        self.read.by_look.insert(look, id);
         Ok(id)
+    }
+
+    /// A surface that somebody has bound.
+    ///
+    /// # Errors
+    /// A picture that cannot be read.
+    pub(super) fn given_surface(&mut self, surface: StandardSurface, at: &Where) -> Result<SurfaceId> {
+        let surface = Shared::from(self.with_pictures(surface, at)?);
+        let known = self.surfaces.iter().position(|known| *known == surface);
+        let index = known.unwrap_or(self.surfaces.len());
+        if known.is_none() {
+            self.surfaces.push(surface);
+        }
+        Ok(SurfaceId::from_index(index))
+    }
+
+    /// The look of a mesh whose vertices have colours.
+    fn painted(&mut self, mesh: usize) -> Option<Look> {
+        let assembly = self.assembly;
+        let blend = *self.read.painted.entry(mesh).or_insert_with(|| {
+            let colors = &assembly.meshes.get(mesh)?.mesh.colors;
+            (!colors.is_empty()).then(|| colors.iter().any(|[.., alpha]| *alpha < 1.0))
+        });
+        blend.map(|blend| Look::Painted { blend })
     }
 
     /// The surface with its pictures read.
@@ -77,31 +115,155 @@ impl Builder<'_> {
             let key = match source {
                 PictureSource::File(file) => Key::File(file.clone()),
                 PictureSource::Embedded(bytes) => Key::Embedded(bytes.as_ptr() as usize),
-            };
-            let known = match self.read.pictures.get(&key) {
-                Some(known) => known.clone(),
-                None => {
-                    let bytes = match source {
-                        PictureSource::File(file) => {
-                            let bytes = Arc::new(files::read(file, at, "texture")?);
-                            self.files.push(file.clone());
-                            bytes
-                        }
-                        PictureSource::Embedded(bytes) => bytes.clone(),
-                    };
-                    let (texture, remarks) = decoded(&bytes, &input.texture.name, at)?;
-                    for remark in remarks {
-                        let text = format!("the texture {} {remark}", input.texture.name);
-                        self.notes.push(Note::info(at.clone(), text));
-                    }
-                    let texture = Shared::from(texture);
-                    self.read.pictures.insert(key, texture.clone());
-                    texture
+                PictureSource::Tiles(tiles) => {
+                    Key::Tiles(tiles.first().map_or_else(PathBuf::new, |(file, _)| file.clone()))
                 }
             };
-            input.texture = known;
+            let grid = match source {
+                PictureSource::Tiles(tiles) => Some(tiles::grid(tiles)),
+                PictureSource::File(_) | PictureSource::Embedded(_) => None,
+            };
+            let known = match self.read.pictures.get(&key) {
+                Some(known) => Ok(known.clone()),
+                None => self.picture(source, &input.texture.name, at),
+            };
+            let (texture, encoding) = match (known, input.fallback) {
+                (Ok(known), _) => {
+                    if let Some(grid) = grid {
+                        tiles::place(input, grid);
+                    }
+                    self.read.pictures.insert(key, known.clone());
+                    known
+                }
+                (Err(fault), Some(texel)) => {
+                    let text = format!("{}; its fallback is taken", fault.what);
+                    self.notes.push(Note::warning(fault.at.clone(), text));
+                    input.wrap = [Wrap::Repeat; 2];
+                    input.encoding = Encoding::Linear;
+                    (flat(&input.texture.name, texel), Encoding::Linear)
+                }
+                (Err(fault), None) => return Err(fault),
+            };
+            input.texture = texture;
+            if input.encoding == Encoding::OfFile {
+                input.encoding = encoding;
+            }
+        }
+        if let Some((normal, _)) = &surface.normal
+            && normal.encoding == Encoding::Srgb
+        {
+            let name = &normal.texture.name;
+            let text = format!("the normals of the texture {name} are read as colours: say `raw` as its colour space");
+            self.notes.push(Note::warning(at.clone(), text));
         }
         Ok(surface)
+    }
+
+    /// Reads a picture, and what its numbers stand for.
+    fn picture(&mut self, source: &PictureSource, name: &str, at: &Where) -> Result<(Shared<Texture>, Encoding)> {
+        let bytes = match source {
+            PictureSource::File(file) => Arc::new(files::read(file, at, "texture")?),
+            PictureSource::Embedded(bytes) => bytes.clone(),
+            PictureSource::Tiles(tiles) => return self.tiles(tiles, name, at),
+        };
+        let (texture, encoding, remarks) = decoded(&bytes, name, at)?;
+        let texture = self.fitted(texture, at);
+        if let PictureSource::File(file) = source {
+            self.files.push(file.clone());
+        }
+        self.remark(name, remarks, at);
+        Ok((Shared::from(texture), encoding))
+    }
+
+    /// Tiles as one picture.
+    fn tiles(&mut self, all: &[(PathBuf, [u32; 2])], name: &str, at: &Where) -> Result<(Shared<Texture>, Encoding)> {
+        let mut read = Vec::new();
+        let mut encoding = Encoding::Linear;
+        for (file, place) in all {
+            let own = file.file_name().map_or_else(|| name.to_owned(), |own| own.to_string_lossy().into_owned());
+            let bytes = files::read(file, at, "texture")?;
+            let (texture, own_encoding, remarks) = decoded(&bytes, &own, at)?;
+            let texture = self.fitted(texture, at);
+            self.files.push(file.clone());
+            self.remark(&own, remarks, at);
+            encoding = own_encoding;
+            read.push((texture, *place));
+        }
+        let joined = tiles::joined(name, &read, MOST_BYTES).ok_or_else(|| {
+            let fault = Fault::new(at.clone(), format!("the tiles of the texture {name} do not fit into memory"));
+            fault.expected(format!("at most {MOST_BYTES} bytes together"))
+        })?;
+        Ok((Shared::from(joined), encoding))
+    }
+
+    fn remark(&mut self, name: &str, remarks: Vec<String>, at: &Where) {
+        for remark in remarks {
+            self.notes.push(Note::info(at.clone(), format!("the texture {name} {remark}")));
+        }
+    }
+
+    /// As small as it must be.
+    fn fitted(&mut self, texture: Texture, at: &Where) -> Texture {
+        let halvings = match self.read.halvings {
+            Some(known) => known,
+            None => self.halvings(at),
+        };
+        self.read.halvings = Some(halvings);
+        (0..halvings).fold(texture, |texture, _| halved(texture))
+    }
+
+    /// How often the pictures of all materials must be halved, both ways, to fit; said where it is at all.
+    fn halvings(&mut self, at: &Where) -> u32 {
+        let most = self.texture_bytes;
+        let (mut seen, mut total) = (HashSet::new(), 0_u64);
+        let surfaces = self.assembly.materials.iter().filter_map(|material| material.surface.as_ref());
+        for input in surfaces.flat_map(|surface| surface.textures().chain(&surface.emission)) {
+            let Texels::Encoded(source) = &input.texture.texels else { continue };
+            // What cannot be read is said where it is needed.
+            total += match source {
+                PictureSource::File(file) if seen.insert(Key::File(file.clone())) => {
+                    files::read(file, at, "texture").map_or(0, |bytes| size_bytes(&bytes))
+                }
+                PictureSource::Embedded(bytes) if seen.insert(Key::Embedded(bytes.as_ptr() as usize)) => {
+                    size_bytes(bytes)
+                }
+                PictureSource::Tiles(tiles) => {
+                    let new = tiles.iter().filter(|(file, _)| seen.insert(Key::File(file.clone())));
+                    new.map(|(file, _)| files::read(file, at, "texture").map_or(0, |bytes| size_bytes(&bytes))).sum()
+                }
+                PictureSource::File(_) | PictureSource::Embedded(_) => 0,
+            };
+        }
+        let halvings = (0..u32::BITS / 2).find(|k| total >> (2 * k) <= most).unwrap_or(u32::BITS / 2);
+        if halvings > 0 {
+            const MIB: u64 = 1 << 20;
+            let text = format!(
+                "the textures take {} MiB, more than {}: each is read at 1/{} of its width and height; `--texture-memory` allows more",
+                total.div_ceil(MIB),
+                most / MIB,
+                1_u64 << halvings
+            );
+            self.notes.push(Note::warning(Where::file(&self.assembly.file), text));
+        }
+        halvings
+    }
+}
+
+/// A picture that has one texel.
+fn flat(name: &str, texel: [f64; 4]) -> Shared<Texture> {
+    let texels = Texels::Floats(Arc::new(vec![texel.map(|lane| lane as f32)]));
+    Shared::from(Texture { name: name.to_owned(), width: 1, height: 1, texels })
+}
+
+/// What only the colours of vertices are said of: they say no gloss.
+fn painted(blend: bool) -> StandardSurface {
+    let opacity = if blend { Opacity::Blend { alpha: Scalar::new(1.0) } } else { Opacity::Opaque };
+    StandardSurface {
+        name: "colours of vertices".to_owned(),
+        vertex_colors: true,
+        specular: Scalar::new(0.0),
+        opacity,
+        ..StandardSurface::default()
     }
 }
 
@@ -113,52 +275,4 @@ fn grey() -> StandardSurface {
         specular: Scalar::new(0.0),
         ..StandardSurface::default()
     }
-}
-
-/// A picture in the precision of its file, and what was made of it.
-fn decoded(bytes: &[u8], name: &str, at: &Where) -> Result<(Texture, Vec<String>)> {
-    const KNOWN: &str = "PNG, JPEG, WebP, EXR or Radiance HDR";
-    const KTX2: &[u8] = b"\xABKTX 20\xBB\r\n\x1A\n";
-    let broken = |why: String| Fault::new(at.clone(), format!("can't read the texture {name}: {why}"));
-    let texture =
-        |width: usize, height: usize, texels: Texels| Texture { name: name.to_owned(), width, height, texels };
-    if is_exr(bytes) {
-        let still = Still::of_exr(bytes, None).map_err(broken)?;
-        let floats = match &still.light {
-            Light::Grey(grey) => grey.iter().map(|y| [*y, *y, *y, 1.0]).collect(),
-            Light::Rgb(rgb) => rgb.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect(),
-        };
-        let remarks = still.remarks.iter().map(|remark| remark.text.clone()).collect();
-        return Ok((texture(still.width, still.height, Texels::Floats(Arc::new(floats))), remarks));
-    }
-    if bytes.starts_with(KTX2) {
-        return Err(broken("it is KTX2, which is not read".to_owned()).expected(KNOWN));
-    }
-    let format =
-        image::guess_format(bytes).map_err(|_| broken("its format is not known".to_owned()).expected(KNOWN))?;
-    let format = match format {
-        ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP | ImageFormat::Hdr => format,
-        other => return Err(broken(format!("{} is not read", other.to_mime_type())).expected(KNOWN)),
-    };
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(MOST_BYTES);
-    reader.limits(limits);
-    let decoded = reader.decode().map_err(|error| broken(error.to_string()))?;
-    let (width, height) = (decoded.width() as usize, decoded.height() as usize);
-    let texels = match decoded {
-        DynamicImage::ImageLuma8(_)
-        | DynamicImage::ImageLumaA8(_)
-        | DynamicImage::ImageRgb8(_)
-        | DynamicImage::ImageRgba8(_) => {
-            Texels::Bytes(Arc::new(decoded.into_rgba8().pixels().map(|pixel| pixel.0).collect()))
-        }
-        deeper => Texels::Floats(Arc::new(deeper.into_rgba32f().pixels().map(|pixel| pixel.0).collect())),
-    };
-    if let Texels::Floats(floats) = &texels
-        && let Some(pixel) = floats.iter().position(|texel| !texel.iter().all(|x| x.is_finite()))
-    {
-        return Err(broken(format!("pixel {pixel} is not finite")).expected("finite values"));
-    }
-    Ok((texture(width, height, texels), Vec::new()))
 }

@@ -1,13 +1,15 @@
 //! A sidecar to start from: everything that can be seen in a bare asset, guesses from names, and TODOs for the rest.
 
+mod around;
 mod guess;
 mod kinds;
+mod looks;
 mod write;
 
 #[cfg(test)]
 mod tests;
 
-use super::{Assembly, build, gltf, toml};
+use super::{Assembly, Built, build, gltf, toml};
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
 use std::path::{Component, Path};
@@ -45,10 +47,20 @@ fn of(assembly: Assembly, asset: &str, sidecar: &Path) -> Result<Template> {
     let millimetres = gltf::looks_like_millimetres(&assembly).is_some();
     let unit_m = if millimetres { 1e-3 } else { assembly.unit_m };
     let kinds = kinds::kinds(&assembly, unit_m)?;
-    let written = write::write(&assembly, &kinds, &write::Head { asset, sidecar, unit_m, millimetres });
+    let head = write::Head { asset, sidecar, unit_m, millimetres };
+    let written = match as_it_looks(&assembly, &kinds) {
+        Some(bare) => looks::write(&assembly, &kinds, &head, bare.assumed, &bare.scene.eye),
+        None => write::write(&assembly, &kinds, &head),
+    };
     let parts = kinds.iter().map(|kind| kind.members.len()).sum();
     let fault = toml::parse(&written.text, sidecar).and_then(|value| build(assembly, Some(&value), &[])).err();
     Ok(Template { text: written.text, parts, kinds: kinds.len(), todos: written.todos, fault })
+}
+
+/// What the asset is without a sidecar, if it is a picture: nothing of it is optics by its name or by what it says.
+fn as_it_looks(assembly: &Assembly, kinds: &[kinds::Kind]) -> Option<Built> {
+    let optical = assembly.carries_optics() || kinds.iter().any(|kind| kind.role != guess::Role::Mechanics);
+    if optical { None } else { build(assembly.clone(), None, &[]).ok() }
 }
 
 /// The name of `asset` as seen from the folder of `sidecar`.

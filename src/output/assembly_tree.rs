@@ -2,6 +2,7 @@
 
 mod face;
 mod lamp;
+mod look;
 mod parts;
 mod text;
 mod words;
@@ -11,6 +12,7 @@ mod tests;
 
 pub use face::{EmitterReport, FaceReport, SlideReport};
 pub use lamp::LampReport;
+pub use look::{LookReport, TextureReport};
 pub use parts::{Bounds, MediumReport, PartReport};
 
 use crate::base::Fault;

@@ -275,7 +275,7 @@ pub(super) fn choose<'f>(frame: &'f Frame, asked: Option<&str>) -> Result<(Strin
 fn shown_by_name(layer: &str) -> Shown {
     let base = layer.strip_suffix("_seen").unwrap_or(layer);
     let is = |name: &str| base == name || base.strip_suffix(name).is_some_and(|before| before.ends_with('_'));
-    if is("normal") || is("position") {
+    if is("normal") || is("normal_geometric") || is("position") {
         Shown::Vector
     } else if is("albedo") || is("seethrough") {
         Shown::Fraction

@@ -30,6 +30,8 @@ pub struct Assembly {
     /// Pictures of materials, and where they are named. They are not used, but belong to the asset. (Of USD; glTF's stand in
     /// its own lists.)
     pub textures: Vec<(PathBuf, Where)>,
+    /// Kinds of geometry that are there and not read, each once.
+    pub unread: Vec<String>,
     /// The layers that the asset asks for, and their names; empty if it leaves that to us.
     pub layers: Vec<RequestedLayer>,
     /// Root attributes of the asset (glTF: root extension `EYEBOX_optics`), in the sidecar's vocabulary.
@@ -63,6 +65,7 @@ impl Default for Assembly {
             cameras: Vec::new(),
             lights: Vec::new(),
             textures: Vec::new(),
+            unread: Vec::new(),
             layers: Vec::new(),
             optics: None,
             notes: Vec::new(),
@@ -72,12 +75,17 @@ impl Default for Assembly {
 }
 
 impl Assembly {
+    /// Whether the second texture coordinate grows upwards, as USD's `st` does; in glTF it grows downwards.
+    pub fn st_runs_up(&self) -> bool {
+        self.stage.is_some()
+    }
+
     /// Whether the asset itself says anything in our vocabulary.
     pub fn carries_optics(&self) -> bool {
         self.optics.is_some()
             || self.nodes.iter().any(|node| node.attributes.is_some())
             || self.materials.iter().any(|material| material.attributes.is_some())
-            || self.meshes.iter().any(|mesh| mesh.attributes.iter().any(Option::is_some))
+            || self.meshes.iter().any(MeshSource::carries_optics)
     }
 }
 
@@ -106,6 +114,17 @@ pub struct MeshSource {
     /// Optical attributes of each face (glTF: the primitive's `EYEBOX_optics`: shape).
     pub attributes: Vec<Option<Value>>,
     pub at: Where,
+}
+
+impl MeshSource {
+    /// Whether the asset says anything of its faces in our vocabulary.
+    fn carries_optics(&self) -> bool {
+        self.attributes.iter().flatten().any(|attributes| !self.is_own_shape(attributes))
+    }
+    /// Whether attributes of a face are the exact surface of a shape that the format itself has: a sphere of USD.
+    pub fn is_own_shape(&self, attributes: &Value) -> bool {
+        attributes.get("shape").is_some_and(|shape| shape.at == self.at && attributes.at == self.at)
+    }
 }
 
 #[derive(Debug, Clone)]

@@ -81,7 +81,7 @@ pub enum Form {
     Rows(&'static [&'static str]),
     /// One number that holds everywhere, or [`Form::Rows`].
     NumberOrRows(&'static [&'static str]),
-    /// A table with exactly these rows of the same noun.
+    /// A table of these rows of the same noun; those with a default may be left out.
     Record(&'static [&'static str]),
     /// A list of tables, at least one, each with some of these rows of the same noun.
     Records(&'static [&'static str]),
@@ -219,7 +219,7 @@ pub struct Kind {
 }
 
 mod rows;
-pub use rows::{EMITTER, FILM, KINDS, MEASURED, MEDIUM, ROWS, SLIDE};
+pub use rows::{EMITTER, FILM, KINDS, MEASURED, MEDIUM, ROWS, SKIES, SLIDE, SUN_SKY};
 #[cfg(test)]
 pub mod arbitrary; // random values of the table
 pub mod union; // kinds with parameters
@@ -228,6 +228,32 @@ pub mod usd; // the same rows as USD properties
 /// The rows of a noun.
 pub fn rows(noun: Noun) -> impl Iterator<Item = &'static Row> {
     ROWS.iter().filter(move |row| row.noun == noun)
+}
+
+/// The rows that stand in a table of the noun itself: those that are no entries of another row's table.
+pub fn own_rows(noun: Noun) -> impl Iterator<Item = &'static Row> {
+    rows(noun).filter(|row| holder(row).is_none())
+}
+
+/// The row in whose table `row` stands, or in one of whose tables; none if it stands in that of its noun.
+pub fn holder(row: &Row) -> Option<&'static Row> {
+    rows(row.noun).find(|holder| match holder.form {
+        Form::Record(fields) | Form::Records(fields) => fields.contains(&row.name),
+        Form::Number
+        | Form::Integer
+        | Form::Text
+        | Form::File
+        | Form::Length
+        | Form::Word(_)
+        | Form::Numbers(_)
+        | Form::Integers(_)
+        | Form::Place
+        | Form::Coefficients { .. }
+        | Form::Rows(_)
+        | Form::NumberOrRows(_)
+        | Form::Thing(_)
+        | Form::Kind => false,
+    })
 }
 
 /// The row `name` of a noun.
@@ -292,6 +318,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn entries_of_a_table_are_not_the_nouns_own() {
+        let own: Vec<&str> = own_rows(Noun::Sky).map(|row| row.name).collect();
+        assert!(own.contains(&"sun_sky") && own.contains(&"image"), "{own:?}");
+        assert!(SUN_SKY.iter().all(|name| !own.contains(name)), "{own:?}");
+        // What a sky is made of, and what goes with it, are rows of its own.
+        for (kind, beside) in SKIES {
+            assert!(own.contains(&kind) && beside.iter().all(|name| own.contains(name)), "{kind}");
+        }
+        let elevation = row(Noun::Sky, "elevation_deg").and_then(holder);
+        assert_eq!(elevation.map(|holder| holder.name), Some("sun_sky"));
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub use scatter_table::ScatterTable;
 pub use shape::Shape;
 pub use slide::{Polarisation, Slide};
 pub use spectrum::{Led, PowerDistribution, Spectrum};
-pub use surface::{Opacity, StandardSurface};
+pub use surface::{Anisotropy, AnisotropyLaw, CoatNormal, Film, LEAST_ALPHA, Opacity, StandardSurface};
 pub use texture::{Colour, Scalar, Texture, TextureInput};
 
 use crate::base::Shared;

@@ -97,6 +97,8 @@ pub struct Part {
     pub priority: i32,
     /// One entry per CAD face of the mesh, in order.
     pub faces: Vec<Face>,
+    /// The names of the faces' materials in the asset, in the same order; `none` where it has none. Empty where nobody asks.
+    pub materials: Vec<String>,
 }
 
 /// What a CAD face of a part is optically.

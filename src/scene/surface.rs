@@ -24,9 +24,16 @@ pub struct StandardSurface {
     /// Share of what is scattered that leaves on the other side, and its colour.
     pub diffuse_transmission: Scalar,
     pub diffuse_transmission_color: Colour,
+    /// What the reflectance of a metal is multiplied by at 82°, and so all the way to where light grazes.
+    pub metal_edge: Colour,
+    /// Facets longer one way than the other; none where they are alike all round.
+    pub anisotropy: Option<Anisotropy>,
+    /// A thin film between the dielectric or metal and what is above it.
+    pub film: Option<Film>,
     /// A clear layer on top, of index 1.5.
     pub coat: Scalar,
     pub coat_roughness: Scalar,
+    pub coat_normal: CoatNormal,
     /// Fibres on top: reflectance at grazing incidence.
     pub sheen_color: Colour,
     pub sheen_roughness: Scalar,
@@ -35,6 +42,73 @@ pub struct StandardSurface {
     /// What each place has of the light of a face that emits; it is no part of how light is scattered.
     pub emission: Option<TextureInput>,
     pub opacity: Opacity,
+}
+
+/// Facets that are longer along a direction of the surface.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Anisotropy {
+    /// 0 to 1.
+    pub strength: Scalar,
+    pub law: AnisotropyLaw,
+    /// From the direction in which a picture's columns follow each other, towards the one against its rows.
+    pub rotation_rad: f64,
+    /// Directions in that frame: red and green, turned by the rotation besides.
+    pub direction: Option<TextureInput>,
+}
+
+/// What a strength makes of the α of the facets along the direction and across it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AnisotropyLaw {
+    /// KHR_materials_anisotropy: along α + (1 − α)·s², across α.
+    Gltf,
+    /// OpenPBR 1.1: the mean of both squares is α².
+    OpenPbr,
+    /// MaterialX, `roughness_anisotropy`: α/√(1 − s) and α·√(1 − s).
+    MaterialX,
+}
+
+/// α of the smoothest facets that are told from a mirror.
+pub const LEAST_ALPHA: f64 = 1e-4;
+
+impl AnisotropyLaw {
+    /// α along the direction and across it, of facets of this α and a strength of 0 to 1.
+    pub fn alphas(self, alpha: f64, strength: f64) -> [f64; 2] {
+        let both = match self {
+            AnisotropyLaw::Gltf => [alpha + (1.0 - alpha) * strength * strength, alpha],
+            AnisotropyLaw::OpenPbr => {
+                let across = 1.0 - strength;
+                let along = alpha * (2.0 / (1.0 + across * across)).sqrt();
+                [along, across * along]
+            }
+            AnisotropyLaw::MaterialX => {
+                let aspect = (1.0 - strength).max(LEAST_ALPHA).sqrt();
+                [alpha / aspect, alpha * aspect]
+            }
+        };
+        both.map(|alpha| alpha.clamp(LEAST_ALPHA, 1.0))
+    }
+}
+
+/// A thin film.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Film {
+    /// 0 to 1: how much of the surface is under it.
+    pub weight: Scalar,
+    pub ior: f64,
+    pub thickness_nm: Scalar,
+}
+
+/// What normals a coat has.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CoatNormal {
+    /// Those of the base, with its map.
+    Base,
+    /// Those of the mesh.
+    Smooth,
+    /// By a map of its own, as for the base.
+    Map(TextureInput, f64),
 }
 
 /// Where a surface is there.
@@ -70,8 +144,12 @@ impl Default for StandardSurface {
             transmission: Scalar::new(0.0),
             diffuse_transmission: Scalar::new(0.0),
             diffuse_transmission_color: WHITE,
+            metal_edge: WHITE,
+            anisotropy: None,
+            film: None,
             coat: Scalar::new(0.0),
             coat_roughness: Scalar::new(0.0),
+            coat_normal: CoatNormal::Base,
             sheen_color: BLACK,
             sheen_roughness: Scalar::new(0.0),
             normal: None,
@@ -89,13 +167,17 @@ impl StandardSurface {
 
     /// Whether it reflects, lets through or emits any colour, apart from those of vertices.
     pub fn is_coloured(&self) -> bool {
-        let colours = [&self.base_color, &self.specular_color, &self.diffuse_transmission_color, &self.sheen_color];
-        colours.iter().any(|colour| !colour.is_grey()) || self.emission.as_ref().is_some_and(|input| !input.is_grey())
+        let film = self.film.as_ref().is_some_and(|film| film.weight.factor > 0.0);
+        film || self.colours().into_iter().any(|colour| !colour.is_grey())
+            || self.emission.as_ref().is_some_and(|input| !input.is_grey())
+    }
+
+    fn colours(&self) -> [&Colour; 5] {
+        [&self.base_color, &self.specular_color, &self.diffuse_transmission_color, &self.metal_edge, &self.sheen_color]
     }
 
     /// Every reading of a texture by what scatters.
     pub fn textures(&self) -> impl Iterator<Item = &TextureInput> {
-        let colours = [&self.base_color, &self.specular_color, &self.diffuse_transmission_color, &self.sheen_color];
         let scalars = [
             &self.metallic,
             &self.roughness,
@@ -106,17 +188,17 @@ impl StandardSurface {
             &self.coat_roughness,
             &self.sheen_roughness,
         ];
-        let alpha = match &self.opacity {
-            Opacity::Opaque => None,
-            Opacity::Mask { alpha, .. } | Opacity::Blend { alpha } => Some(alpha),
-        };
-        colours
+        let film = self.film.iter().flat_map(|film| [&film.weight, &film.thickness_nm]);
+        let anisotropy = self.anisotropy.iter();
+        let scalars = scalars.into_iter().chain(self.opacity.alpha()).chain(film);
+        let scalars = scalars.chain(anisotropy.clone().map(|found| &found.strength));
+        self.colours()
             .into_iter()
             .filter_map(|colour| colour.texture.as_ref())
-            .chain(
-                scalars.into_iter().chain(alpha).filter_map(|scalar| scalar.texture.as_ref().map(|(input, _)| input)),
-            )
+            .chain(scalars.filter_map(|scalar| scalar.texture.as_ref().map(|(input, _)| input)))
+            .chain(anisotropy.filter_map(|found| found.direction.as_ref()))
             .chain(self.normal.as_ref().map(|(input, _)| input))
+            .chain(self.coat_normal.map())
     }
 
     /// Every reading of a texture, to be changed, the emission's too.
@@ -125,6 +207,7 @@ impl StandardSurface {
             &mut self.base_color,
             &mut self.specular_color,
             &mut self.diffuse_transmission_color,
+            &mut self.metal_edge,
             &mut self.sheen_color,
         ];
         let scalars = [
@@ -141,18 +224,46 @@ impl StandardSurface {
             Opacity::Opaque => None,
             Opacity::Mask { alpha, .. } | Opacity::Blend { alpha } => Some(alpha),
         };
+        let film = self.film.iter_mut().flat_map(|film| [&mut film.weight, &mut film.thickness_nm]);
+        let (strength, direction) = match &mut self.anisotropy {
+            Some(found) => (Some(&mut found.strength), found.direction.as_mut()),
+            None => (None, None),
+        };
+        let coat = match &mut self.coat_normal {
+            CoatNormal::Map(input, _) => Some(input),
+            CoatNormal::Base | CoatNormal::Smooth => None,
+        };
+        let scalars = scalars.into_iter().chain(alpha).chain(film).chain(strength);
         colours
             .into_iter()
             .filter_map(|colour| colour.texture.as_mut())
-            .chain(
-                scalars.into_iter().chain(alpha).filter_map(|scalar| scalar.texture.as_mut().map(|(input, _)| input)),
-            )
+            .chain(scalars.filter_map(|scalar| scalar.texture.as_mut().map(|(input, _)| input)))
+            .chain(direction)
             .chain(self.normal.as_mut().map(|(input, _)| input))
+            .chain(coat)
             .chain(self.emission.as_mut())
     }
 
-    /// Whether light passes some of it unbent: cut out, blended, or a sheet that transmits.
+    /// Whether light may pass some of it unbent: cut out, blended, or a smooth sheet that transmits.
     pub fn lets_through(&self) -> bool {
         self.opacity != Opacity::Opaque || self.transmission.factor > 0.0
+    }
+}
+
+impl Opacity {
+    fn alpha(&self) -> Option<&Scalar> {
+        match self {
+            Opacity::Opaque => None,
+            Opacity::Mask { alpha, .. } | Opacity::Blend { alpha } => Some(alpha),
+        }
+    }
+}
+
+impl CoatNormal {
+    fn map(&self) -> Option<&TextureInput> {
+        match self {
+            CoatNormal::Map(input, _) => Some(input),
+            CoatNormal::Base | CoatNormal::Smooth => None,
+        }
     }
 }

@@ -21,6 +21,8 @@ pub enum PictureSource {
     File(PathBuf),
     /// In the asset.
     Embedded(Arc<Vec<u8>>),
+    /// Tiles, each of a unit of texture coordinates, and where it lies: columns from the left, rows from the bottom.
+    Tiles(Vec<(PathBuf, [u32; 2])>),
 }
 
 /// Texels in the precision of their file.
@@ -74,6 +76,9 @@ pub enum Encoding {
     /// Colours by the curve of IEC 61966-2-1; alpha is linear.
     Srgb,
     Linear,
+    /// What the file says or, where it says nothing, its kind: bytes of three or four channels are `Srgb`, all else is `Linear`
+    /// (UsdPreviewSurface 2.6, `sourceColorSpace = "auto"`). Known when the picture is read: a scene holds none of these.
+    OfFile,
 }
 
 /// What is outside of the picture.
@@ -107,16 +112,21 @@ pub struct TextureInput {
     /// Rows of the affine map from the mesh's coordinates to the picture's, whose (0, 0) is its top left corner and (1, 1)
     /// the bottom right one.
     pub to_picture: [[f64; 3]; 2],
+    /// Which component of the texel each of the four is.
+    pub channels: [Channel; 4],
     /// What becomes of a texel: texel · scale + bias, by component.
     pub scale: [f64; 4],
     pub bias: [f64; 4],
+    /// The texel that stands for a picture which cannot be read, where the format has one.
+    pub fallback: Option<[f64; 4]>,
 }
 
 impl TextureInput {
     /// Whether what is read has the same of all primaries everywhere.
     pub fn is_grey(&self) -> bool {
         let same = |[r, g, b, _]: [f64; 4]| r == g && r == b;
-        same(self.scale) && same(self.bias) && self.texture.is_grey()
+        let [r, g, b, _] = self.channels;
+        same(self.scale) && same(self.bias) && (r == g && r == b || self.texture.is_grey())
     }
 }
 
@@ -131,8 +141,16 @@ pub enum Channel {
 }
 
 impl Channel {
+    /// Each where it is.
+    pub const ALL: [Channel; 4] = [Channel::Red, Channel::Green, Channel::Blue, Channel::Alpha];
+
     pub fn of(self, texel: [f64; 4]) -> f64 {
-        let [r, g, b, a] = texel;
+        self.pick(texel)
+    }
+
+    /// The one of four that stands in its place.
+    pub fn pick<T>(self, four: [T; 4]) -> T {
+        let [r, g, b, a] = four;
         match self {
             Channel::Red => r,
             Channel::Green => g,

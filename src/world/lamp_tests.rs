@@ -23,6 +23,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
         to_world: DAffine3::IDENTITY,
         medium: None,
         priority: 0,
+        materials: Vec::new(),
         faces: vec![Face {
             finish: Finish::Absorber,
             coating: None,

@@ -18,13 +18,13 @@ fn linear(encoded: f64) -> f64 {
 fn texel(input: &TextureInput, index: usize) -> [f64; 4] {
     match (&input.texture.texels, input.encoding) {
         // A scene holds none of these.
-        (Texels::Encoded(_), _) => [0.0; 4],
+        (Texels::Encoded(_), _) | (_, Encoding::OfFile) => [0.0; 4],
         (Texels::Bytes(bytes), encoding) => {
             let [r, g, b, a] = bytes.get(index).copied().unwrap_or_default();
             let plain = |byte: u8| f64::from(byte) / 255.0;
             let colour = |byte: u8| match encoding {
                 Encoding::Srgb => SRGB[usize::from(byte)],
-                Encoding::Linear => plain(byte),
+                Encoding::Linear | Encoding::OfFile => plain(byte),
             };
             [colour(r), colour(g), colour(b), plain(a)]
         }
@@ -81,7 +81,7 @@ pub fn read(input: &TextureInput, [u, v]: [f64; 2]) -> [f64; 4] {
             }
         }
     };
-    std::array::from_fn(|c| found[c] * input.scale[c] + input.bias[c])
+    std::array::from_fn(|c| input.channels[c].of(found) * input.scale[c] + input.bias[c])
 }
 
 /// Texture coordinates of a place, by set.
@@ -120,6 +120,7 @@ mod tests {
     use super::*;
     use crate::base::Shared;
     use crate::scene::Texture;
+    use crate::scene::texture::Channel;
     use std::sync::Arc;
 
     fn input(wrap: Wrap, filter: Filter) -> TextureInput {
@@ -133,8 +134,10 @@ mod tests {
             filter,
             set: 0,
             to_picture: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            channels: Channel::ALL,
             scale: [1.0; 4],
             bias: [0.0; 4],
+            fallback: None,
         }
     }
 
@@ -166,6 +169,25 @@ mod tests {
         }
         // Round the edge: the last and the first column alike.
         assert!((read(&input(Wrap::Repeat, Filter::Linear), [0.0, 0.25])[0] - 1.0).abs() < 1e-12);
+    }
+
+    /// Scale and bias are those of what is read, not of the texel's component.
+    #[test]
+    fn components_are_picked() {
+        let texels = Texels::Floats(Arc::new(vec![[0.1, 0.2, 0.3, 0.4]]));
+        let texture = Texture { name: "t".into(), width: 1, height: 1, texels };
+        let picked = TextureInput {
+            texture: Shared::from(texture),
+            channels: [Channel::Alpha, Channel::Red, Channel::Red, Channel::Green],
+            scale: [2.0, 1.0, 10.0, 1.0],
+            bias: [0.0, 1.0, 0.0, 0.0],
+            ..input(Wrap::Repeat, Filter::Nearest)
+        };
+        let want = [0.8, 1.1, 1.0, 0.2];
+        assert!(read(&picked, [0.5, 0.5]).iter().zip(want).all(|(found, want)| (found - want).abs() < 1e-7));
+        assert!(!picked.is_grey());
+        let grey = TextureInput { channels: [Channel::Blue; 4], scale: [1.0; 4], bias: [0.0; 4], ..picked };
+        assert!(grey.is_grey());
     }
 
     /// IEC 61966-2-1: 188/255 is 0.502886 of white, 10/255 lies on the straight piece.

@@ -134,6 +134,7 @@ pub fn add_part(scene: &mut Scene, name: &str, mesh: Mesh, at: DVec3, medium: Op
         to_world: DAffine3::from_translation(at),
         medium,
         priority: 0,
+        materials: Vec::new(),
         faces,
     });
     scene.parts.len() - 1

@@ -38,6 +38,7 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         to_world: DAffine3::from_scale(DVec3::splat(MM)),
         medium: None,
         priority: 0,
+        materials: Vec::new(),
         faces: vec![Face {
             finish: Finish::Absorber,
             coating: None,

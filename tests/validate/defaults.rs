@@ -178,6 +178,8 @@ fn things() -> Vec<(String, Bench)> {
             with(|b| b.swap("v = [0, 1, 0]", "v = [0, 1, 0], polarisation = { angle_deg = 0, degree = 1 }")),
         ),
     ];
+    let skies = ["luminance_cd_m2 = 1000", "overcast_cd_m2 = 1000", "sun_sky = { elevation_deg = 30, turbidity = 3 }"];
+    all.extend(skies.map(|said| (said.to_owned(), wall(|b| b.append(&format!("\n[sky]\n{said}\n"))))));
     all.extend(media.map(|said| (said.to_owned(), plate(said))));
     all.extend(lamps.map(|said| (said.to_owned(), led(said))));
     all

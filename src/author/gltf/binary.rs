@@ -1,4 +1,4 @@
-//! The binary buffer of a new asset: one buffer view per kind of data, accessors into them.
+//! The binary buffer of a new asset: one buffer view per kind of data, accessors into them; of a `.glb` one view per picture.
 
 use serde_json::{Value as Json, json};
 
@@ -12,11 +12,12 @@ struct View {
 const POSITIONS: usize = 0;
 const NORMALS: usize = 1;
 const UVS: usize = 2;
-const INDICES: usize = 3;
+const COLORS: usize = 3;
+const INDICES: usize = 4;
 
 #[derive(Debug, Default)]
 pub struct Binary {
-    views: [View; 4],
+    views: [View; 5],
     /// (view, byte offset, the rest of the accessor)
     accessors: Vec<(usize, usize, Json)>,
 }
@@ -38,6 +39,10 @@ impl Binary {
     }
     pub fn uvs(&mut self, values: &[[f32; 2]]) -> usize {
         self.floats(UVS, "VEC2", values, json!({}))
+    }
+    /// Linear colours with alpha.
+    pub fn colors(&mut self, values: &[[f32; 4]]) -> usize {
+        self.floats(COLORS, "VEC4", values, json!({}))
     }
     /// Vertex indices of triangles.
     pub fn indices(&mut self, values: &[[u32; 3]]) -> usize {
@@ -64,13 +69,19 @@ impl Binary {
 
     /// The buffer's bytes, `bufferViews`, `accessors`.
     pub fn finish(self) -> (Vec<u8>, Vec<Json>, Vec<Json>) {
-        let (mut bytes, mut views, mut places) = (Vec::new(), Vec::new(), [0; 4]);
+        let (mut bytes, mut views, mut places) = (Vec::new(), Vec::new(), [0; 5]);
         for (index, view) in self.views.into_iter().enumerate().filter(|(_, view)| !view.bytes.is_empty()) {
             places[index] = views.len();
             let mut json = json!({ "buffer": 0, "byteOffset": bytes.len(), "byteLength": view.bytes.len() });
             json["target"] = Json::from(if index == INDICES { 34963 } else { 34962 });
-            if index != INDICES {
-                json["byteStride"] = Json::from(if index == UVS { 8 } else { 12 });
+            let stride = match index {
+                INDICES => None,
+                UVS => Some(8),
+                COLORS => Some(16),
+                _ => Some(12),
+            };
+            if let Some(stride) = stride {
+                json["byteStride"] = Json::from(stride);
             }
             views.push(json);
             bytes.extend(view.bytes);

@@ -5,14 +5,20 @@ use super::document::Document;
 use super::value::{self, OPTICS};
 use crate::base::Fault;
 use crate::base::fault::Result;
-use crate::scene::assembly::MeshSource;
+use crate::scene::assembly::{Assembly, MeshSource};
 use serde_json::{Value as Json, json};
 
 /// The glTF mesh of `source`. Faults: triangles or normals that don't fit the vertices.
-pub fn mesh(document: &mut Document, source: &MeshSource) -> Result<Json> {
+pub fn mesh(document: &mut Document, assembly: &Assembly, source: &MeshSource) -> Result<Json> {
     let mut primitives = Vec::new();
+    let mut unused = false;
     for face in 0..source.mesh.faces.len() {
-        let mut primitive = self::face(document, source, face)?;
+        let material = source.materials.get(face).copied().flatten().and_then(|index| assembly.materials.get(index));
+        let surface = material.and_then(|material| material.surface.as_ref());
+        // glTF multiplies them into any base colour (2.0, section 3.9.2).
+        let shown = surface.is_none_or(|surface| surface.vertex_colors);
+        unused |= !shown && !source.mesh.colors.is_empty();
+        let mut primitive = self::face(document, source, face, shown)?;
         if let Some(material) = source.materials.get(face).copied().flatten() {
             primitive["material"] = Json::from(material);
         }
@@ -21,6 +27,10 @@ pub fn mesh(document: &mut Document, source: &MeshSource) -> Result<Json> {
             primitive["extensions"] = json!({ OPTICS: value::json(attributes)? });
         }
         primitives.push(primitive);
+    }
+    if unused {
+        let what = "colours of vertices that its material does not show are not written: glTF would show them";
+        document.note(&source.at, format!("mesh `{}`: {what}", source.mesh.name));
     }
     if primitives.is_empty() {
         document.note(&source.at, format!("mesh `{}` has no faces: it gets an empty one", source.mesh.name));
@@ -35,7 +45,7 @@ fn nothing(document: &mut Document) -> Json {
     json!({ "attributes": { "POSITION": point }, "mode": 0 })
 }
 
-fn face(document: &mut Document, source: &MeshSource, face: usize) -> Result<Json> {
+fn face(document: &mut Document, source: &MeshSource, face: usize, colors: bool) -> Result<Json> {
     let mesh = &source.mesh;
     let wrong = |what: &str| Fault::new(source.at.clone(), format!("mesh `{}` face {face}: {what}", mesh.name));
     let range = mesh.faces.get(face).and_then(|range| Some((range.first, range.first.checked_add(range.count)?)));
@@ -59,10 +69,22 @@ fn face(document: &mut Document, source: &MeshSource, face: usize) -> Result<Jso
         let normals: Vec<[f32; 3]> = used.iter().map(|vertex| mesh.normals[*vertex as usize]).collect();
         attributes["NORMAL"] = Json::from(document.binary.normals(&normals));
     }
-    if !mesh.uvs.is_empty() {
-        pick("a texture coordinate does not exist", mesh.uvs.len())?;
-        let uvs: Vec<[f32; 2]> = used.iter().map(|vertex| mesh.uvs[*vertex as usize]).collect();
-        attributes["TEXCOORD_0"] = Json::from(document.binary.uvs(&uvs));
+    let sets = match (mesh.uvs.is_empty(), mesh.second_uvs.is_empty()) {
+        (true, true) => vec![],
+        (false, true) => vec![&mesh.uvs],
+        // Sets are numbered without gaps (2.0, section 3.7.2.1): where the first is not there, the second stands for it.
+        (true, false) => vec![&mesh.second_uvs; 2],
+        (false, false) => vec![&mesh.uvs, &mesh.second_uvs],
+    };
+    for (number, set) in sets.into_iter().enumerate() {
+        pick("a texture coordinate does not exist", set.len())?;
+        let uvs: Vec<[f32; 2]> = used.iter().map(|vertex| document.down(set[*vertex as usize])).collect();
+        attributes[format!("TEXCOORD_{number}")] = Json::from(document.binary.uvs(&uvs));
+    }
+    if colors && !mesh.colors.is_empty() {
+        pick("a colour does not exist", mesh.colors.len())?;
+        let colors: Vec<[f32; 4]> = used.iter().map(|vertex| mesh.colors[*vertex as usize]).collect();
+        attributes["COLOR_0"] = Json::from(document.binary.colors(&colors));
     }
     let number = |vertex: u32| used.partition_point(|other| *other < vertex) as u32;
     let corners: Vec<[u32; 3]> = triangles.iter().map(|triangle| triangle.map(number)).collect();

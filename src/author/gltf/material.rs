@@ -1,18 +1,21 @@
-//! Materials: their looks, the fields that mean something to light, and their rows.
+//! Materials: the fields that mean something to light, their rows, and how they look.
 
 use super::document::Document;
+use super::surface::{Fields, Looks};
 use super::value::{self, OPTICS};
 use crate::base::fault::Result;
 use crate::base::units::luminance;
-use crate::scene::assembly::Material;
+use crate::scene::assembly::{Assembly, Material};
 use crate::scene::value::{Data, Value};
 use serde_json::{Map, Value as Json, json};
 
-/// The glTF material of `material`: what the reader of glTF maps from the ratified extensions goes back into them.
+/// The glTF material of material `index`, which is there: what the reader of glTF maps from the ratified extensions goes back into them.
 /// Anything else that another format mapped becomes a row of the material, where it has none.
-pub fn material(document: &mut Document, material: &Material) -> Result<Json> {
-    let mut out = json!({ "name": material.name });
-    let mut extensions = Map::new();
+pub fn material(document: &mut Document, assembly: &Assembly, index: usize) -> Result<Json> {
+    let Some(material) = assembly.materials.get(index) else { return Ok(json!({})) };
+    let mut out = Fields::new();
+    out.insert("name".into(), Json::from(material.name.as_str()));
+    let mut extensions = Fields::new();
     let mut put = |document: &mut Document, extension: &str, key: &str, json: Json| {
         document.uses(extension);
         let entry = extensions.entry(extension).or_insert_with(|| json!({}));
@@ -38,7 +41,7 @@ pub fn material(document: &mut Document, material: &Material) -> Result<Json> {
                     .zip(item.number())
                     .and_then(|((lanes, own), n)| Some((lanes, value::number(n / own)?)));
                 let (lanes, strength) = glow.map_or((json!([1, 1, 1]), n), |(lanes, n)| (json!(lanes), n));
-                out["emissiveFactor"] = lanes;
+                out.insert("emissiveFactor".into(), lanes);
                 put(document, "KHR_materials_emissive_strength", "emissiveStrength", strength);
             }
             ("emitter.spectrum", _) if glow(material).is_some() => {}
@@ -75,16 +78,25 @@ pub fn material(document: &mut Document, material: &Material) -> Result<Json> {
             }
         }
     }
-    looks(material, &mut out)?;
+    match &material.surface {
+        Some(surface) => {
+            Looks { document, assembly, material, index }.write(surface, &mut out, &mut extensions);
+        }
+        None => looks(material, &mut out),
+    }
+    let sides = |(key, value): &(String, Value)| key == "double_sided" && matches!(value.data, Data::Bool(true));
+    if material.looks.iter().any(sides) {
+        out.insert("doubleSided".into(), Json::from(true));
+    }
     if own.is_some() || !all.is_empty() {
         document.uses(OPTICS);
         let at = own.map_or(&material.at, |own| &own.at).clone();
         extensions.insert(OPTICS.into(), value::json(&Value::new(Data::Table(all), at))?);
     }
     if !extensions.is_empty() {
-        out["extensions"] = Json::Object(extensions);
+        out.insert("extensions".into(), Json::Object(extensions));
     }
-    Ok(out)
+    Ok(Json::Object(out))
 }
 
 /// The colour of a material that glows, its largest lane 1, and its luminance; none if it isn't a colour with a luminance.
@@ -107,8 +119,8 @@ fn film(coating: &Value) -> Option<(f64, f64)> {
     (only && n >= 1.0 && n.is_finite() && thickness >= 0.0 && thickness.is_finite()).then_some((n, thickness))
 }
 
-/// `pbrMetallicRoughness` of the material's looks.
-fn looks(material: &Material, out: &mut Json) -> Result<()> {
+/// `pbrMetallicRoughness` of what a format says of looks that has no surface of ours.
+fn looks(material: &Material, out: &mut Fields) {
     let find = |name: &str| material.looks.iter().find(|(key, _)| key == name).map(|(_, value)| value);
     let lanes = |value: &Value| -> Option<[f64; 3]> {
         let [r, g, b] = value.list()? else { return None };
@@ -121,7 +133,7 @@ fn looks(material: &Material, out: &mut Json) -> Result<()> {
         let [r, g, b] = color.unwrap_or([1.0; 3]).map(|lane| lane.clamp(0.0, 1.0));
         pbr.insert("baseColorFactor".into(), json!([r, g, b, opacity.unwrap_or(1.0)]));
         if opacity.is_some() {
-            out["alphaMode"] = Json::from("BLEND");
+            out.insert("alphaMode".into(), Json::from("BLEND"));
         }
     }
     for (name, key) in [("metallic", "metallicFactor"), ("roughness", "roughnessFactor")] {
@@ -130,7 +142,6 @@ fn looks(material: &Material, out: &mut Json) -> Result<()> {
         }
     }
     if !pbr.is_empty() {
-        out["pbrMetallicRoughness"] = Json::Object(pbr);
+        out.insert("pbrMetallicRoughness".into(), Json::Object(pbr));
     }
-    Ok(())
 }

@@ -8,6 +8,8 @@ mod light;
 mod material;
 mod node;
 mod splice;
+mod surface;
+mod texture;
 mod uri;
 mod value;
 

@@ -1,8 +1,8 @@
 //! The JSON Schemas of the glTF extension `EYEBOX_optics`.
 
 use super::face::{FACE, faces, holder, list, medium};
-use super::json::{Carrier, object, pretty, properties, row, selectors};
-use crate::scene::attribute::{Form, Noun, Row, rows};
+use super::json::{Carrier, object, pretty, properties, row, selectors, whole};
+use crate::scene::attribute::{Form, Noun, Row};
 use serde_json::{Map, Value, json};
 
 const FOLDER: &str = "schemas/gltf/EYEBOX_optics/schema";
@@ -23,10 +23,7 @@ pub fn files() -> Vec<(String, String)> {
         let schema = match holder(noun) {
             // The list of the root holds tables; elsewhere the same may be a name or an index.
             Some(row) => super::json::row(row, Carrier::Gltf),
-            None => {
-                let names: Vec<&str> = rows(noun).map(|row| row.name).collect();
-                property(properties(noun, &names, Carrier::Gltf), &[])
-            }
+            None => extensible(whole(noun, Carrier::Gltf)),
         };
         all.push(titled(
             &shared(noun),
@@ -65,11 +62,16 @@ fn titled(name: &str, title: &str, description: &str, schema: Value) -> (String,
 }
 
 /// An object as the specification wants it: a glTFProperty that lists `extensions` and `extras`.
-fn property(mut properties: Map<String, Value>, required: &[&str]) -> Value {
-    properties.insert("extensions".to_owned(), json!({}));
-    properties.insert("extras".to_owned(), json!({}));
-    let mut schema = object(properties, required, Carrier::Gltf);
+fn property(properties: Map<String, Value>, required: &[&str]) -> Value {
+    extensible(object(properties, required, Carrier::Gltf))
+}
+
+fn extensible(mut schema: Value) -> Value {
     if let Value::Object(entries) = &mut schema {
+        if let Some(Value::Object(properties)) = entries.get_mut("properties") {
+            properties.insert("extensions".to_owned(), json!({}));
+            properties.insert("extras".to_owned(), json!({}));
+        }
         entries.insert("allOf".to_owned(), json!([{ "$ref": "glTFProperty.schema.json" }]));
     }
     schema

@@ -55,7 +55,11 @@ fn form(row: &Row, carrier: Carrier) -> Value {
         }
         Form::Rows(columns) => rows(columns.len()),
         Form::NumberOrRows(columns) => json!({ "anyOf": [number, rows(columns.len())] }),
-        Form::Record(fields) => table(row.noun, fields, fields, carrier),
+        Form::Record(fields) => {
+            let must = |name: &&str| attribute::row(row.noun, name).is_some_and(|row| row.default.is_none());
+            let required: Vec<&str> = fields.iter().copied().filter(must).collect();
+            table(row.noun, fields, &required, carrier)
+        }
         Form::Records(fields) => {
             json!({ "type": "array", "items": table(row.noun, fields, &[], carrier), "minItems": 1 })
         }
@@ -129,6 +133,20 @@ fn union(row: &Row, carrier: Carrier) -> Value {
 pub fn properties(noun: Noun, fields: &[&str], carrier: Carrier) -> Map<String, Value> {
     let rows = fields.iter().filter_map(|name| attribute::row(noun, name));
     rows.map(|own| (own.name.to_owned(), row(own, carrier))).collect()
+}
+
+/// The table of a noun that has no row of its own name.
+pub fn whole(noun: Noun, carrier: Carrier) -> Value {
+    let names: Vec<&str> = attribute::own_rows(noun).map(|row| row.name).collect();
+    let mut schema = object(properties(noun, &names, carrier), &[], carrier);
+    if let (Value::Object(entries), Noun::Sky) = (&mut schema, noun) {
+        // Which of them there is may be said elsewhere: a sidecar adds to what the asset says.
+        let kinds = attribute::SKIES.map(|(kind, _)| kind);
+        let pairs = (0..kinds.len()).flat_map(|a| (0..a).map(move |b| (b, a)));
+        let both: Vec<Value> = pairs.map(|(a, b)| json!({ "required": [kinds[a], kinds[b]] })).collect();
+        entries.insert("not".to_owned(), json!({ "anyOf": both }));
+    }
+    schema
 }
 
 fn table(noun: Noun, fields: &[&str], required: &[&str], carrier: Carrier) -> Value {

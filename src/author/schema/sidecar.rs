@@ -1,8 +1,8 @@
 //! The JSON Schema of a TOML sidecar.
 
 use super::face::{faces, medium};
-use super::json::{Carrier, object, pretty, properties, row, selectors};
-use crate::scene::attribute::{MEDIUM, Noun, Row, row as find, rows};
+use super::json::{Carrier, object, pretty, properties, row, selectors, whole};
+use crate::scene::attribute::{MEDIUM, Noun, Row, row as find};
 use serde_json::{Map, Value, json};
 
 pub fn text() -> String {
@@ -10,7 +10,6 @@ pub fn text() -> String {
         medium().chain(faces()).map(|own| (own.name.to_owned(), row(own, Carrier::Sidecar))).collect();
     let refer = |own: &Row| (own.name.to_owned(), json!({ "$ref": format!("#/$defs/{}", own.name) }));
     let bound = || medium().chain(faces()).map(refer);
-    let names = |noun: Noun| rows(noun).map(|row| row.name).collect::<Vec<_>>();
     let mut bind: Map<String, Value> = Map::new();
     for (key, what) in [
         ("path", "path of names from the root, which may be left out; * stops at /, ** crosses it"),
@@ -42,7 +41,7 @@ pub fn text() -> String {
     all.insert("medium".to_owned(), named(object(medium.collect(), &[], Carrier::Sidecar)));
     all.insert("bind".to_owned(), json!({ "type": "array", "items": bind }));
     for noun in [Noun::Sky, Noun::Sun, Noun::Eye] {
-        all.insert(noun.to_string(), object(properties(noun, &names(noun), Carrier::Sidecar), &[], Carrier::Sidecar));
+        all.insert(noun.to_string(), whole(noun, Carrier::Sidecar));
     }
     let mut schema = Map::from_iter([
         ("$schema".to_owned(), json!("https://json-schema.org/draft/2020-12/schema")),

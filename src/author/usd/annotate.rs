@@ -28,7 +28,7 @@ pub fn annotate(assembly: &Assembly, annotation: &Annotation, out: &Path) -> Res
             .expected("a .usda or .usdc file"));
     }
     let layer = layer(assembly, annotation, out)?;
-    write_atomic(out, &bytes(layer, kind, out)?)?;
+    write_atomic(out, &bytes(layer, kind, out, &HashMap::new())?)?;
     Ok(Written { files: vec![out.to_owned()], notes: Vec::new() })
 }
 

@@ -141,6 +141,9 @@ fn property_spec(property: &Property) -> std::result::Result<SpecData, Invalid> 
             if let Some(interpolation) = interpolation {
                 spec.add("interpolation", Value::Token((*interpolation).into()));
             }
+            if let Some(space) = property.color_space {
+                spec.add("colorSpace", Value::Token(space.into()));
+            }
             spec
         }
         Body::Connected { type_name, source } => {
@@ -178,6 +181,7 @@ fn datum(value: &Datum) -> Value {
         Datum::Float2(p) => Value::Vec2f((*p).into()),
         Datum::Float2s(list) => Value::Vec2fVec(list.iter().map(|p| (*p).into()).collect()),
         Datum::Float3(p) => Value::Vec3f((*p).into()),
+        Datum::Float4(p) => Value::Vec4f((*p).into()),
         Datum::Float3s(list) => Value::Vec3fVec(list.iter().map(|p| (*p).into()).collect()),
         Datum::Double2(p) => Value::Vec2d((*p).into()),
         Datum::Double2s(list) => Value::Vec2dVec(list.iter().map(|p| (*p).into()).collect()),

@@ -22,6 +22,7 @@ pub enum Datum {
     Float2([f32; 2]),
     Float2s(Vec<[f32; 2]>),
     Float3([f32; 3]),
+    Float4([f32; 4]),
     Float3s(Vec<[f32; 3]>),
     Double2([f64; 2]),
     Double2s(Vec<[f64; 2]>),
@@ -54,6 +55,7 @@ impl Datum {
             Datum::Float2(_) => "float2",
             Datum::Float2s(_) => "float2[]",
             Datum::Float3(_) => "float3",
+            Datum::Float4(_) => "float4",
             Datum::Float3s(_) => "float3[]",
             Datum::Double2(_) => "double2",
             Datum::Double2s(_) => "double2[]",
@@ -70,6 +72,8 @@ pub struct Property {
     pub name: String,
     /// No schema declares it.
     pub custom: bool,
+    /// What the numbers of the picture that it names stand for.
+    pub color_space: Option<&'static str>,
     pub body: Body,
 }
 
@@ -98,6 +102,7 @@ impl Property {
         Property {
             name: name.into(),
             custom: false,
+            color_space: None,
             body: Body::Attribute { type_name, uniform: false, value: Some(value), interpolation: None },
         }
     }
@@ -106,14 +111,15 @@ impl Property {
         Property {
             name: name.into(),
             custom: false,
+            color_space: None,
             body: Body::Attribute { type_name, uniform: false, value: None, interpolation: None },
         }
     }
     pub fn connected(name: impl Into<String>, type_name: &'static str, source: String) -> Self {
-        Property { name: name.into(), custom: false, body: Body::Connected { type_name, source } }
+        Property { name: name.into(), custom: false, color_space: None, body: Body::Connected { type_name, source } }
     }
     pub fn relationship(name: impl Into<String>, targets: Vec<String>) -> Self {
-        Property { name: name.into(), custom: false, body: Body::Relationship { targets } }
+        Property { name: name.into(), custom: false, color_space: None, body: Body::Relationship { targets } }
     }
     /// One value for all times.
     pub fn uniform(mut self) -> Self {

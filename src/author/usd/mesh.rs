@@ -30,8 +30,11 @@ pub(super) fn write(
     if mesh.positions.iter().flatten().chain(mesh.normals.iter().flatten()).any(|x| !x.is_finite()) {
         return Err(fault("positions or normals that are not finite"));
     }
-    if mesh.normals.len() != mesh.positions.len() || !(mesh.uvs.is_empty() || mesh.uvs.len() == mesh.positions.len()) {
-        return Err(fault("not one normal (and texture coordinate) per position"));
+    let count = mesh.positions.len();
+    let fits = |own: usize| own == 0 || own == count;
+    if mesh.normals.len() != count || ![mesh.uvs.len(), mesh.second_uvs.len(), mesh.colors.len()].into_iter().all(fits)
+    {
+        return Err(fault("not one normal (and texture coordinate, and colour) per position"));
     }
     if i32::try_from(mesh.positions.len()).is_err() || i32::try_from(mesh.triangles.len()).is_err() {
         return Err(fault("more vertices or triangles than USD can count").expected("at most 2147483647"));
@@ -50,8 +53,20 @@ pub(super) fn write(
     prim.push(Property::new("faceVertexIndices", Datum::Ints(indices)));
     prim.push(Property::new("points", Datum::Float3s(mesh.positions.clone())).typed("point3f[]"));
     prim.push(Property::new("normals", Datum::Float3s(mesh.normals.clone())).typed("normal3f[]").per("vertex"));
-    if !mesh.uvs.is_empty() {
-        prim.push(Property::new("primvars:st", Datum::Float2s(mesh.uvs.clone())).typed("texCoord2f[]").per("vertex"));
+    let up = |[u, v]: &[f32; 2]| if writing.assembly.st_runs_up() { [*u, *v] } else { [*u, 1.0 - *v] };
+    for (name, set) in [("primvars:st", &mesh.uvs), ("primvars:st1", &mesh.second_uvs)] {
+        if !set.is_empty() {
+            let set = Datum::Float2s(set.iter().map(up).collect());
+            prim.push(Property::new(name, set).typed("texCoord2f[]").per("vertex"));
+        }
+    }
+    if !mesh.colors.is_empty() {
+        let colors = Datum::Float3s(mesh.colors.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect());
+        prim.push(Property::new("primvars:displayColor", colors).typed("color3f[]").per("vertex"));
+    }
+    if mesh.colors.iter().any(|[.., alpha]| *alpha != 1.0) {
+        let alphas = Datum::Floats(mesh.colors.iter().map(|[.., alpha]| *alpha).collect());
+        prim.push(Property::new("primvars:displayOpacity", alphas).per("vertex"));
     }
     prim.push(Property::new("orientation", Datum::Token("rightHanded".to_owned())).uniform());
     prim.push(Property::new("subdivisionScheme", Datum::Token("none".to_owned())).uniform());

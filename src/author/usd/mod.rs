@@ -14,8 +14,12 @@ mod binary; // .usdc and .usdz
 mod light; // lights and cameras
 mod material; // materials and their bindings
 mod mesh; // geometry and faces
+mod network; // nodes of shaders
+mod open_pbr; // looks that UsdPreviewSurface lacks
 mod optics; // attributes as properties
 mod pack; // the files that a package holds
+mod picture; // the pictures of materials
+mod preview; // looks as UsdPreviewSurface
 mod stage; // the hierarchy
 #[cfg(test)]
 mod tests;
@@ -28,15 +32,26 @@ use crate::base::fault::Result;
 use crate::base::relative_path::folder_of;
 use crate::base::{Fault, Where};
 use crate::scene::assembly::Assembly;
+use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
-/// Writes `assembly` as the USD file `out`, whose extension says the kind.
+/// Writes `assembly` as the USD file `out`, whose extension says the kind, with its pictures in a folder `NAME_textures`
+/// beside it, or in the package.
 ///
 /// # Errors
-/// As [`encode`]; the file cannot be written.
+/// As [`encode`]; a file cannot be written.
 pub fn write(assembly: &Assembly, out: &Path) -> Result<Written> {
-    write_atomic(out, &encode(assembly, out)?)?;
-    Ok(Written { files: vec![out.to_owned()], notes: Vec::new() })
+    let kind = Kind::of(out)?;
+    let (layer, pictures) = parts(assembly, out, kind)?;
+    let known = if kind == Kind::Package { pictures.known() } else { HashMap::new() };
+    let bytes = bytes(layer, kind, out, &known)?;
+    let mut files = vec![out.to_owned()];
+    if kind != Kind::Package {
+        files.extend(super::picture::save(&pictures.files(out))?);
+    }
+    write_atomic(out, &bytes)?;
+    Ok(Written { files, notes: pictures.notes })
 }
 
 /// The bytes of `assembly` as the USD file `path`, whose name says which kind; relative paths in it start from its folder.
@@ -46,9 +61,15 @@ pub fn write(assembly: &Assembly, out: &Path) -> Result<Written> {
 /// vocabulary lacks, hierarchies deeper than USD readers take, files for a `.usdz` that cannot be read, another file name extension.
 pub fn encode(assembly: &Assembly, path: &Path) -> Result<Vec<u8>> {
     let kind = Kind::of(path)?;
+    let (layer, pictures) = parts(assembly, path, kind)?;
+    bytes(layer, kind, path, &pictures.known())
+}
+
+fn parts(assembly: &Assembly, path: &Path, kind: Kind) -> Result<(layer::Layer, picture::Pictures)> {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let layer = stage::layer(assembly, &name::identifier(&stem, "Asset"), &folder_of(path))?;
-    bytes(layer, kind, path)
+    let mut pictures = picture::Pictures::new(&stem, kind == Kind::Package);
+    let layer = stage::layer(assembly, &name::identifier(&stem, "Asset"), &folder_of(path), &mut pictures)?;
+    Ok((layer, pictures))
 }
 
 /// The kinds of USD files.
@@ -73,12 +94,13 @@ impl Kind {
     }
 }
 
-fn bytes(mut layer: layer::Layer, kind: Kind, path: &Path) -> Result<Vec<u8>> {
+/// `known` are files that a package is to hold, by the names that the layer has for them.
+fn bytes(mut layer: layer::Layer, kind: Kind, path: &Path, known: &HashMap<String, Arc<Vec<u8>>>) -> Result<Vec<u8>> {
     match kind {
         Kind::Text => Ok(text::text(&layer).into_bytes()),
         Kind::Crate => binary::crate_bytes(&layer, path),
         Kind::Package => {
-            let beside = pack::take(&mut layer, path)?;
+            let beside = pack::take(&mut layer, path, known)?;
             let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
             binary::package_bytes(&layer, &beside, path, &name::identifier(&stem, "asset"))
         }

@@ -1,19 +1,25 @@
 //! The files that a layer names, for a package that is to hold them.
 
 use super::layer::{Body, Datum, Layer};
+use super::picture::TILE;
 use crate::base::fault::Result;
 use crate::base::{Fault, Where, package};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Renames the files that `layer`, a layer of the file `at`, names to entries `./textures/NAME` of a package; those
-/// entries with their bytes, each file once.
+/// entries with their bytes, each file once. `known` has the bytes of some that the layer names, whatever is on disk.
 ///
 /// # Errors
 /// A file that cannot be read.
-pub(super) fn take(layer: &mut Layer, at: &Path) -> Result<Vec<(String, Vec<u8>)>> {
+pub(super) fn take(
+    layer: &mut Layer,
+    at: &Path,
+    known: &HashMap<String, Arc<Vec<u8>>>,
+) -> Result<Vec<(String, Vec<u8>)>> {
     let folder = crate::base::relative_path::folder_of(at);
-    let mut taken = Taken { entries: Vec::new(), by_file: HashMap::new(), names: HashSet::new() };
+    let mut taken = Taken { known, entries: Vec::new(), by_file: HashMap::new(), names: HashSet::new() };
     for property in layer.prims.iter_mut().flat_map(|prim| &mut prim.properties) {
         match &mut property.body {
             Body::Attribute { value: Some(Datum::Asset(path)), .. } => taken.take(path, &folder, at)?,
@@ -28,23 +34,34 @@ pub(super) fn take(layer: &mut Layer, at: &Path) -> Result<Vec<(String, Vec<u8>)
     Ok(taken.entries)
 }
 
-struct Taken {
+struct Taken<'a> {
+    known: &'a HashMap<String, Arc<Vec<u8>>>,
     entries: Vec<(String, Vec<u8>)>,
     by_file: HashMap<PathBuf, String>,
     names: HashSet<String>,
 }
 
-impl Taken {
+impl Taken<'_> {
     fn take(&mut self, path: &mut String, folder: &Path, at: &Path) -> Result<()> {
         if path.is_empty() {
+            return Ok(());
+        }
+        if let Some((before, after)) = path.split_once(TILE) {
+            *path = self.tiles(before, after);
             return Ok(());
         }
         let file = folder.join(path.as_str());
         // One file may be named in several ways.
         let real = file.canonicalize().unwrap_or_else(|_| file.clone());
-        let entry = match self.by_file.get(&real) {
-            Some(known) => known.clone(),
-            None => {
+        let entry = match (self.by_file.get(&real), self.known.get(path)) {
+            (Some(known), _) => known.clone(),
+            (None, Some(bytes)) => {
+                let entry = self.free(path);
+                self.entries.push((entry.clone(), bytes.to_vec()));
+                self.by_file.insert(real, entry.clone());
+                entry
+            }
+            (None, None) => {
                 let bytes = package::read(&file).map_err(|error| {
                     let what = format!("the package is to hold {}, which cannot be read: {error}", file.display());
                     Fault::new(Where::file(at), what)
@@ -57,6 +74,21 @@ impl Taken {
         };
         *path = format!("./{entry}");
         Ok(())
+    }
+
+    /// Takes all tiles of a picture; their names are free already.
+    fn tiles(&mut self, before: &str, after: &str) -> String {
+        let last = |path: &str| path.rsplit('/').next().unwrap_or_default().to_owned();
+        let mut tiles: Vec<_> =
+            self.known.iter().filter(|(own, _)| own.starts_with(before) && own.ends_with(after)).collect();
+        tiles.sort();
+        for (own, bytes) in tiles {
+            let entry = format!("textures/{}", last(own));
+            if self.names.insert(entry.to_ascii_lowercase()) {
+                self.entries.push((entry, bytes.to_vec()));
+            }
+        }
+        format!("./textures/{}{TILE}{after}", last(before))
     }
 
     /// A name of an entry that no other has, in the letters that travel everywhere.

@@ -8,6 +8,7 @@
 
 use super::layer::{Datum, Layer, Prim, Property, Specifier};
 use super::name::Siblings;
+use super::picture::Pictures;
 use super::{light, material, mesh, optics};
 use crate::base::fault::Result;
 use crate::base::{Fault, Where};
@@ -50,7 +51,7 @@ pub(super) fn named(prim: &mut Prim, original: &str) {
 }
 
 /// The layer of `assembly`. `stem` is the default prim's name if the assembly has not just one root.
-pub(super) fn layer(assembly: &Assembly, stem: &str, folder: &Path) -> Result<Layer> {
+pub(super) fn layer(assembly: &Assembly, stem: &str, folder: &Path, pictures: &mut Pictures) -> Result<Layer> {
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); assembly.nodes.len()];
     let mut roots = Vec::new();
     for (index, node) in assembly.nodes.iter().enumerate() {
@@ -117,7 +118,7 @@ pub(super) fn layer(assembly: &Assembly, stem: &str, folder: &Path) -> Result<La
     let mut walk = Walk { writing: &writing, children: &children, layer: &mut layer };
     let own = if wrapped { None } else { roots.first().copied() };
     walk.root(root, own, first.into_iter().zip(first_names).collect(), &mut below_top)?;
-    material::library(&writing, &looks, &mut layer.prims)?;
+    material::library(&writing, &looks, pictures, &mut layer.prims)?;
     prototypes_of(&writing, library, &mut layer.prims)?;
     Ok(layer)
 }

@@ -118,17 +118,19 @@ impl Text {
                 let uniform = if *uniform { "uniform " } else { "" };
                 let custom = if property.custom { "custom " } else { "" };
                 let head = format!("{custom}{uniform}{type_name} {name}");
-                match (value, interpolation) {
-                    (None, _) => self.line(head),
-                    (Some(value), None) => self.line(format_args!("{head} = {}", Shown(value))),
-                    (Some(value), Some(interpolation)) => {
-                        self.line(format_args!("{head} = {} (", Shown(value)));
-                        self.depth += 1;
-                        self.line(format_args!("interpolation = {}", quoted(interpolation)));
-                        self.depth -= 1;
-                        self.line(")");
-                    }
+                let Some(value) = value else { return self.line(head) };
+                let more = [("interpolation", *interpolation), ("colorSpace", property.color_space)];
+                let more: Vec<_> = more.into_iter().filter_map(|(key, text)| Some((key, text?))).collect();
+                if more.is_empty() {
+                    return self.line(format_args!("{head} = {}", Shown(value)));
                 }
+                self.line(format_args!("{head} = {} (", Shown(value)));
+                self.depth += 1;
+                for (key, text) in more {
+                    self.line(format_args!("{key} = {}", quoted(text)));
+                }
+                self.depth -= 1;
+                self.line(")");
             }
             Body::Connected { type_name, source } => self.line(format_args!("{type_name} {name}.connect = <{source}>")),
             Body::Relationship { targets } => match targets.as_slice() {
@@ -212,6 +214,7 @@ impl Display for Shown<'_> {
             Datum::Float2(p) => singles(f, p),
             Datum::Float2s(list) => write_list(f, list, |f, p| singles(f, p)),
             Datum::Float3(p) => singles(f, p),
+            Datum::Float4(p) => singles(f, p),
             Datum::Float3s(list) => write_list(f, list, |f, p| singles(f, p)),
             Datum::Double2(p) => doubles(f, p),
             Datum::Double2s(list) => write_list(f, list, |f, p| doubles(f, p)),

@@ -28,7 +28,7 @@ pub struct Task {
 /// Errors: those of import, and a picture without pixels.
 pub fn open(path: &Path, task: &Task) -> Result<(Scene, f64)> {
     let start = cpu_seconds();
-    let mut scene = import(path, &ImportOptions { sets: task.sets.clone(), frame: None })?.scene;
+    let mut scene = import(path, &ImportOptions { sets: task.sets.clone(), ..ImportOptions::default() })?.scene;
     if let Some(resolution) = task.resolution {
         scene.eye.resolution = resolution;
     }

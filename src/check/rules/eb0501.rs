@@ -8,7 +8,8 @@ pub const RULE: Rule = Rule {
     name: "eye-missing",
     level: Level::Error,
     title: "There is no eye",
-    why: "What is seen depends on where it is seen from. Nothing is assumed.",
+    why: "What is seen depends on where it is seen from. Where somebody has said what parts are, \
+        nothing is assumed; an asset of which nobody has is framed.",
     bad: Example::Code("toml", "# no [eye], and the asset has no perspective camera"),
     good: Example::Code(
         "toml",

@@ -3,11 +3,14 @@
 use crate::base::Where;
 use crate::base::relative_path::{folder_of, relocated};
 use crate::scene::assembly::Assembly;
+use crate::scene::attribute::{Form, ROWS};
 use crate::scene::value::{Data, Value};
 use std::path::Path;
 
-/// Attributes whose text is a file name (`Form::File` of the table of attributes, but for the sidecar's `asset`).
-const FILES: [&str; 3] = ["image", "file", "csv"];
+/// Whether the text of an attribute is a file name; the sidecar's `asset` is that of the file that is written.
+fn is_file(key: &str) -> bool {
+    key != "asset" && ROWS.iter().any(|row| row.name == key && row.form == Form::File)
+}
 
 /// Rewrites every file name below `value`, which is relative to the file that the name stands in, for the folder `out`.
 pub fn value(value: &mut Value, out: &Path) {
@@ -16,7 +19,7 @@ pub fn value(value: &mut Value, out: &Path) {
         Data::List(items) => items.iter_mut().for_each(|item| self::value(item, out)),
         Data::Table(entries) => {
             for (key, item) in entries {
-                let folder = folder(&item.at).filter(|_| FILES.contains(&key.as_str()));
+                let folder = folder(&item.at).filter(|_| is_file(key));
                 if let (Data::Text(name), Some(folder)) = (&mut item.data, folder) {
                     *name = relocated(name, &folder, out);
                 } else {

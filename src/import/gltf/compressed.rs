@@ -26,7 +26,7 @@ pub(super) struct Block {
 /// A decoded array of a primitive: the attribute's name (none for the indices), its accessor's type, component type
 /// and count.
 pub(super) struct Array {
-    pub name: Option<&'static str>,
+    pub name: Option<String>,
     pub kind: &'static str,
     pub component: u32,
     pub count: usize,
@@ -112,7 +112,7 @@ fn apply(edit: Edit, json: &mut Json, buffers: &mut Buffers<'_>, budget: &mut Bu
                 at.insert("mode".to_owned(), json!(4));
                 match (array.name, at.get_mut("attributes")) {
                     (Some(name), Some(Json::Object(attributes))) => {
-                        attributes.insert(name.to_owned(), json!(accessor));
+                        attributes.insert(name, json!(accessor));
                     }
                     (Some(_), _) => {}
                     (None, _) => {

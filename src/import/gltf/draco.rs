@@ -1,4 +1,4 @@
-//! `KHR_draco_mesh_compression`: a primitive's positions, normals, texture coordinates and indices.
+//! `KHR_draco_mesh_compression`: a primitive's attributes and indices.
 
 use super::at::At;
 use super::buffers::Buffers;
@@ -7,11 +7,24 @@ use super::notes::Ledger;
 use crate::base::fault::Result;
 use draco_core::{DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
 
-/// The attributes that are read, with their lanes.
-const USED: [(&str, &str, usize); 3] = [("POSITION", "VEC3", 3), ("NORMAL", "VEC3", 3), ("TEXCOORD_0", "VEC2", 2)];
+/// The possible lanes of an attribute; none for one that is not read.
+fn lanes_of(name: &str) -> Option<&'static [usize]> {
+    Some(match name {
+        "POSITION" | "NORMAL" => &[3],
+        "TEXCOORD_0" | "TEXCOORD_1" => &[2],
+        "COLOR_0" => &[3, 4],
+        _ if is_joints(name) || name.starts_with("WEIGHTS_") => &[4],
+        _ => return None,
+    })
+}
+
+/// Joints are numbers of things; all else is measured.
+fn is_joints(name: &str) -> bool {
+    name.starts_with("JOINTS_")
+}
 
 /// Decodes the stream of the primitive `at`, whose extension object is `extension`. Attributes come as floats, integers
-/// scaled as their accessor's `normalized` says.
+/// scaled as their accessor's `normalized` says; joints as 16-bit numbers.
 ///
 /// # Errors
 /// A broken stream, one that decodes to more than the file can honestly mean, an attribute that it does not hold.
@@ -35,21 +48,36 @@ pub(super) fn decode(
     }
     let mut arrays =
         vec![Array { name: None, kind: "SCALAR", component: 5125, count: faces.saturating_mul(3), bytes: indices }];
-    for (name, kind, lanes) in USED {
+    let names = ids.json.as_object().into_iter().flat_map(|ids| ids.keys());
+    for (name, wanted) in names.filter_map(|name| Some((name, lanes_of(name)?))) {
         let (Some(id_at), Some(reference)) = (ids.get(name)?, attributes.get(name)?) else { continue };
         let id = u32::try_from(id_at.count()?).ok().and_then(|id| mesh.attribute_by_unique_id(id));
         let Some(attribute) = id else {
             return Err(id_at.fault("the Draco stream has no attribute of this id"));
         };
-        if usize::from(attribute.num_components()) != lanes {
-            let what = format!("a Draco attribute of {} components", attribute.num_components());
-            return Err(id_at.fault(what).expected(format!("{lanes}")));
+        let lanes = usize::from(attribute.num_components());
+        let kind = match lanes {
+            2 => "VEC2",
+            3 => "VEC3",
+            _ => "VEC4",
+        };
+        if !wanted.contains(&lanes) {
+            let expected: Vec<String> = wanted.iter().map(usize::to_string).collect();
+            return Err(id_at
+                .fault(format!("a Draco attribute of {lanes} components"))
+                .expected(expected.join(" or ")));
         }
         ledger.budget.charge(extension, points, lanes * 16)?;
-        let scale = scale(root, &reference)?;
         let floats = attribute.read_f32s(points, lanes);
+        let name = Some(name.clone());
+        if is_joints(name.as_deref().unwrap_or_default()) {
+            let bytes = floats.into_iter().flat_map(|x| (x as u16).to_le_bytes()).collect();
+            arrays.push(Array { name, kind, component: 5123, count: points, bytes });
+            continue;
+        }
+        let scale = scale(root, &reference)?;
         let bytes = floats.into_iter().flat_map(|x| scaled(x, scale).to_le_bytes()).collect();
-        arrays.push(Array { name: Some(name), kind, component: 5126, count: points, bytes });
+        arrays.push(Array { name, kind, component: 5126, count: points, bytes });
     }
     Ok(arrays)
 }

@@ -40,6 +40,7 @@ const KNOWN: [(&str, Standing); 38] = {
         ("KHR_materials_diffuse_transmission", Applied),
         ("KHR_materials_clearcoat", Applied),
         ("KHR_materials_sheen", Applied),
+        ("KHR_materials_anisotropy", Applied),
         ("KHR_materials_specular", Applied),
         ("KHR_materials_unlit", Applied),
         ("KHR_materials_pbrSpecularGlossiness", Applied),
@@ -65,7 +66,6 @@ const KNOWN: [(&str, Standing); 38] = {
         // The default materials hold for who does not choose another variant.
         ("KHR_materials_variants", NoBearing),
         ("EXT_lights_image_based", Refused),
-        ("KHR_materials_anisotropy", Refused),
         ("KHR_materials_subsurface", Refused),
         ("KHR_materials_volume_scatter", Refused),
         ("MSFT_lod", Refused),
@@ -156,9 +156,6 @@ pub(super) fn note_unused(root: &At<'_>, notes: &mut Notes) -> Result<()> {
         notes.add(Note::warning(at, text).code(Code::ExtensionUnused), count);
     }
     note_switched(root, notes);
-    if let Some(animation) = root.list("animations")?.first() {
-        notes.info(animation, "animations are ignored: nodes stand as they are written");
-    }
     Ok(())
 }
 

@@ -7,6 +7,7 @@ use crate::base::fault::Result;
 #[derive(Debug)]
 pub(super) struct Tree<'a> {
     pub nodes: Vec<At<'a>>,
+    pub parents: Vec<Option<usize>>,
     pub children: Vec<Vec<usize>>,
     /// The roots of the default scene, or all roots.
     pub roots: Vec<usize>,
@@ -67,5 +68,5 @@ pub(super) fn read<'a>(document: &Document<'a>) -> Result<Tree<'a>> {
         }
         None => all_roots,
     };
-    Ok(Tree { nodes, children, roots })
+    Ok(Tree { nodes, parents, children, roots })
 }

@@ -102,7 +102,7 @@ pub(super) fn read(at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<Mat
             }
         }
     }
-    mapped.extend(surface::iridescence(at, ledger)?);
+    mapped.extend(surface::iridescence(at)?);
     let looks = surface::looks(at, ledger)?;
     Ok(Material {
         name: at.name("material", index)?,

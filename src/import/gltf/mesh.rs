@@ -2,14 +2,21 @@
 
 use super::accessor::Document;
 use super::at::At;
+use super::deform::Deform;
 use super::notes::Ledger;
 use super::primitive::{self, FaceMesh, FaceName};
 use crate::base::fault::Result;
 use crate::import::assembly::MeshSource;
 use crate::scene::{FaceRange, Mesh};
 
-/// Reads mesh `index`, which stands at `at`. Vertices are not merged between faces.
-pub(super) fn read(document: &Document<'_>, at: &At<'_>, index: usize, ledger: &mut Ledger) -> Result<MeshSource> {
+/// Reads mesh `index`, which stands at `at`, bent as `deform` says. Vertices are not merged between faces.
+pub(super) fn read(
+    document: &Document<'_>,
+    at: &At<'_>,
+    index: usize,
+    deform: &Deform,
+    ledger: &mut Ledger,
+) -> Result<MeshSource> {
     let primitives = at.want("primitives")?.items()?;
     if primitives.is_empty() {
         return Err(at.fault("a mesh without primitives").expected("at least 1"));
@@ -18,7 +25,7 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, index: usize, ledger: &
     let (mut materials, mut attributes) = (Vec::new(), Vec::new());
     for (number, at) in primitives.iter().enumerate() {
         let name = FaceName { mesh: &mesh.name, face: number };
-        let face = primitive::read(document, at, name, ledger)?;
+        let face = primitive::read(document, at, name, deform, ledger)?;
         append(&mut mesh, face).ok_or_else(|| at.fault("the mesh has more than 4294967295 vertices or triangles"))?;
         materials.push(match at.get("material")? {
             Some(reference) => {

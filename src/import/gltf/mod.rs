@@ -5,10 +5,13 @@
 //! so each of its answers would need a check that is as long as the reading itself.
 
 mod accessor;
+mod animation;
 mod at;
 mod buffers;
 mod compressed;
 mod container;
+mod corners;
+mod deform;
 mod deps;
 mod draco;
 mod features;
@@ -17,11 +20,16 @@ mod light;
 mod material;
 pub(super) mod mesh;
 mod meshopt;
+mod morph;
 mod node;
 pub(super) mod normals;
 pub(super) mod notes;
 mod picture;
+mod pose;
 pub(super) mod primitive;
+mod sampler;
+mod shapes;
+mod skin;
 mod standard;
 mod surface;
 pub(super) mod transform;
@@ -34,6 +42,7 @@ mod tests;
 
 pub use deps::dependencies;
 
+use super::ReadOptions;
 use super::assembly::Assembly;
 use crate::base::{Code, Fault, Where, fault::Result};
 use crate::scene::Note;
@@ -44,26 +53,27 @@ use glam::DVec3;
 use notes::{Budget, Ledger, Notes};
 use std::path::Path;
 
-/// Reads the asset at `path` with the buffer files it refers to. One mesh per glTF mesh, one face per primitive, one
-/// node per node of the default scene (all nodes if there is none); `unit_m` is 1, as glTF declares.
+/// Reads the asset at `path` with the buffer files it refers to, at the moment that `options` ask for. One mesh per glTF mesh
+/// (and one more for each further way in which nodes bend it), one face per primitive, one node per node of the default
+/// scene (all nodes if there is none); `unit_m` is 1, as glTF declares.
 ///
-/// Only what is used is checked: an animation may be as broken as it likes.
+/// Only what is used is checked: without a frame, an animation may be as broken as it likes.
 ///
 /// # Errors
 /// Whatever is wrong in the file, with its JSON pointer. A hostile file gives a fault, too: no panic, no hang, and no
 /// more memory than a small multiple of the file.
-pub fn read(path: &Path) -> Result<Assembly> {
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Assembly> {
     let failed = |error: std::io::Error| {
         Fault::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
     };
     if std::fs::metadata(path).map_err(failed)?.is_dir() {
         return Err(Fault::new(Where::file(path), "this is a folder").expected("a .gltf or .glb file"));
     }
-    read_bytes(path, &std::fs::read(path).map_err(failed)?)
+    read_bytes(path, &std::fs::read(path).map_err(failed)?, options)
 }
 
 /// Reads an asset whose content is `bytes`; `file` says where it would be (other files are looked for beside it).
-pub fn read_bytes(file: &Path, bytes: &[u8]) -> Result<Assembly> {
+pub fn read_bytes(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Assembly> {
     let mut notes = Notes::default();
     let mut container = container::open(file, bytes, &mut notes)?;
     let root = At::root(file, &container.json);
@@ -87,10 +97,7 @@ pub fn read_bytes(file: &Path, bytes: &[u8]) -> Result<Assembly> {
         material.surface = Some(reader.surface(at, &material.name)?.into());
         assembly.materials.push(material);
     }
-    for (index, at) in document.root.list("meshes")?.iter().enumerate() {
-        assembly.meshes.push(mesh::read(&document, at, index, &mut ledger)?);
-    }
-    node::read(&document, &mut assembly, &mut ledger)?;
+    node::read(&document, options, &mut assembly, &mut ledger)?;
     features::note_unused(&document.root, &mut ledger.notes)?;
     assembly.notes = ledger.notes.finish();
     Ok(assembly)

@@ -1,26 +1,46 @@
-//! Nodes of the scene with their world transforms, their instances, cameras and lights.
+//! Nodes of the scene with their world transforms, their meshes, instances, cameras and lights.
 
 use super::accessor::{Component, Document};
 use super::at::At;
-use super::features;
 use super::hierarchy::{self, Tree};
-use super::light;
 use super::notes::Ledger;
-use super::{transform, world};
+use super::pose::Pose;
+use super::shapes::Shapes;
+use super::{animation, features, light, transform, world};
 use crate::base::Code;
 use crate::base::fault::Result;
+use crate::import::ReadOptions;
 use crate::import::assembly::{Assembly, Camera, Node};
 use glam::{DAffine3, DQuat};
 use std::mem::size_of;
 
-/// Fills `assembly.nodes`, `assembly.cameras` and `assembly.lights`, depth first in the order of the file.
-pub(super) fn read(document: &Document<'_>, assembly: &mut Assembly, ledger: &mut Ledger) -> Result<()> {
-    let Tree { nodes, children, mut roots } = hierarchy::read(document)?;
+/// What nodes are read from.
+struct Source<'a> {
+    document: &'a Document<'a>,
+    pose: Pose<'a>,
+    shapes: Shapes<'a>,
+}
+
+/// Fills `assembly.nodes`, `meshes`, `cameras` and `lights`, depth first in the order of the file, at the moment that
+/// `options` ask for.
+pub(super) fn read(
+    document: &Document<'_>,
+    options: &ReadOptions,
+    assembly: &mut Assembly,
+    ledger: &mut Ledger,
+) -> Result<()> {
+    let tree = hierarchy::read(document)?;
+    let moved = animation::moved(document, &tree.nodes, options, ledger)?;
+    let pose = Pose::new(&tree, moved);
+    let shapes = Shapes::read(document, &pose, ledger)?;
+    let mut source = Source { document, pose, shapes };
+    let Tree { nodes, children, mut roots, .. } = tree;
     let mut all_hidden = false;
     if let [root] = roots.as_slice()
         && let Some((axes, unit_m)) = nodes.get(*root).map_or(Ok(None), |at| world::read(at))?
     {
         (assembly.axes, assembly.unit_m) = (axes, unit_m);
+        source.pose.take_off(*root);
         all_hidden = nodes.get(*root).map_or(Ok(false), features::hides)?;
         roots = children.get(*root).cloned().unwrap_or_default();
     }
@@ -34,49 +54,53 @@ pub(super) fn read(document: &Document<'_>, assembly: &mut Assembly, ledger: &mu
         if hidden && !above_hidden {
             ledger.notes.info(at, "hidden by `KHR_node_visibility`, with meshes and lights below it: left out");
         }
-        one(document, at, index, (parent, hidden), assembly, ledger)?;
+        one(&mut source, index, (parent, hidden), assembly, ledger)?;
         stack.extend(children[index].iter().rev().map(|&child| (child, Some(place), hidden)));
     }
     if assembly.nodes.is_empty() {
         ledger.notes.warn_of(Code::NothingToTrace, &document.root, "the scene has no nodes");
     }
+    assembly.meshes = source.shapes.finish(document, ledger)?;
     Ok(())
 }
 
 /// Appends the node, and after it the instances that it stands for. One that is hidden keeps its place and its camera.
 fn one(
-    document: &Document<'_>,
-    at: &At<'_>,
+    source: &mut Source<'_>,
     index: usize,
     (parent, hidden): (Option<usize>, bool),
     assembly: &mut Assembly,
     ledger: &mut Ledger,
 ) -> Result<()> {
+    let Source { document, pose, shapes } = source;
+    let Some(at) = pose.node(index).cloned() else { return Ok(()) };
     let name = at.name("node", index)?;
     let above = parent.and_then(|parent| assembly.nodes.get(parent));
-    let (prefix, frame) = above.map_or(("", DAffine3::IDENTITY), |above| (above.path.as_str(), above.to_world));
-    ledger.budget.charge(at, 1, size_of::<Node>() + prefix.len() + 2 * name.len() + at.pointer.len())?;
+    let prefix = above.map_or("", |above| above.path.as_str());
+    ledger.budget.charge(&at, 1, size_of::<Node>() + prefix.len() + 2 * name.len() + at.pointer.len())?;
     let below = |name: &str| if prefix.is_empty() { name.to_owned() } else { format!("{prefix}/{name}") };
-    let world = |transform: DAffine3| {
-        let overflow = || at.fault("the node's world transform overflows").expected("finite numbers");
-        if transform.is_finite() { Ok(transform) } else { Err(overflow()) }
-    };
-    let local = transform::local(at, &mut ledger.notes)?;
-    let to_world = world(frame * local)?;
+    let local = pose.local(index, ledger)?;
+    let mut to_world = pose.world(index, ledger)?;
     let mesh = match at.get("mesh")?.filter(|_| !hidden) {
-        Some(reference) => Some(reference.index(assembly.meshes.len(), "mesh")?),
+        Some(reference) => {
+            // A skinned mesh stands where its joints take it. Written in its node's axes it keeps the node in place; a node
+            // that is flat has no axes to write in.
+            let flat = at.get("skin")?.is_some() && transform::is_singular(to_world);
+            let axes = (!flat).then_some(to_world);
+            if flat {
+                to_world = DAffine3::IDENTITY;
+            }
+            Some(shapes.of(document, (index, &reference), axes, pose, ledger)?)
+        }
         None => None,
     };
-    if at.get("skin")?.is_some() {
-        ledger.notes.warn(at, "skins are ignored: the geometry is in its rest pose");
-    }
     if let Some(reference) = at.get("camera")? {
         assembly.cameras.push(camera(document, &reference, &name, to_world)?);
     }
     let attributes = if hidden {
         None
     } else {
-        assembly.lights.extend(light::read(document, at, assembly.nodes.len(), &name, ledger)?);
+        assembly.lights.extend(light::read(document, &at, assembly.nodes.len(), &name, ledger)?);
         at.optics(&mut ledger.budget)?
     };
     let node = Node { path: below(&name), name, parent, local, to_world, mesh, attributes, at: at.place() };
@@ -88,12 +112,16 @@ fn one(
     let size = size_of::<Node>() + node.path.len() + 2 * node.name.len() + at.pointer.len() + 64;
     let carried = at.extension("EYEBOX_optics")?.map_or(0, |optics| optics.weight());
     ledger.budget.charge(&instancing, transforms.len(), size.saturating_add(carried))?;
+    let frame = pose.above(index, ledger)?;
     let mut copies = Vec::with_capacity(transforms.len());
     for (i, transform) in transforms.into_iter().enumerate() {
         let name = format!("{}[{i}]", node.name);
         let local = node.local * transform;
         // The product of what the hierarchy says, so that an asset with a node for each instance has the same bits.
-        let to_world = world(frame * local)?;
+        let to_world = frame * local;
+        if !to_world.is_finite() {
+            return Err(at.fault("the node's world transform overflows").expected("finite numbers"));
+        }
         copies.push(Node { path: below(&name), name, local, to_world, ..node.clone() });
     }
     // The node itself stays for its children; its mesh and attributes are the instances'.

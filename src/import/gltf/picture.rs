@@ -6,7 +6,7 @@ use super::buffers;
 use super::notes::Ledger;
 use crate::base::Shared;
 use crate::base::fault::Result;
-use crate::scene::texture::{Encoding, Filter, PictureSource, Texels, Wrap};
+use crate::scene::texture::{Channel, Encoding, Filter, PictureSource, Texels, Wrap};
 use crate::scene::{Texture, TextureInput};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -50,8 +50,10 @@ pub(super) fn input(
         filter,
         set: set.min(1) as u32,
         to_picture,
+        channels: Channel::ALL,
         scale: [1.0; 4],
         bias: [0.0; 4],
+        fallback: None,
     }))
 }
 
@@ -128,7 +130,7 @@ fn picture(
     };
     let name = match &source {
         PictureSource::File(file) => file.file_name().map(|name| name.to_string_lossy().into_owned()),
-        PictureSource::Embedded(_) => None,
+        PictureSource::Embedded(_) | PictureSource::Tiles(_) => None,
     };
     let name = name.map_or_else(|| at.name("image", index), Ok)?;
     let texture = Shared::from(Texture { name, width: 0, height: 0, texels: Texels::Encoded(source) });

@@ -2,6 +2,8 @@
 
 use super::accessor::{Accessor, Component, Document};
 use super::at::At;
+use super::corners::{self, Shape, compact};
+use super::deform::{self, Deform, Target};
 use super::normals;
 use super::notes::Ledger;
 use crate::base::Code;
@@ -32,16 +34,19 @@ pub(super) struct FaceName<'a> {
 
 /// Bytes of a vertex with normal, two sets of texture coordinates and a colour, and of a triangle.
 const VERTEX: usize = 56;
-const TRIANGLE: usize = 12;
+pub(super) const TRIANGLE: usize = 12;
 
 /// Reads the primitive at `at`. Without a surface (points, lines, no positions) the face is empty, with a note, so that
 /// the numbers of the other faces stay. Vertices that no triangle uses are left out; the others keep their order.
-pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, ledger: &mut Ledger) -> Result<FaceMesh> {
+pub(super) fn read(
+    document: &Document<'_>,
+    at: &At<'_>,
+    name: FaceName<'_>,
+    deform: &Deform,
+    ledger: &mut Ledger,
+) -> Result<FaceMesh> {
     let attributes = at.want("attributes")?;
     let mode = at.count_or("mode", 4)?;
-    if at.get("targets")?.is_some() {
-        ledger.notes.warn(at, "morph targets are ignored: the geometry is the undeformed one");
-    }
     let shape = match mode {
         0..=3 => {
             ledger.notes.warn(at, "points and lines have no surface: the face is empty");
@@ -63,7 +68,7 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, led
     }
     check_type(document, &positions, &[Component::I8, Component::U8, Component::I16, Component::U16], ledger)?;
 
-    let corners = corners(document, at, shape, positions.count, ledger)?;
+    let corners = corners::read(document, at, shape, positions.count, ledger)?;
     let (used, triangles) = compact(corners, positions.count);
     ledger.budget.charge(at, used.len(), VERTEX)?;
     let mut face = FaceMesh { triangles, ..FaceMesh::default() };
@@ -79,13 +84,22 @@ pub(super) fn read(document: &Document<'_>, at: &At<'_>, name: FaceName<'_>, led
     face.uvs = coordinates(document, &attributes, "TEXCOORD_0", (&positions, &used), ledger)?;
     face.second_uvs = coordinates(document, &attributes, "TEXCOORD_1", (&positions, &used), ledger)?;
     face.colors = colors(document, &attributes, (&positions, &used), ledger)?;
-    match attributes.get("NORMAL")? {
+    let stored = match attributes.get("NORMAL")? {
         Some(reference) => {
             let stored = open(document, &reference, &[3], ledger)?;
             same_count(&reference, &stored, &positions)?;
             check_type(document, &stored, &[Component::I8, Component::I16], ledger)?;
-            let read = stored.gather(&used);
-            drop(used);
+            face.normals = stored.gather(&used);
+            Some(stored)
+        }
+        None => None,
+    };
+    let target = Target { document, at, positions: &positions, used: &used };
+    deform::apply(&target, deform, &mut face, ledger)?;
+    drop(used);
+    match stored {
+        Some(stored) => {
+            let read = std::mem::take(&mut face.normals);
             face.normals = normals::settled(read, &face.positions, &face.triangles, &stored, &mut ledger.notes);
             mend(&mut face, at, name, ledger)?;
         }
@@ -163,15 +177,8 @@ fn mend(face: &mut FaceMesh, at: &At<'_>, name: FaceName<'_>, ledger: &mut Ledge
     Ok(())
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Shape {
-    List,
-    Strip,
-    Fan,
-}
-
 /// Opens an attribute's accessor, which must have one of these numbers of components per element.
-fn open<'d>(
+pub(super) fn open<'d>(
     document: &'d Document<'_>,
     reference: &At<'_>,
     lanes: &[usize],
@@ -190,7 +197,7 @@ fn open<'d>(
 
 /// Floats always do; `quantized` types with `KHR_mesh_quantization` (if it is not declared, we read them and say so).
 /// Texture coordinates may be normalised unsigned integers without it.
-fn check_type(
+pub(super) fn check_type(
     document: &Document<'_>,
     accessor: &Accessor<'_>,
     quantized: &[Component],
@@ -213,87 +220,10 @@ fn check_type(
     Ok(())
 }
 
-fn same_count(reference: &At<'_>, accessor: &Accessor<'_>, positions: &Accessor<'_>) -> Result<()> {
+pub(super) fn same_count(reference: &At<'_>, accessor: &Accessor<'_>, positions: &Accessor<'_>) -> Result<()> {
     if accessor.count == positions.count {
         return Ok(());
     }
     let what = format!("{} elements for {} positions", accessor.count, positions.count);
     Err(reference.fault(what).expected("one element per position"))
-}
-
-/// The vertex indices of each triangle (glTF 2.0, section 3.7.2.1), all below `vertices`. Triangles of strips and fans
-/// that use a vertex twice only stitch and are left out.
-fn corners(
-    document: &Document<'_>,
-    at: &At<'_>,
-    shape: Shape,
-    vertices: usize,
-    ledger: &mut Ledger,
-) -> Result<Vec<[u32; 3]>> {
-    let indices = match at.get("indices")? {
-        Some(reference) => Some(open(document, &reference, &[1], ledger)?),
-        None => None,
-    };
-    if let Some(accessor) = indices.as_ref().filter(|accessor| !accessor.component.is_index()) {
-        let fault = accessor.at.want("componentType")?.fault("indices of this component type");
-        return Err(fault.expected("5121, 5123 or 5125 (unsigned)"));
-    }
-    if let Some(accessor) = indices.as_ref().filter(|accessor| !accessor.is_backed()) {
-        ledger.notes.warn(&accessor.at, "indices without data in the asset: all of them are 0");
-    }
-    let count = indices.as_ref().map_or(vertices, |accessor| accessor.count);
-    let place = indices.as_ref().map_or(at, |accessor| &accessor.at);
-    let (triangles, left) = match shape {
-        Shape::List => (count / 3, count % 3),
-        Shape::Strip | Shape::Fan => (count.saturating_sub(2), if count < 3 { count } else { 0 }),
-    };
-    if left > 0 {
-        ledger.notes.warn(place, format!("{count} corners do not make triangles: the last {left} are ignored"));
-    }
-    // The compaction below needs the corners once more and a table of up to four entries per corner.
-    ledger.budget.charge(at, triangles, 5 * TRIANGLE)?;
-    let vertex = |corner: usize| -> Result<u32> {
-        let index = indices.as_ref().map_or(corner, |accessor| accessor.unsigned(corner) as usize);
-        if index < vertices {
-            return u32::try_from(index).map_err(|_| at.fault("more than 4294967295 vertices"));
-        }
-        let expected = format!("0 to {}", vertices - 1);
-        Err(place.fault(format!("index {index} at position {corner} is not a vertex")).expected(expected))
-    };
-    let mut out = Vec::with_capacity(triangles);
-    for i in 0..triangles {
-        let [a, b, c] = match shape {
-            Shape::List => [3 * i, 3 * i + 1, 3 * i + 2],
-            Shape::Strip => [i, i + 1 + i % 2, i + 2 - i % 2],
-            Shape::Fan => [i + 1, i + 2, 0],
-        };
-        let triangle = [vertex(a)?, vertex(b)?, vertex(c)?];
-        let [a, b, c] = triangle;
-        if shape == Shape::List || a != b && b != c && c != a {
-            out.push(triangle);
-        }
-    }
-    Ok(out)
-}
-
-/// The vertices that the corners use, in ascending order, and the corners counted in them.
-fn compact(mut corners: Vec<[u32; 3]>, vertices: usize) -> (Vec<u32>, Vec<[u32; 3]>) {
-    let mut used: Vec<u32>;
-    // A table of all vertices is quicker; a small face in a large shared accessor is better sorted.
-    if vertices / 4 <= corners.len() * 3 {
-        let mut table = vec![u32::MAX; vertices];
-        corners.iter().flatten().for_each(|&vertex| table[vertex as usize] = 0);
-        used = (0..vertices as u32).filter(|&vertex| table[vertex as usize] == 0).collect();
-        if used.len() == vertices {
-            return (used, corners);
-        }
-        used.iter().enumerate().for_each(|(new, &vertex)| table[vertex as usize] = new as u32);
-        corners.iter_mut().flatten().for_each(|vertex| *vertex = table[*vertex as usize]);
-    } else {
-        used = corners.iter().flatten().copied().collect();
-        used.sort_unstable();
-        used.dedup();
-        corners.iter_mut().flatten().for_each(|vertex| *vertex = used.partition_point(|other| other < vertex) as u32);
-    }
-    (used, corners)
 }

@@ -7,7 +7,9 @@ use super::notes::Ledger;
 use super::picture::{self, Pictures};
 use crate::base::fault::Result;
 use crate::scene::texture::{Channel, Encoding};
-use crate::scene::{Colour, Opacity, Scalar, StandardSurface, TextureInput};
+use crate::scene::{
+    Anisotropy, AnisotropyLaw, CoatNormal, Colour, Film, Opacity, Scalar, StandardSurface, TextureInput,
+};
 
 /// One material, and what its parameters are read from.
 pub(super) struct Reader<'d, 'a> {
@@ -34,16 +36,7 @@ impl Reader<'_, '_> {
                 (alpha, alpha_texture) = self.metallic_roughness(&pbr, &mut out)?;
             }
         }
-        out.normal = match at.get("normalTexture")? {
-            Some(texture) => {
-                let strength = texture.get("scale")?.map_or(Ok(1.0), |scale| scale.number())?;
-                let input = self.texture(&texture, Encoding::Linear)?;
-                input.map(|input| {
-                    (TextureInput { scale: [2.0, 2.0, 2.0, 1.0], bias: [-1.0, -1.0, -1.0, 0.0], ..input }, strength)
-                })
-            }
-            None => None,
-        };
+        out.normal = self.normal_map(at, "normalTexture")?;
         let alpha = Scalar { factor: alpha, texture: alpha_texture.map(|input| (input, Channel::Alpha)) };
         out.opacity = match at.get("alphaMode")? {
             None => Opacity::Opaque,
@@ -132,18 +125,67 @@ impl Reader<'_, '_> {
             out.coat = self.scalar(&layer, "clearcoatFactor", 0.0, "clearcoatTexture", Channel::Red)?;
             let (key, texture) = ("clearcoatRoughnessFactor", "clearcoatRoughnessTexture");
             out.coat_roughness = self.scalar(&layer, key, 0.0, texture, Channel::Green)?;
-            if let Some(normal) = layer.get("clearcoatNormalTexture")? {
-                self.ledger
-                    .notes
-                    .warn(&normal, "`clearcoatNormalTexture` is not used: the coat has the normals of the base");
-            }
+            // Without a map of its own the coat is smooth, whatever the base is (KHR_materials_clearcoat).
+            out.coat_normal = match self.normal_map(&layer, "clearcoatNormalTexture")? {
+                Some((input, strength)) => CoatNormal::Map(input, strength),
+                None if out.normal.is_some() => CoatNormal::Smooth,
+                None => CoatNormal::Base,
+            };
         }
         if let Some(layer) = at.extension("KHR_materials_sheen")? {
             out.sheen_color = self.colour(&layer, "sheenColorFactor", [0.0; 3], "sheenColorTexture")?;
             let (key, texture) = ("sheenRoughnessFactor", "sheenRoughnessTexture");
             out.sheen_roughness = self.scalar(&layer, key, 0.0, texture, Channel::Alpha)?;
         }
+        if let Some(layer) = at.extension("KHR_materials_anisotropy")? {
+            out.anisotropy = self.anisotropy(&layer)?;
+        }
+        if let Some(layer) = at.extension("KHR_materials_iridescence")? {
+            out.film = self.film(&layer)?;
+        }
         Ok(())
+    }
+
+    /// `KHR_materials_anisotropy`: red and green of the texture are a direction, blue the strength.
+    fn anisotropy(&mut self, layer: &At<'_>) -> Result<Option<Anisotropy>> {
+        let factor = number(layer, "anisotropyStrength", 0.0)?;
+        let rotation_rad = layer.get("anisotropyRotation")?.map_or(Ok(0.0), |field| field.number())?;
+        let texture = self.texture_of(layer, "anisotropyTexture", Encoding::Linear)?;
+        let direction = texture.clone().map(|input| TextureInput {
+            scale: [2.0, 2.0, 1.0, 1.0],
+            bias: [-1.0, -1.0, 0.0, 0.0],
+            ..input
+        });
+        let strength = Scalar { factor, texture: texture.map(|input| (input, Channel::Blue)) };
+        Ok((factor > 0.0).then_some(Anisotropy { strength, law: AnisotropyLaw::Gltf, rotation_rad, direction }))
+    }
+
+    /// `KHR_materials_iridescence`: the greatest thickness where no texture says otherwise.
+    fn film(&mut self, layer: &At<'_>) -> Result<Option<Film>> {
+        let weight = self.scalar(layer, "iridescenceFactor", 0.0, "iridescenceTexture", Channel::Red)?;
+        let ior = layer.get("iridescenceIor")?.map_or(Ok(1.3), |ior| ior.number_in(1.0, f64::INFINITY))?;
+        let nm = |key: &str, default: f64| -> Result<f64> {
+            layer.get(key)?.map_or(Ok(default), |field| field.number_in(0.0, f64::INFINITY))
+        };
+        let (least, most) = (nm("iridescenceThicknessMinimum", 100.0)?, nm("iridescenceThicknessMaximum", 400.0)?);
+        let thickness_nm = match self.texture_of(layer, "iridescenceThicknessTexture", Encoding::Linear)? {
+            None => Scalar::new(most),
+            Some(input) => {
+                let input = TextureInput { scale: [most - least; 4], bias: [least; 4], ..input };
+                Scalar { factor: 1.0, texture: Some((input, Channel::Green)) }
+            }
+        };
+        Ok((weight.factor > 0.0).then_some(Film { weight, ior, thickness_nm }))
+    }
+
+    /// A normal map and its strength.
+    fn normal_map(&mut self, at: &At<'_>, key: &str) -> Result<Option<(TextureInput, f64)>> {
+        let Some(texture) = at.get(key)? else { return Ok(None) };
+        let strength = texture.get("scale")?.map_or(Ok(1.0), |scale| scale.number())?;
+        let input = self.texture(&texture, Encoding::Linear)?;
+        Ok(input.map(|input| {
+            (TextureInput { scale: [2.0, 2.0, 2.0, 1.0], bias: [-1.0, -1.0, -1.0, 0.0], ..input }, strength)
+        }))
     }
 
     fn scalar(&mut self, at: &At<'_>, key: &str, default: f64, texture: &str, channel: Channel) -> Result<Scalar> {

@@ -12,12 +12,12 @@ fn row(name: &str, data: Data, at: &At<'_>) -> Row {
 }
 
 /// `KHR_materials_iridescence` as a coating of one film: index `iridescenceIor` (1.3), thickness
-/// `iridescenceThicknessMaximum` (400 nm), which holds where no texture says otherwise. None for a factor of 0, its
-/// default.
+/// `iridescenceThicknessMaximum` (400 nm), which holds where no texture says otherwise: that is for glass, ordinary surfaces have
+/// all of it by [`super::standard`]. None for a factor of 0, its default.
 ///
 /// # Errors
 /// Values of the wrong kind or out of range.
-pub(super) fn iridescence(at: &At<'_>, ledger: &mut Ledger) -> Result<Option<Row>> {
+pub(super) fn iridescence(at: &At<'_>) -> Result<Option<Row>> {
     let Some(film) = at.extension("KHR_materials_iridescence")? else { return Ok(None) };
     let number = |key: &str, default: f64, low: f64, high: f64| match film.get(key)? {
         Some(field) => field.number_in(low, high),
@@ -29,14 +29,6 @@ pub(super) fn iridescence(at: &At<'_>, ledger: &mut Ledger) -> Result<Option<Row
     if factor == 0.0 {
         return Ok(None);
     }
-    if factor < 1.0 {
-        ledger.notes.warn(&film, "an `iridescenceFactor` below 1 (part of the surface has the film): taken as 1");
-    }
-    for key in ["iridescenceTexture", "iridescenceThicknessTexture"] {
-        if let Some(texture) = film.get(key)? {
-            ledger.notes.warn(&texture, format!("`{key}` is not used: the film has its greatest thickness everywhere"));
-        }
-    }
     let entry = |name: &str, number: f64| row(name, Data::Number(number), &film);
     let layer = Data::Table(vec![entry("n", index), entry("thickness_nm", thickness)]);
     let stack = Data::List(vec![Value::new(layer, film.place())]);
@@ -45,12 +37,21 @@ pub(super) fn iridescence(at: &At<'_>, ledger: &mut Ledger) -> Result<Option<Row
 }
 
 /// `pbrMetallicRoughness` without its textures, for writing: `base_color` (linear Rec.709), `opacity` (unless the
-/// material is opaque), `metallic`, `roughness`; only what is said. Values out of range are left out, with a note.
+/// material is opaque), `metallic`, `roughness`; only what is said. Values out of range are left out, with a note. And what
+/// means nothing to light here but is written again: `double_sided`, `unlit`.
 ///
 /// # Errors
 /// Values of the wrong kind.
 pub(super) fn looks(at: &At<'_>, ledger: &mut Ledger) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
+    if let Some(both) = at.get("doubleSided")?
+        && both.flag()?
+    {
+        rows.push(row("double_sided", Data::Bool(true), &both));
+    }
+    if let Some(unlit) = at.extension("KHR_materials_unlit")? {
+        rows.push(row("unlit", Data::Bool(true), &unlit));
+    }
     let Some(pbr) = at.get("pbrMetallicRoughness")? else { return Ok(rows) };
     let sound = |number: f64| (0.0..=1.0).contains(&number);
     if let Some(field) = pbr.get("baseColorFactor")? {

@@ -1,7 +1,7 @@
 //! Small glTF assets made by hand, for tests of this reader and of whatever reads its assemblies.
 
 use crate::base::fault::Result;
-use crate::import::Assembly;
+use crate::import::{Assembly, ReadOptions};
 use serde_json::{Value as Json, json};
 
 /// An asset under construction: JSON that a test may edit at will, and one binary buffer.
@@ -66,6 +66,7 @@ impl Builder {
             "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
+            "MAT4" => 16,
             other => panic!("{other}"),
         };
         let bytes: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
@@ -105,7 +106,10 @@ impl Builder {
     }
     /// What the reader makes of the `.glb`.
     pub fn read(&self) -> Result<Assembly> {
-        super::read_bytes(std::path::Path::new("test.glb"), &self.glb())
+        self.read_at(&ReadOptions::default())
+    }
+    pub fn read_at(&self, options: &ReadOptions) -> Result<Assembly> {
+        super::read_bytes(std::path::Path::new("test.glb"), &self.glb(), options)
     }
 }
 

@@ -2,21 +2,27 @@
 
 use super::at::At;
 use super::notes::Notes;
+use super::pose::Moved;
 use crate::base::Code;
 use crate::base::fault::Result;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-/// The local transform of a node: a matrix, or translation · rotation · scale.
+/// The local transform of a node: a matrix, or translation · rotation · scale, where what an animation moves takes the place
+/// of what is written.
 ///
 /// # Errors
-/// Both forms at once; a matrix whose last row is not (0, 0, 0, 1); a rotation of length 0; numbers that overflow.
-pub(super) fn local(at: &At<'_>, notes: &mut Notes) -> Result<DAffine3> {
+/// Both forms at once, or a matrix that an animation would move the parts of; a matrix whose last row is not (0, 0, 0, 1); a rotation of length 0; numbers that overflow.
+pub(super) fn local(at: &At<'_>, moved: Option<&Moved>, notes: &mut Notes) -> Result<DAffine3> {
     let (translation, rotation, scale) = (at.get("translation")?, at.get("rotation")?, at.get("scale")?);
     let transform = if let Some(matrix) = at.get("matrix")? {
         if translation.is_some() || rotation.is_some() || scale.is_some() {
             return Err(matrix
                 .fault("a node with both a matrix and translation, rotation or scale")
                 .expected("one form"));
+        }
+        if moved.is_some_and(|moved| moved.translation.is_some() || moved.rotation.is_some() || moved.scale.is_some()) {
+            let fault = matrix.fault("an animation moves a node that has a matrix");
+            return Err(fault.expected("translation, rotation and scale"));
         }
         // Column by column.
         let m: [f64; 16] = matrix.numbers()?;
@@ -28,13 +34,18 @@ pub(super) fn local(at: &At<'_>, notes: &mut Notes) -> Result<DAffine3> {
         let column = |c: usize| DVec3::new(m[4 * c], m[4 * c + 1], m[4 * c + 2]);
         DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) }
     } else {
-        let scale = scale.map_or(Ok([1.0; 3]), |at| at.numbers())?;
-        let translation = translation.map_or(Ok([0.0; 3]), |at| at.numbers())?;
+        let scale = DVec3::from(scale.map_or(Ok([1.0; 3]), |at| at.numbers())?);
+        let translation = DVec3::from(translation.map_or(Ok([0.0; 3]), |at| at.numbers())?);
         let rotation = match rotation {
             Some(at) => unit_rotation(&at, at.numbers()?, 1e-3, notes)?,
             None => DQuat::IDENTITY,
         };
-        DAffine3::from_scale_rotation_translation(scale.into(), rotation, translation.into())
+        let moved = moved.cloned().unwrap_or_default();
+        DAffine3::from_scale_rotation_translation(
+            moved.scale.unwrap_or(scale),
+            moved.rotation.unwrap_or(rotation),
+            moved.translation.unwrap_or(translation),
+        )
     };
     if !transform.is_finite() {
         return Err(at.fault("the node's transform overflows").expected("finite numbers"));

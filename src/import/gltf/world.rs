@@ -18,7 +18,7 @@ pub(super) fn read(at: &At<'_>) -> Result<Option<(DMat3, f64)>> {
     if busy.iter().any(|key| object.contains_key(*key)) {
         return Ok(None);
     }
-    let local = transform::local(at, &mut super::notes::Notes::default())?;
+    let local = transform::local(at, None, &mut super::notes::Notes::default())?;
     let columns = [local.matrix3.x_axis, local.matrix3.y_axis, local.matrix3.z_axis];
     let unit = columns[0].abs().max_element();
     let whole = |x: f64| x == 0.0 || x.abs() == unit;

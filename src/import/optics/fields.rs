@@ -251,8 +251,12 @@ pub fn stray(
     what: &str,
     attributes: &mut dyn Iterator<Item = &str>,
 ) -> Option<Box<Fault>> {
-    attribute::row(noun, key)?;
+    let row = attribute::row(noun, key)?;
     let attributes: Vec<&str> = attributes.collect();
+    if let Some(holder) = attribute::holder(row).filter(|holder| attributes.contains(&holder.name)) {
+        let text = format!("`{key}` stands in {what}: it is an entry of {}", holder.name);
+        return Some(Fault::new(value.at.clone(), text).expected(format!("{} = {{ {key} = … }}", holder.name)));
+    }
     let takes = |kind: &&Kind| attributes.contains(&kind.attribute) && kind.parameters.contains(&key);
     let kinds: Vec<&Kind> = attribute::KINDS.iter().filter(takes).collect();
     let first = kinds.first()?;

@@ -5,7 +5,7 @@ use crate::base::fault::Result;
 use crate::base::{Code, Fault, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
-use crate::scene::{Finish, Note};
+use crate::scene::{Finish, Note, StandardSurface};
 
 /// A finish, a file that it names still to be read.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +14,11 @@ pub enum FinishSpec {
     /// The file as it is written, and where.
     Measured {
         file: String,
+        at: Where,
+    },
+    /// An ordinary material, its pictures still to be read.
+    Surface {
+        surface: Box<StandardSurface>,
         at: Where,
     },
 }
@@ -37,8 +42,15 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
         "none" => Finish::None,
         "polished" => Finish::Polished,
         "absorber" => Finish::Absorber,
+        "surface" => {
+            let surface = Box::new(super::surface::surface(fields, notes)?);
+            return Ok(FinishSpec::Surface { surface, at: value.at.clone() });
+        }
         "lambert" => {
             let (reflectance, transmittance) = shares()?;
+            if let Some(surface) = super::surface::coloured_lambert(fields, [reflectance, transmittance])? {
+                return Ok(FinishSpec::Surface { surface: Box::new(surface), at: value.at.clone() });
+            }
             Finish::Lambert { reflectance, transmittance }
         }
         "gauss" => {

@@ -13,6 +13,7 @@ mod sky;
 mod slide;
 mod spectrum;
 mod sun;
+mod surface;
 mod wavelengths;
 
 pub use coating::{coating, unknown as unknown_coating};
@@ -23,7 +24,7 @@ pub use finish::{FinishSpec, finish};
 pub use medium::{absorption, entries as medium_entries, index, law, possible, priority};
 pub use scatter_table::scatter_table;
 pub use shape::{ShapeSpec, shape};
-pub use sky::{SkySpec, sky};
+pub use sky::{SkyKind, SkySpec, Up, goes_with as goes_with_sky, kind_of as kind_of_sky, sky};
 pub use slide::{ATTRIBUTES as SLIDE, ORTHOGONAL, SlideSpec, slide};
 pub use spectrum::{SpectrumSpec, spectrum, spectrum_table};
 pub use sun::{SunSpec, sun};

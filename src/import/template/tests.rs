@@ -1,6 +1,7 @@
 //! Skeletons of the CAD samples, and of assemblies with names that nobody would give.
 
 use super::*;
+use crate::import::ReadOptions;
 use crate::import::testing::assembly;
 use crate::scene::{Finish, Scene, Shape};
 
@@ -10,7 +11,7 @@ fn sample(file: &str) -> (Template, Scene) {
     let skeleton = skeleton(&asset, &sidecar).expect("the sample can be read");
     assert_eq!(skeleton.fault, None);
     let value = toml::parse(&skeleton.text, &sidecar).expect("a skeleton is TOML");
-    let assembly = gltf::read(&asset).expect("the sample can be read");
+    let assembly = gltf::read(&asset, &ReadOptions::default()).expect("the sample can be read");
     let built = build(assembly, Some(&value), &[]).expect("a skeleton can be imported");
     (skeleton, built.scene)
 }
@@ -112,6 +113,47 @@ fn odd_names_give_toml_that_imports_all_the_same() {
     assert!(!skeleton.text.contains("\"LED_*\"") && skeleton.text.contains("\"LED_2\""), "{}", skeleton.text);
     let none = of(Assembly::default(), "a.glb", Path::new("x.optics.toml")).expect("it is written");
     assert_eq!((none.parts, none.fault), (0, None));
+}
+
+#[test]
+fn what_is_no_optics_keeps_its_picture() {
+    for z_up in [false, true] {
+        let mut asset = assembly(&["Helmet", "Visor"]);
+        if z_up {
+            asset.axes = glam::DMat3::from_cols(glam::DVec3::X, glam::DVec3::NEG_Z, glam::DVec3::Y);
+        }
+        let bare = build(asset.clone(), None, &[]).expect("a picture");
+        assert!(bare.assumed.eye && bare.assumed.sky);
+        let skeleton = of(asset.clone(), "a.glb", Path::new("x.optics.toml")).expect("it is written");
+        assert_eq!((skeleton.fault, skeleton.parts), (None, 2), "{}", skeleton.text);
+        let sidecar = toml::parse(&skeleton.text, Path::new("x.optics.toml")).expect("TOML");
+        let told = build(asset, Some(&sidecar), &[]).expect("it can be imported");
+        assert!(!told.assumed.eye && !told.assumed.sky, "it is said now");
+        assert_eq!((&told.scene.sky, told.scene.wavelengths), (&bare.scene.sky, bare.scene.wavelengths));
+        let finishes = |built: &Built| built.scene.parts.iter().map(|part| part.faces.clone()).collect::<Vec<_>>();
+        assert_eq!(finishes(&told), finishes(&bare));
+        let (a, b) = (&told.scene.eye, &bare.scene.eye);
+        // Directions are normalised once more.
+        for (a, b) in [(a.position, b.position), (a.look, b.look), (a.up, b.up)] {
+            assert!((a - b).length() <= 4.0 * f64::EPSILON * b.length(), "{a} {b}");
+        }
+        assert_eq!(
+            (a.pupil_diameter_m, a.focus_distance_m, a.fov_deg, a.resolution),
+            (b.pupil_diameter_m, b.focus_distance_m, b.fov_deg, b.resolution)
+        );
+    }
+    // A camera and a lamp of its own stay what they are.
+    let mut asset = assembly(&["Helmet"]);
+    asset.cameras.push(crate::import::assembly::Camera {
+        name: "CAM".into(),
+        to_world: glam::DAffine3::IDENTITY,
+        yfov: Some(0.5),
+        aspect: Some(1.5),
+        pupil: None,
+        focus: None,
+    });
+    let skeleton = of(asset, "a.glb", Path::new("x.optics.toml")).expect("it is written");
+    assert!(skeleton.fault.is_none() && skeleton.text.contains("\n# [eye] "), "{}", skeleton.text);
 }
 
 #[test]

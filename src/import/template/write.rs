@@ -1,13 +1,12 @@
 //! The text of a skeleton.
 
-use super::TOLERANCE_UM;
 use super::guess::Role;
 use super::kinds::{FaceFacts, Kind};
+use super::{TOLERANCE_UM, around};
 use crate::base::Where;
 use crate::base::units::significant;
 use crate::import::Assembly;
 use crate::import::fit::Fitted;
-use crate::import::frames::frame_rotation;
 use crate::import::select::Faces;
 use glam::DVec3;
 use std::fmt::Write;
@@ -31,15 +30,15 @@ pub struct Written {
 }
 
 impl Written {
-    fn line(&mut self, text: &str) {
+    pub(super) fn line(&mut self, text: &str) {
         self.text += text;
         self.text.push('\n');
     }
     /// A line that the author has to look at.
-    fn todo(&mut self, line: &str, what: &str) {
+    pub(super) fn todo(&mut self, line: &str, what: &str) {
         self.line(&format!("{line:<39} # TODO {what}"));
     }
-    fn note(&mut self, what: String) {
+    pub(super) fn note(&mut self, what: String) {
         self.todos.push(clean(&what));
     }
 }
@@ -60,7 +59,7 @@ pub fn write(assembly: &Assembly, kinds: &[Kind], head: &Head<'_>) -> Written {
         );
         kinds.iter().filter(|kind| kind.role == Role::Mechanics).for_each(|kind| listed(kind, &mut out));
     }
-    around(assembly, &mut out);
+    around::around(assembly, &mut out);
     out
 }
 
@@ -89,7 +88,7 @@ fn top(assembly: &Assembly, head: &Head<'_>, out: &mut Written) {
 }
 
 /// A part and its faces as comments.
-fn listed(kind: &Kind, out: &mut Written) {
+pub(super) fn listed(kind: &Kind, out: &mut Written) {
     let names: Vec<&str> = kind.members.iter().map(|part| part.name.as_str()).collect();
     let name = match names.as_slice() {
         [first, .., last] => format!("{} ... {} ({} alike)", clean(first), clean(last), names.len()),
@@ -294,45 +293,8 @@ fn picture(kind: &Kind, face: usize) -> String {
     format!("size = [{w}, {h}], u = {}, v = {}", u.1, v.1)
 }
 
-/// Sky and eye.
-fn around(assembly: &Assembly, out: &mut Written) {
-    out.line("\n# Sky ----------------------------------------------------------------------------------------------");
-    out.line(
-        "\n# [sky]                                 # TODO a latitude-longitude panorama, if there is light outside",
-    );
-    out.line("# image = \"PANORAMA.exr\"");
-    out.line("# scale_cd_m2 = 1                       # luminance of a pixel of value 1");
-    out.line(
-        "\n# [sun]                                 # TODO sun load: its image in the glass is a display's worst day",
-    );
-    out.line("# direction = [0, 1, 0]                 # towards the sun");
-    out.line("\n# Eye ----------------------------------------------------------------------------------------------");
-    let mut roots = assembly.nodes.iter().filter(|node| node.parent.is_none());
-    let root = match (roots.next(), roots.next()) {
-        (Some(root), None) => Some(root.path.clone()),
-        (Some(_), Some(_)) | (None, _) => None,
-    };
-    let usable = |name: &String| frame_rotation(assembly, Some(&(name.clone(), Where::Nowhere))).is_ok();
-    let frame = root.filter(usable).unwrap_or_else(|| "asset".to_owned());
-    if assembly.cameras.iter().any(|camera| camera.yfov.is_some()) {
-        out.line("\n[eye]                                   # position and directions are those of the asset's camera");
-    } else {
-        out.line("\n[eye]");
-        out.todo(&format!("frame = {}", quoted(&frame)), "\"asset\", or the node in whose axes the next three stand");
-        out.todo("position = [\"0 mm\", \"0 mm\", \"0 mm\"]", "where is the pupil?");
-        out.todo("look = [0, 0, -1]", "where does it look?");
-        out.line("up = [0, 1, 0]");
-        out.line("fov_deg = 12                            # full horizontal field of view");
-        out.line("resolution = [360, 180]");
-        out.note("the eye's position and direction".to_owned());
-    }
-    out.line("pupil_diameter = \"4 mm\"");
-    out.line("focus_distance = \"inf\"");
-    out.line("age = 45");
-}
-
 /// A TOML string.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {
@@ -346,6 +308,6 @@ fn quoted(text: &str) -> String {
 }
 
 /// For comments and messages: no line breaks or other control characters.
-fn clean(text: &str) -> String {
+pub(super) fn clean(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }

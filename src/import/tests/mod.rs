@@ -8,6 +8,7 @@ mod lamps;
 mod samples;
 mod scenes;
 mod sets;
+mod skies;
 mod table;
 
 use super::testing::assembly;

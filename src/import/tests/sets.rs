@@ -211,7 +211,11 @@ const ROWS: &[(&str, &[&str], &str)] = &[
         &["eye.pupil_diameter=4"],
         "--set eye.pupil_diameter=4: `pupil_diameter` is 4 without a unit; expected a length with its unit, e.g. \"4 mm\"",
     ),
-    (LIT, &["sky.rotation_deg=3"], "--set sky.rotation_deg=3: sky has no `image`; expected a file name"),
+    (
+        LIT,
+        &["sky.rotation_deg=3"],
+        "--set sky.rotation_deg=3: the sky does not say what it is; expected one of image, luminance_cd_m2, overcast_cd_m2, sun_sky",
+    ),
     (
         LIT,
         &["LED_1.flux_lm=x"],
@@ -226,6 +230,6 @@ const ROWS: &[(&str, &[&str], &str)] = &[
     (
         LIT,
         &["default.finish=polisht"],
-        "--set default.finish=polisht: unknown finish `polisht`; expected one of none, polished, rough, lambert, gauss, cos_m, abg, measured, mirror, polariser, retarder, absorber; did you mean `polished`?",
+        "--set default.finish=polisht: unknown finish `polisht`; expected one of none, polished, rough, lambert, surface, gauss, cos_m, abg, measured, mirror, polariser, retarder, absorber; did you mean `polished`?",
     ),
 ];

@@ -6,7 +6,7 @@ use crate::base::fault::Result;
 use crate::import::{json, optics};
 use crate::scene::attribute::arbitrary::{every, named_rows, of, some};
 use crate::scene::attribute::usd::{flatten, gather};
-use crate::scene::attribute::{self, EMITTER, Kind, Noun, SLIDE, Support, kinds, row, rows};
+use crate::scene::attribute::{self, EMITTER, Kind, Noun, SLIDE, Support, kinds, own_rows, row, rows};
 use crate::scene::value::{Data, Value};
 use proptest::prelude::*;
 use std::path::Path;
@@ -117,7 +117,17 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
             ];
             put("spectrum", spectra[pick % spectra.len()].clone());
         }
-        "sky" => put("group", text("led_1")),
+        "sky" => {
+            put("group", text("led_1"));
+            // A colour is not black, and a group has a name for layers.
+            put("rgb", list(&[turn, 0.0, 1.0]));
+            let number = |name: &str, x: f64| (name.to_owned(), value(Data::Number(x)));
+            let mut sun = vec![number("elevation_deg", 15.0 * turn), number("turbidity", 2.0 + turn)];
+            if pick.is_multiple_of(2) {
+                sun.extend([number("azimuth_deg", -turn), ("sun_group".to_owned(), text("sun_1"))]);
+            }
+            put("sun_sky", table(sun));
+        }
         "sun" => {
             put("group", text("led_1"));
             put("direction", across.0);
@@ -148,6 +158,7 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
             let strength = ["flux_lm", "luminance_cd_m2", "intensity_cd", "radiant_flux_w"][pick % 4];
             all.retain(|(key, _)| !optics::STRENGTHS.contains(&key.as_str()) || key == strength);
         }
+        ("sky", _) => all.retain(|(key, _)| optics::goes_with_sky(attribute::SKIES[pick % 4].0, key)),
         ("coating", Some("ideal")) => all.retain(|(key, _)| key != "T"),
         ("coating", Some("table")) => {
             let line = |nm: f64, side: &str| {
@@ -194,7 +205,7 @@ fn good(key: &'static str) -> BoxedStrategy<Value> {
         "wavelengths" => rendered(Noun::Asset, key),
         "emitter" => whole(Noun::Emitter, &EMITTER),
         "slide" => whole(Noun::Slide, &SLIDE),
-        "sky" => every(rows(Noun::Sky).collect()),
+        "sky" => every(own_rows(Noun::Sky).collect()),
         "sun" => every(rows(Noun::Sun).collect()),
         _ => every(rows(Noun::Eye).collect()),
     };
@@ -206,7 +217,7 @@ fn raw(key: &'static str) -> BoxedStrategy<Value> {
     match key {
         "emitter" => some(named_rows(Noun::Emitter, &EMITTER)),
         "slide" => some(named_rows(Noun::Slide, &SLIDE)),
-        "sky" => some(rows(Noun::Sky).collect()),
+        "sky" => some(own_rows(Noun::Sky).collect()),
         "sun" => some(rows(Noun::Sun).collect()),
         "eye" => some(rows(Noun::Eye).collect()),
         key => {

@@ -174,9 +174,17 @@ impl PrimView {
     }
     /// Metadata of a property, e.g. `interpolation`.
     pub fn property_text(&self, name: &str, key: &str) -> Result<Option<String>> {
+        Ok(self.property_value(name, key)?.as_ref().and_then(value::text).map(str::to_owned))
+    }
+    /// A whole number in the metadata of a property, e.g. `elementSize`.
+    pub fn property_number(&self, name: &str, key: &str) -> Result<Option<usize>> {
+        let found = self.property_value(name, key)?.as_ref().and_then(value::number);
+        Ok(found.filter(|x| *x >= 0.0 && x.fract() == 0.0).map(|x| x as usize))
+    }
+    /// Metadata of a property.
+    pub fn property_value(&self, name: &str, key: &str) -> Result<Option<Value>> {
         let found = self.prim.attribute(name).get_metadata::<Value>(key);
-        let found = found.map_err(|error| self.fault_in(name, one_line(&format!("cannot be read: {error}"))))?;
-        Ok(found.as_ref().and_then(value::text).map(str::to_owned))
+        found.map_err(|error| self.fault_in(name, one_line(&format!("cannot be read: {error}"))))
     }
     pub fn metadata(&self, key: &str) -> Result<Option<Value>> {
         self.prim.get_metadata::<Value>(key).map_err(|error| self.moment.failed(self.path(), error))

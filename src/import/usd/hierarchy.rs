@@ -2,10 +2,11 @@
 //! walked once per prototype; further instances copy its nodes and share its meshes.
 
 use super::attribute::PrimView;
+use super::paint::Painted;
 use super::reader::Reader;
 use super::round_trip::{Fold, RoundTrip};
 use super::xform::{self, Local};
-use super::{binding, camera, implicit, instancer, light, material, mesh, optics};
+use super::{binding, camera, implicit, instancer, light, material, mesh, optics, skel};
 use crate::base::Where;
 use crate::base::fault::Result;
 use crate::import::assembly::Node;
@@ -23,6 +24,9 @@ pub(super) struct Handed {
     /// By purpose: `default` and `render` are, `proxy` and `guide` are not.
     pub shown: bool,
     pub material: binding::Inherited,
+    /// Colours of what has no material.
+    pub painted: Painted,
+    pub skel: skel::Inherited,
 }
 
 /// Where the walk is.
@@ -60,7 +64,12 @@ pub(super) struct Placed {
 
 /// Fills `assembly.nodes`, `meshes`, `cameras` and `lights`, depth first in the order of the stage.
 pub(super) fn read(reader: &mut Reader) -> Result<()> {
-    let handed = Handed { shown: true, material: binding::Inherited::default() };
+    let handed = Handed {
+        shown: true,
+        material: binding::Inherited::default(),
+        painted: Painted::default(),
+        skel: skel::Inherited::default(),
+    };
     let above = Above { node: None, handed, instance: None, depth: 0, may_be_over: false };
     let root = sdf::Path::abs_root();
     let names = reader.stage.root_prims().map_err(|error| reader.moment.failed(&root, error))?;
@@ -145,8 +154,15 @@ pub(super) fn prim(reader: &mut Reader, prim: Prim, above: &Above) -> Result<()>
             false
         }
     };
-    let local = xform::local(&view, ledger)?;
-    let handed = Handed { shown, material: above.handed.material.below(reader, &view)? };
+    let mut local = xform::local(&view, ledger)?;
+    let painted = above.handed.painted.below(&view, &mut reader.ledger)?;
+    let skel = above.handed.skel.below(&view, &type_name);
+    if implicit::Kind::of(&type_name).is_some()
+        && let Some(transform) = skel::rigid(reader, &view, &skel)?
+    {
+        local = Local { transform, resets: false };
+    }
+    let handed = Handed { shown, material: above.handed.material.below(reader, &view)?, painted, skel };
     let marks = RoundTrip::of(&view)?;
     let node = place(reader, &view, local, above.node, marks.text("name").unwrap_or(view.name()))?;
     reader.placed.folds.extend(marks.fold().map(|fold| (node, fold)));
@@ -193,6 +209,7 @@ fn instance(reader: &mut Reader, view: &PrimView, below: &mut Above) -> Result<(
         reader.placed.outermost.push(view.path().as_str().to_owned());
     }
     below.handed.material.inside(view);
+    below.handed.skel.inside(view);
     let key = (prototype.as_str().to_owned(), below.handed.clone());
     if let Some(template) = reader.placed.instances.get(&key).cloned() {
         return copy(reader, view, &template, node);
@@ -352,6 +369,10 @@ fn content(reader: &mut Reader, view: &PrimView, type_name: &str, below: &Above)
             } else {
                 if UNUSED.contains(&other) {
                     reader.ledger.warn(view.at(), format!("geometry of type {other} is not used"));
+                    let unread = &mut reader.assembly.unread;
+                    if !unread.iter().any(|known| known == other) {
+                        unread.push(other.to_owned());
+                    }
                 }
                 None
             }

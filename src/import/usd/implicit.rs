@@ -70,10 +70,14 @@ pub(super) fn of(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above
         if let Some(known) = look.as_ref().and_then(|look| reader.meshes.shapes.get(look)) {
             return Ok(Made::Known(*known));
         }
-        let (mesh, shapes) = shape(reader, view, kind)?;
+        let (mut mesh, shapes) = shape(reader, view, kind)?;
         reader.charge(view.path(), mesh.triangles.len() + 2 * mesh.positions.len(), 12)?;
         let material = binding::bound(reader, view, &below.handed.material);
         let materials = vec![material; mesh.faces.len()];
+        if shows_colors(reader, material) {
+            reader.charge(view.path(), mesh.positions.len(), 16)?;
+            below.handed.painted.on(&mut mesh);
+        }
         let mut attributes = vec![None; mesh.faces.len()];
         for (face, shape) in shapes {
             if let Some(slot) = attributes.get_mut(face) {
@@ -84,6 +88,14 @@ pub(super) fn of(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above
         reader.meshes.shapes.extend(look.map(|look| (look, index)));
         Ok(Made::Known(index))
     })
+}
+
+/// Whether a shape with this material shows the colours that its prim has: it has no look, or one that reads them.
+fn shows_colors(reader: &Reader, material: Option<usize>) -> bool {
+    let Some(index) = material else { return true };
+    let looks = reader.assembly.materials.get(index).is_some_and(|material| material.surface.is_some());
+    let reads = reader.materials.reads.get(index);
+    !looks || reads.is_some_and(|reads| reads.color.is_some() || reads.opacity.is_some())
 }
 
 /// All that the mesh of a shape depends on; `None` if more than this.
@@ -98,7 +110,7 @@ fn look(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above) -> Resu
         out += &format!(" {bits:?}");
     }
     let material = binding::bound(reader, view, &below.handed.material);
-    Ok(Some(format!("{out} {material:?}")))
+    Ok(Some(format!("{out} {material:?} {:?}", below.handed.painted)))
 }
 
 /// The mesh, and the exact surfaces of some faces.
@@ -193,7 +205,14 @@ pub(super) fn flatten_stretched(reader: &mut Reader) {
     for index in 0..reader.assembly.nodes.len() {
         let node = &reader.assembly.nodes[index];
         let Some(mesh) = node.mesh.filter(|_| uniform_scale(&node.to_world).is_none()) else { continue };
-        let Some(source) = reader.assembly.meshes.get(mesh).filter(|source| carries_sphere(source)) else { continue };
+        let Some(source) = reader
+            .assembly
+            .meshes
+            .get(mesh)
+            .filter(|source| source.attributes.iter().flatten().any(|attributes| source.is_own_shape(attributes)))
+        else {
+            continue;
+        };
         let at: Where = node.at.clone();
         let other = match plain.get(&mesh) {
             Some(&other) => other,
@@ -208,11 +227,4 @@ pub(super) fn flatten_stretched(reader: &mut Reader) {
         reader.assembly.nodes[index].mesh = Some(other);
         reader.ledger.warn(at, "a sphere that is scaled unevenly: traced as a mesh, not exactly");
     }
-}
-
-/// Whether a mesh is an implicit shape with an exact sphere. (Meshes carry attributes of other kinds, too.)
-fn carries_sphere(source: &MeshSource) -> bool {
-    source.attributes.iter().flatten().any(|attributes| {
-        attributes.get("shape").is_some_and(|shape| shape.at == source.at && attributes.at == source.at)
-    })
 }

@@ -4,6 +4,7 @@ use super::attribute::PrimView;
 use super::binding::Inherited;
 use super::hierarchy::{self, Above, Handed, Template};
 use super::reader::Reader;
+use super::skel;
 use super::value;
 use super::xform::{self, Local};
 use crate::base::fault::Result;
@@ -87,16 +88,17 @@ fn walk(reader: &mut Reader, view: &PrimView, path: &sdf::Path, node: usize, bel
     }
     // What stands inside the instance that holds the instancer is shared as the instancer is.
     let inside = below.instance.clone().filter(|(from, _)| path.has_prefix(from));
-    let handed = Handed { shown: below.handed.shown, material: inherited(reader, path)? };
+    let (material, skel) = inherited(reader, path)?;
+    let handed = Handed { shown: below.handed.shown, material, painted: below.handed.painted, skel };
     let above = Above { node: Some(node), instance: inside, depth: below.depth + 1, may_be_over: true, handed };
     hierarchy::prim(reader, prim, &above)
 }
 
-/// What the prims above a prototype bind: materials go by where it stands on the stage, not by who repeats it.
-fn inherited(reader: &mut Reader, path: &sdf::Path) -> Result<Inherited> {
+/// What the prims above a prototype bind: materials and skeletons go by where it stands on the stage, not by who repeats it.
+fn inherited(reader: &mut Reader, path: &sdf::Path) -> Result<(Inherited, skel::Inherited)> {
     let mut above: Vec<sdf::Path> = path.strict_ancestors_below_root().take(hierarchy::MOST_DEEP).collect();
     above.reverse();
-    let mut out = Inherited::default();
+    let (mut out, mut bound) = (Inherited::default(), skel::Inherited::default());
     for path in above {
         let prim = reader.stage.prim(path.clone()).map_err(|error| reader.moment.failed(&path, error))?;
         let failed = |error| reader.moment.failed(&path, error);
@@ -106,11 +108,13 @@ fn inherited(reader: &mut Reader, path: &sdf::Path) -> Result<Inherited> {
         let is_instance = prim.is_instance().map_err(failed)?;
         let view = PrimView::new(prim, &reader.moment)?;
         out = out.below(reader, &view)?;
+        bound = bound.below(&view, &view.type_name()?);
         if is_instance {
             out.inside(&view);
+            bound.inside(&view);
         }
     }
-    Ok(out)
+    Ok((out, bound))
 }
 
 /// The instances that are not there: `invisibleIds` and the metadata `inactiveIds`, by `ids` (or by position).

@@ -3,15 +3,16 @@
 use super::attribute::PrimView;
 use super::binding::Collections;
 use super::reader::Reader;
+use super::reads::{Folding, Reads};
 use super::round_trip::RoundTrip;
 use super::shader::{self, End};
 use super::surface::{self, Row};
-use super::{hierarchy, light, optics};
+use super::{hierarchy, light, network, optics, texture};
 use crate::base::Where;
 use crate::base::fault::Result;
 use crate::import::assembly::Material;
 use crate::import::value::{Data, Value};
-use crate::scene::StandardSurface;
+use crate::scene::{Colour, Opacity, Scalar, StandardSurface};
 use openusd::sdf;
 use std::collections::{HashMap, HashSet};
 
@@ -23,6 +24,8 @@ pub(super) struct Known {
     /// Those that the walk met, in the order of the stage.
     order: Vec<usize>,
     met: HashSet<usize>,
+    /// What each reads of its mesh, in the order of `Assembly::materials` before they are sorted.
+    pub reads: Vec<Reads>,
     pub collections: Collections,
 }
 
@@ -108,7 +111,10 @@ fn of(reader: &mut Reader, view: &PrimView) -> Result<Option<usize>> {
     }
     let index = match view.type_name()?.as_str() {
         "Material" => {
+            reader.folding = Folding::default();
             let material = read(reader, view)?;
+            let reads = std::mem::take(&mut reader.folding).reads;
+            reader.materials.reads.push(reads);
             textures(reader, view, 0)?;
             reader.assembly.materials.push(material);
             Some(reader.assembly.materials.len() - 1)
@@ -133,7 +139,10 @@ fn textures(reader: &mut Reader, view: &PrimView, depth: usize) -> Result<()> {
         {
             let at = child.at_property("inputs:file");
             reader.charge(child.path(), 1, 256 + file.as_os_str().len() + child.path().as_str().len())?;
-            reader.assembly.textures.push((file, at));
+            match texture::tiles_of(&file) {
+                Some(tiles) => reader.assembly.textures.extend(tiles.into_iter().map(|(tile, _)| (tile, at.clone()))),
+                None => reader.assembly.textures.push((file, at)),
+            }
         }
         if depth < MOST_DEEP {
             textures(reader, &child, depth + 1)?;
@@ -148,6 +157,7 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
     let (mut known, mut glass) = (false, None);
     let (mut mapped, mut looks) = (Vec::new(), Vec::new());
     let mut standard = None;
+    let mut preview = true;
     // MaterialX can say more than the universal surface.
     for context in ["outputs:mtlx:surface", "outputs:surface"] {
         let End::Node(shader, _) = shader::follow(reader, view, context)? else { continue };
@@ -155,19 +165,28 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
         if let Some(found) = surface::read(reader, &shader)? {
             (mapped, looks) = (found.mapped, found.looks);
             standard = Some(found.standard);
-            // Our own writer's surface: the marks have its numbers exactly.
-            known = !found.preview;
+            // It may be our own writer's surface: the marks have its numbers exactly.
+            (known, preview) = (false, found.preview);
+            if let Some(surface) = standard.as_mut().filter(|_| !found.preview) {
+                cut_out(reader, view, &shader, surface)?;
+            }
             glass = found.glass;
             break;
         }
     }
     if !known {
-        for (rows, key, keys) in [(&mut mapped, "mapped", &["ior"][..]), (&mut looks, "looks", &surface::LOOKS[..])] {
+        let said = if preview { &["ior"][..] } else { &surface::SAID[..] };
+        for (rows, key, keys) in [(&mut mapped, "mapped", said), (&mut looks, "looks", &surface::LOOKS[..])] {
             if let Some(text) = marks.text(key) {
                 reader.charge(view.path(), text.len(), size_of::<Row>())?;
                 *rows = exact(parse(text, &view.at()), std::mem::take(rows), keys);
             }
         }
+    }
+    if let Some(text) = marks.text("unsaid") {
+        reader.charge(view.path(), text.len(), size_of::<Row>())?;
+        let unsaid = parse(text, &view.at());
+        looks.retain(|(key, value)| !unsaid.iter().any(|(own, there)| own == key && rounds_to(there, value)));
     }
     let other = |name: &&String| {
         let context = name.strip_prefix("outputs:").and_then(|rest| rest.strip_suffix(":surface"));
@@ -181,9 +200,38 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
         let text = "an `opacity` below 1 with an `ior` is how others write glass: shown as a share of what is behind; say `polished`";
         reader.ledger.warn(at, text);
     }
+    if let Some(surface) = &mut standard {
+        // No surface of USD's has it: our writer leaves it in marks.
+        if let Some(share) = marks.number("diffuse_transmission") {
+            surface.diffuse_transmission = Scalar::new(share.clamp(0.0, 1.0));
+        }
+        if let Some(color) = marks.triple("diffuse_transmission_color") {
+            surface.diffuse_transmission_color = Colour::new(color.map(|lane| lane.max(0.0)));
+        }
+    }
     let name = marks.text("name").unwrap_or(view.name()).to_owned();
     let surface = standard.map(|found| StandardSurface { name: name.clone(), ..found }.into());
     Ok(Material { name, mapped, attributes, looks, surface, at: view.at() })
+}
+
+/// MaterialX' layered surfaces have no threshold: where a UsdPreviewSurface beside one cuts out, so does that.
+fn cut_out(reader: &mut Reader, view: &PrimView, own: &PrimView, surface: &mut StandardSurface) -> Result<()> {
+    if shader::id(own)?.contains("gltf_pbr") {
+        return Ok(());
+    }
+    let alpha = match &surface.opacity {
+        Opacity::Opaque => Scalar::new(1.0),
+        Opacity::Blend { alpha } => alpha.clone(),
+        Opacity::Mask { .. } => return Ok(()),
+    };
+    let End::Node(beside, _) = shader::follow(reader, view, "outputs:surface")? else { return Ok(()) };
+    if shader::id(&beside)? == "UsdPreviewSurface" {
+        let cutoff = network::number(reader, &beside, "opacityThreshold", 0.0)?;
+        if cutoff > 0.0 {
+            surface.opacity = Opacity::Mask { alpha, cutoff };
+        }
+    }
+    Ok(())
 }
 
 /// The rows of a mark: a list of [key, value] in JSON. Anything else is someone else's and says nothing.
@@ -209,22 +257,19 @@ fn value(json: &serde_json::Value, at: &Where) -> Option<Value> {
     Some(Value::new(data, at.clone()))
 }
 
-/// The rows of the marks, where those that the shader can say, `keys`, still say what they said when it was written;
-/// else the shader's.
+/// The rows of the marks, where those that the shader says, too, still say what they said when it was written; else the
+/// shader's. Those in `keys` would be in the shader, and are gone where they are not.
 fn exact(marks: Vec<Row>, mut shader: Vec<Row>, keys: &[&str]) -> Vec<Row> {
     let mut out = Vec::new();
     for (key, value) in marks {
-        if !keys.contains(&key.as_str()) {
-            out.push((key, value));
-            continue;
-        }
         match shader.iter().position(|(own, _)| *own == key) {
             Some(index) => {
                 let (_, authored) = shader.remove(index);
-                let kept = if rounds_to(&value, &authored) { value } else { authored };
-                out.push((key, kept));
+                // Only its being there counts: the geometry has the thickness.
+                let same = key == "thickness" || rounds_to(&value, &authored);
+                out.push((key, if same { value } else { authored }));
             }
-            None if single(&value) => {}
+            None if keys.contains(&key.as_str()) && single(&value) => {}
             None => out.push((key, value)),
         }
     }
@@ -243,7 +288,12 @@ fn single(value: &Value) -> bool {
 
 fn rounds_to(exact: &Value, rounded: &Value) -> bool {
     match (&exact.data, &rounded.data) {
-        (Data::Number(a), Data::Number(b)) => f64::from(*a as f32) == *b,
+        // What is computed of single precision is a few roundings off.
+        (Data::Number(a), Data::Number(b)) => (a - b).abs() <= 1e-6 * b.abs(),
+        (Data::Table(a), Data::Table(_)) => a.iter().all(|(key, a)| {
+            // A name is for people.
+            key == "name" || rounded.get(key).is_some_and(|b| rounds_to(a, b))
+        }),
         (Data::List(a), Data::List(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| rounds_to(a, b)),
         _ => false,
     }

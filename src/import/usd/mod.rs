@@ -10,26 +10,37 @@ mod binding;
 mod camera;
 mod clips;
 mod composition_budget;
+mod coordinates;
 mod crate_limits;
 mod faces;
+mod fold;
 mod hierarchy;
 mod implicit;
+mod inputs;
 mod instancer;
+mod layered;
 mod light;
 mod material;
 mod mesh;
+mod mtlx;
+mod network;
+mod nodes;
 mod normalise;
 mod notes;
 mod optics;
+mod paint;
 mod primvar;
 mod reader;
+mod reads;
 mod render;
 mod resolver;
 mod round_trip;
 mod shader;
 mod shape;
+mod skel;
 mod stage;
 mod standard;
+mod subdivide;
 mod sublayers;
 mod surface;
 mod tessellate;
@@ -37,6 +48,7 @@ mod texture;
 mod triangulate;
 mod value;
 mod xform;
+mod xml;
 
 #[cfg(test)]
 mod tests;
@@ -45,6 +57,7 @@ use super::ReadOptions;
 use super::assembly::Assembly;
 use crate::base::fault::Result;
 use crate::base::{Code, Fault, Where};
+use crate::scene::Note;
 use reader::Reader;
 use std::path::Path;
 
@@ -72,5 +85,12 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Assembly> {
         reading.join().unwrap_or_else(|_| {
             Err(Fault::new(Where::file(path), "the USD library failed on this file (a defect in it)"))
         })
+    })
+    .map(|mut assembly| {
+        for (option, is_there) in [("--animation", options.animation.is_some()), ("--fps", options.fps.is_some())] {
+            let text = "means nothing to USD: `--frame` is a time code there";
+            assembly.notes.extend(is_there.then(|| Note::warning(Where::Option(option.to_owned()), text)));
+        }
+        assembly
     })
 }

@@ -3,8 +3,9 @@
 use super::attribute::Moment;
 use super::composition_budget::CompositionBudget;
 use super::notes::Ledger;
+use super::reads::Folding;
 use super::resolver::Opened;
-use super::{hierarchy, implicit, material, mesh, optics, render, round_trip, stage};
+use super::{hierarchy, implicit, material, mesh, optics, render, round_trip, skel, stage};
 use crate::base::fault::Result;
 use crate::base::{Code, Where};
 use crate::import::assembly::Assembly;
@@ -23,6 +24,8 @@ pub(super) struct Reader {
     pub placed: hierarchy::Placed,
     pub meshes: mesh::Known,
     pub materials: material::Known,
+    pub folding: Folding,
+    pub skeletons: skel::Known,
     pub render: render::Known,
 }
 
@@ -40,6 +43,8 @@ impl Reader {
             placed: hierarchy::Placed::default(),
             meshes: mesh::Known::default(),
             materials: material::Known::default(),
+            folding: Folding::default(),
+            skeletons: skel::Known::default(),
             render: render::Known::default(),
         })
     }

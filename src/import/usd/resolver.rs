@@ -1,7 +1,9 @@
 //! How layers are found and opened: by the library's default rules, but only regular files, with what was opened
 //! recorded, and text layers brought into the form that the library's parser knows.
 
-use super::{clips, crate_limits, normalise};
+use super::texture::TILE;
+use super::xml::Element;
+use super::{clips, crate_limits, mtlx, normalise, xml};
 use crate::base::package;
 use openusd::ar::{Asset, AssetBuffer, AssetInfo, DefaultResolver, ResolvedPath, Resolver};
 use std::borrow::Cow;
@@ -73,11 +75,34 @@ impl Normalising {
         (is_package(&name) && !name.contains(['[', ']'])).then_some(name)
     }
 
+    /// A MaterialX file with what it includes (XInclude 1.0, of whole files).
+    fn materialx(&self, bytes: &[u8], own: &ResolvedPath, depth: usize) -> std::result::Result<Element, String> {
+        // Files that include files.
+        const MOST_DEEP: usize = 8;
+        let text = std::str::from_utf8(bytes).map_err(|_| "it is no UTF-8".to_owned())?;
+        let mut root = xml::parse(text)?;
+        let includes: Vec<Element> = root.children.extract_if(.., |child| child.name == "xi:include").collect();
+        for include in includes {
+            let href = include.attribute("href").unwrap_or_default();
+            if depth >= MOST_DEEP {
+                return Err(format!("it includes files more than {MOST_DEEP} deep: {href}"));
+            }
+            let found = self.inner.resolve(&self.inner.create_identifier(href, Some(own)));
+            let found = found.ok_or_else(|| format!("the file {href} that it includes is not there"))?;
+            let bytes = self.raw(&found).map_err(|error| format!("the file {href} that it includes: {error}"))?;
+            let inner = self.materialx(&bytes, &found, depth + 1).map_err(|what| format!("{href}: {what}"))?;
+            root.children.extend(inner.children);
+        }
+        Ok(root)
+    }
+
     /// The bytes of a file as they are.
     ///
     /// # Errors
     /// What is no regular file, or too large.
     pub fn raw(&self, resolved: &ResolvedPath) -> Result<AssetBuffer> {
+        let own = mtlx_of(resolved);
+        let resolved = own.as_ref().unwrap_or(resolved);
         let path = resolved.to_string_lossy();
         let disk = Path::new(on_disk(&path));
         // A device or a pipe has no end.
@@ -94,6 +119,28 @@ impl Normalising {
     }
 }
 
+/// What the library takes a MaterialX file for: it chooses formats by the ends of names.
+const AS_LAYER: &str = ".usda";
+
+/// The name under which a MaterialX file is opened as a layer; none of other files. The end goes before the brackets of
+/// packages.
+fn as_layer(resolved: &ResolvedPath) -> Option<ResolvedPath> {
+    let path = resolved.to_str()?;
+    let own = path.trim_end_matches(']');
+    let is_one = own.len() > MTLX.len() && own.get(own.len() - MTLX.len()..)?.eq_ignore_ascii_case(MTLX);
+    is_one.then(|| ResolvedPath::new(format!("{own}{AS_LAYER}{}", path.get(own.len()..).unwrap_or_default())))
+}
+
+const MTLX: &str = ".mtlx";
+
+/// The MaterialX file that is opened under this name.
+fn mtlx_of(resolved: &ResolvedPath) -> Option<ResolvedPath> {
+    let path = resolved.to_str()?;
+    let outer = path.trim_end_matches(']');
+    let own = ResolvedPath::new(format!("{}{}", outer.strip_suffix(AS_LAYER)?, path.get(outer.len()..)?));
+    as_layer(&own).is_some().then_some(own)
+}
+
 /// The file itself of `PACKAGE[ENTRY]`.
 fn on_disk(path: &str) -> &str {
     let package = path.split_once('[').filter(|_| path.ends_with(']'));
@@ -103,6 +150,11 @@ fn on_disk(path: &str) -> &str {
 impl Resolver for Normalising {
     fn open_asset(&self, resolved: &ResolvedPath) -> Result<Box<dyn Asset>> {
         let buffer = self.raw(resolved)?;
+        if let Some(own) = mtlx_of(resolved) {
+            let invalid = |what| Error::new(ErrorKind::InvalidData, what);
+            let root = self.materialx(&buffer, &own, 0).map_err(invalid)?;
+            return Ok(Box::new(Cursor::new(AssetBuffer::from(mtlx::layer(&root).map_err(invalid)?.into_bytes()))));
+        }
         if buffer.starts_with(b"PXR-USDC") || buffer.starts_with(b"PK") {
             let named = package::with_names_in_utf8(&buffer);
             let view = named.map_or(buffer, AssetBuffer::from).into_shared();
@@ -127,9 +179,19 @@ impl Resolver for Normalising {
         if asset_path.matches('[').count() > package::MOST_NESTED {
             return None;
         }
-        let mut found = self.inner.resolve(&normalise::meant(asset_path))?;
+        let meant = normalise::meant(asset_path);
+        if meant.contains(TILE) {
+            // Where the first of the tiles is; the name keeps standing for all.
+            let tiles = (1001..=1100).map(|number: u32| (number.to_string(), meant.replace(TILE, &number.to_string())));
+            let found = tiles.into_iter().find_map(|(number, tile)| Some((number, self.inner.resolve(&tile)?)));
+            let (number, found) = found?;
+            let path = found.to_str()?;
+            let (before, after) = path.rsplit_once(&number)?;
+            return Some(ResolvedPath::new(format!("{before}{TILE}{after}")));
+        }
+        let mut found = self.inner.resolve(&meant)?;
         for _ in 0..package::MOST_NESTED {
-            let Some(inner) = self.first_package(&found) else { return Some(found) };
+            let Some(inner) = self.first_package(&found) else { return Some(as_layer(&found).unwrap_or(found)) };
             let path = found.to_string_lossy();
             let outer = path.trim_end_matches(']');
             let closing = path.get(outer.len()..).unwrap_or_default();

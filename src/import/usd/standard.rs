@@ -1,22 +1,14 @@
-//! How the surface shaders that we know look, as a [`StandardSurface`]: their numbers, and the pictures that networks of
-//! UsdUVTexture or MaterialX' image nodes read.
+//! How the surface shaders that we know look, as a [`StandardSurface`]: their numbers, and the pictures and colours of
+//! vertices that their networks read.
 //!
-//! Sources: the UsdPreviewSurface specification 2.6; OpenPBR Surface 1.1; the Standard Surface paper (Autodesk, 1.0.1).
+//! Sources: the UsdPreviewSurface specification 2.6; OpenPBR Surface 1.1; the Standard Surface paper (Autodesk, 1.0.1) with the
+//! defaults of MaterialX 1.39; MaterialX' `gltf_pbr`, which is glTF 2.0.
 
 use super::attribute::PrimView;
+use super::inputs::Shader;
 use super::reader::Reader;
-use super::shader::{self, End};
-use super::texture::{self, Picture};
-use super::value;
 use crate::base::fault::Result;
-use crate::scene::texture::{Channel, Encoding};
-use crate::scene::{Colour, Opacity, Scalar, StandardSurface};
-
-/// The inputs of one shader.
-struct Shader<'a> {
-    reader: &'a mut Reader,
-    view: &'a PrimView,
-}
+use crate::scene::{Anisotropy, AnisotropyLaw, CoatNormal, Colour, Film, Opacity, Scalar, StandardSurface};
 
 /// A UsdPreviewSurface; what is not said has the values of its specification.
 ///
@@ -24,9 +16,11 @@ struct Shader<'a> {
 /// What the library cannot read.
 pub(super) fn preview(reader: &mut Reader, view: &PrimView) -> Result<StandardSurface> {
     let mut shader = Shader { reader, view };
+    let (base_color, vertex_colors) = shader.base(None, ("diffuseColor", [0.18; 3]))?;
     let mut out = StandardSurface {
         name: view.name().to_owned(),
-        base_color: shader.colour("diffuseColor", [0.18; 3])?,
+        base_color,
+        vertex_colors,
         metallic: shader.scalar("metallic", 0.0)?,
         roughness: shader.scalar("roughness", 0.5)?,
         ior: shader.plain("ior", 1.5)?.max(1.0),
@@ -36,24 +30,16 @@ pub(super) fn preview(reader: &mut Reader, view: &PrimView) -> Result<StandardSu
         ..StandardSurface::default()
     };
     if shader.plain("useSpecularWorkflow", 0.0)? != 0.0 {
-        // The colour at normal incidence: where the index gives (1 − n)²/(1 + n)², it is a factor of that.
+        // The colour is what it reflects where light falls straight on, whatever the index: all of it, of an infinite one.
         out.metallic = Scalar::new(0.0);
-        let mut colour = shader.colour("specularColor", [0.0; 3])?;
-        let straight = ((out.ior - 1.0) / (out.ior + 1.0)).powi(2);
-        if straight > 0.0 {
-            colour.factor = colour.factor.map(|c| c / straight);
-            out.specular_color = colour;
-        }
+        out.ior = f64::INFINITY;
+        out.specular_color = shader.colour("specularColor", [0.0; 3])?;
     }
     let threshold = shader.plain("opacityThreshold", 0.0)?;
-    let alpha = shader.scalar("opacity", 1.0)?;
-    out.opacity = opacity(alpha, threshold);
-    for name in ["displacement", "occlusion"] {
-        if let End::Node(..) = shader::follow(shader.reader, view, &format!("inputs:{name}"))? {
-            let at = view.at_property(&format!("inputs:{name}"));
-            shader.reader.ledger.info(at, format!("`{name}` of a surface is not used"));
-        }
-    }
+    let (alpha, by_vertices) = shader.alpha("opacity")?;
+    out.vertex_colors |= by_vertices;
+    out.opacity = opacity(alpha, by_vertices, threshold);
+    shader.moved("displacement")?;
     Ok(out)
 }
 
@@ -64,36 +50,124 @@ pub(super) fn preview(reader: &mut Reader, view: &PrimView) -> Result<StandardSu
 pub(super) fn layered(reader: &mut Reader, view: &PrimView, open_pbr: bool) -> Result<StandardSurface> {
     let names = if open_pbr { &OPEN_PBR } else { &STANDARD };
     let mut shader = Shader { reader, view };
-    let weight = shader.plain(names.base, names.base_weight)?;
-    let mut base_color = shader.colour(names.base_color, [0.8; 3])?;
-    base_color.factor = base_color.factor.map(|c| c * weight);
-    let sheen = shader.plain(names.sheen, 0.0)?;
-    let mut sheen_color = shader.colour(names.sheen_color, [1.0; 3])?;
-    sheen_color.factor = sheen_color.factor.map(|c| c * sheen);
-    let alpha = shader.scalar(names.opacity, 1.0)?;
+    let (base_color, base_vertices) = shader.base(Some((names.base, 1.0)), (names.base_color, [0.8; 3]))?;
+    let (alpha, by_vertices) = shader.alpha(names.opacity)?;
+    let specular_color = shader.colour("specular_color", [1.0; 3])?;
+    let metallic = shader.scalar(names.metallic, 0.0)?;
+    let strength = shader.scalar(names.anisotropy, 0.0)?;
+    // A turn is 1.
+    let turns = if open_pbr { 0.0 } else { shader.plain("specular_rotation", 0.0)? };
+    let film = if open_pbr {
+        let thickness = shader.scalar("thin_film_thickness", 0.5)?;
+        let weight = shader.scalar("thin_film_weight", 0.0)?;
+        // In micrometres there.
+        film(weight, shader.plain("thin_film_ior", 1.4)?, Scalar { factor: 1000.0 * thickness.factor, ..thickness })
+    } else {
+        let thickness_nm = shader.scalar("thin_film_thickness", 0.0)?;
+        let weight = Scalar::new(if thickness_nm.factor > 0.0 { 1.0 } else { 0.0 });
+        film(weight, shader.plain("thin_film_IOR", 1.5)?, thickness_nm)
+    };
     Ok(StandardSurface {
         name: view.name().to_owned(),
         base_color,
-        metallic: shader.scalar(names.metallic, 0.0)?,
+        vertex_colors: base_vertices || by_vertices,
+        metal_edge: if metallic.factor > 0.0 { specular_color.clone() } else { Colour::new([1.0; 3]) },
+        specular_color,
+        anisotropy: anisotropy(strength, names.law, std::f64::consts::TAU * turns),
+        film,
+        coat_normal: coat_normal(&mut shader, [names.normal, names.coat_normal])?,
+        metallic,
         roughness: shader.scalar("specular_roughness", names.roughness)?,
         ior: shader.plain(names.ior, 1.5)?.max(1.0),
         specular: shader.scalar(names.specular, 1.0)?,
-        specular_color: shader.colour("specular_color", [1.0; 3])?,
         transmission: shader.scalar(names.transmission, 0.0)?,
         coat: shader.scalar(names.coat, 0.0)?,
         coat_roughness: shader.scalar("coat_roughness", names.coat_roughness)?,
-        sheen_color,
+        sheen_color: shader.product((names.sheen, 0.0), (names.sheen_color, [1.0; 3]))?,
         sheen_roughness: shader.scalar(names.sheen_roughness, names.sheen_rough)?,
         normal: shader.normal(names.normal)?,
-        opacity: opacity(alpha, 0.0),
+        emission: if open_pbr { shader.glow("emission_color")? } else { None },
+        opacity: opacity(alpha, by_vertices, 0.0),
         ..StandardSurface::default()
     })
+}
+
+/// MaterialX' glTF model.
+///
+/// # Errors
+/// What the library cannot read.
+pub(super) fn gltf(reader: &mut Reader, view: &PrimView) -> Result<StandardSurface> {
+    let mut shader = Shader { reader, view };
+    let (base_color, base_vertices) = shader.base(None, ("base_color", [1.0; 3]))?;
+    let (alpha, by_vertices) = shader.alpha("alpha")?;
+    // 0 opaque, 1 cut out, 2 blended.
+    let mode = shader.plain("alpha_mode", 0.0)?;
+    let opacity = if mode == 1.0 {
+        Opacity::Mask { alpha, cutoff: shader.plain("alpha_cutoff", 0.5)? }
+    } else if mode == 2.0 {
+        Opacity::Blend { alpha }
+    } else {
+        Opacity::Opaque
+    };
+    let strength = shader.scalar("anisotropy_strength", 0.0)?;
+    let rotation_rad = shader.plain("anisotropy_rotation", 0.0)?;
+    let weight = shader.scalar("iridescence", 0.0)?;
+    let thickness_nm = shader.scalar("iridescence_thickness", 100.0)?;
+    Ok(StandardSurface {
+        name: view.name().to_owned(),
+        base_color,
+        vertex_colors: base_vertices || by_vertices,
+        anisotropy: anisotropy(strength, AnisotropyLaw::Gltf, rotation_rad),
+        film: film(weight, shader.plain("iridescence_ior", 1.3)?, thickness_nm),
+        coat_normal: coat_normal(&mut shader, ["normal", "clearcoat_normal"])?,
+        metallic: shader.scalar("metallic", 1.0)?,
+        roughness: shader.scalar("roughness", 1.0)?,
+        ior: shader.plain("ior", 1.5)?.max(1.0),
+        specular: shader.scalar("specular", 1.0)?,
+        specular_color: shader.colour("specular_color", [1.0; 3])?,
+        transmission: shader.scalar("transmission", 0.0)?,
+        coat: shader.scalar("clearcoat", 0.0)?,
+        coat_roughness: shader.scalar("clearcoat_roughness", 0.0)?,
+        sheen_color: shader.colour("sheen_color", [0.0; 3])?,
+        sheen_roughness: shader.scalar("sheen_roughness", 0.0)?,
+        normal: shader.normal("normal")?,
+        emission: shader.glow("emissive")?,
+        opacity,
+        ..StandardSurface::default()
+    })
+}
+
+/// Facets that are longer along the texture's columns; none where they are not.
+fn anisotropy(strength: Scalar, law: AnisotropyLaw, rotation_rad: f64) -> Option<Anisotropy> {
+    (strength.factor > 0.0).then_some(Anisotropy { strength, law, rotation_rad, direction: None })
+}
+
+fn film(weight: Scalar, ior: f64, thickness_nm: Scalar) -> Option<Film> {
+    (weight.factor > 0.0).then_some(Film { weight, ior: ior.max(1.0), thickness_nm })
+}
+
+/// The coat is smooth where it has no map of its own, whatever the base is.
+fn coat_normal(shader: &mut Shader<'_>, [base, coat]: [&str; 2]) -> Result<CoatNormal> {
+    Ok(match shader.normal(coat)? {
+        Some((map, strength)) => CoatNormal::Map(map, strength),
+        None if shader.normal(base)?.is_some() => CoatNormal::Smooth,
+        None => CoatNormal::Base,
+    })
+}
+
+fn opacity(alpha: Scalar, by_vertices: bool, threshold: f64) -> Opacity {
+    if threshold > 0.0 {
+        Opacity::Mask { alpha, cutoff: threshold }
+    } else if alpha.texture.is_none() && alpha.factor >= 1.0 && !by_vertices {
+        Opacity::Opaque
+    } else {
+        Opacity::Blend { alpha }
+    }
 }
 
 /// Where the two layered models differ in names and defaults.
 struct Names {
     base: &'static str,
-    base_weight: f64,
     base_color: &'static str,
     metallic: &'static str,
     roughness: f64,
@@ -108,11 +182,13 @@ struct Names {
     sheen_rough: f64,
     normal: &'static str,
     opacity: &'static str,
+    anisotropy: &'static str,
+    law: AnisotropyLaw,
+    coat_normal: &'static str,
 }
 
 const OPEN_PBR: Names = Names {
     base: "base_weight",
-    base_weight: 1.0,
     base_color: "base_color",
     metallic: "base_metalness",
     roughness: 0.3,
@@ -127,11 +203,13 @@ const OPEN_PBR: Names = Names {
     sheen_rough: 0.5,
     normal: "geometry_normal",
     opacity: "geometry_opacity",
+    anisotropy: "specular_roughness_anisotropy",
+    law: AnisotropyLaw::OpenPbr,
+    coat_normal: "geometry_coat_normal",
 };
 
 const STANDARD: Names = Names {
     base: "base",
-    base_weight: 1.0,
     base_color: "base_color",
     metallic: "metalness",
     roughness: 0.2,
@@ -146,106 +224,7 @@ const STANDARD: Names = Names {
     sheen_rough: 0.3,
     normal: "normal",
     opacity: "opacity",
+    anisotropy: "specular_anisotropy",
+    law: AnisotropyLaw::MaterialX,
+    coat_normal: "coat_normal",
 };
-
-fn opacity(alpha: Scalar, threshold: f64) -> Opacity {
-    if threshold > 0.0 {
-        Opacity::Mask { alpha, cutoff: threshold }
-    } else if alpha.texture.is_none() && alpha.factor >= 1.0 {
-        Opacity::Opaque
-    } else {
-        Opacity::Blend { alpha }
-    }
-}
-
-impl Shader<'_> {
-    /// A number that is no picture.
-    fn plain(&mut self, name: &str, default: f64) -> Result<f64> {
-        Ok(match shader::follow(self.reader, self.view, &format!("inputs:{name}"))? {
-            End::Value(found, _) => {
-                value::flag(&found).map_or(default, |flag| value::number(&found).unwrap_or(f64::from(u8::from(flag))))
-            }
-            End::Node(..) | End::Nothing => default,
-        })
-    }
-
-    fn scalar(&mut self, name: &str, default: f64) -> Result<Scalar> {
-        let default = Scalar::new(default);
-        Ok(match shader::follow(self.reader, self.view, &format!("inputs:{name}"))? {
-            End::Value(found, _) => {
-                // An opacity of MaterialX' is a colour.
-                let number = value::number(&found).or_else(|| value::triple(&found).map(|[r, g, b]| (r + g + b) / 3.0));
-                number.filter(|x| x.is_finite()).map_or(default, |x| Scalar::new(x.clamp(0.0, 1.0)))
-            }
-            End::Node(node, output) => match self.picture(name, &node, Encoding::Linear)? {
-                Some(picture) => {
-                    let channel = match output.as_str() {
-                        "outputs:g" => Channel::Green,
-                        "outputs:b" => Channel::Blue,
-                        "outputs:a" => Channel::Alpha,
-                        _ => Channel::Red,
-                    };
-                    Scalar { factor: 1.0, texture: Some((picture, channel)) }
-                }
-                None => default,
-            },
-            End::Nothing => default,
-        })
-    }
-
-    fn colour(&mut self, name: &str, default: [f64; 3]) -> Result<Colour> {
-        let default = Colour::new(default);
-        Ok(match shader::follow(self.reader, self.view, &format!("inputs:{name}"))? {
-            End::Value(found, _) => {
-                let colour = value::triple(&found).filter(|c| c.iter().all(|c| c.is_finite()));
-                colour.map_or(default, |c| Colour::new(c.map(|c| c.max(0.0))))
-            }
-            End::Node(node, _) => match self.picture(name, &node, Encoding::Srgb)? {
-                Some(picture) => Colour { factor: [1.0; 3], texture: Some(picture) },
-                None => default,
-            },
-            End::Nothing => default,
-        })
-    }
-
-    fn normal(&mut self, name: &str) -> Result<Option<(crate::scene::TextureInput, f64)>> {
-        Ok(match shader::follow(self.reader, self.view, &format!("inputs:{name}"))? {
-            End::Node(node, _) => {
-                // MaterialX has a node that makes normals of the picture's texels, which are 0 to 1.
-                let map = shader::id(&node)?.starts_with("ND_normalmap");
-                let inner = if map { shader::follow(self.reader, &node, "inputs:in")? } else { End::Nothing };
-                let node = match inner {
-                    End::Node(inner, _) => inner,
-                    End::Value(..) | End::Nothing => node,
-                };
-                self.picture(name, &node, Encoding::Linear)?.map(|mut picture| {
-                    if map {
-                        (picture.scale, picture.bias) = ([2.0, 2.0, 2.0, 1.0], [-1.0, -1.0, -1.0, 0.0]);
-                    }
-                    (picture, 1.0)
-                })
-            }
-            End::Value(..) | End::Nothing => None,
-        })
-    }
-
-    /// The picture that a node reads; none, with a note, if it is another kind of node.
-    fn picture(
-        &mut self,
-        name: &str,
-        node: &PrimView,
-        encoding: Encoding,
-    ) -> Result<Option<crate::scene::TextureInput>> {
-        match texture::read(self.reader, node, encoding)? {
-            Picture::Read(input) => Ok(Some(*input)),
-            Picture::Missing => Ok(None),
-            Picture::Other(kind) => {
-                let at = self.view.at_property(&format!("inputs:{name}"));
-                let what =
-                    if kind.is_empty() { "a node without `info:id`".to_owned() } else { format!("the node `{kind}`") };
-                self.reader.ledger.warn(at, format!("{what} as `{name}` of a surface is not used"));
-                Ok(None)
-            }
-        }
-    }
-}

@@ -43,6 +43,16 @@ pub(super) fn texts(value: Value) -> Option<Vec<String>> {
     }
 }
 
+/// Floating-point numbers of any precision, or whole ones.
+pub(super) fn wide_numbers(value: Value) -> Option<Vec<f64>> {
+    match value {
+        Value::HalfVec(x) => Some(x.into_iter().map(|x| x.to_f64()).collect()),
+        Value::FloatVec(x) => Some(x.into_iter().map(f64::from).collect()),
+        Value::DoubleVec(x) => Some(x),
+        other => integers(other).map(|all| all.into_iter().map(|x| x as f64).collect()),
+    }
+}
+
 /// A vector, point or colour of three.
 pub(super) fn triple(value: &Value) -> Option<[f64; 3]> {
     match value {
@@ -149,6 +159,15 @@ pub(super) fn pairs(value: Value) -> Option<Vec<[f32; 2]>> {
         Value::Vec3hVec(_) | Value::Vec3fVec(_) | Value::Vec3dVec(_) => {
             triples(value).map(|all| all.into_iter().map(|[u, v, _]| [u, v]).collect())
         }
+        _ => None,
+    }
+}
+
+pub(super) fn numbers(value: Value) -> Option<Vec<f32>> {
+    match value {
+        Value::HalfVec(x) => Some(x.into_iter().map(|x| x.to_f32()).collect()),
+        Value::FloatVec(x) => Some(x),
+        Value::DoubleVec(x) => Some(x.into_iter().map(|x| x as f32).collect()),
         _ => None,
     }
 }

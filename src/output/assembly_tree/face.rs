@@ -1,5 +1,6 @@
 //! Faces: what each is optically, with photometry in both directions.
 
+use super::look::LookReport;
 use crate::base::Where;
 use crate::scene::angular::Spread;
 use crate::scene::{
@@ -11,6 +12,10 @@ use glam::DVec3;
 pub struct FaceReport {
     pub number: usize,
     pub finish: Finish,
+    /// Of a finish that is an ordinary material.
+    pub look: Option<LookReport>,
+    /// Share of the light that gets through a polished face beside what else says it, linear Rec.709.
+    pub tint: Option<[f64; 3]>,
     pub coating: Option<Coating>,
     /// In mesh units.
     pub shape: Shape,
@@ -74,6 +79,8 @@ pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
     let report = |(number, (face, (notes, fit))): (usize, (&Face, Said))| FaceReport {
         number,
         finish: face.finish,
+        look: look(scene, part, face.finish),
+        tint: face.tint,
         coating: face.coating.and_then(|id| scene.coatings.get(id.index())).cloned(),
         shape: face.shape.clone(),
         unit_m,
@@ -95,6 +102,28 @@ pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
         }),
     };
     part.faces.iter().zip(said).enumerate().map(report).collect()
+}
+
+fn look(scene: &Scene, part: &Part, finish: Finish) -> Option<LookReport> {
+    let colors = scene.meshes.get(part.mesh.index()).is_some_and(|mesh| !mesh.colors.is_empty());
+    match finish {
+        Finish::Surface { surface } => {
+            scene.surfaces.get(surface.index()).map(|surface| LookReport::new(surface, colors))
+        }
+        Finish::None
+        | Finish::Polished
+        | Finish::Rough { .. }
+        | Finish::Lambert { .. }
+        | Finish::Gauss { .. }
+        | Finish::CosM { .. }
+        | Finish::Abg { .. }
+        | Finish::Measured { .. }
+        | Finish::MirrorMetal { .. }
+        | Finish::MirrorIdeal { .. }
+        | Finish::Polariser { .. }
+        | Finish::Retarder { .. }
+        | Finish::Absorber => None,
+    }
 }
 
 fn emitter(scene: &Scene, emitter: &Emitter, area_m2: f64) -> EmitterReport {

@@ -36,6 +36,7 @@ fn part(path: &str, mesh: usize, x_m: f64, faces: [Face; 2]) -> Part {
         to_world: DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(1e-3)), translation: DVec3::X * x_m },
         medium: None,
         priority: 0,
+        materials: Vec::new(),
         faces: faces.into(),
     }
 }

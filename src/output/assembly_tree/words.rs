@@ -1,6 +1,7 @@
 //! What things are, in words. All numbers to a few significant digits: people read them.
 
 use super::face::{EmitterReport, FaceReport, SlideReport};
+use super::look::LookReport;
 use super::parts::MediumReport;
 pub use crate::base::units::significant as number;
 use crate::scene::{Angular, Coating, CoatingLaw, Finish, Shape};
@@ -53,7 +54,11 @@ pub fn face(face: &FaceReport, traced_nm: f64) -> String {
     }
     // A face with a slide transmits straight through, whatever its finish.
     if face.slide.is_none() {
-        all.push(finish(face.finish));
+        all.push(face.look.as_ref().map_or_else(|| finish(face.finish), LookReport::text));
+    }
+    if let Some(tint) = face.tint {
+        let [r, g, b] = tint.map(|c| number(c, 3));
+        all.push(format!("tinted ({r}, {g}, {b})"));
     }
     all.extend(face.coating.as_ref().map(|coating| self::coating(coating, traced_nm)));
     all.extend(shape(face));

@@ -1,7 +1,7 @@
 //! Random values drawn from the table, for property tests: each row in every form that it allows, numbers from the whole
 //! range with its ends. Values are as [`gather`](super::usd::gather) writes them.
 
-use super::{Form, Kind, Noun, Range, Row, kinds, named, row, rows};
+use super::{Form, Kind, Noun, Range, Row, kinds, named, own_rows, row};
 use crate::base::Where;
 use crate::scene::value::{Data, Value};
 use proptest::prelude::*;
@@ -209,9 +209,9 @@ pub fn prim() -> Values {
     let root: Vec<BoxedStrategy<(String, Value)>> = vec![
         entry(Noun::Asset, "unit").prop_map(|v| ("unit".to_owned(), v)).boxed(),
         entry(Noun::Asset, "wavelengths").prop_map(|v| ("wavelengths".to_owned(), v)).boxed(),
-        some(rows(Noun::Sky).collect()).prop_map(|v| ("sky".to_owned(), v)).boxed(),
-        some(rows(Noun::Sun).collect()).prop_map(|v| ("sun".to_owned(), v)).boxed(),
-        some(rows(Noun::Eye).collect()).prop_map(|v| ("eye".to_owned(), v)).boxed(),
+        some(own_rows(Noun::Sky).collect()).prop_map(|v| ("sky".to_owned(), v)).boxed(),
+        some(own_rows(Noun::Sun).collect()).prop_map(|v| ("sun".to_owned(), v)).boxed(),
+        some(own_rows(Noun::Eye).collect()).prop_map(|v| ("eye".to_owned(), v)).boxed(),
         bindable().prop_map(move |rows| ("default".to_owned(), table(rows))).boxed(),
     ];
     let root = proptest::sample::subsequence(root, 0..=6).prop_flat_map(|chosen| chosen);

@@ -45,10 +45,61 @@ pub const EMITTER: [&str; 12] = [
 /// The attributes of a slide's table.
 pub const SLIDE: [&str; 10] =
     ["name", "image", "layer", "size", "u", "v", "centre", "transmittance", "contrast", "polarisation"];
+/// The parameters of an ordinary material.
+const SURFACE: [&str; 38] = [
+    "base_color",
+    "base_color_texture",
+    "metallic",
+    "metallic_texture",
+    "roughness",
+    "roughness_texture",
+    "ior",
+    "specular",
+    "specular_texture",
+    "specular_color",
+    "specular_color_texture",
+    "transmission",
+    "transmission_texture",
+    "diffuse_transmission",
+    "diffuse_transmission_texture",
+    "diffuse_transmission_color",
+    "diffuse_transmission_color_texture",
+    "anisotropy",
+    "anisotropy_texture",
+    "anisotropy_rotation_deg",
+    "film",
+    "film_texture",
+    "film_ior",
+    "film_thickness_nm",
+    "coat",
+    "coat_texture",
+    "coat_roughness",
+    "coat_roughness_texture",
+    "sheen_color",
+    "sheen_color_texture",
+    "sheen_roughness",
+    "sheen_roughness_texture",
+    "normal_texture",
+    "opacity",
+    "opacity_texture",
+    "opacity_cutoff",
+    "texture_set",
+    "texture_scale",
+];
 /// A film of a coating.
 pub const FILM: [&str; 4] = ["n", "k", "material", "thickness_nm"];
 /// A line of a measured coating.
 pub const MEASURED: [&str; 7] = ["wavelength_nm", "angle_deg", "R_s", "R_p", "T_s", "T_p", "side"];
+
+/// What a sky is made of, of which it has exactly one, and what goes with each beside what goes with all.
+pub const SKIES: [(&str, &[&str]); 4] = [
+    ("image", &["layer", "scale_cd_m2", "rotation_deg", "up", "frame"]),
+    ("luminance_cd_m2", &["rgb"]),
+    ("overcast_cd_m2", &["ground_reflectance", "up", "frame"]),
+    ("sun_sky", &["ground_reflectance", "up", "frame"]),
+];
+/// The attributes of a clear sky with its sun.
+pub const SUN_SKY: [&str; 4] = ["elevation_deg", "azimuth_deg", "turbidity", "sun_group"];
 
 /// Every attribute.
 #[rustfmt::skip]
@@ -82,6 +133,47 @@ pub const ROWS: &[Row] = &[
     new(Finish, "axis", Numbers(3), "mesh units", Any, "direction of polarisation along the face, not zero"),
     new(Finish, "extinction", Number, "", Within(0.0, 1.0), "share of the other polarisation that is let through").or("0"),
     new(Finish, "retardance_nm", Number, "nm", Any, "path by which light polarised along the axis lags behind"),
+    // An ordinary material, in layers.
+    new(Finish, "color", Numbers(3), "", Within(0.0, 1.0), "what the reflectance of lambert is multiplied by, linear Rec.709").or("[1, 1, 1]"),
+    new(Finish, "color_texture", File, "", Any, "picture that multiplies color, sRGB"),
+    new(Finish, "base_color", Numbers(3), "", Within(0.0, 1.0), "albedo of the body, or reflectance of the metal straight on, linear Rec.709").or("[0.8, 0.8, 0.8], or white where there is a texture"),
+    new(Finish, "base_color_texture", File, "", Any, "picture that multiplies base_color, sRGB"),
+    new(Finish, "metallic", Number, "", Within(0.0, 1.0), "0 dielectric to 1 metal").or("0"),
+    new(Finish, "metallic_texture", File, "", Any, "picture whose red multiplies metallic, linear"),
+    new(Finish, "roughness", Number, "", Within(0.0, 1.0), "its square is the alpha of the facets, after Trowbridge and Reitz (GGX)").or("0.3, or 1 where there is a texture"),
+    new(Finish, "roughness_texture", File, "", Any, "picture whose red multiplies roughness, linear"),
+    new(Finish, "ior", Number, "", AtLeast(1.0), "index of the dielectric's boundary").or("1.5"),
+    new(Finish, "specular", Number, "", Within(0.0, 1.0), "weight of the dielectric's reflection").or("1"),
+    new(Finish, "specular_texture", File, "", Any, "picture whose red multiplies specular, linear"),
+    new(Finish, "specular_color", Numbers(3), "", AtLeast(0.0), "colour of the dielectric's reflection straight on, linear Rec.709").or("[1, 1, 1]"),
+    new(Finish, "specular_color_texture", File, "", Any, "picture that multiplies specular_color, sRGB"),
+    new(Finish, "transmission", Number, "", Within(0.0, 1.0), "share of what enters that goes through the sheet, tinted by base_color; a solid is `polished` or `rough` with a medium").or("0"),
+    new(Finish, "transmission_texture", File, "", Any, "picture whose red multiplies transmission, linear"),
+    new(Finish, "diffuse_transmission", Number, "", Within(0.0, 1.0), "share of what is scattered that leaves on the other side").or("0"),
+    new(Finish, "diffuse_transmission_texture", File, "", Any, "picture whose red multiplies diffuse_transmission, linear"),
+    new(Finish, "diffuse_transmission_color", Numbers(3), "", Within(0.0, 1.0), "colour of what leaves on the other side, linear Rec.709").or("[1, 1, 1]"),
+    new(Finish, "diffuse_transmission_color_texture", File, "", Any, "picture that multiplies diffuse_transmission_color, sRGB"),
+    new(Finish, "anisotropy", Number, "", Within(0.0, 1.0), "facets longer along the texture's columns: alpha there is alpha + (1 − alpha)·anisotropy²").or("0"),
+    new(Finish, "anisotropy_texture", File, "", Any, "picture whose red multiplies anisotropy, linear"),
+    new(Finish, "anisotropy_rotation_deg", Number, "deg", Any, "turns that direction, counter-clockwise").or("0"),
+    new(Finish, "film", Number, "", Within(0.0, 1.0), "share of the surface that is under a thin film").or("0"),
+    new(Finish, "film_texture", File, "", Any, "picture whose red multiplies film, linear"),
+    new(Finish, "film_ior", Number, "", AtLeast(1.0), "index of the film").or("1.4"),
+    new(Finish, "film_thickness_nm", Number, "nm", AtLeast(0.0), "thickness of the film").or("500"),
+    new(Finish, "coat", Number, "", Within(0.0, 1.0), "weight of a clear coat of index 1.5").or("0"),
+    new(Finish, "coat_texture", File, "", Any, "picture whose red multiplies coat, linear"),
+    new(Finish, "coat_roughness", Number, "", Within(0.0, 1.0), "of the coat, as roughness").or("0"),
+    new(Finish, "coat_roughness_texture", File, "", Any, "picture whose red multiplies coat_roughness, linear"),
+    new(Finish, "sheen_color", Numbers(3), "", Within(0.0, 1.0), "reflectance of fibres at grazing incidence, linear Rec.709").or("[0, 0, 0]"),
+    new(Finish, "sheen_color_texture", File, "", Any, "picture that multiplies sheen_color, sRGB"),
+    new(Finish, "sheen_roughness", Number, "", Within(0.0, 1.0), "of the fibres").or("0.3"),
+    new(Finish, "sheen_roughness_texture", File, "", Any, "picture whose red multiplies sheen_roughness, linear"),
+    new(Finish, "normal_texture", File, "", Any, "normals in the frame of the texture, 2·texel − 1, linear"),
+    new(Finish, "opacity", Number, "", Within(0.0, 1.0), "share of the face that is there; light passes the rest unbent").or("1"),
+    new(Finish, "opacity_texture", File, "", Any, "picture whose red multiplies opacity, linear"),
+    new(Finish, "opacity_cutoff", Number, "", Within(0.0, 1.0), "the face is there where its opacity is at least this, and not elsewhere").or("none: opacity is a share"),
+    new(Finish, "texture_set", Word(&["first", "second"]), "", Any, "set of texture coordinates that the pictures lie on").or("first"),
+    new(Finish, "texture_scale", Numbers(2), "", NonZero, "how often the pictures lie across and down a unit of the texture coordinates").or("[1, 1]"),
     // Thin films on a polished face.
     new(Coating, "coating", Form::Kind, "", Any, "thin films on a polished face; also the name of a [coating.NAME]"),
     new(Coating, "name", Text, "", Any, "name of a coating of the asset"),
@@ -151,13 +243,24 @@ pub const ROWS: &[Row] = &[
     new(Slide, "polarisation", Record(&["angle_deg", "degree"]), "", Any, "{ angle_deg, degree } of the light that leaves"),
     new(Slide, "angle_deg", Number, "deg", Any, "direction of polarisation, from u towards v"),
     new(Slide, "degree", Number, "", Within(0.0, 1.0), "degree of polarisation"),
-    // Light from everywhere.
+    // Light from everywhere: a picture, a number, or a model.
     new(Sky, "image", File, "", Any, "latitude-longitude panorama, EXR or HDR"),
     new(Sky, "layer", Text, "", Any, "layer of an EXR file that has several").or("the default image"),
     new(Sky, "scale_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "luminance of a pixel of value 1").or("1"),
-    new(Sky, "rotation_deg", Number, "deg", Any, "about the frame's +y").or("0"),
+    new(Sky, "rotation_deg", Number, "deg", Any, "of an image about up, counter-clockwise as seen from above").or("0"),
+    new(Sky, "luminance_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "of a uniform sky, which is all around, below as above"),
+    new(Sky, "rgb", Numbers(3), "", AtLeast(0.0), "colour of a uniform sky: linear Rec.709, of which only the hue and saturation count").or("white, D65"),
+    new(Sky, "overcast_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "the CIE's standard overcast sky: luminance of the uniform sky that lights a horizontal plane as much, which is 7/9 of the zenith's and 7/3 of the horizon's"),
+    new(Sky, "sun_sky", Record(&SUN_SKY), "", Any, "{ elevation_deg, azimuth_deg, turbidity, sun_group }: a clear sky with its sun by the formulas of Preetham, Shirley and Smits (1999), in absolute luminance and colour"),
+    new(Sky, "elevation_deg", Number, "deg", Within(0.0, 90.0), "of the sun's middle above the horizon"),
+    new(Sky, "azimuth_deg", Number, "deg", Any, "of the sun about up, counter-clockwise as seen from above, from the frame's +z (with up = \"z\" its −y), so that 90 is its +x").or("0"),
+    // The formulas were fitted from 2 to 6. Below 1.6 the luminance near the zenith gets negative.
+    new(Sky, "turbidity", Number, "", Within(2.0, 10.0), "optical thickness of the air with its haze over that of air alone: 2 very clear, 3 clear, 6 moist, 10 hazy"),
+    new(Sky, "sun_group", Text, "", Any, "light group of the sun, another one than the sky's").or("sun"),
+    new(Sky, "ground_reflectance", Number, "", Within(0.0, 1.0), "of the grey ground below the horizon of overcast_cd_m2 and sun_sky, which light it").or("0.2"),
     new(Sky, "group", Text, "", Any, "light group").or("sky"),
-    new(Sky, "frame", Text, "", Any, "\"asset\", or the node whose axes the panorama follows").or("asset"),
+    new(Sky, "up", Word(&["y", "z"]), "", Any, "axis of the frame that points to the zenith").or("y with an image, else what is up in the asset: y in glTF, upAxis in USD"),
+    new(Sky, "frame", Text, "", Any, "\"asset\", or the node whose axes the sky follows").or("asset"),
     // The worst day of a head-up display.
     new(Sun, "direction", Numbers(3), "", Any, "towards the sun, not zero"),
     new(Sun, "illuminance_lx", Number, "lx", MOST_LIGHT, "on a plane across its light").or("100000"),
@@ -198,7 +301,8 @@ pub const KINDS: &[Kind] = &[
     kind("finish", "none", &[], "not there for light: the sides of a thin CAD sheet"),
     kind("finish", "polished", &[], "refracts and reflects by Fresnel's equations or by its coating"),
     kind("finish", "rough", &["alpha"], "refracts and reflects at microfacets, from both sides, and absorbs nothing; acts on the faces of a medium"),
-    kind("finish", "lambert", &["reflectance", "transmittance"], "scatters diffusely"),
+    kind("finish", "lambert", &["reflectance", "transmittance", "color", "color_texture", "texture_set", "texture_scale"], "scatters diffusely"),
+    kind("finish", "surface", &SURFACE, "an ordinary material, in layers, as glTF 2.0 and OpenPBR have it: a body or a metal under facets, a film, a coat and fibres; each number or colour times its texture"),
     kind("finish", "gauss", &["sigma_deg", "reflectance", "transmittance"], "Gaussian lobe about the specular directions"),
     kind("finish", "cos_m", &["m", "reflectance", "transmittance"], "lobe cosᵐ about the specular directions: share·(m + 2)/2π·cosᵐ of light that falls straight on"),
     kind("finish", "abg", &["a", "b", "g", "reflectance"], "ABg (Harvey–Shack) scatter of polish or blackened metal about what it reflects specularly; absorbs the rest"),

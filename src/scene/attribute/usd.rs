@@ -20,7 +20,7 @@ pub use flatten::flatten;
 pub use gather::gather;
 pub use layout::{Property, properties};
 
-use super::{Noun, Row, row, rows};
+use super::{Noun, Row, own_rows, row};
 use crate::base::Where;
 
 /// What stands for a number that isn't said in one of several parallel arrays. No row of a list of tables allows it.
@@ -178,5 +178,5 @@ fn entry(level: Level, key: &str) -> Option<Entry> {
 
 /// The rows of a noun that has no attribute of its own name.
 fn whole(noun: Noun) -> Vec<&'static str> {
-    rows(noun).map(|row| row.name).collect()
+    own_rows(noun).map(|row| row.name).collect()
 }

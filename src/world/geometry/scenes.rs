@@ -184,6 +184,7 @@ pub fn part(mesh: u32, shapes: &[Shape], to_world: DAffine3) -> Part {
         to_world,
         medium: Some(MediumId(0)),
         priority: 0,
+        materials: Vec::new(),
         faces: shapes.iter().map(face).collect(),
     }
 }

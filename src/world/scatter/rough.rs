@@ -93,7 +93,7 @@ impl Facets {
     }
 
     /// D of a microfacet's normal.
-    fn distribution(self, h: DVec3) -> f64 {
+    pub fn distribution(self, h: DVec3) -> f64 {
         let (square, z2) = (self.alpha * self.alpha, h.z * h.z);
         let steep = 1.0 + (h.x * h.x + h.y * h.y) / (z2 * square);
         1.0 / (PI * square * (z2 * steep) * (z2 * steep))

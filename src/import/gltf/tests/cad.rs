@@ -2,6 +2,7 @@
 //! (positions of the lenses), from a count over the JSON by another program, and from the `gltf` crate.
 
 use crate::base::Where;
+use crate::import::ReadOptions;
 use crate::import::gltf::{looks_like_millimetres, read};
 use crate::scene::Severity;
 use glam::DVec3;
@@ -35,7 +36,7 @@ const DIFFUSE_PARTS: [(&str, usize, usize, usize); 28] = [
 #[test]
 fn names_faces_and_triangles() {
     for (file, root, parts) in [(DIRECT, "HUD_B", &DIRECT_PARTS[..]), (DIFFUSE, "HUD_A", &DIFFUSE_PARTS[..])] {
-        let assembly = read(Path::new(file)).unwrap();
+        let assembly = read(Path::new(file), &ReadOptions::default()).unwrap();
         assert_eq!(assembly.dependencies, [Path::new(file)]);
         assert_eq!(assembly.unit_m, 1.0);
         let paths: Vec<&str> = assembly.nodes.iter().map(|node| node.path.as_str()).collect();
@@ -67,7 +68,7 @@ fn names_faces_and_triangles() {
 /// surface `cond_hyp`), and the root turns CAD (x, y, z) into glTF (x, z, −y).
 #[test]
 fn world_transforms_to_rounding() {
-    let assembly = read(Path::new(DIRECT)).unwrap();
+    let assembly = read(Path::new(DIRECT), &ReadOptions::default()).unwrap();
     let world_from_cad = |p: DVec3| DVec3::new(p.x, p.z, -p.y);
     let lens = assembly.nodes.iter().find(|node| node.name == "LENS_01_PMMA").unwrap();
     let near = |a: DVec3, b: DVec3| assert!((a - b).length() < 1e-12 * b.length().max(1.0), "{a} is not {b}");
@@ -81,7 +82,7 @@ fn world_transforms_to_rounding() {
     let die = assembly.nodes.iter().find(|node| node.name == "LED_DIE_3").unwrap();
     near(die.to_world.transform_point3(DVec3::ZERO), world_from_cad(DVec3::new(1.3, -395.707, -118.7)));
     // A transform that went through f32 is off by 2e-5.
-    let assembly = read(Path::new(DIFFUSE)).unwrap();
+    let assembly = read(Path::new(DIFFUSE), &ReadOptions::default()).unwrap();
     let lens = assembly.nodes.iter().find(|node| node.name == "LENS_03_NSK16").unwrap();
     near(lens.to_world.transform_point3(DVec3::ZERO), world_from_cad(DVec3::new(0.0, -437.363596, -120.0)));
 }
@@ -92,7 +93,7 @@ fn world_transforms_to_rounding() {
 fn bounds_of_faces() {
     let mut lens = Vec::new();
     for file in [DIRECT, DIFFUSE] {
-        let assembly = read(Path::new(file)).unwrap();
+        let assembly = read(Path::new(file), &ReadOptions::default()).unwrap();
         let bytes = std::fs::read(file).unwrap();
         let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
         let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
@@ -124,7 +125,7 @@ fn bounds_of_faces() {
 #[test]
 fn geometry_agrees_with_the_gltf_crate() {
     for (file, want) in [(DIRECT, 2), (DIFFUSE, 3)] {
-        let assembly = read(Path::new(file)).unwrap();
+        let assembly = read(Path::new(file), &ReadOptions::default()).unwrap();
         let bytes = std::fs::read(file).unwrap();
         let other = ::gltf::Gltf::from_slice(&bytes).unwrap();
         let blob = other.blob.as_deref().unwrap();
@@ -169,7 +170,7 @@ fn wrong_pole_normals_are_turned_and_said() {
             ],
         ),
     ] {
-        let notes = read(Path::new(file)).unwrap().notes;
+        let notes = read(Path::new(file), &ReadOptions::default()).unwrap().notes;
         let warnings: Vec<_> = notes.iter().filter(|note| note.severity == Severity::Warning).collect();
         assert_eq!(warnings.len(), want.len(), "{warnings:?}");
         for (note, (face, turned, pointer)) in warnings.iter().zip(want) {
@@ -185,7 +186,7 @@ fn wrong_pole_normals_are_turned_and_said() {
 #[test]
 fn millimetres_are_noticed() {
     for (file, extent) in [(DIRECT, "440 m"), (DIFFUSE, "598 m")] {
-        let mut assembly = read(Path::new(file)).unwrap();
+        let mut assembly = read(Path::new(file), &ReadOptions::default()).unwrap();
         let note = looks_like_millimetres(&assembly).unwrap();
         assert!(note.text.contains(extent) && note.text.contains("unit = 0.001"), "{}", note.text);
         let at = crate::base::Where::Nowhere;

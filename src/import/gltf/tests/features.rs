@@ -3,7 +3,7 @@
 use crate::base::Where;
 use crate::import::gltf::testing::Builder;
 use crate::import::gltf::{looks_like_millimetres, read, read_bytes};
-use crate::import::{Assembly, Data};
+use crate::import::{Assembly, Data, ReadOptions};
 use crate::scene::Severity;
 use glam::{DQuat, DVec3};
 use serde_json::{Value as Json, json};
@@ -264,7 +264,7 @@ fn instances_become_nodes() {
 fn data_uris_external_files_and_byte_order_marks() {
     let builder = Builder::square();
     let glb = builder.read().unwrap();
-    let inside = read_bytes(Path::new("a.gltf"), &builder.gltf(None)).unwrap();
+    let inside = read_bytes(Path::new("a.gltf"), &builder.gltf(None), &ReadOptions::default()).unwrap();
     assert_eq!(inside.meshes[0].mesh, glb.meshes[0].mesh);
 
     let folder = tempfile::tempdir().unwrap();
@@ -274,23 +274,23 @@ fn data_uris_external_files_and_byte_order_marks() {
     let mut text = vec![0xEF, 0xBB, 0xBF];
     text.extend(builder.gltf(Some("my%20data/%C3%BC.bin")));
     std::fs::write(&asset, text).unwrap();
-    let beside = read(&asset).unwrap();
+    let beside = read(&asset, &ReadOptions::default()).unwrap();
     assert_eq!(beside.meshes[0].mesh, glb.meshes[0].mesh);
     assert_eq!(beside.dependencies, [asset.clone(), folder.path().join("my data/ü.bin")]);
     assert!(has_note(&beside, "byte order mark"));
 
     std::fs::write(folder.path().join("my data/ü.bin"), &builder.bin[1..]).unwrap();
-    let fault = read(&asset).unwrap_err();
+    let fault = read(&asset, &ReadOptions::default()).unwrap_err();
     assert_eq!(pointer(&fault.at), "/buffers/0/byteLength");
     for (uri, what) in
         [("gone.bin", "cannot read"), ("my%20data", "regular file"), ("/dev/zero", "URI"), ("../../dev/zero", "")]
     {
         std::fs::write(&asset, builder.gltf(Some(uri))).unwrap();
-        let fault = read(&asset).unwrap_err();
+        let fault = read(&asset, &ReadOptions::default()).unwrap_err();
         assert_eq!(pointer(&fault.at), "/buffers/0/uri");
         assert!(fault.what.contains(what), "{fault}");
     }
-    assert!(read(folder.path()).unwrap_err().what.contains("folder"));
+    assert!(read(folder.path(), &ReadOptions::default()).unwrap_err().what.contains("folder"));
 }
 
 #[test]
@@ -354,7 +354,7 @@ fn what_bears_on_light_and_is_not_used_is_said_once_per_kind() {
     builder.json["nodes"][0]["extensions"] = json!({ "KHR_lights_punctual": { "light": 0 }, "EYEBOX_optic": {} });
     builder.json["nodes"][0]["extras"] = json!({ "extensions": { "NOT_AN_EXTENSION": {} } });
     for _ in 0..3 {
-        builder.push("materials", json!({ "extensions": { "KHR_materials_anisotropy": {} } }));
+        builder.push("materials", json!({ "extensions": { "KHR_materials_subsurface": {} } }));
     }
     builder.json["meshes"][0]["extensions"] = json!({ "EYEBOX_optics": { "shape": {} } });
     let assembly = builder.read().unwrap();
@@ -366,8 +366,8 @@ fn what_bears_on_light_and_is_not_used_is_said_once_per_kind() {
             "the extension `EYEBOX_optic` is not known and was ignored; did you mean `EYEBOX_optics`?",
         ),
         (
-            "/materials/0/extensions/KHR_materials_anisotropy",
-            "`KHR_materials_anisotropy` bears on what is seen but is not used (3 places, first here)",
+            "/materials/0/extensions/KHR_materials_subsurface",
+            "`KHR_materials_subsurface` bears on what is seen but is not used (3 places, first here)",
         ),
     ];
     assert_eq!(found.len(), want.len(), "{found:?}");
@@ -414,7 +414,7 @@ fn what_an_asset_requires_is_applied_or_refused_unless_light_does_without() {
         builder.json["extensionsRequired"] = json!([name]);
         assert!(builder.read().is_ok(), "{name}");
     }
-    for name in ["KHR_materials_anisotropy", "EXT_lights_image_based", "MSFT_lod"] {
+    for name in ["KHR_materials_subsurface", "EXT_lights_image_based", "MSFT_lod"] {
         builder.json["extensionsRequired"] = json!([name]);
         let fault = builder.read().unwrap_err().to_string();
         assert!(fault.contains(&format!("requires `{name}`, which bears on light")), "{fault}");
@@ -453,19 +453,6 @@ fn a_large_scene_of_small_things_is_not_in_millimetres() {
 }
 
 #[test]
-fn morphs_and_skins_rest_and_are_noted() {
-    let mut builder = Builder::square();
-    let moved = builder.floats("VEC3", &[9.0; 12]);
-    builder.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": moved }]);
-    builder.json["meshes"][0]["weights"] = json!([1]);
-    builder.json["nodes"][0]["skin"] = json!(0);
-    builder.push("skins", json!({ "joints": [0] }));
-    let assembly = builder.read().unwrap();
-    assert_eq!(assembly.meshes[0].mesh.positions[2], [1., 1., 0.]);
-    assert!(has_note(&assembly, "morph targets are ignored") && has_note(&assembly, "skins are ignored"));
-}
-
-#[test]
 fn a_glb_with_chunks_out_of_step_is_read_all_the_same() {
     let builder = Builder::square();
     let glb = builder.glb();
@@ -477,7 +464,7 @@ fn a_glb_with_chunks_out_of_step_is_read_all_the_same() {
     odd.extend(&glb[16..20 + size]);
     odd.push(b' ');
     odd.extend(&glb[20 + size..]);
-    let assembly = read_bytes(Path::new("a.glb"), &odd).unwrap();
+    let assembly = read_bytes(Path::new("a.glb"), &odd, &ReadOptions::default()).unwrap();
     assert_eq!(assembly.meshes[0].mesh, builder.read().unwrap().meshes[0].mesh);
 }
 

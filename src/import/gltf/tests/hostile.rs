@@ -3,6 +3,7 @@
 use crate::base::fault::Result;
 use crate::base::rng::{Rng, Stream};
 use crate::base::{Fault, Where};
+use crate::import::ReadOptions;
 use crate::import::gltf::read_bytes;
 use crate::import::gltf::testing::Builder;
 use serde_json::{Value as Json, json};
@@ -168,7 +169,7 @@ fn every_wrong_entry_is_a_fault_at_its_pointer() {
         let fault = if builder.json.is_object() {
             refused(&builder)
         } else {
-            read_bytes(Path::new("test.glb"), builder.json.to_string().as_bytes()).unwrap_err()
+            read_bytes(Path::new("test.glb"), builder.json.to_string().as_bytes(), &ReadOptions::default()).unwrap_err()
         };
         let want = Where::Pointer { file: "test.glb".into(), pointer: pointer.to_owned() };
         assert_eq!(fault.at, want, "case {i}: {fault}");
@@ -189,7 +190,7 @@ fn vertices_that_are_not_finite_are_named() {
 #[test]
 fn containers_that_lie_are_refused() {
     let glb = Builder::square().glb();
-    let read = |bytes: &[u8]| -> Result<_> { read_bytes(Path::new("test.glb"), bytes) };
+    let read = |bytes: &[u8]| -> Result<_> { read_bytes(Path::new("test.glb"), bytes, &ReadOptions::default()) };
     let with = |offset: usize, word: u32| {
         let mut bytes = glb.clone();
         bytes[offset..offset + 4].copy_from_slice(&word.to_le_bytes());
@@ -280,7 +281,7 @@ fn fuzz(original: &[u8], seed: u64, focus: usize) {
                 *byte = if byte.is_ascii_digit() && case % 2 == 0 { digit } else { *byte ^ 1 << bit };
             }
         }
-        match read_bytes(Path::new("fuzz.gltf"), &bytes) {
+        match read_bytes(Path::new("fuzz.gltf"), &bytes, &ReadOptions::default()) {
             Ok(assembly) => {
                 for node in &assembly.nodes {
                     assert!(node.mesh.is_none_or(|mesh| mesh < assembly.meshes.len()));

@@ -7,6 +7,7 @@ use crate::import::assembly::{LightProfile, ProfileSource};
 use crate::import::gltf::testing::Builder;
 use crate::import::value::Value;
 use crate::scene::Severity;
+use crate::scene::texture::Channel;
 use serde_json::{Value as Json, json};
 
 fn lit(light: Json) -> Result<Assembly> {
@@ -105,9 +106,20 @@ fn iridescence_is_one_film() {
     assert_eq!(film(json!({ "iridescenceFactor": 1 })).0, [stack(1.3, 400.0)]);
     let full = json!({ "iridescenceFactor": 0.5, "iridescenceIor": 1.38, "iridescenceThicknessMinimum": 50,
         "iridescenceThicknessMaximum": 99.5, "iridescenceThicknessTexture": { "index": 0 } });
-    let (rows, _, notes) = film(full);
-    assert_eq!(rows, [stack(1.38, 99.5)]);
-    assert!(notes.iter().any(|note| note.contains("below 1")) && notes.iter().any(|note| note.contains("Texture")));
+    let mut builder = Builder::square();
+    builder.push("images", json!({ "uri": "t.png" }));
+    builder.push("textures", json!({ "source": 0 }));
+    builder.push("materials", json!({ "extensions": { "KHR_materials_iridescence": full } }));
+    let material = builder.read().unwrap().materials.remove(0);
+    // On glass it is a coating, as thick as it gets; an ordinary surface has all of it.
+    assert_eq!(
+        material.mapped.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>(),
+        [stack(1.38, 99.5)]
+    );
+    let film = material.surface.unwrap().film.clone().unwrap();
+    let (input, channel) = film.thickness_nm.texture.unwrap();
+    assert_eq!((film.weight.factor, film.ior, film.thickness_nm.factor), (0.5, 1.38, 1.0));
+    assert_eq!((channel, channel.of(input.scale), channel.of(input.bias)), (Channel::Green, 49.5, 50.0));
 }
 
 /// Sheets are how a material looks.

@@ -1,8 +1,9 @@
 //! Tests of the glTF reader: `cad` the two sample exports, `features` small assets for one feature each, `hostile`
-//! broken ones.
+//! broken ones, `motion` what moves.
 
 mod cad;
 mod compressed;
 mod features;
 mod hostile;
 mod lights;
+mod motion;

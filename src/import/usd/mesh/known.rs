@@ -1,8 +1,7 @@
 //! Which meshes are one and the same: references share nothing in USD, but they do here.
 
 use super::super::attribute::PrimView;
-use super::super::binding;
-use super::super::hierarchy::{self, Above};
+use super::super::hierarchy::{self, Above, Handed};
 use super::super::reader::Reader;
 use crate::base::fault::Result;
 use crate::import::assembly::MeshSource;
@@ -10,10 +9,10 @@ use crate::import::value::Value;
 use crate::scene::Mesh;
 use std::collections::HashMap;
 
-/// Meshes by where they come from and by what they are.
+/// Meshes by where they come from, with what is handed down to them, and by what they are.
 #[derive(Debug, Default)]
 pub(in crate::import::usd) struct Known {
-    by_source: HashMap<(String, binding::Inherited), Option<usize>>,
+    by_source: HashMap<(String, Handed), Option<usize>>,
     /// By numbers of vertices and triangles.
     by_size: HashMap<(usize, usize), Alike>,
     /// Of implicit shapes.
@@ -42,7 +41,7 @@ pub(in crate::import::usd) fn shared(
     below: &Above,
     build: impl FnOnce(&mut Reader, &PrimView, &Above) -> Result<Made>,
 ) -> Result<Option<usize>> {
-    let key = (hierarchy::shared_path(view, below), below.handed.material.clone());
+    let key = (hierarchy::shared_path(view, below), below.handed.clone());
     if let Some(&known) = reader.meshes.by_source.get(&key) {
         return Ok(known);
     }
@@ -115,6 +114,8 @@ fn is_same(one: &MeshSource, other: &MeshSource) -> bool {
         && bits(a.positions.as_flattened(), b.positions.as_flattened())
         && bits(a.normals.as_flattened(), b.normals.as_flattened())
         && bits(a.uvs.as_flattened(), b.uvs.as_flattened())
+        && bits(a.second_uvs.as_flattened(), b.second_uvs.as_flattened())
+        && bits(a.colors.as_flattened(), b.colors.as_flattened())
         && one.materials == other.materials
         && one.attributes.len() == other.attributes.len()
         && one.attributes.iter().zip(&other.attributes).all(|(a, b)| attributes(a, b))

@@ -1,17 +1,20 @@
 //! UsdGeomMesh into a mesh with CAD faces.
 
+mod carried; // what vertices have beside position and normal
 mod cut; // polygons → faces → triangles
 mod known; // which meshes are one and the same
 mod polygons; // points and topology as the file has them
+mod varied; // what is refined with a subdivision surface
 mod vertices; // points → vertices
 
 #[cfg(test)]
 mod tests;
 
 use super::attribute::PrimView;
+use super::faces::Partition;
 use super::hierarchy::Above;
 use super::reader::Reader;
-use super::{binding, faces, optics, primvar};
+use super::{binding, faces, optics, paint, primvar, skel, subdivide};
 use crate::base::Code;
 use crate::base::fault::Result;
 use crate::import::assembly::MeshSource;
@@ -20,13 +23,17 @@ use crate::import::gltf::normals::{Settled, are_sound, flat_shaded, settle};
 use crate::import::gltf::primitive::FaceMesh;
 use crate::import::normals::repair;
 use crate::scene::{Mesh, Note, Severity};
+use carried::{Carried, Shelf};
 use cut::Own;
-use vertices::{Data, Scratch};
+use varied::Varied;
+use vertices::Scratch;
 
 pub(super) use known::{Known, Made, keep, shared};
+pub(super) use polygons::{Corners, Polygons};
+pub(super) use vertices::Data;
 
-/// Bytes of a vertex with normal and texture coordinates, and of a triangle.
-const VERTEX: usize = 32;
+/// Bytes of a vertex with normal, and of a triangle.
+const VERTEX: usize = 24;
 const TRIANGLE: usize = 12;
 
 /// The mesh of a prim, an index of `Assembly::meshes`; none if it has no surface.
@@ -37,12 +44,14 @@ pub(super) fn of(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<
 }
 
 fn build(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<MeshSource>> {
-    let Some(polygons) = polygons::read(reader, view)? else { return Ok(None) };
+    let Some(mut polygons) = polygons::read(reader, view)? else { return Ok(None) };
     let sizes = polygons.sizes();
-    let normals = primvar::normals(view, sizes, &mut reader.ledger)?;
-    let uvs = primvar::uvs(view, sizes, &mut reader.ledger)?;
-    subdivision(reader, view, normals.is_some())?;
-    let partition = faces::partition(reader, view, sizes.polygons)?;
+    let mut normals = primvar::normals(view, sizes, &mut reader.ledger)?;
+    let Polygons { points, corners, .. } = &mut polygons;
+    let mut shape = skel::Shape { points, corners, normals: &mut normals };
+    let is_mirrored = skel::bend(reader, view, &below.handed.skel, &mut shape)?;
+    polygons.left_handed ^= is_mirrored;
+    let mut partition = faces::partition(reader, view, sizes.polygons)?;
     let whole = binding::bound(reader, view, &below.handed.material);
     let (mut materials, mut attributes) = (Vec::new(), Vec::new());
     let mut bindings = Vec::new();
@@ -63,36 +72,56 @@ fn build(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<M
         attributes.push(said);
     }
     let mut mesh = Mesh { name: view.name().to_owned(), ..Mesh::default() };
-    let own = cut::grouped(&partition, &polygons);
+    let mut carried = carried_by(reader, view, below, sizes, &materials)?;
+    let data = Data { polygons, normals, carried: Carried::default() };
+    let mut data = shaped(reader, view, data, &mut partition, &mut carried)?;
+    let own = cut::grouped(&partition, &data.polygons);
     let (alone, mut scratch) = (own.len() == 1, Scratch::default());
-    let mut data = Data { polygons, normals, uvs };
     for (number, own) in own.iter().enumerate() {
+        data.carried = carried.get_mut(number).map(std::mem::take).unwrap_or_default();
         let face = face(reader, view, &mut data, own, Place { number, alone }, &mut scratch)?;
         append(&mut mesh, face).ok_or_else(|| view.fault("the mesh has more than 4294967295 vertices or triangles"))?;
     }
     Ok(Some(MeshSource { mesh: mesh.into(), materials, attributes, at: view.at() }))
 }
 
-/// Says what becomes of a subdivision surface: we take the polygons of its cage.
-fn subdivision(reader: &mut Reader, view: &PrimView, has_normals: bool) -> Result<()> {
-    let said = view.token("subdivisionScheme")?;
-    let scheme = said.as_deref().unwrap_or("catmullClark");
-    match scheme {
-        "none" | "bilinear" => {}
-        "catmullClark" | "loop" => {
-            let by = if said.is_some() { "" } else { " (USD's fallback, nothing is said)" };
-            let with = if has_normals { ", with the normals that are given" } else { ", flat" };
-            let text = format!(
-                "a {scheme} subdivision surface{by}: its polygons are taken as they are{with}; say `subdivisionScheme = \"none\"` if that is meant, else subdivide it before export"
-            );
-            reader.ledger.warn(view.at(), text);
-        }
-        other => {
-            let fault = view.fault_in("subdivisionScheme", format!("the scheme `{other}`"));
-            return Err(fault.expected("none, catmullClark, loop or bilinear"));
-        }
+/// What the vertices of each face carry for its material.
+fn carried_by(
+    reader: &mut Reader,
+    view: &PrimView,
+    below: &Above,
+    sizes: primvar::Sizes,
+    materials: &[Option<usize>],
+) -> Result<Vec<Carried>> {
+    let Reader { materials: known, assembly, ledger, .. } = reader;
+    let mut shelf = Shelf::new(view, sizes, below.handed.painted);
+    let reads = |material: &Option<usize>| {
+        let index = (*material)?;
+        let looks = assembly.materials.get(index).is_some_and(|material| material.surface.is_some());
+        known.reads.get(index).filter(|_| looks)
+    };
+    materials.iter().map(|material| shelf.face(reads(material), ledger)).collect()
+}
+
+/// A mesh as it is cut into faces, with what they carry.
+fn shaped(
+    reader: &mut Reader,
+    view: &PrimView,
+    data: Data,
+    partition: &mut Partition,
+    carried: &mut [Carried],
+) -> Result<Data> {
+    let (Some(scheme), is_said) = subdivide::scheme(view)? else { return Ok(data) };
+    let varied = Varied::of(carried);
+    let Some(fine) = subdivide::limit(reader, view, (scheme, is_said), &data, &varied.channels())? else {
+        return Ok(data);
+    };
+    varied.replace(carried, fine.primvars);
+    if !partition.of.is_empty() {
+        let face = |parent: &u32| partition.of.get(*parent as usize).copied().unwrap_or(0);
+        partition.of = fine.parents.iter().map(face).collect();
     }
-    Ok(())
+    Ok(Data { polygons: fine.polygons, normals: Some(fine.normals), carried: Carried::default() })
 }
 
 /// A face of a mesh.
@@ -114,16 +143,21 @@ fn face(
 ) -> Result<FaceMesh> {
     let triangles = own.triangles(&data.polygons);
     // At most three vertices a triangle, and the tables of the repair.
-    reader.charge(view.path(), triangles, 3 * VERTEX + 2 * TRIANGLE)?;
+    reader.charge(view.path(), triangles, 3 * (VERTEX + data.carried.bytes()) + 2 * TRIANGLE)?;
     let has_normals = data.normals.is_some();
     let (mut face, ragged) = vertices::face(data, own, place.alone, place.number, triangles, scratch);
     if ragged > 0 {
         let text = "a polygon that crosses itself: cut as a fan";
         reader.ledger.notes.add_many(Severity::Warning, view.at(), text, ragged);
     }
-    for uv in face.uvs.iter_mut().filter(|uv| !uv.iter().all(|x| x.is_finite())) {
+    for uv in face.uvs.iter_mut().chain(&mut face.second_uvs).filter(|uv| !uv.iter().all(|x| x.is_finite())) {
         reader.ledger.warn_of(Code::DataNotFinite, view.at(), "texture coordinates that are not finite: set to 0");
         *uv = [0.0; 2];
+    }
+    for color in face.colors.iter_mut().filter(|color| !color.iter().all(|x| (0.0..=1.0).contains(x))) {
+        let text = "colours of vertices outside 0 to 1: brought there";
+        reader.ledger.warn_of(Code::DataNotFinite, view.at(), text);
+        *color = paint::clamped(*color);
     }
     if !has_normals {
         reader.ledger.info(view.at(), "no normals: the faces are flat-shaded");

@@ -10,7 +10,7 @@ use crate::scene::Severity;
 
 /// Polygons as the file has them, checked.
 #[derive(Debug, Clone)]
-pub(super) struct Polygons {
+pub(in crate::import::usd) struct Polygons {
     pub points: Vec<[f32; 3]>,
     pub corners: Corners,
     /// Sorted.
@@ -20,7 +20,7 @@ pub(super) struct Polygons {
 
 /// The points of all corners, polygon by polygon.
 #[derive(Debug, Clone)]
-pub(super) enum Corners {
+pub(in crate::import::usd) enum Corners {
     /// Nothing but triangles: the array that the scene gets in the end, if all goes well.
     Triangles(Vec<[u32; 3]>),
     Mixed {
@@ -32,7 +32,7 @@ pub(super) enum Corners {
 
 /// What is wrong with counts and indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Wrong {
+pub(in crate::import::usd) enum Wrong {
     Negative { polygon: usize, count: i32 },
     Corners { counted: u32, indices: usize },
 }

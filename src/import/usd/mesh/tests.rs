@@ -3,6 +3,7 @@
 use super::super::primvar::{Interpolation, Primvar, Sizes};
 use super::super::tests::kit::assembly;
 use super::super::triangulate;
+use super::carried::{Carried, Held};
 use super::cut::Own;
 use super::polygons::{Corners, Polygons, Wrong};
 use super::vertices::{self, Data, Scratch};
@@ -10,17 +11,20 @@ use crate::import::gltf::primitive::FaceMesh;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::collections::{BTreeSet, HashMap};
+use std::rc::Rc;
 
 const INTERPOLATIONS: [Interpolation; 4] =
     [Interpolation::Constant, Interpolation::Uniform, Interpolation::Vertex, Interpolation::FaceVarying];
 
 /// Everything of a face, to the last bit.
-type Bits = (Vec<[u32; 3]>, Vec<[u32; 3]>, Vec<[u32; 2]>, Vec<[u32; 3]>);
+type Bits = (Vec<[u32; 3]>, Vec<[u32; 3]>, [Vec<[u32; 2]>; 2], Vec<[u32; 4]>, Vec<[u32; 3]>);
 
 fn bits(face: &FaceMesh) -> Bits {
     let three = |all: &[[f32; 3]]| all.iter().map(|x| x.map(f32::to_bits)).collect();
-    let uvs = face.uvs.iter().map(|x| x.map(f32::to_bits)).collect();
-    (three(&face.positions), three(&face.normals), uvs, face.triangles.clone())
+    let two = |all: &[[f32; 2]]| all.iter().map(|x| x.map(f32::to_bits)).collect();
+    let colors = face.colors.iter().map(|x| x.map(f32::to_bits)).collect();
+    let uvs = [two(&face.uvs), two(&face.second_uvs)];
+    (three(&face.positions), three(&face.normals), uvs, colors, face.triangles.clone())
 }
 
 /// Numbers that are used up one after the other.
@@ -55,14 +59,18 @@ fn mesh(dice: &mut Dice, triangles: bool) -> (Data, Data) {
     let indices: Vec<i32> = (0..corners).map(|_| dice.below(points.len()) as i32).collect();
     let sizes = Sizes { points: points.len(), polygons: count, corners };
     let normals = dice.primvar(sizes, |dice| [0; 3].map(|_| dice.number()));
-    let uvs = dice.primvar(sizes, |dice| [0; 2].map(|_| dice.number()));
+    let uvs = dice.primvar(sizes, |dice| [0; 2].map(|_| dice.number())).map(Rc::new);
+    let second_uvs = dice.primvar(sizes, |dice| [0; 2].map(|_| dice.number())).map(Rc::new);
+    let color = dice.primvar(sizes, |dice| [0; 3].map(|_| dice.number())).map(Rc::new);
+    let opacity = dice.primvar(sizes, |dice| dice.number()).map(Rc::new);
+    let carried = Carried { uvs, second_uvs, color, opacity };
     let mut holes: Vec<i32> = (0..[0, 0, 3][dice.below(3)]).map(|_| dice.below(12) as i32 - 1).collect();
     holes.sort_unstable();
     let left_handed = dice.below(2) == 0;
     let data = |corners: Corners| Data {
         polygons: Polygons { points: points.clone(), corners, holes: holes.clone(), left_handed },
         normals: normals.clone(),
-        uvs: uvs.clone(),
+        carried: carried.clone(),
     };
     let quick = data(Corners::new(counts.clone(), indices.clone()).unwrap());
     let mixed = data(Corners::mixed(counts, indices).unwrap());
@@ -78,7 +86,7 @@ fn build(data: &Data, own: &Own, alone: bool) -> (Bits, usize) {
 
 /// As the documentation says it, with maps.
 fn plainly(data: &Data) -> Bits {
-    let Data { polygons, normals, uvs } = data;
+    let Data { polygons, normals, carried } = data;
     let points = polygons.corners.points();
     let mut corners = Vec::new();
     for polygon in (0..polygons.corners.polygons()).filter(|&polygon| !polygons.holes.contains(&(polygon as i32))) {
@@ -92,13 +100,13 @@ fn plainly(data: &Data) -> Bits {
             corners.extend(three.map(|corner| (polygon, span.start + corner as usize)));
         }
     }
-    let follows =
-        normals.as_ref().is_none_or(Primvar::follows_points) && uvs.as_ref().is_none_or(Primvar::follows_points);
+    let follows = normals.as_ref().is_none_or(Primvar::follows_points) && carried.follows_points();
     let key = |&(polygon, corner): &(usize, usize)| {
         let point = points[corner] as usize;
         let normal = normals.as_ref().map(|all| all.at(polygon, corner, point).unwrap().map(f32::to_bits));
-        let uv = uvs.as_ref().map(|all| all.at(polygon, corner, point).unwrap().map(f32::to_bits));
-        (point, normal, uv)
+        let uv = |all: &Held<[f32; 2]>| Some(all.as_ref()?.at(polygon, corner, point).unwrap().map(f32::to_bits));
+        let color = carried.has_colors().then(|| carried.colour(polygon, corner, point).map(f32::to_bits));
+        (point, normal, uv(&carried.uvs), uv(&carried.second_uvs), color)
     };
     let mut order: Vec<_> = Vec::new();
     if follows {
@@ -110,9 +118,10 @@ fn plainly(data: &Data) -> Bits {
     let place: HashMap<_, u32> = order.iter().enumerate().map(|(i, key)| (*key, i as u32)).collect();
     let all: Vec<u32> = corners.iter().map(|corner| place[&key(corner)]).collect();
     let positions = order.iter().map(|key| polygons.points[key.0].map(f32::to_bits)).collect();
-    let (normals, uvs) =
-        (order.iter().filter_map(|key| key.1).collect(), order.iter().filter_map(|key| key.2).collect());
-    (positions, normals, uvs, all.as_chunks().0.to_vec())
+    let normals = order.iter().filter_map(|key| key.1).collect();
+    let uvs = [order.iter().filter_map(|key| key.2).collect(), order.iter().filter_map(|key| key.3).collect()];
+    let colors = order.iter().filter_map(|key| key.4).collect();
+    (positions, normals, uvs, colors, all.as_chunks().0.to_vec())
 }
 
 proptest! {

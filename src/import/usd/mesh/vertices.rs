@@ -1,16 +1,19 @@
 //! The vertices of a face: points where all values follow points, else each different combination of values.
 
 use super::super::primvar::Primvar;
+use super::carried::{Carried, Held};
 use super::cut::{self, Own};
 use super::polygons::{Corners, Polygons};
 use crate::import::gltf::primitive::FaceMesh;
+use std::rc::Rc;
 
 /// A mesh as it is in the file.
 #[derive(Debug, Clone)]
-pub(super) struct Data {
+pub(in crate::import::usd) struct Data {
     pub polygons: Polygons,
     pub normals: Option<Primvar<[f32; 3]>>,
-    pub uvs: Option<Primvar<[f32; 2]>>,
+    /// Of the face that is made.
+    pub carried: Carried,
 }
 
 /// Tables over all points, kept from face to face.
@@ -32,8 +35,7 @@ pub(super) fn face(
     triangles: usize,
     scratch: &mut Scratch,
 ) -> (FaceMesh, usize) {
-    let follows = data.normals.as_ref().is_none_or(Primvar::follows_points)
-        && data.uvs.as_ref().is_none_or(Primvar::follows_points);
+    let follows = data.normals.as_ref().is_none_or(Primvar::follows_points) && data.carried.follows_points();
     let plain = alone && *own == Own::All && cut::is_plain(&data.polygons);
     let taken = match &mut data.polygons.corners {
         Corners::Triangles(triangles) if plain => Some(std::mem::take(triangles)),
@@ -121,31 +123,57 @@ fn by_points(data: &mut Data, mut triangles: Vec<[u32; 3]>, alone: bool) -> Face
         normals: data.normals.as_ref().map_or_else(Vec::new, |normals| {
             points().map(|point| normals.at(0, 0, point).unwrap_or_default()).collect()
         }),
-        uvs: data
-            .uvs
-            .as_ref()
-            .map_or_else(Vec::new, |uvs| points().map(|point| uvs.at(0, 0, point).unwrap_or_default()).collect()),
+        uvs: of_points(&data.carried.uvs, points()),
+        second_uvs: of_points(&data.carried.second_uvs, points()),
+        colors: if data.carried.has_colors() {
+            points().map(|point| data.carried.colour(0, 0, point)).collect()
+        } else {
+            Vec::new()
+        },
         triangles,
-        ..FaceMesh::default()
     }
+}
+
+fn of_points(uvs: &Held<[f32; 2]>, points: impl Iterator<Item = usize>) -> Vec<[f32; 2]> {
+    let Some(uvs) = uvs else { return Vec::new() };
+    points.map(|point| uvs.at(0, 0, point).unwrap_or_default()).collect()
 }
 
 /// All points are vertices: nothing is copied that need not be.
 fn whole(data: &mut Data, triangles: Vec<[u32; 3]>) -> FaceMesh {
     let positions = std::mem::take(&mut data.polygons.points);
     let count = positions.len();
+    let moved = |uvs: Held<[f32; 2]>| {
+        uvs.map_or_else(Vec::new, |uvs| match Rc::try_unwrap(uvs) {
+            Ok(uvs) => uvs.into_points(count),
+            Err(shared) => of_points(&Some(shared), 0..count),
+        })
+    };
+    let mut carried = std::mem::take(&mut data.carried);
     FaceMesh {
         positions,
         normals: data.normals.take().map_or_else(Vec::new, |normals| normals.into_points(count)),
-        uvs: data.uvs.take().map_or_else(Vec::new, |uvs| uvs.into_points(count)),
+        uvs: moved(carried.uvs.take()),
+        second_uvs: moved(carried.second_uvs.take()),
+        colors: if carried.has_colors() {
+            (0..count).map(|point| carried.colour(0, 0, point)).collect()
+        } else {
+            Vec::new()
+        },
         triangles,
-        ..FaceMesh::default()
     }
 }
 
 const NONE: u32 = u32::MAX;
 
-/// Makes a vertex for each different (point, normal, texture coordinate), in the order of first use.
+/// Whether a vertex has this to the last bit; what is not carried is the same.
+#[inline]
+fn is_same<const N: usize>(value: &Option<[f32; N]>, all: &[[f32; N]], at: usize) -> bool {
+    let bits = |x: &[f32; N]| x.map(f32::to_bits);
+    value.as_ref().is_none_or(|value| all.get(at).map(bits) == Some(bits(value)))
+}
+
+/// Makes a vertex for each different (point, normal, texture coordinates, colour), in the order of first use.
 struct Welder<'a> {
     data: &'a Data,
     number: u32,
@@ -168,7 +196,9 @@ impl<'a> Welder<'a> {
         let likely = points.min(3 * triangles);
         out.positions.reserve_exact(likely);
         out.normals.reserve_exact(if data.normals.is_some() { likely } else { 0 });
-        out.uvs.reserve_exact(if data.uvs.is_some() { likely } else { 0 });
+        out.uvs.reserve_exact(if data.carried.uvs.is_some() { likely } else { 0 });
+        out.second_uvs.reserve_exact(if data.carried.second_uvs.is_some() { likely } else { 0 });
+        out.colors.reserve_exact(if data.carried.has_colors() { likely } else { 0 });
         scratch.next.reserve(likely);
         Welder { data, number, scratch, most: 3 * triangles, out }
     }
@@ -176,7 +206,10 @@ impl<'a> Welder<'a> {
     #[inline]
     fn vertex(&mut self, polygon: usize, corner: usize, point: usize) -> u32 {
         let normal = self.data.normals.as_ref().map(|all| all.at(polygon, corner, point).unwrap_or_default());
-        let uv = self.data.uvs.as_ref().map(|all| all.at(polygon, corner, point).unwrap_or_default());
+        let carried = &self.data.carried;
+        let of = |all: &Held<[f32; 2]>| all.as_ref().map(|all| all.at(polygon, corner, point).unwrap_or_default());
+        let (uv, second) = (of(&carried.uvs), of(&carried.second_uvs));
+        let color = carried.has_colors().then(|| carried.colour(polygon, corner, point));
         let (face, mut known) = self.scratch.used.get(point).copied().unwrap_or((NONE, 0));
         if face != self.number {
             known = NONE;
@@ -189,11 +222,11 @@ impl<'a> Welder<'a> {
                 break;
             }
             let at = known as usize;
-            let same_normal =
-                normal.is_none_or(|n| out.normals.get(at).map(|m| m.map(f32::to_bits)) == Some(n.map(f32::to_bits)));
-            let same_uv =
-                uv.is_none_or(|uv| out.uvs.get(at).map(|m| m.map(f32::to_bits)) == Some(uv.map(f32::to_bits)));
-            if same_normal && same_uv {
+            let same = is_same(&normal, &out.normals, at)
+                && is_same(&uv, &out.uvs, at)
+                && is_same(&second, &out.second_uvs, at)
+                && is_same(&color, &out.colors, at);
+            if same {
                 return known;
             }
             last = known;
@@ -206,10 +239,14 @@ impl<'a> Welder<'a> {
             out.positions.reserve_exact(more);
             out.normals.reserve_exact(if normal.is_some() { more } else { 0 });
             out.uvs.reserve_exact(if uv.is_some() { more } else { 0 });
+            out.second_uvs.reserve_exact(if second.is_some() { more } else { 0 });
+            out.colors.reserve_exact(if color.is_some() { more } else { 0 });
         }
         out.positions.push(self.data.polygons.position(point));
         out.normals.extend(normal);
         out.uvs.extend(uv);
+        out.second_uvs.extend(second);
+        out.colors.extend(color);
         self.scratch.next.push(NONE);
         if first == NONE {
             if let Some(used) = self.scratch.used.get_mut(point) {

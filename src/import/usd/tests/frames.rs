@@ -60,7 +60,7 @@ fn values_at_a_time_are_usd_cores() {
     assert_eq!(by_time.len(), 14);
     let mut wrong = Vec::new();
     for (time, lines) in by_time {
-        let options = ReadOptions { frame: Some(time.parse().unwrap()) };
+        let options = ReadOptions { frame: Some(time.parse().unwrap()), ..ReadOptions::default() };
         let assembly = read(&data("root.usda"), &options).unwrap();
         let mut light = BTreeMap::new();
         for line in lines {

@@ -21,7 +21,8 @@ impl Folder {
         Folder { folder, root: files[0].0.to_owned() }
     }
     pub fn read(&self, frame: Option<f64>) -> Result<Assembly, String> {
-        read(&self.folder.path().join(&self.root), &ReadOptions { frame }).map_err(|fault| fault.to_string())
+        read(&self.folder.path().join(&self.root), &ReadOptions { frame, ..ReadOptions::default() })
+            .map_err(|fault| fault.to_string())
     }
 }
 

@@ -87,7 +87,11 @@ fn pictures_in_packages_are_named_by_their_entry() {
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, bytes).unwrap();
     }
-    let all = crate::import::dependencies(&folder.path().join("root.usda"), &ReadOptions { frame: Some(1.0) }).unwrap();
+    let all = crate::import::dependencies(
+        &folder.path().join("root.usda"),
+        &ReadOptions { frame: Some(1.0), ..ReadOptions::default() },
+    )
+    .unwrap();
     assert!(all.iter().any(|one| one.file == folder.path().join("maps/wood.png") && !one.used && one.there));
 }
 

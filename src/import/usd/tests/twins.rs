@@ -33,7 +33,7 @@ fn faces(assembly: &Assembly, mesh: usize) -> Vec<Vec<Triangle>> {
 fn hud_direct_and_hud_diffuse() {
     for (name, parts) in [("hud-direct/hud_direct", 18), ("hud-diffuse/hud_diffuse", 28)] {
         let stage = usd::read(&sample(&format!("{name}.usda")), &ReadOptions::default()).unwrap();
-        let glb = gltf::read(&sample(&format!("{name}.glb"))).unwrap();
+        let glb = gltf::read(&sample(&format!("{name}.glb")), &ReadOptions::default()).unwrap();
         assert_eq!(stage.unit_m, 0.001);
         // The root of the glTF turns z up into y up; without it both are in the CAD frame.
         let turn = glb.nodes[0].to_world.inverse();

@@ -1,7 +1,7 @@
 //! Which USD properties the rows have: for schemas, and to name the nearest valid one.
 
 use super::UsdType;
-use crate::scene::attribute::{Form, Noun, Row, kinds, row, rows};
+use crate::scene::attribute::{Form, Noun, Row, kinds, own_rows, row};
 
 /// A property that a noun can have.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,7 @@ pub fn properties(noun: Noun) -> Vec<Property> {
             }
         }
         Noun::Sky | Noun::Sun | Noun::Eye => {
-            rows(noun).for_each(|row| add(row, &format!("{noun}:{}", row.name), &mut out))
+            own_rows(noun).for_each(|row| add(row, &format!("{noun}:{}", row.name), &mut out))
         }
         Noun::Asset => {
             for row in ["version", "unit", "wavelengths"].iter().filter_map(|name| row(noun, name)) {

@@ -3,10 +3,11 @@
 //!
 //! Fresnel's reflectance of a dielectric is written F = f0 + (f90 − f0)·t with t = (R − R0)/(1 − R0), R by Fresnel's
 //! equations. Then what facets reflect of light under a cosine is f0·(E − B) + f90·B, where E is that of perfect facets and
-//! B that of facets which reflect t.
+//! B that of facets which reflect t. A third column is of facets that reflect cos·(1 − cos)⁶: what the edge of a metal lacks.
 
-use super::super::rough::Facets;
+use super::lobe::Lobe;
 use crate::base::Complex;
+pub use crate::scene::LEAST_ALPHA;
 use crate::world::fresnel::fresnel;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -18,9 +19,6 @@ const ROUGHNESSES: usize = 32;
 /// Visible normals per entry, turned about the normal and away from it.
 const TURNS: usize = 16;
 const TILTS: usize = 32;
-
-/// Facets rougher than the smoothest that are told from a mirror.
-pub const LEAST_ALPHA: f64 = 1e-4;
 
 /// α of a roughness of 0 to 1.
 pub fn alpha(roughness: f64) -> f64 {
@@ -50,14 +48,22 @@ pub fn towards_grazing(ior: f64, cos: f64) -> f64 {
     ((reflectance - straight) / (1.0 - straight)).clamp(0.0, 1.0)
 }
 
+/// What facets reflect: E, B and the metal's column.
+pub type Tally = [f64; 3];
+
 /// Tables of an index.
 #[derive(Debug)]
 pub struct Energy {
     ior: f64,
-    /// E and B by roughness and √cos.
-    rows: Vec<[[f64; 2]; COSINES]>,
-    /// Both averaged over a hemisphere by the cosine, by roughness.
-    means: Vec<[f64; 2]>,
+    /// By roughness and √cos.
+    rows: Vec<[Tally; COSINES]>,
+    /// Averaged over a hemisphere by the cosine, by roughness.
+    means: Vec<Tally>,
+}
+
+/// What the edge of a metal lacks of Schlick's form at a cosine, per unit (OpenPBR 1.1, "F82-tint").
+pub fn edge(cos: f64) -> f64 {
+    cos * (1.0 - cos).clamp(0.0, 1.0).powi(6)
 }
 
 impl Energy {
@@ -69,10 +75,10 @@ impl Energy {
     }
 
     fn new(ior: f64) -> Energy {
-        let rows: Vec<[[f64; 2]; COSINES]> = (0..ROUGHNESSES)
+        let rows: Vec<[Tally; COSINES]> = (0..ROUGHNESSES)
             .map(|r| {
-                let facets = Facets { alpha: alpha(r as f64 / (ROUGHNESSES - 1) as f64) };
-                std::array::from_fn(|c| reflected(facets, ior, cosine(c)))
+                let facets = Lobe::new(alpha(r as f64 / (ROUGHNESSES - 1) as f64), None);
+                std::array::from_fn(|c| reflected(&facets, ior, cosine(c, COSINES)))
             })
             .collect();
         let means = rows
@@ -86,7 +92,7 @@ impl Energy {
                     let f = |s: f64| (f0 + (f1 - f0) * s) * 4.0 * (x0 + s * step).powi(3);
                     step / 12.0 * (f(0.0) + 4.0 * f(0.25) + 2.0 * f(0.5) + 4.0 * f(0.75) + f(1.0))
                 };
-                [0, 1].map(|k| (0..COSINES - 1).map(|c| piece(c, k)).sum::<f64>())
+                [0, 1, 2].map(|k| (0..COSINES - 1).map(|c| piece(c, k)).sum::<f64>())
             })
             .collect();
         Energy { ior, rows, means }
@@ -96,60 +102,85 @@ impl Energy {
         self.ior
     }
 
-    /// E and B under a cosine.
-    pub fn at(&self, cos: f64, roughness: f64) -> [f64; 2] {
+    /// Under a cosine.
+    pub fn at(&self, cos: f64, roughness: f64) -> Tally {
         let (r, s) = place(roughness, ROUGHNESSES);
         let (c, t) = place(cos.clamp(0.0, 1.0).sqrt(), COSINES);
         let row = |r: usize, k: usize| self.rows[r][c][k] + (self.rows[r][c + 1][k] - self.rows[r][c][k]) * t;
-        [0, 1].map(|k| row(r, k) + (row(r + 1, k) - row(r, k)) * s)
+        [0, 1, 2].map(|k| row(r, k) + (row(r + 1, k) - row(r, k)) * s)
     }
 
     /// The same averaged over a hemisphere by the cosine.
-    pub fn mean(&self, roughness: f64) -> [f64; 2] {
+    pub fn mean(&self, roughness: f64) -> Tally {
         let (r, s) = place(roughness, ROUGHNESSES);
-        [0, 1].map(|k| self.means[r][k] + (self.means[r + 1][k] - self.means[r][k]) * s)
+        [0, 1, 2].map(|k| self.means[r][k] + (self.means[r + 1][k] - self.means[r][k]) * s)
     }
 }
 
-fn cosine(step: usize) -> f64 {
+/// The cosine of a step of so many.
+pub(super) fn cosine(step: usize, count: usize) -> f64 {
     // Nothing arrives along the face; the limit is taken close to it.
     const LEAST: f64 = 1e-4;
-    let root = step as f64 / (COSINES - 1) as f64;
+    let root = step as f64 / (count - 1) as f64;
     (root * root).max(LEAST)
 }
 
 /// Cell of a table over 0–1 and the place in it.
-fn place(x: f64, count: usize) -> (usize, f64) {
+pub(super) fn place(x: f64, count: usize) -> (usize, f64) {
     let scaled = x.clamp(0.0, 1.0) * (count - 1) as f64;
     let cell = (scaled as usize).min(count - 2);
     (cell, scaled - cell as f64)
 }
 
-/// What facets reflect for good of light under a cosine: all of it, and the share t.
-fn reflected(facets: Facets, ior: f64, cos: f64) -> [f64; 2] {
+/// What facets that are alike all round reflect for good of light under a cosine.
+fn reflected(facets: &Lobe, ior: f64, cos: f64) -> Tally {
     let wi = DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
-    let lambda_in = facets.lambda(wi);
-    let mut sums = [0.0; 2];
-    for turn in 0..TURNS {
+    // Half of the turns mirror the other half.
+    tally(facets, ior, wi, (0..TURNS).map(|turn| 0.5 * (turn as f64 + 0.5) / TURNS as f64))
+}
+
+/// The same of any facets, from any direction.
+pub(super) fn weigh(facets: &Lobe, ior: f64, wi: DVec3) -> Tally {
+    tally(facets, ior, wi, (0..TURNS).map(|turn| (turn as f64 + 0.5) / TURNS as f64))
+}
+
+fn tally(facets: &Lobe, ior: f64, wi: DVec3, turns: impl ExactSizeIterator<Item = f64>) -> Tally {
+    summed(facets, wi, turns, |cos| [1.0, towards_grazing(ior, cos), edge(cos)])
+}
+
+/// What facets that are alike all round reflect if each reflects so much at its cosine.
+pub(super) fn weigh_by(facets: &Lobe, wi: DVec3, share: impl Fn(f64) -> [f64; 3]) -> [f64; 3] {
+    summed(facets, wi, (0..TURNS).map(|turn| 0.5 * (turn as f64 + 0.5) / TURNS as f64), share)
+}
+
+fn summed(
+    facets: &Lobe,
+    wi: DVec3,
+    turns: impl ExactSizeIterator<Item = f64>,
+    share: impl Fn(f64) -> [f64; 3],
+) -> [f64; 3] {
+    let mut sums = [0.0; 3];
+    let count = turns.len();
+    for turn in turns {
         for tilt in 0..TILTS {
-            // Half of the turns mirror the other half.
             // Smooth facets lose what the last thousandth of the normals would send back: those are looked at closely.
             let rest = 1.0 - (tilt as f64 + 0.5) / TILTS as f64;
-            let at = [0.5 * (turn as f64 + 0.5) / TURNS as f64, 1.0 - rest.powi(3)];
             let weight = 3.0 * rest * rest;
-            let h = facets.visible_normal(wi, at);
+            let h = facets.visible_normal(wi, [turn, 1.0 - rest.powi(3)]);
             let along = wi.dot(h);
             let wo = h * (2.0 * along) - wi;
             if wo.z > 0.0 {
-                let seen = weight * (1.0 + lambda_in) * Facets::masking(lambda_in, facets.lambda(wo));
-                sums[0] += seen;
-                sums[1] += seen * towards_grazing(ior, along);
+                let seen = weight * facets.leaves(wi, wo);
+                let reflected = share(along);
+                for k in 0..3 {
+                    sums[k] += seen * reflected[k];
+                }
             }
         }
     }
     // The mean of the weights is 1 but for their squares' sum.
     let whole = 1.0 - 0.25 / (TILTS * TILTS) as f64;
-    sums.map(|sum| sum / ((TURNS * TILTS) as f64 * whole))
+    sums.map(|sum| sum / ((count * TILTS) as f64 * whole))
 }
 
 #[cfg(test)]
@@ -161,7 +192,7 @@ mod tests {
     fn smooth_facets_are_a_mirror() {
         let energy = Energy::of(1.5);
         for cos in [1.0, 0.7, 0.3, 0.1] {
-            let [e, b] = energy.at(cos, 0.0);
+            let [e, b, _] = energy.at(cos, 0.0);
             let want = fresnel(1.0, Complex::real(1.5), cos).reflectance();
             let got = 0.04 * (e - b) + b;
             assert!((e - 1.0).abs() < 1e-6 && (got - want).abs() < 2e-3, "{cos}: {e}, {got} for {want}");
@@ -174,21 +205,21 @@ mod tests {
     fn tables_are_what_they_interpolate() {
         let energy = Energy::of(1.5);
         for (cos, roughness) in [(0.93, 1.0), (0.52, 0.71), (0.21, 0.33), (0.08, 0.9), (0.6, 0.12)] {
-            let facets = Facets { alpha: alpha(roughness) };
+            let facets = Lobe::new(alpha(roughness), None);
             let wi = DVec3::new((1.0f64 - cos * cos).sqrt(), 0.0, cos);
-            let (lambda_in, many) = (facets.lambda(wi), 320);
+            let many = 320;
             let mut sum = 0.0;
             for turn in 0..many {
                 for tilt in 0..many {
                     let h = facets.visible_normal(wi, [turn, tilt].map(|i| (i as f64 + 0.5) / many as f64));
                     let wo = h * (2.0 * wi.dot(h)) - wi;
                     if wo.z > 0.0 {
-                        sum += (1.0 + lambda_in) * Facets::masking(lambda_in, facets.lambda(wo));
+                        sum += facets.leaves(wi, wo);
                     }
                 }
             }
             let want = sum / f64::from(many * many);
-            let [got, _] = energy.at(cos, roughness);
+            let [got, ..] = energy.at(cos, roughness);
             assert!((got - want).abs() < 1e-3, "{cos} {roughness}: {got} for {want}");
         }
     }

@@ -1,6 +1,8 @@
 //! What a standard surface is where light meets it, for one wavelength or primary.
 
-use super::energy::{self, Energy};
+use super::energy;
+use super::film::FilmLook;
+use super::lobe::{Lobe, Stretch};
 use super::sheen;
 use glam::DVec3;
 use std::sync::LazyLock;
@@ -13,6 +15,8 @@ pub struct Tint {
     /// Of what scatters through.
     pub through: f64,
     pub sheen: f64,
+    /// Of a metal at 82°.
+    pub edge: f64,
 }
 
 /// A standard surface at a point, in a lane.
@@ -24,6 +28,9 @@ pub struct Look {
     pub metallic: f64,
     /// Of the facets of the base.
     pub alpha: f64,
+    /// Where they are not alike all round.
+    pub stretch: Option<Stretch>,
+    pub film: Option<FilmLook>,
     /// Reflectance at normal incidence by the index alone.
     pub straight: f64,
     /// Weight of the dielectric's reflection.
@@ -34,6 +41,8 @@ pub struct Look {
     pub diffuse_transmission: f64,
     pub coat: f64,
     pub coat_alpha: f64,
+    /// The coat's normal in the local frame, where it is not that of the base.
+    pub coat_normal: Option<DVec3>,
     pub sheen_alpha: f64,
     /// The largest of the primaries of the sheen: how much it takes from below.
     pub most_sheen: f64,
@@ -51,14 +60,23 @@ impl Look {
         [(self.straight * colour).min(1.0) * self.specular, self.specular]
     }
 
-    /// Share that comes back of what facets of a metal lose by one bounce.
-    pub fn again(&self, straight: f64, energy: &Energy) -> f64 {
-        // Schlick's form averaged by the cosine.
-        let fresnel = straight + (1.0 - straight) / 21.0;
-        let [mean, _] = energy.mean(self.roughness());
-        let rest = 1.0 - fresnel * (1.0 - mean);
-        if rest > 0.0 { fresnel * fresnel * mean / rest } else { 0.0 }
+    /// Facets of the base.
+    pub(super) fn lobe(&self) -> Lobe {
+        Lobe::new(self.alpha, self.stretch)
     }
+
+    /// Whether a sheet that transmits does not bend what it lets through.
+    pub fn is_clear(&self) -> bool {
+        self.alpha <= energy::LEAST_ALPHA && self.stretch.is_none()
+    }
+}
+
+/// What the reflectance of a metal lacks of Schlick's form, per unit of [`energy::edge`]: all of it where the edge is black.
+pub fn lacks(straight: f64, edge: f64) -> f64 {
+    // At 82°, cos = 1/7, where x(1 − x)⁶ is largest.
+    const AT: f64 = 1.0 / 7.0;
+    let there = schlick(straight, AT);
+    there * (1.0 - edge) / energy::edge(AT)
 }
 
 /// Reflectance of a metal: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994).

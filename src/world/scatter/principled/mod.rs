@@ -7,24 +7,35 @@
 //! layers above leave under that cosine. That is reciprocal, and nothing is lost of a white body (Ashikhmin and Shirley, "An Anisotropic
 //! Phong BRDF Model", JGT 5(2), 2000, by numbers instead of Schlick's form). To lobes of facets a coat and a sheen
 //! leave 1 − the larger of what they reflect under the two cosines: reciprocal, and never a gain.
+//!
+//! A sheet that transmits is clear where its facets are smooth ([`Principled::passes`]). Where they are rough it sends on through
+//! the face what they do not reflect, as the mirror image of their lobe, and what they lose by masking by a lobe as that of metals.
+//! A coat with normals of its own has facets about those, times what the cosines about both normals have in common:
+//! min(1, cos coat/cos base) at both ends, which is reciprocal and gives no light that was not there.
 
 pub mod energy;
+mod film;
+mod layers;
+mod lobe;
 mod look;
 mod point;
+mod stretched;
 
-pub use look::{Look, Tint};
+pub use look::Look;
 pub use point::Point;
 
-use super::rough::Facets;
 use super::{Sampled, mirrored};
 use crate::base::Shared;
-use crate::base::warp::cosine_hemisphere;
+use crate::base::warp::{Frame, cosine_hemisphere};
 use crate::scene::StandardSurface;
 use crate::scene::mesh::Mesh;
 use energy::Energy;
+use film::Interference;
 use glam::DVec3;
+use lobe::Lobe;
 use std::f64::consts::PI;
 use std::sync::Arc;
+use stretched::Stretched;
 
 /// Index of the coat (KHR_materials_clearcoat).
 const COAT_IOR: f64 = 1.5;
@@ -37,6 +48,9 @@ pub struct Principled {
     mesh: Shared<Mesh>,
     base: Arc<Energy>,
     coat: Arc<Energy>,
+    /// Of facets that are not alike all round.
+    stretched: Option<Arc<Stretched>>,
+    film: Option<Arc<Interference>>,
 }
 
 impl PartialEq for Principled {
@@ -45,10 +59,31 @@ impl PartialEq for Principled {
     }
 }
 
+/// The lobes of a surface, by what is chosen between them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Chances {
+    /// What scatters back, and what scatters through.
+    back: f64,
+    through: f64,
+    /// Facets of the base and of the coat.
+    base: f64,
+    coat: f64,
+    /// What facets send through a sheet.
+    sheet: f64,
+    /// What those lose and send through all the same.
+    sheet_again: f64,
+}
+
 impl Principled {
     pub fn new(surface: Shared<StandardSurface>, mesh: Shared<Mesh>) -> Self {
         let base = Energy::of(surface.ior);
-        Principled { surface, mesh, base, coat: Energy::of(COAT_IOR) }
+        let stretched = surface.anisotropy.as_ref().filter(|found| found.strength.factor > 0.0).map(|found| {
+            let strength = &found.strength;
+            Stretched::of(surface.ior, found.law, strength.factor.clamp(0.0, 1.0), strength.texture.is_some())
+        });
+        let film = surface.film.as_ref().filter(|film| film.weight.factor > 0.0);
+        let film = film.map(|film| Arc::new(Interference::of(film, energy::normal_reflectance(surface.ior))));
+        Principled { base, coat: Energy::of(COAT_IOR), stretched, film, surface, mesh }
     }
 
     /// Whether all that it sends out stays within a lobe narrower than this half width at half maximum: a metal that is
@@ -58,59 +93,73 @@ impl Principled {
         let metal = surface.metallic.texture.is_none() && surface.metallic.factor >= 1.0;
         // A texture's values are at most 1.
         let alpha = energy::alpha(surface.roughness.factor);
-        metal && super::rough::half_width_rad(alpha) < half_width_rad
+        metal && surface.anisotropy.is_none() && super::rough::half_width_rad(alpha) < half_width_rad
     }
 
     /// Bidirectional distribution, 1/sr, without the cosine.
     pub(super) fn eval(&self, d_in: DVec3, d_out: DVec3, look: &Look) -> f64 {
         let wi = -d_in;
-        let layers = self.layers(wi.z, d_out.z.abs(), look);
+        let layers = self.layers(wi, d_out, look);
         let body = layers.body;
         if d_out.z < 0.0 {
-            return body * look.tint.through * look.diffuse_transmission;
+            let sheet = if layers.sheet > 0.0 { self.through_sheet(wi, mirrored(d_out), look) } else { 0.0 };
+            return body * look.tint.through * look.diffuse_transmission
+                + layers.under * layers.sheet * look.tint.base * (sheet + layers.again);
         }
         let mut sum = body * look.tint.base * (1.0 - look.diffuse_transmission);
-        sum += layers.under * look.metallic * layers.again * look.again(look.tint.base, &self.base);
-        if let Some([value, _, cos]) = (Facets { alpha: look.alpha }).mirrored(wi, d_out) {
-            let [straight, grazing] = look.dielectric(look.tint.specular);
-            let plain = straight + (grazing - straight) * energy::towards_grazing(self.base.ior(), cos);
-            let metal = look::schlick(look.tint.base, cos);
+        if look.metallic > 0.0 {
+            sum += layers.under * look.metallic * layers.again * self.again(look, look.tint);
+        }
+        if let Some([value, _, cos]) = look.lobe().mirrored(wi, d_out) {
+            let plain = self.dielectric_reflects(cos, look);
+            let metal = if look.metallic > 0.0 { self.metal_reflects(cos, look, look.tint) } else { 0.0 };
             sum += layers.under * value * (plain + (metal - plain) * look.metallic);
         }
         if look.coat > 0.0
-            && let Some([value, _, cos]) = (Facets { alpha: look.coat_alpha }).mirrored(wi, d_out)
+            && let Some(([value, _, cos], common)) = coat_facets(wi, d_out, look)
         {
             let straight = energy::normal_reflectance(COAT_IOR);
             let share = straight + (1.0 - straight) * energy::towards_grazing(COAT_IOR, cos);
-            sum += layers.under_sheen * look.coat * share * value;
+            sum += layers.under_sheen * look.coat * share * value * common;
         }
         sum + look.tint.sheen * sheen(wi, d_out, look.sheen_alpha)
     }
 
+    /// What rough facets of a sheet send through it, to the mirror image of `wo`, without the tint.
+    fn through_sheet(&self, wi: DVec3, wo: DVec3, look: &Look) -> f64 {
+        let found = look.lobe().mirrored(wi, wo);
+        found.map_or(0.0, |[value, _, cos]| value * (1.0 - self.dielectric_reflects(cos, look)).max(0.0))
+    }
+
     /// Density of [`Principled::sample`], 1/sr.
     pub(super) fn pdf(&self, d_in: DVec3, d_out: DVec3, look: &Look) -> f64 {
-        self.density(-d_in, d_out, look, &self.chances(-d_in.z, look))
+        density(-d_in, d_out, look, &self.chances(-d_in, look))
     }
 
     /// `u[0]` chooses the lobe, the others the direction.
     pub(super) fn sample(&self, d_in: DVec3, look: &Look, u: [f64; 3]) -> Option<Sampled> {
         let wi = -d_in;
-        let chances = self.chances(wi.z, look);
+        let chances = self.chances(wi, look);
         let at = [u[1], u[2]];
-        let facets = |alpha: f64| {
-            let h = Facets { alpha }.visible_normal(wi, at);
-            let wo = (h * (2.0 * wi.dot(h)) - wi).normalize();
-            (wo.z > 0.0).then_some(wo)
+        let mut left = u[0];
+        let mut chosen = |chance: f64| {
+            let yes = left < chance;
+            left -= chance;
+            yes
         };
-        let [body, through, base, _] = chances;
-        let dir = if u[0] < body {
+        let dir = if chosen(chances.back) {
             cosine_hemisphere(at)
-        } else if u[0] < body + through {
+        } else if chosen(chances.through + chances.sheet_again) {
             mirrored(cosine_hemisphere(at))
-        } else if u[0] < body + through + base {
-            facets(look.alpha)?
-        } else if look.coat > 0.0 {
-            facets(look.coat_alpha)?
+        } else if chosen(chances.base) {
+            look.lobe().sample(wi, at)?
+        } else if chosen(chances.sheet) {
+            mirrored(look.lobe().sample(wi, at)?)
+        } else if chances.coat > 0.0 {
+            let frame = look.coat_normal.map(Frame::about);
+            let local = |w: DVec3| frame.as_ref().map_or(w, |frame| frame.to_local(w));
+            let wo = Lobe::new(look.coat_alpha, None).sample(local(wi), at)?;
+            frame.as_ref().map_or(wo, |frame| frame.to_world(wo))
         } else {
             // Rounding of the sum.
             return None;
@@ -118,155 +167,95 @@ impl Principled {
         if dir.z == 0.0 {
             return None;
         }
-        let pdf = self.density(wi, dir, look, &chances);
+        let pdf = density(wi, dir, look, &chances);
         Some(Sampled { dir, weight: self.eval(d_in, dir, look) * dir.z.abs() / pdf, pdf })
     }
 
-    fn density(&self, wi: DVec3, wo: DVec3, look: &Look, [body, through, base, coat]: &[f64; 4]) -> f64 {
-        if wo.z < 0.0 {
-            return through * -wo.z / PI;
-        }
-        let facets = |chance: f64, alpha: f64| {
-            let found = if chance > 0.0 { Facets { alpha }.mirrored(wi, wo) } else { None };
-            chance * found.map_or(0.0, |[_, pdf, _]| pdf)
-        };
-        body * wo.z / PI + facets(*base, look.alpha) + facets(*coat, look.coat_alpha)
-    }
-
-    /// The chance of each lobe: what scatters back, what scatters through, the facets of the base and of the coat; by what they
-    /// carry of light of all colours. They sum to 1, or are all 0.
-    fn chances(&self, cos: f64, look: &Look) -> [f64; 4] {
+    /// The chance of each lobe, by what they carry of light of all colours. They sum to 1, or are all 0.
+    fn chances(&self, wi: DVec3, look: &Look) -> Chances {
         let mean = look.mean;
-        let layers = self.layers(cos, cos, look);
-        let (inside, facets) = self.facets(cos, look, mean);
-        let again = look.metallic * (1.0 - self.base.at(cos, look.roughness())[0]) * look.again(mean.base, &self.base);
+        let layers = self.layers(wi, wi, look);
+        let (inside, facets) = self.facets(wi, look, mean);
+        let lost = 1.0 - self.energy(wi, look)[0];
+        let again = if look.metallic > 0.0 { look.metallic * lost * self.again(look, mean) } else { 0.0 };
         let back = mean.base * (1.0 - look.diffuse_transmission);
-        let all = [
-            layers.under * (inside * (1.0 - look.transmission) * back + again) + mean.sheen,
-            layers.under * inside * (1.0 - look.transmission) * look.diffuse_transmission * mean.through,
-            layers.under * facets,
-            layers.under_sheen * look.coat * self.coat_reflects(cos, look),
-        ];
-        let sum: f64 = all.iter().sum();
-        if sum > 0.0 && sum.is_finite() { all.map(|x| x / sum) } else { [0.0; 4] }
-    }
-
-    /// Of light under a cosine, for these colours: what gets into the body of the dielectric share, and what the facets of
-    /// dielectric and metal reflect.
-    fn facets(&self, cos: f64, look: &Look, tint: Tint) -> (f64, f64) {
-        let [whole, edge] = self.base.at(cos, look.roughness());
-        let [straight, grazing] = look.dielectric(tint.specular);
-        let plain = straight * (whole - edge) + grazing * edge;
-        // Schlick's fifth power is nearly the t of glass.
-        let metal = tint.base * (whole - edge) + edge;
-        let dielectric = 1.0 - look.metallic;
-        (dielectric * (1.0 - plain).max(0.0), dielectric * plain + look.metallic * metal)
-    }
-
-    fn coat_reflects(&self, cos: f64, look: &Look) -> f64 {
-        let [whole, edge] = self.coat.at(cos, look.coat_alpha.sqrt());
-        let straight = energy::normal_reflectance(COAT_IOR);
-        straight * (whole - edge) + edge
-    }
-
-    /// Share of light under a cosine that gets through coat, sheen and facets into the body.
-    fn opening(&self, cos: f64, look: &Look) -> f64 {
-        let [straight, grazing] = look.dielectric(look.tint.specular);
-        let [whole, edge] = self.base.at(cos, look.roughness());
-        let mut open = (1.0 - straight * (whole - edge) - grazing * edge).max(0.0);
-        if look.coat > 0.0 {
-            open *= 1.0 - look.coat * self.coat_reflects(cos, look);
-        }
-        if look.most_sheen > 0.0 {
-            open *= 1.0 - look.most_sheen * look::sheen_reflects(cos, look.sheen_alpha);
-        }
-        open.max(0.0)
-    }
-
-    /// [`Principled::opening`] of light from all sides: its mean by the cosine.
-    fn mean_opening(&self, look: &Look) -> f64 {
-        if look.coat == 0.0 && look.most_sheen == 0.0 {
-            let [straight, grazing] = look.dielectric(look.tint.specular);
-            let [whole, edge] = self.base.mean(look.roughness());
-            return (1.0 - straight * (whole - edge) - grazing * edge).max(0.0);
-        }
-        // Gauss and Legendre's six points of 0 to 1 (Abramowitz and Stegun 25.4.30).
-        const POINTS: [[f64; 2]; 6] = [
-            [0.033_765_242_898_424, 0.085_662_246_189_585],
-            [0.169_395_306_766_868, 0.180_380_786_524_069],
-            [0.380_690_406_958_402, 0.233_956_967_286_346],
-            [0.619_309_593_041_598, 0.233_956_967_286_346],
-            [0.830_604_693_233_132, 0.180_380_786_524_069],
-            [0.966_234_757_101_576, 0.085_662_246_189_585],
-        ];
-        POINTS.iter().map(|[cos, weight]| 2.0 * cos * weight * self.opening(*cos, look)).sum()
-    }
-
-    /// What layers leave to those below, between two directions.
-    fn layers(&self, cos_in: f64, cos_out: f64, look: &Look) -> Layers {
-        let dielectric = (1.0 - look.metallic) * (1.0 - look.transmission);
-        let mean = if dielectric > 0.0 { self.mean_opening(look) } else { 0.0 };
-        let body =
-            if mean > 0.0 { self.opening(cos_in, look) * self.opening(cos_out, look) / (PI * mean) } else { 0.0 };
-        let again = if look.metallic > 0.0 {
-            let lost = |cos: f64| 1.0 - self.base.at(cos, look.roughness())[0];
-            let mean = 1.0 - self.base.mean(look.roughness())[0];
-            if mean > 0.0 { lost(cos_in) * lost(cos_out) / (PI * mean) } else { 0.0 }
-        } else {
-            0.0
+        let sheet = layers.under * layers.sheet * mean.base;
+        let all = Chances {
+            back: layers.under * (inside * (1.0 - look.transmission) * back + again) + mean.sheen,
+            through: layers.under * inside * (1.0 - look.transmission) * look.diffuse_transmission * mean.through,
+            base: layers.under * facets,
+            coat: layers.under_sheen * look.coat * self.coat_reflects(wi, look),
+            // A mean of what one facet lets through serves: 1 − what it reflects straight on.
+            sheet: sheet * (1.0 - lost) * (1.0 - look.straight * look.specular),
+            sheet_again: sheet * lost,
         };
-        let coat = if look.coat > 0.0 {
-            look.coat * self.coat_reflects(cos_in, look).max(self.coat_reflects(cos_out, look))
-        } else {
-            0.0
-        };
-        let under_sheen = 1.0 - look.most_sheen * look::sheen_reflects(cos_in.min(cos_out), look.sheen_alpha);
-        Layers {
-            under: (under_sheen * (1.0 - coat)).max(0.0),
-            under_sheen: under_sheen.max(0.0),
-            body: dielectric * body,
-            again,
+        let sum = all.back + all.through + all.base + all.coat + all.sheet + all.sheet_again;
+        let scale = if sum > 0.0 && sum.is_finite() { 1.0 / sum } else { 0.0 };
+        Chances {
+            back: all.back * scale,
+            through: all.through * scale,
+            base: all.base * scale,
+            coat: all.coat * scale,
+            sheet: all.sheet * scale,
+            sheet_again: all.sheet_again * scale,
         }
     }
 
-    /// Share of light under a cosine that goes straight through: past what is cut out, and through a sheet that transmits.
-    pub fn passes(&self, cos: f64, look: &Look) -> f64 {
-        if look.transmission == 0.0 {
+    /// Share of light from a direction that goes straight through: past what is cut out, and through a clear sheet.
+    pub fn passes(&self, wi: DVec3, look: &Look) -> f64 {
+        if look.transmission == 0.0 || !look.is_clear() {
             return 1.0 - look.opacity;
         }
-        let (inside, _) = self.facets(cos, look, look.tint);
-        let through = self.layers(cos, cos, look).under * inside * look.transmission * look.tint.base;
+        let (inside, _) = self.facets(wi, look, look.tint);
+        let through = self.layers(wi, wi, look).under * inside * look.transmission * look.tint.base;
         1.0 - look.opacity + look.opacity * through
     }
 
     /// About what share of light that falls straight on is scattered, for a guess without the place.
     pub(super) fn albedo(&self, cos: f64) -> f64 {
         let look = Point::plain(&self.surface).look(None);
-        self.scatters(cos, &look)
+        self.scatters(DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos), &look)
     }
 
-    /// Share of light under a cosine that is scattered where it meets the surface.
-    pub fn scatters(&self, cos: f64, look: &Look) -> f64 {
-        let (inside, facets) = self.facets(cos, look, look.tint);
-        let layers = self.layers(cos, cos, look);
+    /// Share of light from a direction that is scattered where it meets the surface.
+    pub fn scatters(&self, wi: DVec3, look: &Look) -> f64 {
+        let (inside, facets) = self.facets(wi, look, look.tint);
+        let layers = self.layers(wi, wi, look);
         let d = look.diffuse_transmission;
         let body = (1.0 - look.transmission) * ((1.0 - d) * look.tint.base + d * look.tint.through);
-        let again =
-            look.metallic * (1.0 - self.base.at(cos, look.roughness())[0]) * look.again(look.tint.base, &self.base);
-        let coat = layers.under_sheen * look.coat * self.coat_reflects(cos, look);
-        let sheen = look.tint.sheen * look::sheen_reflects(cos, look.sheen_alpha);
-        (layers.under * (inside * body + facets + again) + coat + sheen).min(1.0)
+        let sheet = if layers.sheet > 0.0 { look.transmission * look.tint.base } else { 0.0 };
+        let lost = 1.0 - self.energy(wi, look)[0];
+        let again = if look.metallic > 0.0 { look.metallic * lost * self.again(look, look.tint) } else { 0.0 };
+        let coat = layers.under_sheen * look.coat * self.coat_reflects(wi, look);
+        let sheen = look.tint.sheen * look::sheen_reflects(wi.z.abs(), look.sheen_alpha);
+        (layers.under * (inside * (body + sheet) + facets + again) + coat + sheen).min(1.0)
     }
 }
 
-/// What is left below layers, and the lobes without their colours, 1/sr.
-struct Layers {
-    /// Below coat and sheen; below the sheen.
-    under: f64,
-    under_sheen: f64,
-    /// Of the body, below all of them.
-    body: f64,
-    again: f64,
+fn density(wi: DVec3, wo: DVec3, look: &Look, chances: &Chances) -> f64 {
+    if wo.z < 0.0 {
+        let lobe = if chances.sheet > 0.0 { look.lobe().mirrored(wi, mirrored(wo)) } else { None };
+        let sheet = lobe.map_or(0.0, |[_, pdf, _]| chances.sheet * pdf);
+        return (chances.through + chances.sheet_again) * -wo.z / PI + sheet;
+    }
+    let base = if chances.base > 0.0 { look.lobe().mirrored(wi, wo) } else { None };
+    let coat = if chances.coat > 0.0 { coat_facets(wi, wo, look) } else { None };
+    chances.back * wo.z / PI
+        + base.map_or(0.0, |[_, pdf, _]| chances.base * pdf)
+        + coat.map_or(0.0, |([_, pdf, _], _)| chances.coat * pdf)
+}
+
+/// Value, density and cosine of the coat's facets, and what the cosines about its own normal and the base's have in common.
+fn coat_facets(wi: DVec3, wo: DVec3, look: &Look) -> Option<([f64; 3], f64)> {
+    let lobe = Lobe::new(look.coat_alpha, None);
+    let Some(normal) = look.coat_normal else { return lobe.mirrored(wi, wo).map(|found| (found, 1.0)) };
+    let frame = Frame::about(normal);
+    let (own_in, own_out) = (frame.to_local(wi), frame.to_local(wo));
+    if own_in.z <= 0.0 || own_out.z <= 0.0 || wo.z <= 0.0 {
+        return None;
+    }
+    let common = (own_in.z / wi.z).min(1.0) * (own_out.z / wo.z).min(1.0);
+    lobe.mirrored(own_in, own_out).map(|found| (found, common))
 }
 
 /// Fibres: the distribution of Estevez and Kulla, "Production Friendly Microfacet Sheen BRDF" (SIGGRAPH 2017 courses), with

@@ -2,8 +2,11 @@
 
 use super::Principled;
 use super::energy;
+use super::film::FilmLook;
+use super::lobe::Stretch;
 use super::look::{Look, Tint, facets, sheen_alpha};
-use crate::scene::{Mesh, Opacity, StandardSurface};
+use crate::base::warp::Frame;
+use crate::scene::{Anisotropy, CoatNormal, Mesh, Opacity, StandardSurface, TextureInput};
 use crate::world::geometry::Hit;
 use crate::world::texture::{Coordinates, of_set, read};
 use glam::{DAffine3, DVec3};
@@ -15,6 +18,10 @@ pub struct Point {
     pub specular_color: [f64; 3],
     pub through: [f64; 3],
     pub sheen: [f64; 3],
+    pub edge: [f64; 3],
+    /// What its facets are longer along, and the coat's normal where it has its own: world.
+    along: Option<DVec3>,
+    coat_normal: Option<DVec3>,
     rest: Look,
 }
 
@@ -23,14 +30,52 @@ type Weights = [f64; 3];
 
 impl Principled {
     /// The surface where a ray has met it.
-    pub fn at(&self, hit: &Hit) -> Point {
+    pub fn at(&self, hit: &Hit, to_world: &DAffine3) -> Point {
         let coloured = self.surface.vertex_colors && !self.mesh.colors.is_empty();
-        let asks = coloured || self.surface.is_textured();
+        let asks = coloured || self.surface.is_textured() || self.surface.anisotropy.is_some();
         let corners = if asks { corners(&self.mesh, hit) } else { None };
-        let Some((corners, weights)) = corners else { return Point::plain(&self.surface) };
-        let uv = coordinates(&self.mesh, corners, weights);
-        let colour = if coloured { of_vertices(&self.mesh, corners, weights) } else { [1.0; 4] };
-        Point::new(&self.surface, &uv, colour)
+        let mut point = match corners {
+            None => Point::plain(&self.surface),
+            Some((corners, weights)) => {
+                let uv = coordinates(&self.mesh, corners, weights);
+                let colour = if coloured { of_vertices(&self.mesh, corners, weights) } else { [1.0; 4] };
+                let mut point = Point::new(&self.surface, &uv, colour);
+                if let Some(anisotropy) = &self.surface.anisotropy {
+                    point.along = self.along(anisotropy, hit, to_world, &uv);
+                }
+                point
+            }
+        };
+        if point.rest.coat > 0.0 {
+            point.coat_normal = match &self.surface.coat_normal {
+                CoatNormal::Base => None,
+                CoatNormal::Smooth => self.surface.normal.as_ref().map(|_| hit.shading),
+                CoatNormal::Map(input, strength) => {
+                    Some(self.mapped(input, *strength, hit, to_world).unwrap_or(hit.shading))
+                }
+            };
+        }
+        point
+    }
+
+    /// The first set of texture coordinates where a ray has met it; 0 without one.
+    pub fn uv(&self, hit: &Hit) -> [f64; 2] {
+        corners(&self.mesh, hit).map_or([0.0; 2], |(corners, weights)| coordinates(&self.mesh, corners, weights)[0])
+    }
+
+    /// What facets are longer along, world.
+    fn along(&self, anisotropy: &Anisotropy, hit: &Hit, to_world: &DAffine3, uv: &Coordinates) -> Option<DVec3> {
+        let set = anisotropy.direction.as_ref().map_or(0, |input| input.set);
+        let [tangent, upright] = self.tangents(set, None, hit, to_world)?;
+        let [x, y] = match &anisotropy.direction {
+            None => [1.0, 0.0],
+            Some(input) => {
+                let [x, y, ..] = read(input, of_set(input, uv));
+                [x, y]
+            }
+        };
+        let (sin, cos) = anisotropy.rotation_rad.sin_cos();
+        (tangent * (cos * x - sin * y) + upright * (sin * x + cos * y)).try_normalize()
     }
 
     /// The normal for optics of a ray along `dir`, in the hemisphere of the face's own.
@@ -58,14 +103,34 @@ impl Principled {
     /// picture's columns, its y against its rows.
     pub fn bent_normal(&self, hit: &Hit, to_world: &DAffine3) -> Option<DVec3> {
         let (input, strength) = self.surface.normal.as_ref()?;
+        self.mapped(input, *strength, hit, to_world)
+    }
+
+    fn mapped(&self, input: &TextureInput, strength: f64, hit: &Hit, to_world: &DAffine3) -> Option<DVec3> {
         let (corners, weights) = corners(&self.mesh, hit)?;
         let uv = of_set(input, &coordinates(&self.mesh, corners, weights));
         let [x, y, z, _] = read(input, uv);
-        let (x, y) = (x * strength, y * strength);
-        let set = if input.set > 0 { &self.mesh.second_uvs } else { &self.mesh.uvs };
+        let [tangent, upright] = self.tangents(input.set, Some(&input.to_picture), hit, to_world)?;
+        (tangent * (x * strength) + upright * (y * strength) + hit.shading * z).try_normalize()
+    }
+
+    /// Along the columns of a picture on this set of coordinates, and against its rows, both at right angles to the shading
+    /// normal, world; none where the coordinates say nothing.
+    fn tangents(
+        &self,
+        set: u32,
+        to_picture: Option<&[[f64; 3]; 2]>,
+        hit: &Hit,
+        to_world: &DAffine3,
+    ) -> Option<[DVec3; 2]> {
+        let (corners, _) = corners(&self.mesh, hit)?;
+        let set = if set > 0 { &self.mesh.second_uvs } else { &self.mesh.uvs };
         let uvs = corners.map(|corner| set.get(corner).map(|uv| uv.map(f64::from)));
         let [Some(a), Some(b), Some(c)] = uvs else { return None };
-        let picture = |[u, v]: [f64; 2]| input.to_picture.map(|[p, q, r]| p * u + q * v + r);
+        let picture = |[u, v]: [f64; 2]| match to_picture {
+            Some(rows) => rows.map(|[p, q, r]| p * u + q * v + r),
+            None => [u, v],
+        };
         let ([a, b, c], [p, q, r]) = ([a, b, c].map(picture), positions(&self.mesh, corners)?);
         // p(s, t) is linear over the triangle: its derivatives by the picture's axes.
         let (e, f) = (q - p, r - p);
@@ -81,7 +146,7 @@ impl Principled {
         // At a right angle, on the side where the rows run the other way.
         let upright = normal.cross(tangent);
         let upright = if upright.dot(across(by_t)?) > 0.0 { -upright } else { upright };
-        (tangent * x + upright * y + normal * z).try_normalize()
+        Some([tangent, upright])
     }
 }
 
@@ -152,7 +217,18 @@ impl Point {
         let share = |scalar: &crate::scene::Scalar| number(scalar).clamp(0.0, 1.0);
         let shares = |found: &crate::scene::Colour| colour(found).map(|c| c.clamp(0.0, 1.0));
         let base = colour(&surface.base_color);
-        let white = Tint { base: 1.0, specular: 1.0, through: 1.0, sheen: 1.0 };
+        let white = Tint { base: 1.0, specular: 1.0, through: 1.0, sheen: 1.0, edge: 1.0 };
+        let alpha_of_facets = facets(share(&surface.roughness));
+        let stretch = surface.anisotropy.as_ref().and_then(|anisotropy| {
+            let strength = share(&anisotropy.strength);
+            let alphas = anisotropy.law.alphas(alpha_of_facets, strength);
+            (strength > 0.0).then_some(Stretch { turn: [1.0, 0.0], alphas, strength })
+        });
+        let film = surface.film.as_ref().and_then(|film| {
+            let weight = share(&film.weight);
+            let thickness_nm = number(&film.thickness_nm).max(0.0);
+            (weight > 0.0).then_some(FilmLook { weight, thickness_nm, lane: [1.0 / 3.0; 3] })
+        });
         let sheen = shares(&surface.sheen_color);
         let base = [base[0] * r, base[1] * g, base[2] * b].map(|c| c.clamp(0.0, 1.0));
         Point {
@@ -161,17 +237,23 @@ impl Point {
             specular_color: colour(&surface.specular_color).map(|c| c.max(0.0)),
             through: shares(&surface.diffuse_transmission_color),
             sheen,
+            edge: shares(&surface.metal_edge),
+            along: None,
+            coat_normal: None,
             rest: Look {
                 tint: white,
                 mean: white,
                 metallic: share(&surface.metallic),
-                alpha: facets(share(&surface.roughness)),
+                alpha: alpha_of_facets,
+                stretch,
+                film,
                 straight: energy::normal_reflectance(surface.ior),
                 specular: share(&surface.specular),
                 transmission: share(&surface.transmission),
                 diffuse_transmission: share(&surface.diffuse_transmission),
                 coat: share(&surface.coat),
                 coat_alpha: facets(share(&surface.coat_roughness)),
+                coat_normal: None,
                 sheen_alpha: sheen_alpha(share(&surface.sheen_roughness)),
                 most_sheen: sheen.into_iter().fold(0.0, f64::max),
                 opacity: alpha.clamp(0.0, 1.0),
@@ -187,13 +269,40 @@ impl Point {
             specular: mixed(self.specular_color, shares),
             through: mixed(self.through, shares),
             sheen: mixed(self.sheen, shares),
+            edge: mixed(self.edge, shares),
         };
-        let mean = tint([1.0 / 3.0; 3]);
-        Look { tint: lane.map_or(mean, tint), mean, ..self.rest }
+        const ALIKE: [f64; 3] = [1.0 / 3.0; 3];
+        let mean = tint(ALIKE);
+        let film = self.rest.film.map(|film| FilmLook { lane: lane.unwrap_or(ALIKE), ..film });
+        Look { tint: lane.map_or(mean, tint), mean, film, ..self.rest }
     }
+
+    /// Turned into the local frame about this normal.
+    #[must_use]
+    pub fn seen_about(&self, normal: DVec3) -> Point {
+        let mut out = *self;
+        if self.along.is_none() && self.coat_normal.is_none() {
+            return out;
+        }
+        let frame = Frame::about(normal);
+        if let (Some(along), Some(stretch)) = (self.along, &mut out.rest.stretch) {
+            let local = frame.to_local(along);
+            let length = local.x.hypot(local.y);
+            if length > 0.0 {
+                stretch.turn = [local.x / length, local.y / length];
+            }
+        }
+        // On the side that is looked at.
+        out.rest.coat_normal = self.coat_normal.map(|coat| {
+            let local = frame.to_local(coat);
+            if local.z < 0.0 { -local } else { local }
+        });
+        out
+    }
+
     /// Share of light falling straight on that is scattered, linear Rec.709.
     pub fn albedo(&self, principled: &Principled) -> [f64; 3] {
         let primaries = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        primaries.map(|lane| principled.scatters(1.0, &self.look(Some(lane))))
+        primaries.map(|lane| principled.scatters(DVec3::Z, &self.look(Some(lane))))
     }
 }

@@ -1,9 +1,10 @@
 use super::super::tests::{Case, are_reciprocal, incoming, samples_follow};
 use super::super::{Scatter, Sides};
+use super::look::lacks;
 use super::*;
 use crate::base::rng::{Rng, Stream};
 use crate::base::stats::{Moments, sidak_z};
-use crate::scene::{Colour, Scalar};
+use crate::scene::{Anisotropy, AnisotropyLaw, Colour, Film, Scalar};
 
 fn principled(surface: StandardSurface) -> (Principled, Look) {
     let principled = Principled::new(surface.into(), Mesh::default().into());
@@ -22,6 +23,14 @@ fn case(name: &str, surface: StandardSurface) -> Case {
     }
 }
 
+fn brushed(strength: f64, law: AnisotropyLaw) -> Option<Anisotropy> {
+    Some(Anisotropy { strength: Scalar::new(strength), law, rotation_rad: 0.0, direction: None })
+}
+
+fn film(weight: f64, ior: f64, nm: f64) -> Option<Film> {
+    Some(Film { weight: Scalar::new(weight), ior, thickness_nm: Scalar::new(nm) })
+}
+
 fn some() -> Vec<Case> {
     let grey = |c: f64| Colour::new([c; 3]);
     let plain = StandardSurface { roughness: Scalar::new(0.5), base_color: grey(0.6), ..StandardSurface::default() };
@@ -37,8 +46,72 @@ fn some() -> Vec<Case> {
         case("paper", with(&|s| (s.diffuse_transmission, s.specular) = (Scalar::new(0.4), Scalar::new(0.5)))),
         case("varnish", with(&|s| (s.coat, s.coat_roughness) = (Scalar::new(0.8), Scalar::new(0.4)))),
         case("cloth", with(&|s| (s.sheen_color, s.sheen_roughness) = (grey(0.7), Scalar::new(0.5)))),
-        case("sheet", with(&|s| s.transmission = Scalar::new(0.5))),
+        case("rough sheet", with(&|s| s.transmission = Scalar::new(0.5))),
+        case("brushed", with(&|s| (s.metallic, s.anisotropy) = (Scalar::new(1.0), brushed(0.6, AnisotropyLaw::Gltf)))),
+        case("grooved", with(&|s| s.anisotropy = brushed(0.7, AnisotropyLaw::OpenPbr))),
+        case("bubble", with(&|s| s.film = film(0.7, 1.33, 350.0))),
+        case("anodised", with(&|s| (s.metallic, s.film) = (Scalar::new(1.0), film(1.0, 1.8, 200.0)))),
+        case("copper", with(&|s| (s.metallic, s.metal_edge) = (Scalar::new(1.0), grey(0.4)))),
     ]
+}
+
+/// A coat whose normals are not those of the base, and brushed facets that are turned, by places of their own.
+fn turned() -> Vec<Case> {
+    let bumpy = StandardSurface {
+        coat: Scalar::new(0.9),
+        coat_roughness: Scalar::new(0.5),
+        roughness: Scalar::new(0.6),
+        base_color: Colour::new([0.5; 3]),
+        anisotropy: brushed(0.8, AnisotropyLaw::MaterialX),
+        ..StandardSurface::default()
+    };
+    let (principled, mut look) = principled(bumpy);
+    look.coat_normal = Some(DVec3::new(0.3, -0.2, 1.0).normalize());
+    if let Some(stretch) = &mut look.stretch {
+        stretch.turn = [0.6, 0.8];
+    }
+    let n = Sides { here: 1.0, beyond: 1.0, look: Some(Box::leak(Box::new(look))) };
+    let scatter = Scatter::Principled(Box::new(principled));
+    vec![Case { name: "turned".to_owned(), scatter, n, width: std::f64::consts::FRAC_PI_4 }]
+}
+
+/// The furnace of surfaces that are not alike all round, from all sides.
+#[test]
+fn turned_furnace() {
+    for case in turned() {
+        for turn in 0..8 {
+            let mut rng = Rng::new(25, Stream::Check, 0, turn);
+            let (sin, cos) = (0.7 * turn as f64).sin_cos();
+            let d_in = DVec3::new(0.9 * cos, 0.9 * sin, -(1.0f64 - 0.81).sqrt());
+            let mut all = Moments::default();
+            for _ in 0..1 << 14 {
+                let sampled = case.scatter.sample(d_in, case.n, [rng.uniform(), rng.uniform(), rng.uniform()]);
+                all.add(sampled.map_or(0.0, |s| s.weight));
+            }
+            assert!(all.mean < 1.0 + 3.0 * all.stderr(), "{turn}: {} ± {}", all.mean, all.stderr());
+        }
+    }
+}
+
+/// OpenPBR 1.1: the reflectance of a metal at 82° is Schlick's times the colour of its edge.
+#[test]
+fn edges_of_metals() {
+    for (base, edge) in [(0.9, 0.5), (0.3, 0.0), (1.0, 0.8)] {
+        let cos = 1.0f64 / 7.0;
+        let got = super::look::schlick(base, cos) - lacks(base, edge) * super::energy::edge(cos);
+        let want = edge * super::look::schlick(base, cos);
+        assert!((got - want).abs() < 1e-12, "{got} for {want}");
+    }
+}
+
+#[test]
+fn chi_squared_turned() {
+    samples_follow(&turned());
+}
+
+#[test]
+fn reciprocity_turned() {
+    are_reciprocal(&turned());
 }
 
 #[test]
@@ -68,7 +141,16 @@ fn random(rng: &mut Rng, white: bool) -> StandardSurface {
         diffuse_transmission: share(),
         ..StandardSurface::default()
     };
+    if share().factor > 0.5 {
+        let laws = [AnisotropyLaw::Gltf, AnisotropyLaw::OpenPbr, AnisotropyLaw::MaterialX];
+        // Strengths have tables of their own: few of them.
+        let strength = [0.3, 0.6, 0.9][(share().factor * 2.99) as usize];
+        out.anisotropy = brushed(strength, laws[(share().factor * 2.99) as usize]);
+    } else if share().factor > 0.5 {
+        out.film = film(share().factor, 1.0 + share().factor, 100.0 + 500.0 * share().factor);
+    }
     if !white {
+        out.metal_edge = Colour::new([share().factor; 3]);
         (out.coat, out.coat_roughness, out.sheen_roughness) = (share(), share(), share());
         let mut colour = || Colour::new([share().factor; 3]);
         out.base_color = colour();
@@ -83,7 +165,7 @@ fn random(rng: &mut Rng, white: bool) -> StandardSurface {
 fn furnace(surface: &StandardSurface, theta_deg: f64, count: u32, rng: &mut Rng) -> Moments {
     let (principled, look) = principled(surface.clone());
     let d_in = incoming(theta_deg);
-    let through = principled.passes(-d_in.z, &look);
+    let through = principled.passes(-d_in, &look);
     let mut all = Moments::default();
     for _ in 0..count {
         let scattered = principled.sample(d_in, &look, [rng.uniform(), rng.uniform(), rng.uniform()]);

@@ -1,0 +1,32 @@
+//! `--frame` and what it means for formats that count in seconds.
+
+use crate::import::ReadOptions;
+use clap::Args;
+
+// No doc comment: clap would take it for the description of every command that has these arguments.
+#[derive(Args, Debug, Clone, Default)]
+pub struct Moment {
+    /// The moment at which an animated asset is taken: a time code of USD, a frame of glTF (see --fps). If not said, USD's own
+    /// values without time, else the earliest; glTF's nodes as they are written.
+    #[arg(long, value_name = "TIME", value_parser = super::parse_frame, allow_negative_numbers = true)]
+    pub frame: Option<f64>,
+    /// Frames a second of a glTF animation, which counts in seconds [default: 24]
+    #[arg(long, value_name = "FPS", value_parser = parse_fps)]
+    pub fps: Option<f64>,
+    /// Which animation of a glTF asset, by its name or from 0; the first if not said.
+    #[arg(long, value_name = "NAME|N")]
+    pub animation: Option<String>,
+}
+
+impl Moment {
+    pub fn reading(&self) -> ReadOptions {
+        ReadOptions { frame: self.frame, fps: self.fps, animation: self.animation.clone() }
+    }
+}
+
+fn parse_fps(text: &str) -> std::result::Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(fps) if fps > 0.0 && fps.is_finite() => Ok(fps),
+        Ok(_) | Err(_) => Err(format!("`{text}` is no number of frames a second; write e.g. 24 or 29.97")),
+    }
+}

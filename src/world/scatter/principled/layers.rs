@@ -1,0 +1,239 @@
+//! How much each layer of a standard surface reflects and leaves to those below.
+
+use super::film::FilmLook;
+use super::look::{self, Look, Tint};
+use super::{COAT_IOR, Principled, energy};
+use energy::Tally;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// What is left below layers, and the lobes without their colours, 1/sr.
+pub(super) struct Layers {
+    /// Below coat and sheen; below the sheen.
+    pub under: f64,
+    pub under_sheen: f64,
+    /// Of the body, below all of them.
+    pub body: f64,
+    /// Of what facets lose.
+    pub again: f64,
+    /// Share of the dielectric that is a rough sheet.
+    pub sheet: f64,
+}
+
+impl Principled {
+    /// What perfect facets reflect of light from a direction, and the columns of the tables besides.
+    pub(super) fn energy(&self, w: DVec3, look: &Look) -> Tally {
+        match (&self.stretched, &look.stretch) {
+            (Some(tables), Some(stretch)) => {
+                tables.at(w.z.abs(), stretch.across(w), look.roughness(), stretch.strength)
+            }
+            (None, _) | (_, None) => self.base.at(w.z.abs(), look.roughness()),
+        }
+    }
+
+    /// The same of light from all sides: its mean by the cosine.
+    fn mean_energy(&self, look: &Look) -> Tally {
+        match (&self.stretched, &look.stretch) {
+            (Some(tables), Some(stretch)) => tables.mean(look.roughness(), stretch.strength),
+            (None, _) | (_, None) => self.base.mean(look.roughness()),
+        }
+    }
+
+    /// Reflectance of a facet of the dielectric at a cosine.
+    pub(super) fn dielectric_reflects(&self, cos: f64, look: &Look) -> f64 {
+        let [straight, grazing] = look.dielectric(look.tint.specular);
+        let bare = straight + (grazing - straight) * energy::towards_grazing(self.base.ior(), cos);
+        match (&self.film, &look.film) {
+            (Some(table), Some(film)) => {
+                // Under a film the index alone counts, not the colour.
+                let colours = table.at(film.thickness_nm, look.straight, cos);
+                bare + (in_lane(colours, film.lane) * look.specular - bare) * film.weight
+            }
+            (None, _) | (_, None) => bare,
+        }
+    }
+
+    /// Reflectance of a facet of the metal at a cosine.
+    pub(super) fn metal_reflects(&self, cos: f64, look: &Look, tint: Tint) -> f64 {
+        let bare = (look::schlick(tint.base, cos) - metal_lacks(tint) * energy::edge(cos)).max(0.0);
+        match (&self.film, &look.film) {
+            (Some(table), Some(film)) => {
+                let colours = table.at(film.thickness_nm, tint.base, cos);
+                bare + (in_lane(colours, film.lane) - bare) * film.weight
+            }
+            (None, _) | (_, None) => bare,
+        }
+    }
+
+    /// Share that comes back of what facets of a metal lose by one bounce.
+    pub(super) fn again(&self, look: &Look, tint: Tint) -> f64 {
+        // Schlick's form averaged by the cosine, and that of the edge: 2 ∫ x² (1 − x)⁶ dx = 1/126.
+        let mut fresnel = tint.base + (1.0 - tint.base) / 21.0 - metal_lacks(tint) / 126.0;
+        if let (Some(_), Some(film)) = (&self.film, &look.film) {
+            let under = Look { film: Some(FilmLook { weight: 1.0, ..*film }), ..*look };
+            let mean: f64 = POINTS.iter().map(|[cos, w]| 2.0 * cos * w * self.metal_reflects(*cos, &under, tint)).sum();
+            fresnel += (mean - fresnel) * film.weight;
+        }
+        let [mean, ..] = self.mean_energy(look);
+        let rest = 1.0 - fresnel * (1.0 - mean);
+        if rest > 0.0 { (fresnel * fresnel * mean / rest).max(0.0) } else { 0.0 }
+    }
+
+    /// Of light from a direction, for these colours: what gets into the body of the dielectric share, and what the facets of
+    /// dielectric and metal reflect.
+    pub(super) fn facets(&self, w: DVec3, look: &Look, tint: Tint) -> (f64, f64) {
+        let tally = self.energy(w, look);
+        let [whole, grazing, edge] = tally;
+        let plain = self.dielectric_share(tally, w.z.abs(), look, tint);
+        // Schlick's fifth power is nearly the t of glass.
+        let bare = (tint.base * (whole - grazing) + grazing - metal_lacks(tint) * edge).max(0.0);
+        let metal = match (&self.film, &look.film) {
+            (Some(_), Some(_)) => whole * self.metal_reflects(w.z.abs(), look, tint),
+            (None, _) | (_, None) => bare,
+        };
+        let dielectric = 1.0 - look.metallic;
+        (dielectric * (1.0 - plain).max(0.0), dielectric * plain + look.metallic * metal)
+    }
+
+    /// What the dielectric's facets reflect of light under a cosine.
+    fn dielectric_share(&self, [whole, edge, _]: Tally, cos: f64, look: &Look, tint: Tint) -> f64 {
+        let [straight, grazing] = look.dielectric(tint.specular);
+        let bare = straight * (whole - edge) + grazing * edge;
+        match (&self.film, &look.film) {
+            (Some(table), Some(film)) => {
+                let colours = table.whole(film.thickness_nm, look.roughness(), cos);
+                bare + (in_lane(colours, film.lane) * look.specular - bare) * film.weight
+            }
+            (None, _) | (_, None) => bare,
+        }
+    }
+
+    /// What the coat reflects of light from a direction.
+    pub(super) fn coat_reflects(&self, w: DVec3, look: &Look) -> f64 {
+        let cos = match look.coat_normal {
+            None => w.z.abs(),
+            Some(normal) => normal.dot(DVec3::new(w.x, w.y, w.z.abs())),
+        };
+        if cos <= 0.0 {
+            return 0.0;
+        }
+        let [whole, edge, _] = self.coat.at(cos, look.coat_alpha.sqrt());
+        let straight = energy::normal_reflectance(COAT_IOR);
+        straight * (whole - edge) + edge
+    }
+
+    /// Share of light from a direction that gets through coat, sheen and facets into the body.
+    fn opening(&self, w: DVec3, look: &Look) -> f64 {
+        let reflected = self.dielectric_share(self.energy(w, look), w.z.abs(), look, look.tint);
+        let mut open = (1.0 - reflected).max(0.0);
+        if look.coat > 0.0 {
+            open *= 1.0 - look.coat * self.coat_reflects(w, look);
+        }
+        if look.most_sheen > 0.0 {
+            open *= 1.0 - look.most_sheen * look::sheen_reflects(w.z.abs(), look.sheen_alpha);
+        }
+        open.max(0.0)
+    }
+
+    /// [`Principled::opening`] of light from all sides: its mean by the cosine.
+    fn mean_opening(&self, look: &Look) -> f64 {
+        if look.coat == 0.0 && look.most_sheen == 0.0 {
+            let [straight, grazing] = look.dielectric(look.tint.specular);
+            let [whole, edge, _] = self.mean_energy(look);
+            let bare = straight * (whole - edge) + grazing * edge;
+            let reflected = match (&self.film, &look.film) {
+                (Some(table), Some(film)) => {
+                    let colours = table.mean(film.thickness_nm, look.roughness());
+                    bare + (in_lane(colours, film.lane) * look.specular - bare) * film.weight
+                }
+                (None, _) | (_, None) => bare,
+            };
+            return (1.0 - reflected).max(0.0);
+        }
+        let round = if look.coat_normal.is_some() {
+            &ALL_ROUND[..]
+        } else if look.stretch.is_some() {
+            &QUADRANT[..]
+        } else {
+            &QUADRANT[..1]
+        };
+        let turn = look.stretch.map_or([1.0, 0.0], |stretch| stretch.turn);
+        let ring = |cos: f64| -> f64 {
+            let sin = (1.0 - cos * cos).sqrt();
+            let at = |[x, y]: [f64; 2]| {
+                DVec3::new(sin * (turn[0] * x - turn[1] * y), sin * (turn[1] * x + turn[0] * y), cos)
+            };
+            round.iter().map(|direction| self.opening(at(*direction), look)).sum::<f64>() / round.len() as f64
+        };
+        POINTS.iter().map(|[cos, weight]| 2.0 * cos * weight * ring(*cos)).sum()
+    }
+
+    /// What layers leave to those below, between two directions.
+    pub(super) fn layers(&self, wi: DVec3, wo: DVec3, look: &Look) -> Layers {
+        let dielectric = (1.0 - look.metallic) * (1.0 - look.transmission);
+        let mean = if dielectric > 0.0 { self.mean_opening(look) } else { 0.0 };
+        let body = if mean > 0.0 { self.opening(wi, look) * self.opening(wo, look) / (PI * mean) } else { 0.0 };
+        let sheet = if look.is_clear() { 0.0 } else { (1.0 - look.metallic) * look.transmission };
+        let again = if look.metallic > 0.0 || sheet > 0.0 {
+            let lost = |w: DVec3| 1.0 - self.energy(w, look)[0];
+            let mean = 1.0 - self.mean_energy(look)[0];
+            if mean > 0.0 { lost(wi) * lost(wo) / (PI * mean) } else { 0.0 }
+        } else {
+            0.0
+        };
+        let coat = if look.coat > 0.0 {
+            look.coat * self.coat_reflects(wi, look).max(self.coat_reflects(wo, look))
+        } else {
+            0.0
+        };
+        let grazing = wi.z.abs().min(wo.z.abs());
+        let under_sheen = 1.0 - look.most_sheen * look::sheen_reflects(grazing, look.sheen_alpha);
+        Layers {
+            under: (under_sheen * (1.0 - coat)).max(0.0),
+            under_sheen: under_sheen.max(0.0),
+            body: dielectric * body,
+            again,
+            sheet,
+        }
+    }
+}
+
+/// Gauss and Legendre's six points of 0 to 1 (Abramowitz and Stegun 25.4.30), and their weights.
+const POINTS: [[f64; 2]; 6] = [
+    [0.033_765_242_898_424, 0.085_662_246_189_585],
+    [0.169_395_306_766_868, 0.180_380_786_524_069],
+    [0.380_690_406_958_402, 0.233_956_967_286_346],
+    [0.619_309_593_041_598, 0.233_956_967_286_346],
+    [0.830_604_693_233_132, 0.180_380_786_524_069],
+    [0.966_234_757_101_576, 0.085_662_246_189_585],
+];
+
+/// Middles of four equal pieces of a right angle, as cosine and sine.
+const QUADRANT: [[f64; 2]; 4] = [
+    [0.980_785_280_403_230, 0.195_090_322_016_128],
+    [0.831_469_612_302_545, 0.555_570_233_019_602],
+    [0.555_570_233_019_602, 0.831_469_612_302_545],
+    [0.195_090_322_016_128, 0.980_785_280_403_230],
+];
+
+/// The same of eight of the whole circle.
+const ALL_ROUND: [[f64; 2]; 8] = [
+    [0.923_879_532_511_287, 0.382_683_432_365_090],
+    [0.382_683_432_365_090, 0.923_879_532_511_287],
+    [-0.382_683_432_365_090, 0.923_879_532_511_287],
+    [-0.923_879_532_511_287, 0.382_683_432_365_090],
+    [-0.923_879_532_511_287, -0.382_683_432_365_090],
+    [-0.382_683_432_365_090, -0.923_879_532_511_287],
+    [0.382_683_432_365_090, -0.923_879_532_511_287],
+    [0.923_879_532_511_287, -0.382_683_432_365_090],
+];
+
+/// A colour in a lane that has these shares of red, green and blue.
+fn in_lane([r, g, b]: [f64; 3], [x, y, z]: [f64; 3]) -> f64 {
+    (r * x + g * y + b * z).clamp(0.0, 1.0)
+}
+
+/// What a metal's reflectance lacks of Schlick's form, per unit of [`energy::edge`].
+fn metal_lacks(tint: Tint) -> f64 {
+    if tint.edge >= 1.0 { 0.0 } else { look::lacks(tint.base, tint.edge) }
+}

@@ -1,0 +1,155 @@
+//! What a USD asset looks like: traced pictures against closed forms. Under an even sky of L, a matt square that scatters ρ
+//! shows ρ L.
+
+use eyebox::check::check;
+use eyebox::estimate::run::{Limits, run};
+use eyebox::film::plan::Estimator;
+use eyebox::import::{ImportOptions, import};
+use eyebox::plan::{Choice, plan};
+use eyebox::world::World;
+use std::path::Path;
+
+const SKY: f64 = 100.0;
+
+/// Linear colours of a picture of `width` × 1 pixels.
+fn row(asset: &Path, width: usize) -> Vec<[f64; 3]> {
+    let mut scene = import(asset, &ImportOptions::default()).unwrap_or_else(|fault| panic!("{fault}")).scene;
+    scene.eye.resolution = [width, 1];
+    let checked = check(&scene).expect("the scene is sound");
+    let world = World::freeze(&scene).expect("the scene can be traced");
+    let plan = plan(&checked, &world, Choice::Only(Estimator::Backward));
+    let limits = Limits { passes: Some(400), ..Limits::default() };
+    let outcome = run(&world, &plan, scene.groups.len(), scene.eye.resolution, 1, &limits, &mut ());
+    let frame =
+        eyebox::estimate::picture::picture(&scene, &plan, &outcome, Default::default()).expect("a picture").frame;
+    let [r, g, b] = ["R", "G", "B"].map(|name| frame.component("hybrid", name).expect("a channel").data.clone());
+    (0..width).map(|x| [r[x], g[x], b[x]].map(f64::from)).collect()
+}
+
+/// Four squares side by side fill the view: one with a picture of two halves that a network scales, and three with colours.
+const STAGE: &str = r#"#usda 1.0
+(
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+def DomeLight "sky" {
+    float inputs:intensity = 100
+}
+def Camera "eye" {
+    float horizontalAperture = 40
+    float verticalAperture = 10
+    float focalLength = 100
+    double3 xformOp:translate = (2, 0.5, 10)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Mesh "picture" (prepend apiSchemas = ["MaterialBindingAPI"]) {
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    texCoord2f[] primvars:st = [(0, 0), (0, 0), (0, 0), (0, 0)] (interpolation = "vertex")
+    texCoord2f[] primvars:map = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "faceVarying")
+    rel material:binding = </M>
+}
+def Mesh "colours" {
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [4, 4]
+    int[] faceVertexIndices = [0, 1, 4, 5, 1, 2, 3, 4]
+    point3f[] points = [(1, 0, 0), (2, 0, 0), (3, 0, 0), (3, 1, 0), (2, 1, 0), (1, 1, 0)]
+    color3f[] primvars:displayColor = [(0.5, 0.25, 0.75), (0.25, 0.5, 0.125)] (interpolation = "uniform")
+}
+def Xform "above" {
+    color3f[] primvars:displayColor = [(0.625, 0.5, 0.25)]
+    def Mesh "inherits" {
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(3, 0, 0), (4, 0, 0), (4, 1, 0), (3, 1, 0)]
+    }
+}
+def Material "M" {
+    token outputs:mtlx:surface.connect = </M/S.outputs:out>
+    def Shader "S" {
+        uniform token info:id = "ND_standard_surface_surfaceshader"
+        color3f inputs:base_color.connect = </M/half.outputs:out>
+        float inputs:specular = 0
+        token outputs:out
+    }
+    def Shader "half" {
+        uniform token info:id = "ND_multiply_color3FA"
+        color3f inputs:in1.connect = </M/image.outputs:out>
+        float inputs:in2 = 0.5
+    }
+    def Shader "image" {
+        uniform token info:id = "ND_image_color3"
+        asset inputs:file = @halves.png@
+        string inputs:filtertype = "closest"
+        float2 inputs:texcoord.connect = </M/map.outputs:out>
+    }
+    def Shader "map" {
+        uniform token info:id = "ND_geompropvalue_vector2"
+        string inputs:geomprop = "map"
+    }
+}
+"#;
+
+#[test]
+fn a_stage_shows_its_pictures_and_colours() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let halves = image::RgbImage::from_fn(2, 1, |x, _| image::Rgb(if x == 0 { [255, 0, 188] } else { [0, 255, 255] }));
+    halves.save(folder.path().join("halves.png")).expect("a picture");
+    let asset = folder.path().join("stage.usda");
+    std::fs::write(&asset, STAGE).expect("a file");
+    // IEC 61966-2-1: 188 is 0.502886 of white.
+    let want = [
+        [0.5, 0.0, 0.251_443],
+        [0.0, 0.5, 0.5],
+        [0.5, 0.25, 0.75],
+        [0.5, 0.25, 0.75],
+        [0.25, 0.5, 0.125],
+        [0.25, 0.5, 0.125],
+        [0.625, 0.5, 0.25],
+        [0.625, 0.5, 0.25],
+    ];
+    for (x, (found, want)) in row(&asset, 8).into_iter().zip(want).enumerate() {
+        for (found, want) in found.into_iter().zip(want) {
+            // The sky is all that lights them: no noise, but rounding of the film and of the sky's table.
+            assert!((found / SKY - want).abs() < 0.02, "{x}: {found} of {SKY}, {want}");
+        }
+    }
+}
+
+/// A MaterialX file, as a reference.
+#[test]
+fn materialx_files_are_layers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mtlx = r#"<?xml version="1.0"?>
+<materialx version="1.39" colorspace="lin_rec709">
+  <standard_surface name="S" type="surfaceshader">
+    <input name="base_color" type="color3" nodegraph="G" output="colour" />
+    <input name="specular" type="float" value="0" />
+  </standard_surface>
+  <nodegraph name="G">
+    <constant name="c" type="color3">
+      <input name="value" type="color3" value="1, 188, 0" />
+    </constant>
+    <multiply name="m" type="color3">
+      <input name="in1" type="color3" nodename="c" />
+      <input name="in2" type="color3" value="0.25, 0.0026595744680851063, 1" />
+    </multiply>
+    <output name="colour" type="color3" nodename="m" />
+  </nodegraph>
+  <surfacematerial name="M" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="S" />
+  </surfacematerial>
+</materialx>
+"#;
+    std::fs::write(folder.path().join("m.mtlx"), mtlx).expect("a file");
+    let (head, rest) = STAGE.split_once("def Material \"M\"").expect("a material");
+    assert!(!rest.is_empty());
+    let reference = "def \"M\" (references = @m.mtlx@</MaterialX/Materials/M>) { }\n";
+    let asset = folder.path().join("stage.usda");
+    std::fs::write(&asset, format!("{head}{reference}")).expect("a file");
+    let [r, g, b] = row(&asset, 8)[0].map(|x| x / SKY);
+    assert!((r - 0.25).abs() < 0.02 && (g - 0.5).abs() < 0.02 && b.abs() < 0.02, "{r} {g} {b}");
+}
