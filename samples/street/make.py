@@ -421,7 +421,7 @@ def materials():
 
 def main():
     textures()
-    lines = ["#usda 1.0", "(", '    defaultPrim = "street"', "    metersPerUnit = 1", '    upAxis = "Y"',
+    lines = ["#usda 1.0", "(", '    defaultPrim = "street"', "    metersPerUnit = 1", '    upAxis = "Z"',
              '    doc = "Made by samples/street/make.py; CC0"', ")", "", 'def Xform "street"', "{",
              '    def Scope "materials"', "    {", *materials(), "    }"]
     lines += [mesh.usda(4) for mesh in street() + cabin()]
