@@ -128,7 +128,7 @@ impl Looks<'_> {
                 alpha.factor
             }
             (Some((own, Channel::Alpha)), Some(input))
-                if same_place(own, input) && own.channels[3] == Channel::Alpha && own.bias[3] == 0.0 =>
+                if same_texels(own, input) && own.channels[3] == Channel::Alpha && own.bias[3] == 0.0 =>
             {
                 alpha.factor * own.scale[3]
             }
@@ -468,9 +468,12 @@ impl Looks<'_> {
 
 /// Whether two parameters read the same texels.
 fn same_place(a: &TextureInput, b: &TextureInput) -> bool {
-    let texels = a.texture.texels == b.texture.texels;
-    texels
-        && a.encoding == b.encoding
+    a.encoding == b.encoding && same_texels(a, b)
+}
+
+/// The same, whatever curve their colours have: alpha has none.
+fn same_texels(a: &TextureInput, b: &TextureInput) -> bool {
+    a.texture.texels == b.texture.texels
         && a.wrap == b.wrap
         && a.filter == b.filter
         && a.set == b.set
