@@ -5,7 +5,7 @@ use crate::base::fault::Result;
 use crate::base::relative_path::folder_of;
 use crate::base::{Fault, Where, package};
 use crate::scene::Texture;
-use crate::scene::texture::{Channel, Encoding, PictureSource, Texels};
+use crate::scene::texture::{Channel, Encoding, PictureKey, PictureSource, Texels};
 use image::{ColorType, ImageDecoder, ImageReader};
 use std::collections::HashSet;
 use std::io::Cursor;
@@ -90,24 +90,11 @@ pub struct Encoded {
     pub kind: Kind,
 }
 
-/// Which picture it is: its file, or where its bytes are in memory. Two materials that show one picture have one of these.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Key {
-    File(PathBuf),
-    Embedded(usize),
-    /// Tiles, by the file of the first.
-    Tiles(PathBuf),
-}
-
-impl Key {
-    /// None for a picture that was decoded already, which has no file any more.
-    pub fn of(texture: &Texture) -> Option<Key> {
-        match &texture.texels {
-            Texels::Encoded(PictureSource::File(file)) => Some(Key::File(file.clone())),
-            Texels::Encoded(PictureSource::Embedded(bytes)) => Some(Key::Embedded(Arc::as_ptr(bytes) as usize)),
-            Texels::Encoded(PictureSource::Tiles(tiles)) => Some(Key::Tiles(tiles.first()?.0.clone())),
-            Texels::Bytes(_) | Texels::Floats(_) => None,
-        }
+/// None for a picture that was decoded already, which has no file any more.
+pub fn key(texture: &Texture) -> Option<PictureKey> {
+    match &texture.texels {
+        Texels::Encoded(source) => Some(source.key()),
+        Texels::Bytes(_) | Texels::Floats(_) => None,
     }
 }
 

@@ -297,15 +297,7 @@ pub(crate) fn go_straight(
 }
 
 fn principled_at<'w>(world: &'w World, vertex: &Vertex) -> Option<&'w Principled> {
-    match &world.faces[vertex.hit.site.part as usize][vertex.hit.site.face as usize].surface {
-        Surface::Scatter(scatter) => scatter.principled(),
-        Surface::Absent
-        | Surface::Absorber
-        | Surface::Slide(_)
-        | Surface::Sheet(_)
-        | Surface::Mirror(_)
-        | Surface::Interface(_) => None,
-    }
+    world.principled(vertex.hit.site)
 }
 
 fn seen(world: &World, vertex: &Vertex, eye: &EyeLens, from: DVec3) -> Seen {

@@ -171,7 +171,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         }
         let looks = self.looks(self.point_at(vertex, principled));
         let wi = Frame::about(vertex.normal).to_local(-self.ray.dir);
-        let share = self.share_through(vertex, principled);
+        let share = Self::passing(principled, wi, &looks);
         // By the mean of the primaries, so that no lane decides.
         let chance = principled.passes(wi, &Look { tint: looks[0].mean, ..looks[0] }).clamp(0.0, 1.0);
         let before = self.beam.carried();
@@ -188,10 +188,15 @@ impl<'w, M: Mode> Walker<'w, M> {
         self.absorb(vertex.hit.site.part, (before - through) / stays - self.beam.carried(), ledger);
         false
     }
+
     /// What an ordinary material lets through unbent, per lane.
     pub(super) fn share_through(&self, vertex: &Vertex, principled: &Principled) -> M::Lanes<f64> {
         let looks = self.looks(self.point_at(vertex, principled));
         let wi = Frame::about(vertex.normal).to_local(-self.ray.dir);
+        Self::passing(principled, wi, &looks)
+    }
+
+    fn passing(principled: &Principled, wi: DVec3, looks: &M::Lanes<Look>) -> M::Lanes<f64> {
         lanes::<M, _>(|lane| principled.passes(wi, &looks[lane]))
     }
 }

@@ -3,14 +3,15 @@
 use super::build::Builder;
 use super::files;
 use super::select::Candidate;
-use super::texture_file::{MOST_BYTES, decoded, halved, size_bytes};
+use super::texture_file::{MOST_BYTES, decoded, file_bytes, halved, size_bytes};
 use super::tiles;
 use crate::base::fault::Result;
 use crate::base::ids::SurfaceId;
 use crate::base::{Fault, Shared, Where};
-use crate::scene::texture::{Encoding, PictureSource, Texels, Wrap};
+use crate::scene::texture::{Encoding, PictureKey, PictureSource, Texels, Wrap};
 use crate::scene::{Colour, Note, Opacity, Scalar, StandardSurface, Texture};
 use std::collections::{HashMap, HashSet};
+use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -19,7 +20,7 @@ use std::sync::Arc;
 pub(super) struct Surfaces {
     by_look: HashMap<Look, SurfaceId>,
     /// With what the file's numbers stand for where the asset leaves that to it.
-    pictures: HashMap<Key, (Shared<Texture>, Encoding)>,
+    pictures: HashMap<PictureKey, (Shared<Texture>, Encoding)>,
     /// Of meshes that have colours of vertices: whether some of them let light through.
     painted: HashMap<usize, Option<bool>>,
     /// How often each picture is halved, so that all of them stay within the memory that they may take; once it is known.
@@ -36,14 +37,6 @@ enum Look {
         blend: bool,
     },
     Nothing,
-}
-
-/// A picture: its file, or where its bytes are in memory.
-#[derive(Debug, PartialEq, Eq, Hash)]
-enum Key {
-    File(PathBuf),
-    Embedded(usize),
-    Tiles(PathBuf),
 }
 
 impl Builder<'_> {
@@ -112,13 +105,7 @@ impl Builder<'_> {
     fn with_pictures(&mut self, mut surface: StandardSurface, at: &Where) -> Result<StandardSurface> {
         for input in surface.textures_mut() {
             let Texels::Encoded(source) = &input.texture.texels else { continue };
-            let key = match source {
-                PictureSource::File(file) => Key::File(file.clone()),
-                PictureSource::Embedded(bytes) => Key::Embedded(bytes.as_ptr() as usize),
-                PictureSource::Tiles(tiles) => {
-                    Key::Tiles(tiles.first().map_or_else(PathBuf::new, |(file, _)| file.clone()))
-                }
-            };
+            let key = source.key();
             let grid = match source {
                 PictureSource::Tiles(tiles) => Some(tiles::grid(tiles)),
                 PictureSource::File(_) | PictureSource::Embedded(_) => None,
@@ -167,7 +154,7 @@ impl Builder<'_> {
             PictureSource::Tiles(tiles) => return self.tiles(tiles, name, at),
         };
         let (texture, encoding, remarks) = decoded(&bytes, name, at)?;
-        let texture = self.fitted(texture, at);
+        let texture = self.fitted(texture);
         if let PictureSource::File(file) = source {
             self.files.push(file.clone());
         }
@@ -183,7 +170,7 @@ impl Builder<'_> {
             let own = file.file_name().map_or_else(|| name.to_owned(), |own| own.to_string_lossy().into_owned());
             let bytes = files::read(file, at, "texture")?;
             let (texture, own_encoding, remarks) = decoded(&bytes, &own, at)?;
-            let texture = self.fitted(texture, at);
+            let texture = self.fitted(texture);
             self.files.push(file.clone());
             self.remark(&own, remarks, at);
             encoding = own_encoding;
@@ -203,37 +190,31 @@ impl Builder<'_> {
     }
 
     /// As small as it must be.
-    fn fitted(&mut self, texture: Texture, at: &Where) -> Texture {
+    fn fitted(&mut self, texture: Texture) -> Texture {
         let halvings = match self.read.halvings {
             Some(known) => known,
-            None => self.halvings(at),
+            None => self.halvings(),
         };
         self.read.halvings = Some(halvings);
         (0..halvings).fold(texture, |texture, _| halved(texture))
     }
 
     /// How often the pictures of all materials must be halved, both ways, to fit; said where it is at all.
-    fn halvings(&mut self, at: &Where) -> u32 {
+    fn halvings(&mut self) -> u32 {
         let most = self.texture_bytes;
-        let (mut seen, mut total) = (HashSet::new(), 0_u64);
+        let mut seen = HashSet::new();
         let surfaces = self.assembly.materials.iter().filter_map(|material| material.surface.as_ref());
-        for input in surfaces.flat_map(|surface| surface.textures().chain(&surface.emission)) {
-            let Texels::Encoded(source) = &input.texture.texels else { continue };
-            // What cannot be read is said where it is needed.
-            total += match source {
-                PictureSource::File(file) if seen.insert(Key::File(file.clone())) => {
-                    files::read(file, at, "texture").map_or(0, |bytes| size_bytes(&bytes))
-                }
-                PictureSource::Embedded(bytes) if seen.insert(Key::Embedded(bytes.as_ptr() as usize)) => {
-                    size_bytes(bytes)
-                }
-                PictureSource::Tiles(tiles) => {
-                    let new = tiles.iter().filter(|(file, _)| seen.insert(Key::File(file.clone())));
-                    new.map(|(file, _)| files::read(file, at, "texture").map_or(0, |bytes| size_bytes(&bytes))).sum()
-                }
-                PictureSource::File(_) | PictureSource::Embedded(_) => 0,
-            };
-        }
+        let inputs = surfaces.flat_map(|surface| surface.textures().chain(&surface.emission));
+        let sources = inputs.filter_map(|input| match &input.texture.texels {
+            Texels::Encoded(source) => Some(source),
+            Texels::Bytes(_) | Texels::Floats(_) => None,
+        });
+        let size = |source: &PictureSource| match source {
+            PictureSource::File(file) => file_bytes(file),
+            PictureSource::Embedded(bytes) => size_bytes(Cursor::new(bytes.as_slice())),
+            PictureSource::Tiles(tiles) => tiles.iter().map(|(file, _)| file_bytes(file)).sum(),
+        };
+        let total: u64 = sources.filter(|source| seen.insert(source.key())).map(size).sum();
         let halvings = (0..u32::BITS / 2).find(|k| total >> (2 * k) <= most).unwrap_or(u32::BITS / 2);
         if halvings > 0 {
             const MIB: u64 = 1 << 20;

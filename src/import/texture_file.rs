@@ -1,15 +1,17 @@
 //! Files of textures: PNG, JPEG, WebP, TIFF, Radiance HDR, OpenEXR and KTX2. None is trusted: a header can claim any size.
 
 use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::{Fault, Where, package};
 use crate::film::exr::is_exr;
 use crate::film::still::{Light, Still};
 use crate::scene::Texture;
 use crate::scene::texture::{Encoding, Texels};
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-use std::io::Cursor;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Bytes that one picture may take while it is decoded.
@@ -98,19 +100,33 @@ fn ktx2_size(bytes: &[u8]) -> Option<(u32, u32)> {
     Some((number(20)?, number(24)?.max(1)))
 }
 
-/// Bytes of memory that a picture takes once it is decoded, by its header; 0 if that says nothing.
-pub(super) fn size_bytes(bytes: &[u8]) -> u64 {
-    const DEEP: u64 = size_of::<[f32; 4]>() as u64;
-    let area = |width: u32, height: u32| u64::from(width) * u64::from(height);
-    if bytes.starts_with(KTX2) {
-        return ktx2_size(bytes).map_or(0, |(width, height)| 4 * area(width, height));
+/// Bytes of memory that the picture of a file takes once it is decoded; 0 where that cannot be told: whoever needs it says why.
+pub(super) fn file_bytes(file: &Path) -> u64 {
+    // Of a plain file its header alone is read.
+    match File::open(file) {
+        Ok(open) => size_bytes(BufReader::new(open)),
+        Err(_) => package::read(file).map_or(0, |bytes| size_bytes(Cursor::new(bytes))),
     }
-    if is_exr(bytes) {
-        let header = ::exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false);
+}
+
+/// The same by a header; 0 if that says nothing.
+pub(super) fn size_bytes(mut from: impl BufRead + Seek) -> u64 {
+    const DEEP: u64 = size_of::<[f32; 4]>() as u64;
+    const BEGINNING: u64 = 28;
+    let area = |width: u32, height: u32| u64::from(width) * u64::from(height);
+    let mut first = Vec::new();
+    if from.by_ref().take(BEGINNING).read_to_end(&mut first).and_then(|_| from.rewind()).is_err() {
+        return 0;
+    }
+    if first.starts_with(KTX2) {
+        return ktx2_size(&first).map_or(0, |(width, height)| 4 * area(width, height));
+    }
+    if is_exr(&first) {
+        let header = ::exr::meta::MetaData::read_from_buffered(from, false);
         let size = header.ok().and_then(|meta| meta.headers.first().map(|header| header.layer_size.area() as u64));
         return DEEP * size.unwrap_or(0);
     }
-    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok();
+    let reader = ImageReader::new(from).with_guessed_format().ok();
     let decoder = reader.and_then(|reader| reader.into_decoder().ok());
     decoder.map_or(0, |decoder| {
         let (width, height) = decoder.dimensions();
@@ -174,11 +190,11 @@ mod tests {
         let mut png = Vec::new();
         let picture = DynamicImage::new_rgb8(7, 5);
         picture.write_to(&mut Cursor::new(&mut png), ImageFormat::Png).unwrap();
-        assert_eq!(size_bytes(&png), 7 * 5 * 4);
-        assert_eq!(size_bytes(b"nothing"), 0);
+        assert_eq!(size_bytes(Cursor::new(&png)), 7 * 5 * 4);
+        assert_eq!(size_bytes(Cursor::new(b"nothing")), 0);
         let mut deep = Vec::new();
         DynamicImage::new_rgb16(3, 2).write_to(&mut Cursor::new(&mut deep), ImageFormat::Png).unwrap();
-        assert_eq!(size_bytes(&deep), 3 * 2 * 16);
+        assert_eq!(size_bytes(Cursor::new(&deep)), 3 * 2 * 16);
     }
 
     /// What lies about itself ends in one sentence.

@@ -68,27 +68,11 @@ fn painted(scene: &Scene) -> Option<&str> {
     scene.parts.iter().find_map(|part| {
         let vertices = scene.meshes.get(part.mesh.index()).is_some_and(|mesh| !mesh.colors.iter().all(grey));
         part.faces.iter().find_map(|face| {
-            let shown = match face.finish {
-                Finish::Surface { surface } => Some(surface),
-                Finish::None
-                | Finish::Polished
-                | Finish::Rough { .. }
-                | Finish::Lambert { .. }
-                | Finish::Gauss { .. }
-                | Finish::CosM { .. }
-                | Finish::Abg { .. }
-                | Finish::Measured { .. }
-                | Finish::Polariser { .. }
-                | Finish::Retarder { .. }
-                | Finish::MirrorMetal { .. }
-                | Finish::MirrorIdeal { .. }
-                | Finish::Absorber => None,
-            };
             if face.tint.is_some_and(|[r, g, b]| r != g || r != b) {
                 return Some(part.path.as_str());
             }
             let emits = face.emitter.as_ref().and_then(|emitter| emitter.pattern);
-            [shown, emits].into_iter().flatten().find_map(|id| {
+            [face.finish.surface(), emits].into_iter().flatten().find_map(|id| {
                 let surface = scene.surfaces.get(id.index())?;
                 (coloured[id.index()] || vertices && surface.vertex_colors).then_some(surface.name.as_str())
             })

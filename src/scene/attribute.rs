@@ -237,23 +237,30 @@ pub fn own_rows(noun: Noun) -> impl Iterator<Item = &'static Row> {
 
 /// The row in whose table `row` stands, or in one of whose tables; none if it stands in that of its noun.
 pub fn holder(row: &Row) -> Option<&'static Row> {
-    rows(row.noun).find(|holder| match holder.form {
-        Form::Record(fields) | Form::Records(fields) => fields.contains(&row.name),
-        Form::Number
-        | Form::Integer
-        | Form::Text
-        | Form::File
-        | Form::Length
-        | Form::Word(_)
-        | Form::Numbers(_)
-        | Form::Integers(_)
-        | Form::Place
-        | Form::Coefficients { .. }
-        | Form::Rows(_)
-        | Form::NumberOrRows(_)
-        | Form::Thing(_)
-        | Form::Kind => false,
-    })
+    let is_own = |form: Form| matches!(form, Form::Thing(_));
+    rows(row.noun).find(|holder| !is_own(holder.form) && holder.form.fields().contains(&row.name))
+}
+
+impl Form {
+    /// The rows of its table or tables; none of a form that is no table.
+    pub fn fields(self) -> &'static [&'static str] {
+        match self {
+            Form::Record(fields) | Form::Records(fields) | Form::Thing(fields) => fields,
+            Form::Number
+            | Form::Integer
+            | Form::Text
+            | Form::File
+            | Form::Length
+            | Form::Word(_)
+            | Form::Numbers(_)
+            | Form::Integers(_)
+            | Form::Place
+            | Form::Coefficients { .. }
+            | Form::Rows(_)
+            | Form::NumberOrRows(_)
+            | Form::Kind => &[],
+        }
+    }
 }
 
 /// The row `name` of a noun.
@@ -293,22 +300,10 @@ mod tests {
     #[test]
     fn tables_within_values_are_rows() {
         for holder in ROWS {
-            let fields = match holder.form {
-                Form::Record(fields) | Form::Records(fields) | Form::Thing(fields) => fields,
-                Form::Number
-                | Form::Integer
-                | Form::Text
-                | Form::File
-                | Form::Length
-                | Form::Word(_)
-                | Form::Numbers(_)
-                | Form::Integers(_)
-                | Form::Place
-                | Form::Coefficients { .. }
-                | Form::Rows(_)
-                | Form::NumberOrRows(_)
-                | Form::Kind => continue,
-            };
+            if !matches!(holder.form, Form::Record(_) | Form::Records(_) | Form::Thing(_)) {
+                continue;
+            }
+            let fields = holder.form.fields();
             assert!(!fields.is_empty(), "{}", holder.name);
             for name in fields {
                 let field = row(holder.noun, name).unwrap_or_else(|| panic!("{} {name}", holder.name));

@@ -42,6 +42,26 @@ pub enum Finish {
 }
 
 impl Finish {
+    /// The ordinary material, if it is one.
+    pub fn surface(&self) -> Option<SurfaceId> {
+        match self {
+            Finish::Surface { surface } => Some(*surface),
+            Finish::None
+            | Finish::Polished
+            | Finish::Rough { .. }
+            | Finish::Lambert { .. }
+            | Finish::Gauss { .. }
+            | Finish::CosM { .. }
+            | Finish::Abg { .. }
+            | Finish::Measured { .. }
+            | Finish::MirrorMetal { .. }
+            | Finish::MirrorIdeal { .. }
+            | Finish::Polariser { .. }
+            | Finish::Retarder { .. }
+            | Finish::Absorber => None,
+        }
+    }
+
     /// A Gaussian lobe narrower than this is `G` in event strings: photons are not gathered there, the gathering
     /// waits for the first broad lobe. At 1° a lobe's solid angle 2πσ² is 1.9e-3 sr.
     pub const NARROW_SIGMA_DEG: f64 = 1.0;

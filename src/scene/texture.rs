@@ -25,6 +25,27 @@ pub enum PictureSource {
     Tiles(Vec<(PathBuf, [u32; 2])>),
 }
 
+/// Which picture it is: its file, or where its bytes are in memory. Two materials that show one picture have one of these.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum PictureKey {
+    File(PathBuf),
+    Embedded(usize),
+    /// Tiles, by the file of the first.
+    Tiles(PathBuf),
+}
+
+impl PictureSource {
+    pub fn key(&self) -> PictureKey {
+        match self {
+            PictureSource::File(file) => PictureKey::File(file.clone()),
+            PictureSource::Embedded(bytes) => PictureKey::Embedded(Arc::as_ptr(bytes) as usize),
+            PictureSource::Tiles(tiles) => {
+                PictureKey::Tiles(tiles.first().map_or_else(PathBuf::new, |(file, _)| file.clone()))
+            }
+        }
+    }
+}
+
 /// Texels in the precision of their file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Texels {

@@ -39,6 +39,7 @@ use interior::{Interior, Solid};
 use lamp::Lamps;
 use light::Lights;
 use rim::Rims;
+use scatter::Principled;
 use sky::SkyLight;
 use slide::SlideMap;
 use std::sync::Arc;
@@ -187,17 +188,22 @@ impl World {
         if !self.ordinary {
             return hit.shading;
         }
-        match &self.faces[hit.site.part as usize][hit.site.face as usize].surface {
-            Surface::Scatter(scatter) => match scatter.principled() {
-                Some(principled) => principled.shading(hit, dir, &self.geometry.part_to_world(hit.site.part)),
-                None => hit.shading,
-            },
+        match self.principled(hit.site) {
+            Some(principled) => principled.shading(hit, dir, &self.geometry.part_to_world(hit.site.part)),
+            None => hit.shading,
+        }
+    }
+
+    /// The ordinary material of a face, if it has one.
+    pub fn principled(&self, site: Site) -> Option<&Principled> {
+        match &self.faces[site.part as usize][site.face as usize].surface {
+            Surface::Scatter(scatter) => scatter.principled(),
             Surface::Absent
             | Surface::Absorber
             | Surface::Slide(_)
             | Surface::Mirror(_)
             | Surface::Sheet(_)
-            | Surface::Interface(_) => hit.shading,
+            | Surface::Interface(_) => None,
         }
     }
 

@@ -36,13 +36,8 @@ impl Looks<'_> {
                 out.insert("pbrMetallicRoughness".into(), Json::Object(pbr));
             }
         }
-        if let Some((input, strength)) = &surface.normal
-            && let Some((mut texture, own)) = self.normal(input)
-        {
-            if strength * own != 1.0 {
-                texture["scale"] = value::number(strength * own).unwrap_or_default();
-            }
-            out.insert("normalTexture".into(), texture);
+        if let Some((input, strength)) = &surface.normal {
+            out.extend(self.normal_texture(input, *strength).map(|texture| ("normalTexture".to_owned(), texture)));
         }
         match &surface.opacity {
             Opacity::Opaque => {}
@@ -221,13 +216,9 @@ impl Looks<'_> {
             CoatNormal::Base => surface.normal.as_ref().map(|(input, strength)| (input, *strength)),
             CoatNormal::Smooth => None,
         };
-        if let Some((input, strength)) = own.filter(|_| surface.coat.factor > 0.0)
-            && let Some((mut texture, own)) = self.normal(input)
-        {
-            if strength * own != 1.0 {
-                texture["scale"] = value::number(strength * own).unwrap_or_default();
-            }
-            layer.insert("clearcoatNormalTexture".into(), texture);
+        if let Some((input, strength)) = own.filter(|_| surface.coat.factor > 0.0) {
+            let texture = self.normal_texture(input, strength);
+            layer.extend(texture.map(|texture| ("clearcoatNormalTexture".to_owned(), texture)));
         }
         self.extend_said(extensions, "KHR_materials_clearcoat", layer);
 
@@ -419,7 +410,7 @@ impl Looks<'_> {
     }
 
     /// A normal map, and by how much it stretches x and y itself.
-    fn normal(&mut self, input: &TextureInput) -> Option<(Json, f64)> {
+    fn normal_texture(&mut self, input: &TextureInput, strength: f64) -> Option<Json> {
         let ([r, g, b, _], [x, y, z, _]) = (input.scale, input.bias);
         let plain = r == g && b == 2.0 && x == y && z == -1.0 && r == -2.0 * x && input.channels == Channel::ALL;
         if !plain || self.document.is_srgb(input) {
@@ -427,7 +418,12 @@ impl Looks<'_> {
             self.warn("normal", &what);
             return None;
         }
-        Some((self.texture(input, "normal")?, r / 2.0))
+        let mut texture = self.texture(input, "normal")?;
+        let scale = strength * (r / 2.0);
+        if scale != 1.0 {
+            texture["scale"] = value::number(scale).unwrap_or_default();
+        }
+        Some(texture)
     }
 
     fn texture(&mut self, input: &TextureInput, what: &str) -> Option<Json> {

@@ -1,12 +1,13 @@
 //! Textures of a new document: pictures, samplers and what reads them, each once.
 
-use super::super::picture::{self, Encoded, Key, Kind, Names};
+use super::super::picture::{self, Encoded, Kind, Names};
 use super::document::Document;
 use super::uri;
 use super::value;
 use crate::base::Where;
 use crate::scene::TextureInput;
 use crate::scene::assembly::Assembly;
+use crate::scene::texture::PictureKey;
 use crate::scene::texture::{Channel, Encoding, Filter, Texture, Wrap};
 use serde_json::{Map, Value as Json, json};
 use std::collections::HashMap;
@@ -28,9 +29,9 @@ pub struct Textures {
     samplers: Vec<Json>,
     textures: Vec<Json>,
     /// What became of each picture so far.
-    known: HashMap<Key, Option<usize>>,
+    known: HashMap<PictureKey, Option<usize>>,
     /// Files that were read.
-    read: HashMap<Key, Result<Encoded, String>>,
+    read: HashMap<PictureKey, Result<Encoded, String>>,
     names: Names,
 }
 
@@ -107,7 +108,7 @@ impl Document {
 
     /// The number of a picture.
     fn image(&mut self, texture: &Texture, reading: Reading<'_>) -> Option<usize> {
-        let key = Key::of(texture);
+        let key = picture::key(texture);
         if let Some(known) = key.as_ref().and_then(|key| self.textures.known.get(key)) {
             return *known;
         }
@@ -246,7 +247,7 @@ impl Moved {
 
 impl Textures {
     fn file(&mut self, texture: &Texture) -> Result<Encoded, String> {
-        match Key::of(texture) {
+        match picture::key(texture) {
             None => picture::read(texture),
             Some(key) => self.read.entry(key).or_insert_with(|| picture::read(texture)).clone(),
         }

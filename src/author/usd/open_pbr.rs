@@ -221,20 +221,7 @@ impl Layers<'_, '_> {
             let [scale, bias] = [input.scale, input.bias].map(|four| [0, 1, 2].map(|i| four[i] * colour.factor[i]));
             found = Some(self.line(output.clone(), "color3", (scale, bias)));
         }
-        let property = match (found, paint) {
-            (None, None) => Property::new(name, triple(colour.factor)).typed("color3f"),
-            (Some(output), None) => Property::connected(name, "color3f", output),
-            (None, Some(paint)) if colour.factor == [1.0; 3] => Property::connected(name, "color3f", paint),
-            (None, Some(paint)) => {
-                let output = self.times(paint, Source::Value(triple(colour.factor)), "color3");
-                Property::connected(name, "color3f", output)
-            }
-            (Some(output), Some(paint)) => {
-                let output = self.times(output, Source::Node(paint), "color3");
-                Property::connected(name, "color3f", output)
-            }
-        };
-        self.out.push(property);
+        self.put(&name, "color3", (triple(colour.factor), colour.factor == [1.0; 3]), [found, paint]);
     }
 
     fn scalar(&mut self, name: &str, scalar: &Scalar, paint: Option<Output>, what: &str) {
@@ -245,17 +232,20 @@ impl Layers<'_, '_> {
             let (scale, bias) = (channel.of(input.scale) * by, channel.of(input.bias) * by);
             Some(self.line(output, "float", ([scale; 3], [bias; 3])))
         });
-        let property = match (found, paint) {
-            (None, None) => Property::new(name, single(scalar.factor)),
-            (Some(output), None) => Property::connected(name, "float", output),
-            (None, Some(paint)) if scalar.factor == 1.0 => Property::connected(name, "float", paint),
-            (None, Some(paint)) => {
-                let output = self.times(paint, Source::Value(single(scalar.factor)), "float");
-                Property::connected(name, "float", output)
+        self.put(&name, "float", (single(scalar.factor), scalar.factor == 1.0), [found, paint]);
+    }
+
+    /// An input: a picture, which has the factor already, or the factor, times what the vertices have.
+    fn put(&mut self, name: &str, ty: &'static str, (factor, is_one): (Datum, bool), by: [Option<Output>; 2]) {
+        let property = match by {
+            [None, None] => Property::new(name, factor).typed(usd_type(ty)),
+            [Some(only), None] => Property::connected(name, usd_type(ty), only),
+            [None, Some(paint)] if is_one => Property::connected(name, usd_type(ty), paint),
+            [None, Some(paint)] => {
+                Property::connected(name, usd_type(ty), self.times(paint, Source::Value(factor), ty))
             }
-            (Some(output), Some(paint)) => {
-                let output = self.times(output, Source::Node(paint), "float");
-                Property::connected(name, "float", output)
+            [Some(picture), Some(paint)] => {
+                Property::connected(name, usd_type(ty), self.times(picture, Source::Node(paint), ty))
             }
         };
         self.out.push(property);

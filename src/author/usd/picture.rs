@@ -1,7 +1,8 @@
 //! The pictures of materials for a USD file: which are taken, and under which names.
 
-use super::super::picture::{self, Encoded, Key, Kind, Names};
+use super::super::picture::{self, Encoded, Kind, Names};
 use crate::base::Where;
+use crate::scene::texture::PictureKey;
 use crate::scene::texture::{PictureSource, Texels};
 use crate::scene::{Note, Severity, Texture};
 use image::ImageFormat;
@@ -22,7 +23,7 @@ pub struct Pictures {
     names: Names,
     taken: Vec<(String, Encoded)>,
     /// The asset path of each picture so far; none for one that is not written.
-    paths: HashMap<Key, Option<String>>,
+    paths: HashMap<PictureKey, Option<String>>,
     pub notes: Vec<Note>,
 }
 
@@ -39,7 +40,7 @@ impl Pictures {
 
     /// How the layer names the picture `texture`, which `what` reads; none, with a note, for one that USD has no place for.
     pub fn path(&mut self, texture: &Texture, at: &Where, what: &str) -> Option<String> {
-        let key = Key::of(texture);
+        let key = picture::key(texture);
         if let Some(known) = key.as_ref().and_then(|key| self.paths.get(key)) {
             return known.clone();
         }

@@ -106,24 +106,8 @@ pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
 
 fn look(scene: &Scene, part: &Part, finish: Finish) -> Option<LookReport> {
     let colors = scene.meshes.get(part.mesh.index()).is_some_and(|mesh| !mesh.colors.is_empty());
-    match finish {
-        Finish::Surface { surface } => {
-            scene.surfaces.get(surface.index()).map(|surface| LookReport::new(surface, colors))
-        }
-        Finish::None
-        | Finish::Polished
-        | Finish::Rough { .. }
-        | Finish::Lambert { .. }
-        | Finish::Gauss { .. }
-        | Finish::CosM { .. }
-        | Finish::Abg { .. }
-        | Finish::Measured { .. }
-        | Finish::MirrorMetal { .. }
-        | Finish::MirrorIdeal { .. }
-        | Finish::Polariser { .. }
-        | Finish::Retarder { .. }
-        | Finish::Absorber => None,
-    }
+    let surface = scene.surfaces.get(finish.surface()?.index())?;
+    Some(LookReport::new(surface, colors))
 }
 
 fn emitter(scene: &Scene, emitter: &Emitter, area_m2: f64) -> EmitterReport {

@@ -11,6 +11,7 @@ pub use crate::scene::LEAST_ALPHA;
 use crate::world::fresnel::fresnel;
 use glam::DVec3;
 use std::collections::HashMap;
+use std::hash::Hash;
 use std::sync::{Arc, LazyLock, Mutex};
 
 /// Steps of √cos and of roughness.
@@ -69,9 +70,8 @@ pub fn edge(cos: f64) -> f64 {
 impl Energy {
     /// The tables of an index, made once.
     pub fn of(ior: f64) -> Arc<Energy> {
-        static KNOWN: LazyLock<Mutex<HashMap<u64, Arc<Energy>>>> = LazyLock::new(Mutex::default);
-        let mut known = KNOWN.lock().unwrap_or_else(|broken| broken.into_inner());
-        known.entry(ior.to_bits()).or_insert_with(|| Arc::new(Energy::new(ior))).clone()
+        static KNOWN: Known<u64, Energy> = LazyLock::new(Mutex::default);
+        once(&KNOWN, ior.to_bits(), || Energy::new(ior))
     }
 
     fn new(ior: f64) -> Energy {
@@ -123,6 +123,24 @@ pub(super) fn cosine(step: usize, count: usize) -> f64 {
     const LEAST: f64 = 1e-4;
     let root = step as f64 / (count - 1) as f64;
     (root * root).max(LEAST)
+}
+
+/// Tables that were made, by what they are of.
+pub(super) type Known<K, V> = LazyLock<Mutex<HashMap<K, Arc<V>>>>;
+
+/// The tables of a key, made once. No lock is held meanwhile: many threads may make one.
+pub(super) fn once<K: Eq + Hash, V>(known: &Known<K, V>, key: K, make: impl FnOnce() -> V) -> Arc<V> {
+    let open = || known.lock().unwrap_or_else(|broken| broken.into_inner());
+    let found = open().get(&key).cloned();
+    found.unwrap_or_else(|| {
+        let made = Arc::new(make());
+        open().entry(key).or_insert(made).clone()
+    })
+}
+
+/// Between two rows of a table.
+pub(super) fn mix(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
+    std::array::from_fn(|k| a[k] + (b[k] - a[k]) * t)
 }
 
 /// Cell of a table over 0–1 and the place in it.

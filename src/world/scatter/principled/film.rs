@@ -5,12 +5,13 @@
 //! section 7.6). Of that all modes take its colour under daylight, as of any colour of a material. What is below the film is
 //! known by what it would reflect straight on, as by the index (1 + √R)/(1 − √R) (KHR_materials_iridescence).
 
-use super::energy::{alpha, cosine, place, weigh_by};
+use super::energy::{Known, alpha, cosine, mix, once, place, weigh_by};
 use super::lobe::Lobe;
 use crate::base::colour::{XYZ_TO_REC709, apply, cmf, d65, lookup};
 use crate::scene::{Film, Scalar};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::sync::{Arc, LazyLock, Mutex};
 
 const COSINES: usize = 48;
 /// Of the square root of what the base would reflect straight on.
@@ -44,9 +45,15 @@ pub struct FilmLook {
 }
 
 impl Interference {
-    /// The film of a surface, over a dielectric that reflects `straight` of what falls straight on.
-    pub fn of(film: &Film, straight: f64) -> Interference {
+    /// The film of a surface, over a dielectric that reflects `straight` of what falls straight on; made once for all faces.
+    pub fn of(film: &Film, straight: f64) -> Arc<Interference> {
+        static KNOWN: Known<[u64; 4], Interference> = LazyLock::new(Mutex::default);
         let (least_nm, most_nm) = range(&film.thickness_nm);
+        let key = [film.ior, straight, least_nm, most_nm].map(f64::to_bits);
+        once(&KNOWN, key, || Interference::new(film.ior, straight, [least_nm, most_nm]))
+    }
+
+    fn new(ior: f64, straight: f64, [least_nm, most_nm]: [f64; 2]) -> Interference {
         let steps = ((most_nm - least_nm) / STEP_NM).ceil();
         let thicknesses = if steps > 0.0 { (steps as usize + 1).min(MOST_THICKNESSES) } else { 1 };
         let weights = weights();
@@ -56,7 +63,7 @@ impl Interference {
             .map(|index| {
                 let root = (index % BASES) as f64 / (BASES - 1) as f64;
                 let below = index_of(root * root);
-                std::array::from_fn(|c| colour(&weights, [film.ior, below], nm(index / BASES), cosine(c, COSINES)))
+                std::array::from_fn(|c| colour(&weights, [ior, below], nm(index / BASES), cosine(c, COSINES)))
             })
             .collect();
         let mut out =
@@ -140,10 +147,6 @@ fn mean_of(row: &[[f64; 3]; COSINES]) -> [f64; 3] {
         }
     }
     sum
-}
-
-fn mix(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
-    std::array::from_fn(|k| a[k] + (b[k] - a[k]) * t)
 }
 
 /// The index of a base that reflects so much straight on; a mirror's is finite here.

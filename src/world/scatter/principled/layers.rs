@@ -1,6 +1,6 @@
 //! How much each layer of a standard surface reflects and leaves to those below.
 
-use super::film::FilmLook;
+use super::film::{FilmLook, Interference};
 use super::look::{self, Look, Tint};
 use super::{COAT_IOR, Principled, energy};
 use energy::Tally;
@@ -39,30 +39,29 @@ impl Principled {
         }
     }
 
-    /// Reflectance of a facet of the dielectric at a cosine.
-    pub(super) fn dielectric_reflects(&self, cos: f64, look: &Look) -> f64 {
-        let [straight, grazing] = look.dielectric(look.tint.specular);
-        let bare = straight + (grazing - straight) * energy::towards_grazing(self.base.ior(), cos);
+    /// What reflects `bare` without a film, with as much film as is there: `by` its table and thickness, times `specular`.
+    fn filmed(&self, bare: f64, look: &Look, specular: f64, by: impl FnOnce(&Interference, f64) -> [f64; 3]) -> f64 {
         match (&self.film, &look.film) {
             (Some(table), Some(film)) => {
-                // Under a film the index alone counts, not the colour.
-                let colours = table.at(film.thickness_nm, look.straight, cos);
-                bare + (in_lane(colours, film.lane) * look.specular - bare) * film.weight
+                let colours = by(table, film.thickness_nm);
+                bare + (in_lane(colours, film.lane) * specular - bare) * film.weight
             }
             (None, _) | (_, None) => bare,
         }
     }
 
+    /// Reflectance of a facet of the dielectric at a cosine.
+    pub(super) fn dielectric_reflects(&self, cos: f64, look: &Look) -> f64 {
+        let [straight, grazing] = look.dielectric(look.tint.specular);
+        let bare = straight + (grazing - straight) * energy::towards_grazing(self.base.ior(), cos);
+        // Under a film the index alone counts, not the colour.
+        self.filmed(bare, look, look.specular, |table, nm| table.at(nm, look.straight, cos))
+    }
+
     /// Reflectance of a facet of the metal at a cosine.
     pub(super) fn metal_reflects(&self, cos: f64, look: &Look, tint: Tint) -> f64 {
         let bare = (look::schlick(tint.base, cos) - metal_lacks(tint) * energy::edge(cos)).max(0.0);
-        match (&self.film, &look.film) {
-            (Some(table), Some(film)) => {
-                let colours = table.at(film.thickness_nm, tint.base, cos);
-                bare + (in_lane(colours, film.lane) - bare) * film.weight
-            }
-            (None, _) | (_, None) => bare,
-        }
+        self.filmed(bare, look, 1.0, |table, nm| table.at(nm, tint.base, cos))
     }
 
     /// Share that comes back of what facets of a metal lose by one bounce.
@@ -99,13 +98,7 @@ impl Principled {
     fn dielectric_share(&self, [whole, edge, _]: Tally, cos: f64, look: &Look, tint: Tint) -> f64 {
         let [straight, grazing] = look.dielectric(tint.specular);
         let bare = straight * (whole - edge) + grazing * edge;
-        match (&self.film, &look.film) {
-            (Some(table), Some(film)) => {
-                let colours = table.whole(film.thickness_nm, look.roughness(), cos);
-                bare + (in_lane(colours, film.lane) * look.specular - bare) * film.weight
-            }
-            (None, _) | (_, None) => bare,
-        }
+        self.filmed(bare, look, look.specular, |table, nm| table.whole(nm, look.roughness(), cos))
     }
 
     /// What the coat reflects of light from a direction.
@@ -141,13 +134,7 @@ impl Principled {
             let [straight, grazing] = look.dielectric(look.tint.specular);
             let [whole, edge, _] = self.mean_energy(look);
             let bare = straight * (whole - edge) + grazing * edge;
-            let reflected = match (&self.film, &look.film) {
-                (Some(table), Some(film)) => {
-                    let colours = table.mean(film.thickness_nm, look.roughness());
-                    bare + (in_lane(colours, film.lane) * look.specular - bare) * film.weight
-                }
-                (None, _) | (_, None) => bare,
-            };
+            let reflected = self.filmed(bare, look, look.specular, |table, nm| table.mean(nm, look.roughness()));
             return (1.0 - reflected).max(0.0);
         }
         let round = if look.coat_normal.is_some() {

@@ -117,12 +117,7 @@ pub fn sheen_alpha(roughness: f64) -> f64 {
 
 /// Share of light under a cosine that a white sheen reflects; at most all of it.
 pub fn sheen_reflects(cos: f64, alpha: f64) -> f64 {
-    let cell = |x: f64, count: usize| {
-        let scaled = x.clamp(0.0, 1.0) * (count - 1) as f64;
-        let cell = (scaled as usize).min(count - 2);
-        (cell, scaled - cell as f64)
-    };
-    let ((r, s), (c, t)) = (cell(alpha.sqrt(), ROUGHNESSES), cell(cos, COSINES));
+    let ((r, s), (c, t)) = (energy::place(alpha.sqrt(), ROUGHNESSES), energy::place(cos, COSINES));
     let row = |r: usize| SHEEN[r][c] + (SHEEN[r][c + 1] - SHEEN[r][c]) * t;
     (row(r) + (row(r + 1) - row(r)) * s).min(1.0)
 }

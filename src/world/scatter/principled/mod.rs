@@ -82,7 +82,7 @@ impl Principled {
             Stretched::of(surface.ior, found.law, strength.factor.clamp(0.0, 1.0), strength.texture.is_some())
         });
         let film = surface.film.as_ref().filter(|film| film.weight.factor > 0.0);
-        let film = film.map(|film| Arc::new(Interference::of(film, energy::normal_reflectance(surface.ior))));
+        let film = film.map(|film| Interference::of(film, energy::normal_reflectance(surface.ior)));
         Principled { base, coat: Energy::of(COAT_IOR), stretched, film, surface, mesh }
     }
 

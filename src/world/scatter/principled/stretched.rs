@@ -1,11 +1,10 @@
 //! How much of the light facets of two widths reflect: [`super::energy`]'s tables with the direction besides.
 
-use super::energy::{LEAST_ALPHA, Tally, alpha, cosine, place, weigh};
+use super::energy::{Known, LEAST_ALPHA, Tally, alpha, cosine, mix, once, place, weigh};
 use super::lobe::{Lobe, Stretch};
 use crate::scene::AnisotropyLaw;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex};
 
 const COSINES: usize = 32;
@@ -30,11 +29,9 @@ pub struct Stretched {
 impl Stretched {
     /// The tables for a strength, or for all up to it; made once.
     pub fn of(ior: f64, law: AnisotropyLaw, strongest: f64, varies: bool) -> Arc<Stretched> {
-        type Key = (u64, AnisotropyLaw, u64, bool);
-        static KNOWN: LazyLock<Mutex<HashMap<Key, Arc<Stretched>>>> = LazyLock::new(Mutex::default);
+        static KNOWN: Known<(u64, AnisotropyLaw, u64, bool), Stretched> = LazyLock::new(Mutex::default);
         let key = (ior.to_bits(), law, strongest.to_bits(), varies);
-        let mut known = KNOWN.lock().unwrap_or_else(|broken| broken.into_inner());
-        known.entry(key).or_insert_with(|| Arc::new(Stretched::new(ior, law, strongest, varies))).clone()
+        once(&KNOWN, key, || Stretched::new(ior, law, strongest, varies))
     }
 
     fn new(ior: f64, law: AnisotropyLaw, strongest: f64, varies: bool) -> Stretched {
@@ -108,10 +105,6 @@ impl Stretched {
         let row = |s: usize| mix(at(s * ROUGHNESSES + r), at(s * ROUGHNESSES + r + 1), u);
         if t == 0.0 { row(s) } else { mix(row(s), row(s + 1), t) }
     }
-}
-
-fn mix(a: Tally, b: Tally, t: f64) -> Tally {
-    std::array::from_fn(|k| a[k] + (b[k] - a[k]) * t)
 }
 
 fn between2(entry: &[[Tally; COSINES]; TURNS], (turn, t): (usize, f64), (c, s): (usize, f64)) -> Tally {
