@@ -21,6 +21,8 @@ pub mod cost {
     pub const SOLVED: u64 = 16;
     /// Reading one off a table.
     pub const READ: u64 = 5;
+    /// Cutting a piece of a slide's picture out of a pixel's footprint.
+    pub const CUT: u64 = 1;
     /// Adding a pixel's light of a pass to the film.
     pub const KEPT: u64 = 5;
 }

@@ -152,11 +152,17 @@ impl<M: Mode> Optics<M> {
     /// Value s of a slide's picture per lane; none outside the picture.
     #[inline]
     pub fn slide(&self, slide: &SlideMap, local: DVec3) -> Option<M::Lanes<f64>> {
+        Some(self.slide_at(slide, slide.pixel(local)?))
+    }
+
+    /// The same of a pixel of the picture.
+    #[inline]
+    pub fn slide_at(&self, slide: &SlideMap, pixel: usize) -> M::Lanes<f64> {
         if M::LANES == 1 || !slide.is_coloured() {
-            let s = slide.s(local)?;
-            return Some(lanes::<M, f64>(|_| s));
+            let s = slide.s_of(pixel);
+            return lanes::<M, f64>(|_| s);
         }
-        Some(mixed::<M>(&self.lighting.slide, slide.rgb(local)?))
+        mixed::<M>(&self.lighting.slide, slide.rgb_of(pixel))
     }
 }
 

@@ -1,5 +1,7 @@
 //! A slide as the tracer asks it: how open is it here?
 
+pub mod footprint;
+
 use crate::base::fault::Result;
 use crate::base::{Code, Fault, Where};
 use crate::scene::Slide;
@@ -13,6 +15,8 @@ pub struct SlideMap {
     height: usize,
     pixels: Arc<Vec<f32>>,
     rgb: Option<Arc<Vec<[f32; 3]>>>,
+    /// How many pixels from each on to the right are equal to it, itself among them, or that many at least.
+    alike: Arc<Vec<u16>>,
     centre: DVec3,
     /// Picture axes divided by its size, 1/mesh units: right, and down.
     across: DVec3,
@@ -75,6 +79,7 @@ impl SlideMap {
             height,
             pixels: slide.pixels.clone(),
             rgb: slide.rgb.clone(),
+            alike: Arc::new(alike(width, &slide.pixels, slide.rgb.as_ref().map(|rgb| rgb.as_slice()))),
             centre: slide.centre,
             across,
             down,
@@ -121,7 +126,7 @@ impl SlideMap {
 
     /// s of the pixel at a point in mesh units, 0–1; none outside the picture, where the slide is opaque.
     pub fn s(&self, local: DVec3) -> Option<f64> {
-        self.pixels.get(self.pixel(local)?).map(|s| f64::from(*s))
+        Some(self.s_of(self.pixel(local)?))
     }
 
     /// How far a point lies from the picture's rim, as a share of the longer side; inside and outside alike.
@@ -132,11 +137,24 @@ impl SlideMap {
 
     /// s for red, green and blue.
     pub fn rgb(&self, local: DVec3) -> Option<[f64; 3]> {
-        let index = self.pixel(local)?;
+        Some(self.rgb_of(self.pixel(local)?))
+    }
+
+    /// s of a pixel by its row-major index, for red, green and blue where it is coloured; 0 beyond them.
+    pub fn s_of(&self, index: usize) -> f64 {
+        self.pixels.get(index).map_or(0.0, |s| f64::from(*s))
+    }
+
+    pub fn rgb_of(&self, index: usize) -> [f64; 3] {
         match &self.rgb {
-            Some(rgb) => rgb.get(index).map(|rgb| rgb.map(f64::from)),
-            None => self.pixels.get(index).map(|s| [f64::from(*s); 3]),
+            Some(rgb) => rgb.get(index).map_or([0.0; 3], |rgb| rgb.map(f64::from)),
+            None => [self.s_of(index); 3],
         }
+    }
+
+    /// Whether two pixels show the same.
+    fn same(&self, a: usize, b: usize) -> bool {
+        self.s_of(a) == self.s_of(b) && self.rgb.as_ref().is_none_or(|rgb| rgb.get(a) == rgb.get(b))
     }
 
     /// Whether any of it is coloured.
@@ -144,7 +162,8 @@ impl SlideMap {
         self.rgb.is_some()
     }
 
-    fn pixel(&self, local: DVec3) -> Option<usize> {
+    /// The row-major index of the pixel at a point in mesh units; none outside the picture.
+    pub fn pixel(&self, local: DVec3) -> Option<usize> {
         let cell = |axis: DVec3, count: usize| {
             let x = axis.dot(local - self.centre) + 0.5;
             (0.0..=1.0).contains(&x).then(|| ((x * count as f64) as usize).min(count - 1))
@@ -152,6 +171,18 @@ impl SlideMap {
         let (x, y) = (cell(self.across, self.width)?, cell(self.down, self.height)?);
         Some(y * self.width + x)
     }
+}
+
+/// See [`SlideMap::alike`].
+fn alike(width: usize, pixels: &[f32], rgb: Option<&[[f32; 3]]>) -> Vec<u16> {
+    let same = |a: usize, b: usize| pixels[a] == pixels[b] && rgb.is_none_or(|rgb| rgb[a] == rgb[b]);
+    let mut alike = vec![1u16; pixels.len()];
+    for at in (0..pixels.len()).rev().filter(|at| (at + 1) % width != 0) {
+        if same(at, at + 1) {
+            alike[at] = alike[at + 1].saturating_add(1);
+        }
+    }
+    alike
 }
 
 #[cfg(test)]

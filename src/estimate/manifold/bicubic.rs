@@ -109,7 +109,30 @@ fn cubic(t: f64) -> [f64; 4] {
     [-t * b * c / 6.0, a * b * c / 2.0, -a * t * c / 2.0, a * t * b / 6.0]
 }
 
+/// Their slopes there.
+fn cubic_slope(t: f64) -> [f64; 4] {
+    [
+        -(3.0 * t * t - 6.0 * t + 2.0) / 6.0,
+        (3.0 * t * t - 4.0 * t - 1.0) / 2.0,
+        -(3.0 * t * t - 2.0 * t - 2.0) / 2.0,
+        (3.0 * t * t - 1.0) / 6.0,
+    ]
+}
+
 impl Spot {
+    /// The sixteen nodes with their weights, and how those change by cells along both axes.
+    pub fn nodes_with_slopes(&self) -> impl Iterator<Item = (usize, f64, DVec2)> + use<> {
+        let [first_x, first_y] = self.first;
+        let slopes =
+            [(self.at.x, first_x), (self.at.y, first_y)].map(|(at, first)| cubic_slope(at - (first + 1) as f64));
+        let (columns, [x, y]) = (self.columns, self.weights);
+        (0..16).map(move |k| {
+            let (i, j) = (k % 4, k / 4);
+            let slope = DVec2::new(slopes[0][i] * y[j], x[i] * slopes[1][j]);
+            ((first_y + j) * columns + first_x + i, x[i] * y[j], slope)
+        })
+    }
+
     /// The first of the four nodes of each row, which follow one another, and their weights.
     pub fn rows(&self) -> Rows {
         std::array::from_fn(|j| {
@@ -126,7 +149,33 @@ impl Spot {
 
 #[cfg(test)]
 mod tests {
-    use super::cubic;
+    use super::{Nodes, cubic, cubic_slope};
+    use glam::DVec2;
+
+    /// Slopes are met exactly, too.
+    #[test]
+    fn slopes_are_those_of_cubics() {
+        for k in 0..=10 {
+            let t = 0.3 * f64::from(k) - 1.0;
+            for power in 0..4 {
+                let slopes = cubic_slope(t).into_iter().zip([-1.0f64, 0.0, 1.0, 2.0]);
+                let got: f64 = slopes.map(|(w, x)| w * x.powi(power)).sum();
+                let wanted = if power == 0 { 0.0 } else { f64::from(power) * t.powi(power - 1) };
+                assert!((got - wanted).abs() < 1e-13, "{t} {power} {got} {wanted}");
+            }
+        }
+        let nodes = Nodes { count: [6, 7] };
+        let spot = nodes.spot(DVec2::new(2.3, 4.9)).expect("it is among the nodes");
+        let (mut value, mut slope) = (0.0, DVec2::ZERO);
+        for ((node, weight, by), (same, again)) in spot.nodes_with_slopes().zip(spot.nodes()) {
+            assert_eq!((node, weight), (same, again));
+            let at = nodes.at_node(node);
+            value += weight * at.x * at.y * at.y;
+            slope += by * at.x * at.y * at.y;
+        }
+        assert!((value - 2.3 * 4.9 * 4.9).abs() < 1e-11, "{value}");
+        assert!(slope.distance(DVec2::new(4.9 * 4.9, 2.0 * 2.3 * 4.9)) < 1e-11, "{slope}");
+    }
 
     /// Cubics are met exactly, and constants add up.
     #[test]

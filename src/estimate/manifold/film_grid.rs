@@ -47,6 +47,12 @@ impl FilmGrid {
         DVec2::new(nx, ny)
     }
 
+    /// Cells from one pixel to the next, to the right and down.
+    pub fn by_pixel(&self, world: &World) -> DVec2 {
+        let [width, height] = world.eye.size();
+        self.cells() * DVec2::new(1.0 / width as f64, -1.0 / height as f64)
+    }
+
     /// Where a place in the picture (tangents) lies among the nodes.
     pub fn spot(&self, film: DVec2) -> Option<Spot> {
         self.nodes.spot((film / self.half * 0.5 + 0.5) * self.cells())

@@ -3,10 +3,12 @@
 //! Per train and lamp the solutions are kept at the nodes of a grid over the picture, with their derivatives by the place
 //! on the lamp; in between, the place in the pupil, the strength and the places on slides are interpolated. No table is
 //! trusted: it is a control variate (e.g. A. Owen, "Monte Carlo theory, methods and examples", 2013, chapter 8.9). Every
-//! pixel takes what the table says, and now and then, the more seldom the better the table did on trial, the difference of
-//! the solved connection from it, so that the mean is the solver's whatever stands in the way between two nodes.
+//! pixel takes what the table says of all of it, with the slides' pictures cut by its footprint, and now and then, the more
+//! seldom the better the table did on trial, the difference of the solved connection from what the table says of its place,
+//! so that the mean is the solver's whatever stands in the way between two nodes.
 
 mod make;
+mod over_pixel;
 
 use super::bicubic::Spot;
 use super::connections::Connections;
@@ -15,13 +17,13 @@ use super::receiver::{Crossing, SLIDES};
 use super::seeds::MOST_SHEETS;
 use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
-use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
 use glam::{DMat2, DVec2, DVec3};
 use make::Maker;
+pub(super) use over_pixel::OverPixel;
 use rayon::prelude::*;
 
 /// The solution at a node, for the middle of the lamp.
@@ -37,17 +39,6 @@ struct Node<M: Mode> {
     told: LpeState,
     alone: bool,
     slides: ArrayVec<Crossing, SLIDES>,
-}
-
-/// What a connection brings to a place of the picture from a point of its lamp.
-pub(super) struct Brought<M: Mode> {
-    /// Place in the pupil, m.
-    pub(super) pupil: DVec2,
-    /// Luminance per lane, cd/m².
-    pub(super) light: M::Lanes<Light>,
-    pub(super) alone: bool,
-    pub(super) trail: Trail,
-    pub(super) told: LpeState,
 }
 
 /// A train and lamp.
@@ -98,31 +89,30 @@ impl<M: Mode> FilmTables<M> {
         Some(tables)
     }
 
-    /// Where a place of the picture lies among the nodes.
-    pub(super) fn spot(&self, film: DVec2) -> Option<Spot> {
-        self.over.spot(film)
+    /// Where the middle of a pixel lies among the nodes.
+    pub(super) fn spot(&self, world: &World, (x, y): (usize, usize)) -> Option<Spot> {
+        self.over.spot(world.eye.film_of(x, y, [0.5; 2]))
     }
-}
 
-impl<M: Mode> FilmTables<M> {
     /// How often the solved connection of an entry is to be looked at.
     pub(super) fn share(&self, entry: usize, spot: &Spot) -> f64 {
         self.tables.get(entry).map_or(1.0, |table| table.uses[spot.cell].share)
     }
 
-    /// What the branches of an entry bring, before slides; and whether that is at the rim of a slide's picture. `off`: place
-    /// on the lamp from its middle, m.
+    /// What the branches of an entry bring to a pixel whose middle is there. `off`: place on the lamp from its middle, m.
     pub(super) fn read(&self, world: &World, entry: usize, spot: &Spot, off: DVec2) -> Read<M> {
         let mut read = Read { branches: ArrayVec::new(), at_rim: false };
         let Some(table) = self.tables.get(entry) else { return read };
         let Use { aside, rim, pupil_rim, .. } = table.uses[spot.cell];
         let radius = world.eye.pupil_radius_m();
         let Some(spot) = self.over.nodes.aside(*spot, aside) else { return read };
+        let cells = self.over.by_pixel(world);
         for nodes in &table.branches {
-            let Some((brought, slides)) = blend(nodes, &spot, off) else { continue };
-            read.at_rim |= (brought.pupil.length() - radius).abs() <= pupil_rim * radius;
-            read.at_rim |= slides.iter().any(|(slide, at)| world.slides[*slide].to_rim(*at) <= rim);
-            if read.branches.try_push((brought, slides)).is_err() {
+            let Some(over) = OverPixel::read(nodes, &spot, cells, off) else { continue };
+            read.at_rim |= (over.pupil.length() - radius).abs() <= pupil_rim * radius + over.pupil_reach;
+            read.at_rim |=
+                over.footprints.iter().any(|footprint| footprint.to_rim(&world.slides[footprint.slide]) <= rim);
+            if read.branches.try_push(over).is_err() {
                 break;
             }
         }
@@ -130,24 +120,26 @@ impl<M: Mode> FilmTables<M> {
     }
 }
 
-/// What a table says of a place.
+/// What a table says of a pixel.
 pub(super) struct Read<M: Mode> {
-    branches: ArrayVec<(Brought<M>, Places), MOST_SHEETS>,
+    pub(super) branches: ArrayVec<OverPixel<M>, MOST_SHEETS>,
+    /// Whether that is at the rim of a slide's picture, or of the pupil.
     pub(super) at_rim: bool,
-}
-
-impl<M: Mode> Read<M> {
-    /// What comes through the slides.
-    pub(super) fn brought(self, world: &World, optics: &Optics<M>) -> impl Iterator<Item = Brought<M>> {
-        self.branches.into_iter().filter_map(move |(brought, slides)| through_slides(world, optics, brought, &slides))
-    }
 }
 
 type Places = ArrayVec<(usize, DVec3), SLIDES>;
 
-/// The nodes' solutions in between, with the slides open, and where slides are crossed; none where a node is missing or
-/// they do not cross the same slides.
-fn blend<M: Mode>(nodes: &[Option<Node<M>>], spot: &Spot, off: DVec2) -> Option<(Brought<M>, Places)> {
+/// What the nodes say between them, with the slides open.
+struct Blend<M: Mode> {
+    /// Place in the pupil, m.
+    pupil: DVec2,
+    /// Luminance per lane, cd/m².
+    strength: M::Lanes<f64>,
+    slides: Places,
+}
+
+/// The nodes' solutions in between; none where a node is missing or they do not cross the same slides.
+fn blend<M: Mode>(nodes: &[Option<Node<M>>], spot: &Spot, off: DVec2) -> Option<Blend<M>> {
     let near = nodes[spot.cell].as_ref()?;
     let mut pupil = DVec2::ZERO;
     let mut strength = lanes::<M, _>(|_| 0.0);
@@ -166,23 +158,10 @@ fn blend<M: Mode>(nodes: &[Option<Node<M>>], spot: &Spot, off: DVec2) -> Option<
             *at += weight * (crossing.local + crossing.by_lamp[0] * off.x + crossing.by_lamp[1] * off.y);
         }
     }
-    let light = lanes::<M, _>(|lane| Light::ONE.scaled(strength[lane]));
-    Some((Brought { pupil, light, alone: near.alone, trail: near.trail, told: near.told }, slides))
+    Some(Blend { pupil, strength, slides })
 }
 
-/// None beside a slide's picture.
-fn through_slides<M: Mode>(
-    world: &World,
-    optics: &Optics<M>,
-    mut brought: Brought<M>,
-    slides: &Places,
-) -> Option<Brought<M>> {
-    for (slide, at) in slides {
-        let map = &world.slides[*slide];
-        let s = optics.slide(map, *at)?;
-        for lane in 0..M::LANES {
-            brought.light[lane].cross(map.t_white(), map.transmittance(s[lane]), s[lane]);
-        }
-    }
-    Some(brought)
+/// Whether a path that crosses slides there goes through their pictures.
+fn through_slides<M: Mode>(world: &World, optics: &Optics<M>, slides: &Places) -> bool {
+    slides.iter().all(|(slide, at)| optics.slide(&world.slides[*slide], *at).is_some())
 }

@@ -11,9 +11,10 @@ use super::connections::{Connections, Entry};
 use super::edge_sampling::EdgeSampling;
 use super::eye_subpath;
 use super::eye_table::EyeTable;
-use super::film_table::FilmTables;
+use super::film_table::{FilmTables, OverPixel};
 use super::newton::{Root, Target};
 use super::receiver::Receivers;
+use crate::base::ids::GroupId;
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::estimate::ledger::{Ledger, cost};
@@ -26,6 +27,7 @@ use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, OPTICS_AT_A_TIME, lanes, plane_of};
 use crate::world::optics::Optics;
+use crate::world::slide::footprint;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::marker::PhantomData;
@@ -125,7 +127,8 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let at: [f64; 4] = pixel.start(self.seed, Stream::Connection, pixel.pass);
         let film = self.world.eye.film_of(pixel.x, pixel.y, [at[0], at[1]]);
         let mut choices = pixel.rng(self.seed, Stream::ConnectionChoice);
-        let spot = self.tables.as_ref().and_then(|tables| Some((tables, tables.spot(film)?)));
+        let spot = self.tables.as_ref().and_then(|tables| Some((tables, tables.spot(self.world, (pixel.x, pixel.y))?)));
+        let within = DVec2::new(at[0], at[1]) - 0.5;
         let connections = self.connections.of(optics);
         for (index, entry) in connections.at(film) {
             let Some(lamp) = self.world.lamps.get(entry.starts.lamp) else { continue };
@@ -141,18 +144,10 @@ impl<'w, M: Mode> Manifold<'w, M> {
             let chance = connections.chance(entry) * share;
             let solved = chance >= 1.0 || choices.uniform() < chance;
             ledger.work += cost::READ;
-            // What the table says, less what stands for it where the solver is asked. Where that is always, no table is needed:
-            // a faint train is left out now and then, with its table.
-            let control = if solved { 1.0 - 1.0 / chance } else { 1.0 };
-            if let Some(read) = read.filter(|_| control != 0.0) {
-                for brought in read.brought(self.world, optics) {
-                    let inside = brought.pupil.length() <= self.world.eye.pupil_radius_m();
-                    let share = self.route.from_eye(lamp.group, brought.trail).filter(|_| inside);
-                    let Some(share) = share else { continue };
-                    let plane = self.route.plane_from_eye(share, brought.told, lamp.group, Source::Face);
-                    let light = lanes::<M, _>(|lane| brought.light[lane].scaled(weight * control));
-                    M::deposit(optics, plane_of::<M>(out, plane), light, brought.alone);
-                }
+            // What the table says of all of the pixel, less what it says of this place where the solver is asked about it.
+            let factors = (weight, if solved { weight / chance } else { 0.0 });
+            for over in read.iter().flat_map(|read| &read.branches) {
+                ledger.work += self.read_off(optics, lamp.group, over, within, factors, out);
             }
             if !solved {
                 continue;
@@ -169,6 +164,36 @@ impl<'w, M: Mode> Manifold<'w, M> {
                 ledger.arrived += brought;
             }
         }
+    }
+
+    /// Adds what a table says of a pixel, `factors.0` times, less what it says of a place `within` it, `factors.1` times. Returns
+    /// the counted work.
+    fn read_off(
+        &self,
+        optics: &Optics<M>,
+        group: GroupId,
+        over: &OverPixel<M>,
+        within: DVec2,
+        factors: (f64, f64),
+        out: &mut [Light],
+    ) -> u64 {
+        if over.pupil.length() > self.world.eye.pupil_radius_m() {
+            return 0;
+        }
+        let Some(share) = self.route.from_eye(group, over.trail) else { return 0 };
+        let plane = self.route.plane_from_eye(share, over.told, group, Source::Face);
+        let tracing = (self.world, optics);
+        let Some((mean, pieces)) = footprint::mean(tracing, &over.brightness, &over.footprints) else { return 0 };
+        let place = if factors.1 != 0.0 { over.at(tracing, within) } else { None };
+        let light = lanes::<M, _>(|lane| {
+            let mut light = mean[lane].scaled(factors.0);
+            if let Some(place) = &place {
+                light.add(place[lane].scaled(-factors.1));
+            }
+            light
+        });
+        M::deposit(optics, plane_of::<M>(out, plane), light, over.alone);
+        pieces * cost::CUT
     }
 
     /// Follows the solution as any path is followed, and adds what it sees. Returns its share of a unit of importance.

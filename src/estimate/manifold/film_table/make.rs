@@ -215,20 +215,20 @@ impl<M: Mode> Maker<'_, M> {
         let mut worst = 0f64;
         for nodes in branches {
             for off in [DVec2::new(ASIDE, 0.5 * ASIDE) * size, DVec2::new(-0.5 * ASIDE, -ASIDE) * size] {
-                let (blend, places) = blend(nodes, spot, off)?;
+                let blend = blend(nodes, spot, off)?;
                 let Some(found) = self.found(entry, film, blend.pupil, off) else {
                     // Beside a slide's picture both know of nothing.
-                    if through_slides(self.world, self.optics, blend, &places).is_none() {
+                    if !through_slides(self.world, self.optics, &blend.slides) {
                         continue;
                     }
                     return None;
                 };
-                let of_lane = |lane: usize| (blend.light[lane].open() / found.strength[lane] - 1.0).abs();
+                let of_lane = |lane: usize| (blend.strength[lane] / found.strength[lane] - 1.0).abs();
                 let strength = (0..M::LANES).map(of_lane).fold(0.0, f64::max);
                 let apart = |((slide, a), (_, b)): (&(usize, DVec3), &(usize, DVec3))| {
                     SHARP * a.distance(*b) / self.world.slides[*slide].size()
                 };
-                let places = places.iter().zip(&found.slides).map(apart).fold(0.0, f64::max);
+                let places = blend.slides.iter().zip(&found.slides).map(apart).fold(0.0, f64::max);
                 let pupil = blend.pupil.distance(found.root.u) / self.world.eye.pupil_radius_m();
                 let error = strength.max(places).max(pupil);
                 worst = worst.max(if error.is_nan() { 1.0 } else { error });

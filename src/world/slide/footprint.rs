@@ -1,0 +1,211 @@
+//! The light that slides let through all of a small area at once: where a pixel's footprint on each slide is a parallelogram,
+//! the pixels of their pictures are cut out of it exactly, so that no edge of a picture is left to chance.
+
+use super::SlideMap;
+use crate::film::accumulate::Light;
+use crate::world::World;
+use crate::world::mode::{Mode, lanes};
+use crate::world::optics::Optics;
+use arrayvec::ArrayVec;
+use glam::{DVec2, DVec3};
+
+/// Most slides that are crossed one after the other.
+pub const MOST: usize = 4;
+
+/// Corners of a convex polygon; each of a slide's pixels that it is cut by adds four at most.
+type Polygon = ArrayVec<DVec2, { 4 + 4 * MOST }>;
+
+/// Where the points of the square from −½ to ½ cross a slide: `at` + x·by\[0\] + y·by\[1\], mesh units.
+#[derive(Debug, Clone, Copy)]
+pub struct Footprint {
+    pub slide: usize,
+    pub at: DVec3,
+    pub by: [DVec3; 2],
+}
+
+impl Footprint {
+    /// Where one of the square's points crosses.
+    pub fn place(&self, point: DVec2) -> DVec3 {
+        self.at + self.by[0] * point.x + self.by[1] * point.y
+    }
+
+    /// How near the square comes to the rim of the picture, as a share of its longer side; 0 or less where it may cross it.
+    pub fn to_rim(&self, map: &SlideMap) -> f64 {
+        let reach = 0.5 * (self.by[0].length() + self.by[1].length());
+        map.to_rim(self.at) - reach / map.size()
+    }
+}
+
+/// How bright the square is before slides: `middle` + x·by\[0\] + y·by\[1\].
+#[derive(Debug, Clone, Copy)]
+pub struct Brightness<M: Mode> {
+    pub middle: M::Lanes<f64>,
+    pub by: [M::Lanes<f64>; 2],
+}
+
+impl<M: Mode> Brightness<M> {
+    /// At one of the square's points.
+    pub fn at(&self, point: DVec2) -> M::Lanes<f64> {
+        lanes::<M, _>(|lane| self.middle[lane] + self.by[0][lane] * point.x + self.by[1][lane] * point.y)
+    }
+}
+
+/// The mean over the square of what comes through all slides, and of how many pieces it was put together. None where that
+/// is not finite, or more slides are crossed than [`MOST`].
+pub fn mean<M: Mode>(
+    (world, optics): (&World, &Optics<M>),
+    brightness: &Brightness<M>,
+    footprints: &[Footprint],
+) -> Option<(M::Lanes<Light>, u64)> {
+    if footprints.len() > MOST {
+        return None;
+    }
+    let mut square = Polygon::new();
+    square.extend([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(DVec2::from_array));
+    let mut sum = Sum { tracing: (world, optics), brightness, light: lanes::<M, _>(|_| Light::default()), pieces: 0 };
+    sum.through(&square, footprints, lanes::<M, _>(|_| Light::ONE))?;
+    let finite = (0..M::LANES).all(|lane| sum.light[lane].is_finite());
+    finite.then_some((sum.light, sum.pieces))
+}
+
+struct Sum<'s, M: Mode> {
+    tracing: (&'s World, &'s Optics<M>),
+    brightness: &'s Brightness<M>,
+    light: M::Lanes<Light>,
+    pieces: u64,
+}
+
+impl<M: Mode> Sum<'_, M> {
+    /// Adds a piece that `light` has come to through the slides before these.
+    fn through(&mut self, piece: &Polygon, footprints: &[Footprint], light: M::Lanes<Light>) -> Option<()> {
+        let Some((footprint, rest)) = footprints.split_first() else {
+            self.pieces += 1;
+            let (area, moment) = moments(piece);
+            for lane in 0..M::LANES {
+                let Brightness { middle, by } = self.brightness;
+                let factor = middle[lane] * area + by[0][lane] * moment.x + by[1][lane] * moment.y;
+                self.light[lane].add(light[lane].scaled(factor));
+            }
+            return Some(());
+        };
+        let (world, optics) = self.tracing;
+        let map = &world.slides[footprint.slide];
+        map.pieces(piece, footprint, &mut |piece, index| {
+            let s = optics.slide_at(map, index);
+            let mut light = light;
+            for lane in 0..M::LANES {
+                light[lane].cross(map.t_white(), map.transmittance(s[lane]), s[lane]);
+            }
+            self.through(piece, rest, light)
+        })
+    }
+}
+
+impl SlideMap {
+    /// Cuts a polygon of the square into pieces that each show one value of the picture, and calls `each` with them and a
+    /// pixel of that value. What lies beside the picture is left out. None where the footprint is not finite.
+    fn pieces(
+        &self,
+        polygon: &Polygon,
+        footprint: &Footprint,
+        each: &mut impl FnMut(&Polygon, usize) -> Option<()>,
+    ) -> Option<()> {
+        let [columns, rows] = [(self.across, self.width), (self.down, self.height)].map(|(axis, count)| Lines {
+            first: (axis.dot(footprint.at - self.centre) + 0.5) * count as f64,
+            by: DVec2::new(axis.dot(footprint.by[0]), axis.dot(footprint.by[1])) * count as f64,
+        });
+        if !(columns.first.is_finite() && columns.by.is_finite() && rows.first.is_finite() && rows.by.is_finite()) {
+            return None;
+        }
+        let (down, along) = (rows.span(polygon), columns.span(polygon));
+        let inside = |[low, high]: [f64; 2], count: usize| low >= 0.0 && high <= count as f64;
+        let Some([first_row, last_row]) = cells(down, self.height) else { return Some(()) };
+        let Some([first, last]) = cells(along, self.width) else { return Some(()) };
+        // Most of a picture is even.
+        let start = first_row * self.width + first;
+        let even = |row: usize| {
+            let at = row * self.width + first;
+            self.same(start, at) && usize::from(self.alike[at]) > last - first
+        };
+        if inside(down, self.height) && inside(along, self.width) && (first_row..=last_row).all(even) {
+            return each(polygon, start);
+        }
+        for row in first_row..=last_row {
+            let strip = rows.cut(polygon, row as f64, (row + 1) as f64);
+            let Some([first, last]) = cells(columns.span(&strip), self.width) else { continue };
+            let mut column = first;
+            while column <= last {
+                let at = row * self.width + column;
+                let end = column + usize::from(self.alike[at]);
+                let piece = columns.cut(&strip, column as f64, end.min(self.width) as f64);
+                if piece.len() > 2 {
+                    each(&piece, at)?;
+                }
+                column = end;
+            }
+        }
+        Some(())
+    }
+}
+
+/// The cells that a span reaches, of so many from 0 on.
+fn cells([low, high]: [f64; 2], count: usize) -> Option<[usize; 2]> {
+    let last = count - 1;
+    (low < count as f64 && high > 0.0).then(|| [(low.max(0.0) as usize).min(last), (high as usize).min(last)])
+}
+
+/// A coordinate of a picture over the square, in its pixels: `first` + `by`·point.
+#[derive(Debug, Clone, Copy)]
+struct Lines {
+    first: f64,
+    by: DVec2,
+}
+
+impl Lines {
+    fn at(&self, point: DVec2) -> f64 {
+        self.first + self.by.dot(point)
+    }
+
+    fn span(&self, polygon: &Polygon) -> [f64; 2] {
+        let all = polygon.iter().map(|corner| self.at(*corner));
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
+    }
+
+    /// The part of a polygon between two values (I. E. Sutherland and G. W. Hodgman, "Reentrant polygon clipping", CACM 17, 1974).
+    fn cut(&self, polygon: &Polygon, low: f64, high: f64) -> Polygon {
+        let above = self.keep(polygon, |at| at - low);
+        self.keep(&above, |at| high - at)
+    }
+
+    fn keep(&self, polygon: &Polygon, inside: impl Fn(f64) -> f64) -> Polygon {
+        let mut kept = Polygon::new();
+        let Some(mut before) = polygon.last().copied() else { return kept };
+        let mut of_before = inside(self.at(before));
+        for corner in polygon {
+            let of_corner = inside(self.at(*corner));
+            if (of_before < 0.0) != (of_corner < 0.0) {
+                // The polygon is convex: at most two corners come new, for one that goes. No room is left only to rounding.
+                let _ = kept.try_push(before.lerp(*corner, of_before / (of_before - of_corner)));
+            }
+            if of_corner >= 0.0 {
+                let _ = kept.try_push(*corner);
+            }
+            (before, of_before) = (*corner, of_corner);
+        }
+        kept
+    }
+}
+
+/// Area of a polygon, and the integral of the place over it.
+fn moments(polygon: &Polygon) -> (f64, DVec2) {
+    let (mut area, mut moment) = (0.0, DVec2::ZERO);
+    let Some(mut before) = polygon.last().copied() else { return (area, moment) };
+    for corner in polygon {
+        let twice = before.perp_dot(*corner);
+        area += twice;
+        moment += (before + *corner) * twice;
+        before = *corner;
+    }
+    // A footprint's corners run one way round whatever it is on the slide: they are places of the square.
+    (0.5 * area, moment / 6.0)
+}
