@@ -39,6 +39,8 @@ pub enum Stream {
     Witness,
     /// Of the frames of a sequence, whose seeds it makes.
     Frame,
+    /// Of the lattice of points of a lamp that connection's tables are asked about.
+    ConnectionLamp,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

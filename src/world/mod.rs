@@ -15,6 +15,7 @@ pub mod lamp;
 pub mod light;
 pub mod mode;
 pub mod optics;
+pub mod outline;
 pub mod rim;
 pub mod role;
 pub mod scatter;

@@ -3,6 +3,7 @@
 //! but of light that need not be the point's. How much of a kernel is left is known in closed form.
 
 use super::geometry::{Geometry, Site};
+use super::outline::Outline;
 use super::seam;
 use super::surface::{FaceOptics, Surface};
 use crate::scene::Scene;
@@ -43,10 +44,11 @@ struct Lines {
     seams: Rim,
 }
 
-/// The rims and seams of all faces that scatter.
+/// The rims and seams of all faces that scatter, and the outlines of those that reflect or refract.
 #[derive(Debug, Default)]
 pub struct Rims {
     by_face: HashMap<(u32, u32), Lines>,
+    outlines: HashMap<(u32, u32), Outline>,
 }
 
 /// What of a kernel about a point counts.
@@ -84,7 +86,7 @@ impl Around {
 
 impl Rims {
     pub fn find(scene: &Scene, geometry: &Geometry, faces: &[Vec<FaceOptics>]) -> Rims {
-        let mut by_face = HashMap::new();
+        let (mut by_face, mut outlines) = (HashMap::new(), HashMap::new());
         // Made where a face asks for them: a scene without one that scatters has no seams.
         let mut obstacles: Option<seam::Obstacles> = None;
         for (p, (part, optics)) in scene.parts.iter().zip(faces).enumerate() {
@@ -92,22 +94,39 @@ impl Rims {
             let to_world = geometry.part_to_world(number);
             let mirrored = to_world.matrix3.determinant() < 0.0;
             for (f, (range, optics)) in mesh.faces.iter().zip(optics).enumerate() {
-                let Surface::Scatter(scatter) = &optics.surface else { continue };
-                if scatter.is_narrow() {
-                    continue;
+                match &optics.surface {
+                    Surface::Interface(_) | Surface::Mirror(_) => {}
+                    Surface::Scatter(scatter) if !scatter.is_narrow() => {}
+                    Surface::Absent
+                    | Surface::Absorber
+                    | Surface::Slide(_)
+                    | Surface::Sheet(_)
+                    | Surface::Scatter(_) => continue,
                 }
                 let world = |v: [f32; 3]| to_world.transform_point3(DVec3::from(v.map(f64::from)));
                 let edges = borders(mesh, *range).into_iter().map(|[a, b]| {
                     let (a, b) = (world(a), world(b));
                     Edge(if mirrored { [b, a] } else { [a, b] })
                 });
-                let rim = Rim::new(edges.collect());
+                let edges: Vec<Edge> = edges.collect();
+                if matches!(optics.surface, Surface::Interface(_) | Surface::Mirror(_)) {
+                    if let Some(outline) = Outline::new(&edges) {
+                        outlines.insert((number, f as u32), outline);
+                    }
+                    continue;
+                }
+                let rim = Rim::new(edges);
                 let obstacles = obstacles.get_or_insert_with(|| seam::Obstacles::new(scene, geometry, faces));
                 let seams = Rim::new(obstacles.on((p, f), &rim));
                 by_face.insert((number, f as u32), Lines { rim, seams });
             }
         }
-        Rims { by_face }
+        Rims { by_face, outlines }
+    }
+
+    /// The outline of a face that reflects or refracts; none of one without a rim.
+    pub fn outline(&self, part: u32, face: u32) -> Option<&Outline> {
+        self.outlines.get(&(part, face))
     }
 
     /// What counts of Epanechnikov's kernel about a point of a face, taken as flat there: what lies on the face, so all of it
@@ -241,7 +260,7 @@ mod tests {
 
     fn share(corners: &[[f64; 2]], point: [f64; 2], radius: f64) -> f64 {
         let lines = Lines { rim: rim(corners), seams: Rim::default() };
-        let rims = Rims { by_face: HashMap::from([((0, 0), lines)]) };
+        let rims = Rims { by_face: HashMap::from([((0, 0), lines)]), ..Rims::default() };
         let site = Site { part: 0, face: 0, triangle: 0 };
         rims.around(site, DVec3::new(point[0], point[1], 0.0), DVec3::Z, radius).share
     }

@@ -141,6 +141,17 @@ impl Spot {
         })
     }
 
+    /// The rows of nodes with what their weights change by along a step, in cells, to first order.
+    pub fn rows_along(&self, step: DVec2) -> Rows {
+        let [x, y] = [(self.at.x, self.first[0]), (self.at.y, self.first[1])]
+            .map(|(at, first)| cubic_slope(at - (first + 1) as f64));
+        std::array::from_fn(|j| {
+            let first = (self.first[1] + j) * self.columns + self.first[0];
+            let along = |i: usize| x[i] * self.weights[1][j] * step.x + self.weights[0][i] * y[j] * step.y;
+            (first, std::array::from_fn(along))
+        })
+    }
+
     /// The sixteen nodes and their weights.
     pub fn nodes(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
         self.rows().into_iter().flat_map(|(first, weights)| (first..).zip(weights))

@@ -3,6 +3,7 @@
 //! Where they land is read from [`Glances`](super::glances::Glances), whose errors a few paths make good.
 
 use super::eye_table::{Glanced, Rest};
+use super::pixel_span::Span;
 use super::receiver::{Ask, Incoming, Receivers};
 use super::vision::Manifold;
 use crate::base::lpe::{Letter, Source};
@@ -45,16 +46,17 @@ pub(super) fn look<M: Mode>(
     {
         let film = world.eye.film_of(pixel.x, pixel.y, jitter);
         let pupil = DVec2::new(pupil.x, pupil.y);
-        let read = |walker: &mut Walker<'_, M>, vertex: &Vertex, whole: f64| {
+        let within = Some(DVec2::from_array(jitter) - 0.5).filter(|_| screens.cross_slides());
+        let read = |walker: &mut Walker<'_, M>, vertex: &Vertex, whole: f64, span: Option<Span>| {
             let Surface::Scatter(scatter) = &walker.face(vertex).surface else { return };
             // The nodes over picture and pupil, and one face to be met.
             scratch.work += cost::STEP;
             let landed = (walker, vertex, &**scatter, Frame::about(vertex.normal));
-            gather(manifold, landed, (screens, Ask { uv, seen: 1.0 / whole, turn }), out, scratch);
+            gather(manifold, landed, (screens, Ask { uv, seen: 1.0 / whole, turn, span }), out, scratch);
         };
         let glances = manifold.glances.as_deref();
         let rest = glances.map_or(Some(Rest::ALL), |glances| {
-            glances.read((world, optics), (film, pupil), (OF_PAIR, Glanced::Lit), &mut rng, read)
+            glances.read((world, optics), (film, pupil, within), (OF_PAIR, Glanced::Lit), &mut rng, read)
         });
         let Some(rest) = rest else { continue };
         let whole = OF_PAIR / rest.share;
@@ -68,7 +70,7 @@ pub(super) fn look<M: Mode>(
         let faint = Faint { whole, often: 1.0 / rest.share };
         to_scatterer(walker, faint, ledger, &mut |walker, vertex, scatter, frame, ledger| {
             if !glances.is_some_and(|glances| glances.has_read(rest, walker, vertex)) {
-                let ask = Ask { uv, seen: 1.0 / whole, turn };
+                let ask = Ask { uv, seen: 1.0 / whole, turn, span: None };
                 gather(manifold, (walker, vertex, scatter, frame), (screens, ask), out, scratch);
             }
             ledger.not_owned += walker.beam.carried();

@@ -10,6 +10,7 @@ mod make;
 
 use super::bicubic::{Rows, Spot};
 use super::film_grid::FilmGrid;
+use super::pixel_span::Span;
 use super::receiver::Receivers;
 use crate::base::chain::Chain;
 use crate::base::lpe::LpeState;
@@ -85,6 +86,8 @@ pub struct EyeTable<M: Mode> {
 /// Where to look.
 struct Look {
     rows: Rows,
+    /// Along a pixel to the right and down, and where in its pixel the ray is; none where nobody asks.
+    along: Option<([Rows; 2], DVec2)>,
     /// Weights of the nodes over the pupil.
     pupil: [f64; OVER_PUPIL],
 }
@@ -158,14 +161,14 @@ impl<M: Mode> EyeTable<M> {
 
     /// Calls `visit` with rays that have landed and what each stood for at its start. That is all light if a followed ray
     /// adds what the returned rest asks for; none: nothing is to be followed. `film`, `pupil`: places in tangents and m.
-    /// `whole`: what the ray stands for.
+    /// `whole`: what the ray stands for. `within`: its place in its pixel, if it matters how the landing moves with it.
     pub fn read<'w>(
         &self,
         tracing: (&'w World, &'w Optics<M>),
-        (film, pupil): (DVec2, DVec2),
+        (film, pupil, within): (DVec2, DVec2, Option<DVec2>),
         (whole, of): (f64, Glanced),
         rng: &mut Rng,
-        mut visit: impl FnMut(&mut Walker<'w, M>, &Vertex, f64),
+        mut visit: impl FnMut(&mut Walker<'w, M>, &Vertex, f64, Option<Span>),
     ) -> Option<Rest> {
         let spot = self.over.spot(film);
         let usage = spot.and_then(|spot| Some((spot, *self.uses.get(spot.cell)?)));
@@ -175,7 +178,8 @@ impl<M: Mode> EyeTable<M> {
         };
         // The nodes about the spot, or, where those are not all there, others beside it.
         let Some(spot) = self.over.nodes.aside(spot, usage.aside) else { return Some(Rest::ALL) };
-        let look = self.look_at(spot, pupil);
+        let cells = self.over.by_pixel(tracing.0);
+        let look = self.look_at(spot, pupil, within.map(|within| (cells, within)));
         let usual = usage.share * of.followed();
         let followed = rng.uniform() < usual;
         let mut read = 0;
@@ -208,12 +212,13 @@ impl<M: Mode> EyeTable<M> {
                 .and_then(|glance| glance.landings.blend(&look.rows, &look.pupil))
                 .and_then(|at| glance.land(tracing, &at, weight * control, rng.fork()));
             if let Some((mut walker, vertex)) = landed {
-                visit(&mut walker, &vertex, weight * control);
+                let span = table.filter(|_| control != 0.0).and_then(|glance| glance.span(&look, 1.0 / control));
+                visit(&mut walker, &vertex, weight * control, span);
             }
             if followed && by_itself {
                 let start = (film, pupil, weight / share, rng.fork());
                 if let Some((mut walker, vertex)) = glance.follow(tracing, start) {
-                    visit(&mut walker, &vertex, weight / share);
+                    visit(&mut walker, &vertex, weight / share, None);
                 }
             }
         }
@@ -235,10 +240,13 @@ impl<M: Mode> EyeTable<M> {
         self.glances.iter().map(Glance::face)
     }
 
-    fn look_at(&self, spot: Spot, pupil: DVec2) -> Look {
+    fn look_at(&self, spot: Spot, pupil: DVec2, pixel: Option<(DVec2, DVec2)>) -> Look {
         let at = if self.radius > 0.0 { pupil / (OUTER * self.radius) } else { DVec2::ZERO };
         let [x, y] = at.to_array().map(|t| [0.5 * t * (t - 1.0), 1.0 - t * t, 0.5 * t * (t + 1.0)]);
-        Look { rows: spot.rows(), pupil: std::array::from_fn(|k| x[k % 3] * y[k / 3]) }
+        let along = pixel.map(|(cells, within)| {
+            ([DVec2::new(cells.x, 0.0), DVec2::new(0.0, cells.y)].map(|step| spot.rows_along(step)), within)
+        });
+        Look { rows: spot.rows(), along, pupil: std::array::from_fn(|k| x[k % 3] * y[k / 3]) }
     }
 }
 
@@ -251,6 +259,13 @@ impl<M: Mode> Glance<M> {
     /// The face that it leads to.
     fn face(&self) -> (u32, u32) {
         (self.vertex.hit.site.part, self.vertex.hit.site.face)
+    }
+
+    /// How the landing moves over the pixel.
+    fn span(&self, look: &Look, whole: f64) -> Option<Span> {
+        let (along, within) = look.along.as_ref()?;
+        let [right, down] = along.each_ref().map(|rows| self.landings.blend(rows, &look.pupil).map(|at| at.point));
+        Some(Span { by: [right?, down?], within: *within, whole })
     }
 
     /// Follows a ray over the train to the face; none where it does not get there with all wavelengths.

@@ -8,6 +8,7 @@
 //! so that the mean is the solver's whatever stands in the way between two nodes.
 
 mod make;
+mod masks;
 mod over_pixel;
 
 use super::bicubic::Spot;
@@ -23,7 +24,8 @@ use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
 use glam::{DMat2, DVec2, DVec3};
 use make::Maker;
-pub(super) use over_pixel::OverPixel;
+use masks::{Hidden, MASKS};
+pub(super) use over_pixel::{OverLamp, OverPixel};
 use rayon::prelude::*;
 
 /// The solution at a node, for the middle of the lamp.
@@ -39,11 +41,15 @@ struct Node<M: Mode> {
     told: LpeState,
     alone: bool,
     slides: ArrayVec<Crossing, SLIDES>,
+    /// Where the faces of the table's masks are met, recentred world, m; `slide` is the mask's number.
+    masks: ArrayVec<Crossing, MASKS>,
 }
 
 /// A train and lamp.
 #[derive(Debug)]
 pub struct FilmTable<M: Mode> {
+    /// Faces of the train that the picture ends at.
+    masks: ArrayVec<(u32, u32), MASKS>,
     /// Nodes of each branch.
     branches: Vec<Vec<Option<Node<M>>>>,
     /// Per cell.
@@ -62,11 +68,13 @@ struct Use {
     rim: f64,
     /// The same of the pupil, as a share of its radius.
     pupil_rim: f64,
+    /// How far about a place the outlines of masks may lie, m; 0 where they are far from all of the cell.
+    mask_reach: [f64; MASKS],
 }
 
 impl Use {
     /// The table is of no use: every connection is solved for.
-    const SOLVED: Use = Use { share: 1.0, aside: [0; 2], rim: 0.0, pupil_rim: 0.0 };
+    const SOLVED: Use = Use { share: 1.0, aside: [0; 2], rim: 0.0, pupil_rim: 0.0, mask_reach: [0.0; MASKS] };
 }
 
 /// Those of all [`Connections`], in the order of their entries.
@@ -99,20 +107,32 @@ impl<M: Mode> FilmTables<M> {
         self.tables.get(entry).map_or(1.0, |table| table.uses[spot.cell].share)
     }
 
-    /// What the branches of an entry bring to a pixel whose middle is there. `off`: place on the lamp from its middle, m.
-    pub(super) fn read(&self, world: &World, entry: usize, spot: &Spot, off: DVec2) -> Read<M> {
+    /// What the branches of an entry bring to a pixel whose middle is there. `off`: place on the lamp from its middle, m; `size`:
+    /// of the lamp, m.
+    pub(super) fn read(&self, world: &World, entry: usize, spot: &Spot, (off, size): (DVec2, f64)) -> Read<M> {
         let mut read = Read { branches: ArrayVec::new(), at_rim: false };
         let Some(table) = self.tables.get(entry) else { return read };
-        let Use { aside, rim, pupil_rim, .. } = table.uses[spot.cell];
+        let Use { aside, rim, pupil_rim, mask_reach, .. } = table.uses[spot.cell];
         let radius = world.eye.pupil_radius_m();
         let Some(spot) = self.over.nodes.aside(*spot, aside) else { return read };
         let cells = self.over.by_pixel(world);
         for nodes in &table.branches {
-            let Some(over) = OverPixel::read(nodes, &spot, cells, off) else { continue };
+            let mut edges = ArrayVec::new();
+            if mask_reach != [0.0; MASKS] {
+                match masks::cut(world, (nodes, &table.masks), (&spot, cells), size, &mask_reach) {
+                    None | Some(Hidden::All) => continue,
+                    Some(Hidden::Beyond(cut)) => edges = cut,
+                }
+            }
+            let at = |off: DVec2| OverPixel::read(nodes, &spot, cells, off);
+            let Some(mut over) = at(off) else { continue };
+            over.edges = edges.iter().map(|edge| edge.at(off)).collect();
+            read.at_rim |= !edges.is_empty();
             read.at_rim |= (over.pupil.length() - radius).abs() <= pupil_rim * radius + over.pupil_reach;
             read.at_rim |=
                 over.footprints.iter().any(|footprint| footprint.to_rim(&world.slides[footprint.slide]) <= rim);
-            if read.branches.try_push(over).is_err() {
+            let over_lamp = if edges.is_empty() { None } else { OverLamp::read(at, edges, size) };
+            if read.branches.try_push((over, over_lamp)).is_err() {
                 break;
             }
         }
@@ -122,8 +142,9 @@ impl<M: Mode> FilmTables<M> {
 
 /// What a table says of a pixel.
 pub(super) struct Read<M: Mode> {
-    pub(super) branches: ArrayVec<OverPixel<M>, MOST_SHEETS>,
-    /// Whether that is at the rim of a slide's picture, or of the pupil.
+    /// For one point of the lamp; and for all, where what is seen of it changes much from one to the other.
+    pub(super) branches: ArrayVec<(OverPixel<M>, Option<OverLamp<M>>), MOST_SHEETS>,
+    /// Whether that is at the rim of a slide's picture, of the pupil, or of a face of the train.
     pub(super) at_rim: bool,
 }
 
@@ -136,6 +157,7 @@ struct Blend<M: Mode> {
     /// Luminance per lane, cd/m².
     strength: M::Lanes<f64>,
     slides: Places,
+    masks: ArrayVec<DVec3, MASKS>,
 }
 
 /// The nodes' solutions in between; none where a node is missing or they do not cross the same slides.
@@ -144,6 +166,7 @@ fn blend<M: Mode>(nodes: &[Option<Node<M>>], spot: &Spot, off: DVec2) -> Option<
     let mut pupil = DVec2::ZERO;
     let mut strength = lanes::<M, _>(|_| 0.0);
     let mut slides: Places = near.slides.iter().map(|crossing| (crossing.slide, DVec3::ZERO)).collect();
+    let mut masks: ArrayVec<DVec3, MASKS> = near.masks.iter().map(|_| DVec3::ZERO).collect();
     for (node, weight) in spot.nodes() {
         let node = nodes[node].as_ref()?;
         if node.slides.len() != near.slides.len() || (node.alone, node.trail) != (near.alone, near.trail) {
@@ -155,10 +178,13 @@ fn blend<M: Mode>(nodes: &[Option<Node<M>>], spot: &Spot, off: DVec2) -> Option<
             strength[lane] += weight * (node.strength[lane] + by_x * off.x + by_y * off.y);
         }
         for ((_, at), crossing) in slides.iter_mut().zip(&node.slides) {
-            *at += weight * (crossing.local + crossing.by_lamp[0] * off.x + crossing.by_lamp[1] * off.y);
+            *at += weight * crossing.at(off);
+        }
+        for (at, crossing) in masks.iter_mut().zip(&node.masks) {
+            *at += weight * crossing.at(off);
         }
     }
-    Some(Blend { pupil, strength, slides })
+    Some(Blend { pupil, strength, slides, masks })
 }
 
 /// Whether a path that crosses slides there goes through their pictures.

@@ -10,6 +10,7 @@ pub mod film_grid;
 pub mod film_table;
 pub mod grid;
 pub mod newton;
+pub mod pixel_span;
 pub mod ray_differentials;
 pub mod receiver;
 pub mod seeds;

@@ -13,6 +13,7 @@ mod resolution;
 mod table;
 
 use super::newton::Target;
+use super::pixel_span::Span;
 use crate::base::lpe::Letter;
 use crate::base::rng::Rng;
 use crate::estimate::ledger::{Ledger, cost};
@@ -29,7 +30,7 @@ use glam::DVec3;
 pub use ownership::{Asked, Claim};
 use resolution::{COARSE, RUN, Resolution};
 use std::sync::Arc;
-use table::Cell;
+use table::{Cell, ReceiverTable};
 pub(super) use table::{Crossing, SLIDES};
 
 /// Largest error of an interpolated strength or direction (radians) that is let pass, for a train that has all light of a
@@ -83,6 +84,8 @@ pub struct Ask {
     pub seen: f64,
     /// Where the turns begin if not all lamps are asked, from 0 to 1.
     pub turn: f64,
+    /// How the point moves over the pixel that sees it, where that is known: the slides' pictures are cut by what it crosses.
+    pub span: Option<Span>,
 }
 
 /// Light that comes to a point of a scatterer.
@@ -151,6 +154,11 @@ impl<M: Mode> Receivers<M> {
         self.lit().any(|lit| (lit.map.part, lit.map.face) == face)
     }
 
+    /// Whether light of any train crosses slides.
+    pub fn cross_slides(&self) -> bool {
+        self.lit().flat_map(|lit| &lit.entries).flat_map(|entry| &entry.sheets).any(ReceiverTable::crosses_any_slides)
+    }
+
     /// Nothing is connected.
     pub fn is_empty(&self) -> bool {
         self.levels.is_empty()
@@ -172,6 +180,7 @@ impl<M: Mode> Receivers<M> {
         for lit in self.lit().filter(|lit| (lit.map.part, lit.map.face) == (site.part, site.face)) {
             let Some(spot) = lit.map.spot(point) else { continue };
             let rows = spot.rows();
+            let along = ask.span.map(|span| (span.by.map(|by| spot.rows_along(lit.map.step_of(by))), span));
             let chance = lit.chance(ask.seen);
             let mut turn = ask.turn;
             for entry in &lit.entries {
@@ -187,7 +196,13 @@ impl<M: Mode> Receivers<M> {
                 let mut known = Known::default();
                 for sheet in of(Cell::Interpolated) {
                     ledger.work += cost::READ;
-                    let incoming = sheet.interpolate((world, optics), (spot.cell, &rows), entry.lamp, off);
+                    let near = (spot.cell, &rows);
+                    let incoming = match &along {
+                        Some((along, span)) if sheet.crosses_slides(spot.cell) => {
+                            sheet.interpolate_over((world, optics), near, (along, span), entry.lamp, off)
+                        }
+                        Some(_) | None => sheet.interpolate((world, optics), near, entry.lamp, off),
+                    };
                     let Some(mut incoming) = incoming else { continue };
                     // One sheet has no solution twice.
                     if entry.sheets.len() > 1 && !known.add(incoming.dir, NEARLY_SAME * lit.tolerance) {

@@ -96,6 +96,11 @@ impl SurfaceParam {
         (self.nodes.at_node(to) - self.nodes.at_node(from)) * self.cell
     }
 
+    /// A small step over the face, in cells.
+    pub fn step_of(&self, moved: DVec3) -> DVec2 {
+        DVec2::new(moved.dot(self.across[0]), moved.dot(self.across[1])) / self.cell
+    }
+
     /// From a node to a spot, m along both axes.
     pub fn from_node(&self, node: usize, spot: &Spot) -> DVec2 {
         (spot.at - self.nodes.at_node(node)) * self.cell

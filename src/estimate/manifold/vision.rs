@@ -14,7 +14,6 @@ use super::eye_table::EyeTable;
 use super::film_table::{FilmTables, OverPixel};
 use super::newton::{Root, Target};
 use super::receiver::Receivers;
-use crate::base::ids::GroupId;
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::estimate::ledger::{Ledger, cost};
@@ -32,6 +31,9 @@ use glam::DVec2;
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::sync::Arc;
+
+/// Points of a lamp that tables are asked about in a pass where what is seen of it changes much from one to the other.
+const POINTS: u64 = 64;
 
 /// The estimator, ready to run passes.
 pub struct Manifold<'w, M: Mode> {
@@ -139,15 +141,39 @@ impl<'w, M: Mode> Manifold<'w, M> {
             let off = middle.local(point.position - middle.point);
             // Where a table is of no use it need not be read.
             let read = spot.as_ref().filter(|_| share < 1.0);
-            let read = read.map(|(tables, spot)| tables.read(self.world, index, spot, off));
+            let read = read.map(|(tables, spot)| tables.read(self.world, index, spot, (off, entry.starts.size())));
             let share = if read.as_ref().is_some_and(|read| read.at_rim) { 1.0 } else { share };
             let chance = connections.chance(entry) * share;
             let solved = chance >= 1.0 || choices.uniform() < chance;
             ledger.work += cost::READ;
             // What the table says of all of the pixel, less what it says of this place where the solver is asked about it.
-            let factors = (weight, if solved { weight / chance } else { 0.0 });
-            for over in read.iter().flat_map(|read| &read.branches) {
-                ledger.work += self.read_off(optics, lamp.group, over, within, factors, out);
+            let less = if solved { weight / chance } else { 0.0 };
+            for (over, over_lamp) in read.iter().flat_map(|read| &read.branches) {
+                let share = self.route.from_eye(lamp.group, over.trail);
+                let Some(share) = share else { continue };
+                let plane = self.route.plane_from_eye(share, over.told, lamp.group, Source::Face);
+                let mut light = lanes::<M, _>(|_| Light::default());
+                match over_lamp {
+                    None => ledger.work += self.add_mean(optics, over, weight, &mut light),
+                    Some(over_lamp) => {
+                        let number = (POINTS / times as u64).max(1);
+                        for k in 0..number {
+                            let uv = pixel.start(
+                                self.seed,
+                                Stream::ConnectionLamp,
+                                pixel.pass.wrapping_mul(number).wrapping_add(k),
+                            );
+                            let off = middle.local(lamp.sample_point(uv).position - middle.point);
+                            let weight = 1.0 / (times * number as f64);
+                            ledger.work += self.add_mean(optics, &over_lamp.at(off), weight, &mut light);
+                        }
+                    }
+                }
+                let inside = less != 0.0 && over.pupil.length() <= self.world.eye.pupil_radius_m();
+                if let Some(place) = inside.then(|| over.at((self.world, optics), within)).flatten() {
+                    (0..M::LANES).for_each(|lane| light[lane].add(place[lane].scaled(-less)));
+                }
+                M::deposit(optics, plane_of::<M>(out, plane), light, over.alone);
             }
             if !solved {
                 continue;
@@ -166,33 +192,14 @@ impl<'w, M: Mode> Manifold<'w, M> {
         }
     }
 
-    /// Adds what a table says of a pixel, `factors.0` times, less what it says of a place `within` it, `factors.1` times. Returns
-    /// the counted work.
-    fn read_off(
-        &self,
-        optics: &Optics<M>,
-        group: GroupId,
-        over: &OverPixel<M>,
-        within: DVec2,
-        factors: (f64, f64),
-        out: &mut [Light],
-    ) -> u64 {
+    /// Adds what a table says of a pixel for a point of the lamp, `weight` times. Returns the counted work.
+    fn add_mean(&self, optics: &Optics<M>, over: &OverPixel<M>, weight: f64, out: &mut M::Lanes<Light>) -> u64 {
         if over.pupil.length() > self.world.eye.pupil_radius_m() {
             return 0;
         }
-        let Some(share) = self.route.from_eye(group, over.trail) else { return 0 };
-        let plane = self.route.plane_from_eye(share, over.told, group, Source::Face);
-        let tracing = (self.world, optics);
-        let Some((mean, pieces)) = footprint::mean(tracing, &over.brightness, &over.footprints) else { return 0 };
-        let place = if factors.1 != 0.0 { over.at(tracing, within) } else { None };
-        let light = lanes::<M, _>(|lane| {
-            let mut light = mean[lane].scaled(factors.0);
-            if let Some(place) = &place {
-                light.add(place[lane].scaled(-factors.1));
-            }
-            light
-        });
-        M::deposit(optics, plane_of::<M>(out, plane), light, over.alone);
+        let cut = (&over.edges[..], &over.footprints[..]);
+        let Some((mean, pieces)) = footprint::mean((self.world, optics), &over.brightness, cut) else { return 0 };
+        (0..M::LANES).for_each(|lane| out[lane].add(mean[lane].scaled(weight)));
         pieces * cost::CUT
     }
 

@@ -9,6 +9,7 @@ use crate::base::rng::Stream;
 use crate::base::warp::{Frame, disk};
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::manifold::eye_table::{Glanced, Rest};
+use crate::estimate::manifold::pixel_span::Span;
 use crate::estimate::manifold::receiver::{Claim, Receivers};
 use crate::estimate::photon_map::{Photon, PhotonMap, adaptive_kernel};
 use crate::estimate::pixel::Pixel;
@@ -166,14 +167,14 @@ impl<M: Mode> PhotonMapper<'_, M> {
         let [x, y, u, v] = pixel.start(self.seed, stream, pixel.pass);
         let film = world.eye.film_of(pixel.x, pixel.y, [x, y]);
         let pupil = disk([u, v]) * world.eye.pupil_radius_m();
-        let read = |walker: &mut Walker<'_, M>, vertex: &Vertex, _: f64| {
+        let read = |walker: &mut Walker<'_, M>, vertex: &Vertex, _: f64, _: Option<Span>| {
             let Surface::Scatter(scatter) = &walker.face(vertex).surface else { return };
             ledger.work += cost::STEP;
             self.gather_at(walker, (vertex, scatter, &Frame::about(vertex.normal)), maps, out, ledger);
         };
         let rest = self.glances.as_ref().map_or(Some(Rest::ALL), |glances| {
             let of = if self.part { Glanced::Little } else { Glanced::All };
-            glances.read((world, optics), (film, pupil), (1.0, of), &mut rng, read)
+            glances.read((world, optics), (film, pupil, None), (1.0, of), &mut rng, read)
         });
         let Some(rest) = rest else { return };
         let (origin, (_, dir), ..) = world.eye.ray_of(film, pupil);

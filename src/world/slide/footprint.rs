@@ -50,18 +50,22 @@ impl<M: Mode> Brightness<M> {
     }
 }
 
-/// The mean over the square of what comes through all slides, and of how many pieces it was put together. None where that
-/// is not finite, or more slides are crossed than [`MOST`].
+/// A straight edge across the square: light comes where `first` + `by`·point is not negative.
+pub type Edge = Lines;
+
+/// The mean over the square of what comes past all edges and through all slides, and of how many pieces it was put together.
+/// None where that is not finite, or more edges and slides are crossed than [`MOST`].
 pub fn mean<M: Mode>(
     (world, optics): (&World, &Optics<M>),
     brightness: &Brightness<M>,
-    footprints: &[Footprint],
+    (edges, footprints): (&[Edge], &[Footprint]),
 ) -> Option<(M::Lanes<Light>, u64)> {
-    if footprints.len() > MOST {
+    if edges.len() + footprints.len() > MOST {
         return None;
     }
     let mut square = Polygon::new();
     square.extend([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(DVec2::from_array));
+    let square = edges.iter().fold(square, |square, edge| edge.keep(&square, |at| at));
     let mut sum = Sum { tracing: (world, optics), brightness, light: lanes::<M, _>(|_| Light::default()), pieces: 0 };
     sum.through(&square, footprints, lanes::<M, _>(|_| Light::ONE))?;
     let finite = (0..M::LANES).all(|lane| sum.light[lane].is_finite());
@@ -154,15 +158,15 @@ fn cells([low, high]: [f64; 2], count: usize) -> Option<[usize; 2]> {
     (low < count as f64 && high > 0.0).then(|| [(low.max(0.0) as usize).min(last), (high as usize).min(last)])
 }
 
-/// A coordinate of a picture over the square, in its pixels: `first` + `by`·point.
+/// A number that is linear over the square, as a coordinate of a picture in its pixels: `first` + `by`·point.
 #[derive(Debug, Clone, Copy)]
-struct Lines {
-    first: f64,
-    by: DVec2,
+pub struct Lines {
+    pub first: f64,
+    pub by: DVec2,
 }
 
 impl Lines {
-    fn at(&self, point: DVec2) -> f64 {
+    pub fn at(&self, point: DVec2) -> f64 {
         self.first + self.by.dot(point)
     }
 

@@ -214,7 +214,7 @@ impl<M: Mode> EyeTable<M> {
         for trial in TRIALS {
             let pupil = trial * self.radius;
             let (walker, vertex) = self.follow(tracing, (film, pupil), &glance.chain, glance.face())?;
-            let look = self.look_at(*spot, pupil);
+            let look = self.look_at(*spot, pupil, None);
             let blend = glance.landings.blend(&look.rows, &look.pupil)?;
             let (table, _) = glance.land(tracing, &blend, 1.0, Rng::new(0, Stream::Pilot, 6, 1))?;
             let real = landing(&(walker, vertex));

@@ -1,5 +1,6 @@
 //! How the tables are filled: node by node from the solver's starts, and cell by cell on trial.
 
+use super::masks::{self, MASKS};
 use super::{FilmTable, FilmTables, Node, Places, Use, blend, through_slides};
 use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
@@ -16,6 +17,7 @@ use crate::world::interior::Interior;
 use crate::world::mode::{LaneArray, Mode, lanes};
 use crate::world::optics::Optics;
 use crate::world::surface::Surface;
+use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
 /// The difference from the solved connection is looked at with this probability where the table did well on trial (less
@@ -32,6 +34,8 @@ const RIM_PIXELS: f64 = 0.25;
 const RIM_ERRORS: f64 = 4.0;
 /// The same of the pupil's rim, in its radii, at the least.
 const PUPIL_RIM: f64 = 0.01;
+/// So near to the outline of a face, in pixels, nodes and solver may differ on whether it is met.
+const MASK_PIXELS: f64 = 0.25;
 /// Where a cell at the end of the light is tried beside its middle, in cells from there.
 const QUARTERS: [[f64; 2]; 4] = [[-0.4, -0.4], [0.4, -0.4], [-0.4, 0.4], [0.4, 0.4]];
 /// Nodes that are added beyond a slide's edge, so that the cells across it have all sixteen.
@@ -47,6 +51,8 @@ struct Found<M: Mode> {
     told: LpeState,
     alone: bool,
     slides: Places,
+    /// Where each face of the train is met, recentred world, m.
+    met: Vec<DVec3>,
 }
 
 /// A branch's nodes over the picture.
@@ -64,19 +70,42 @@ impl<M: Mode> Maker<'_, M> {
             let film = tables.over.film(tables.over.nodes.at_node(node));
             self.node(entry, film, entry.starts.start(branch, film)?)
         };
-        let mut branches: Vec<Nodes<M>> = (0..entry.starts.branches())
-            .map(|branch| (0..tables.over.nodes.number()).map(|at| node(branch, at)).collect())
-            .collect();
+        let over = &tables.over.nodes;
+        let of_branch = |branch: usize| (0..over.number()).map(|at| node(branch, at)).collect();
+        let found: Vec<Vec<Option<(Node<M>, Vec<Crossing>)>>> = (0..entry.starts.branches()).map(of_branch).collect();
+        let train = &self.connections.trains[entry.train];
+        let mut chosen = ArrayVec::<usize, MASKS>::new();
+        for nodes in &found {
+            let places = |node: &Option<(Node<M>, Vec<Crossing>)>| {
+                node.as_ref().map(|(_, met)| met.iter().map(|crossing| crossing.local).collect::<Vec<_>>())
+            };
+            let places: Vec<_> = nodes.iter().map(places).collect();
+            for k in masks::of_train(self.world, train, &places, |node| over.lines(node)) {
+                if !chosen.contains(&k) && chosen.try_push(k).is_err() {
+                    break;
+                }
+            }
+        }
+        let masks: ArrayVec<(u32, u32), MASKS> =
+            chosen.iter().map(|k| (train.0[*k].link.part, train.0[*k].link.face)).collect();
+        let masked = |(mut node, met): (Node<M>, Vec<Crossing>)| {
+            node.masks = chosen.iter().filter_map(|k| met.get(*k).cloned()).collect();
+            (node.masks.len() == chosen.len()).then_some(node)
+        };
+        let masked_all = |nodes: Vec<Option<(Node<M>, Vec<Crossing>)>>| -> Nodes<M> {
+            nodes.into_iter().map(|node| node.and_then(masked)).collect()
+        };
+        let mut branches: Vec<Nodes<M>> = found.into_iter().map(masked_all).collect();
         let solved = |at: usize| branches.iter().any(|nodes: &Nodes<M>| nodes[at].is_some());
         let solved: Vec<bool> = (0..tables.over.nodes.number()).map(solved).collect();
         for nodes in &mut branches {
-            (0..BEYOND).for_each(|_| self.complete(tables, nodes));
+            (0..BEYOND).for_each(|_| self.complete(tables, nodes, &masks));
         }
         let mut uses = vec![Use::SOLVED; tables.over.nodes.number()];
         for cell in tables.over.nodes.cells() {
-            uses[cell] = self.use_of(tables, entry, (&branches, &solved), cell);
+            uses[cell] = self.use_of(tables, entry, (&branches, &masks, &solved), cell);
         }
-        FilmTable { branches, uses }
+        FilmTable { masks, branches, uses }
     }
 
     /// The solution near a start, followed; none where there is none, or something else stands in the way.
@@ -95,8 +124,10 @@ impl<M: Mode> Maker<'_, M> {
         let mut walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng);
         let mut ledger = Ledger::new(world.solids.len());
         let (mut slides, mut many) = (Places::new(), false);
+        let mut met = Vec::with_capacity(train.0.len());
         let links = train.0.iter().map(|lens| lens.link);
         let seen = walker.follow_to(links, entry.starts.lamp, &mut ledger, |_, vertex, _| {
+            met.push(vertex.hit.point);
             let face = &world.faces[vertex.hit.site.part as usize][vertex.hit.site.face as usize];
             if let Surface::Slide(index) = face.surface {
                 many |= slides.try_push((index, vertex.hit.local)).is_err();
@@ -108,10 +139,11 @@ impl<M: Mode> Maker<'_, M> {
         let open: f64 = slides.iter().map(|(index, _)| world.slides[*index].t_white()).product();
         let strength = lanes::<M, _>(|lane| light[lane].open() / open * factor);
         let usable = !many && strength.as_slice().iter().all(|s| s.is_finite());
-        usable.then_some(Found { root, strength, trail: walker.trail, told: walker.told, alone, slides })
+        usable.then_some(Found { root, strength, trail: walker.trail, told: walker.told, alone, slides, met })
     }
 
-    fn node(&self, entry: &Entry, film: DVec2, start: DVec2) -> Option<Node<M>> {
+    /// What there is to know of the solution near a start, and where it meets the faces of the train.
+    fn node(&self, entry: &Entry, film: DVec2, start: DVec2) -> Option<(Node<M>, Vec<Crossing>)> {
         let found = self.found(entry, film, start, DVec2::ZERO)?;
         let pupil_by = found.root.slope.inverse();
         let step = ASIDE * entry.starts.size();
@@ -134,15 +166,23 @@ impl<M: Mode> Maker<'_, M> {
             Crossing { slide, local, by_lamp }
         };
         let slides = (0..found.slides.len()).map(crossing).collect();
+        let met = |k: usize| {
+            let local = found.met[k];
+            let by_lamp = [&x, &y].map(|(step, other)| (other.met[k] - local) / *step);
+            Crossing { slide: k, local, by_lamp }
+        };
+        let met = (0..found.met.len().min(x.1.met.len()).min(y.1.met.len())).map(met).collect();
         let strength_by = [slope(&x), slope(&y)];
         let Found { root, strength, trail, told, alone, .. } = found;
         let finite = pupil_by.is_finite() && strength_by.iter().all(|by| by.as_slice().iter().all(|s| s.is_finite()));
-        finite.then_some(Node { pupil: root.u, pupil_by, strength, strength_by, trail, told, alone, slides })
+        let masks = ArrayVec::new();
+        let node = Node { pupil: root.u, pupil_by, strength, strength_by, trail, told, alone, slides, masks };
+        finite.then_some((node, met))
     }
 
-    /// Adds nodes just beyond the edge of a slide's picture, by cubics through the four next to them along a row or a
-    /// column: the picture itself says where it ends.
-    fn complete(&self, tables: &FilmTables<M>, nodes: &mut [Option<Node<M>>]) {
+    /// Adds nodes just beyond the edge of a slide's picture, or the outline of a face, by cubics through the four next to them along a row or a
+    /// column: picture and outline themselves say where they end.
+    fn complete(&self, tables: &FilmTables<M>, nodes: &mut [Option<Node<M>>], masks: &[(u32, u32)]) {
         let beyond = |at: usize| {
             let lines = tables.over.nodes.lines(at);
             let found = lines.into_iter().flatten().find_map(|line| {
@@ -151,7 +191,9 @@ impl<M: Mode> Maker<'_, M> {
             })?;
             let outside =
                 |crossing: &Crossing| self.optics.slide(&self.world.slides[crossing.slide], crossing.local).is_none();
-            found.slides.iter().any(outside).then_some((at, found))
+            let places: ArrayVec<DVec3, MASKS> = found.masks.iter().map(|crossing| crossing.local).collect();
+            let hidden = masks::inside(self.world, masks, &places, 0.0).is_some_and(|inside| inside < 0.0);
+            (hidden || found.slides.iter().any(outside)).then_some((at, found))
         };
         let added: Vec<_> = (0..nodes.len()).filter(|at| nodes[*at].is_none()).filter_map(beyond).collect();
         added.into_iter().for_each(|(at, found)| nodes[at] = Some(found));
@@ -163,7 +205,7 @@ impl<M: Mode> Maker<'_, M> {
         &self,
         tables: &FilmTables<M>,
         entry: &Entry,
-        (branches, solved): (&[Nodes<M>], &[bool]),
+        (branches, masks, solved): (&[Nodes<M>], &[(u32, u32)], &[bool]),
         cell: usize,
     ) -> Use {
         let corners = tables.over.nodes.corners(cell);
@@ -175,14 +217,17 @@ impl<M: Mode> Maker<'_, M> {
             let whole = lit.iter().all(|nodes| spot.nodes().all(|(node, _)| nodes[node].is_some()));
             whole.then_some((aside, spot))
         });
-        let off = known.and_then(|(aside, spot)| Some((aside, self.error(tables.over.film(at), entry, &lit, &spot)?)));
+        let (mask_reach, unsure) = self.mask_reach(tables, &lit, masks, &corners);
+        let edges = (masks, unsure);
+        let off =
+            known.and_then(|(aside, spot)| Some((aside, self.error(tables.over.film(at), entry, &lit, &spot, edges)?)));
         // Where light ends near a cell it may end within it, beside its middle.
         let off = off.filter(|(aside, _)| {
             let inner = known.is_some_and(|(_, spot)| *aside == [0; 2] && spot.nodes().all(|(node, _)| solved[node]));
             inner
                 || QUARTERS.into_iter().all(|[x, y]| {
                     let spot = tables.over.nodes.spot_by(at + DVec2::new(x, y), *aside);
-                    let tried = |spot| self.error(tables.over.film(at + DVec2::new(x, y)), entry, &lit, &spot);
+                    let tried = |spot| self.error(tables.over.film(at + DVec2::new(x, y)), entry, &lit, &spot, edges);
                     spot.and_then(tried).is_some()
                 })
         });
@@ -191,7 +236,33 @@ impl<M: Mode> Maker<'_, M> {
             aside,
             rim: (RIM_PIXELS * self.by_pixel(tables, &lit, &corners)).max(RIM_ERRORS * off / SHARP),
             pupil_rim: (RIM_ERRORS * off).max(PUPIL_RIM),
+            mask_reach,
         })
+    }
+
+    /// How far about the places of a cell the outlines of masks are looked for, m: 0 where all of them are far. And so near to an
+    /// outline nodes and solver need not agree.
+    fn mask_reach(
+        &self,
+        tables: &FilmTables<M>,
+        branches: &[&Nodes<M>],
+        masks: &[(u32, u32)],
+        corners: &[usize],
+    ) -> ([f64; MASKS], f64) {
+        let (mut reach, mut unsure) = ([0.0; MASKS], 0.0f64);
+        for (k, mask) in masks.iter().enumerate() {
+            for nodes in branches {
+                let place = |node: &usize| nodes[*node].as_ref().and_then(|node| Some(node.masks.get(k)?.local));
+                let known: Vec<DVec3> = corners.iter().filter_map(place).collect();
+                let apart = known.iter().flat_map(|a| known.iter().map(|b| a.distance(*b))).fold(0.0, f64::max);
+                let near = |place: &DVec3| masks::inside(self.world, &[*mask], &[*place], 2.0 * apart).is_some();
+                if apart > 0.0 && known.iter().any(near) {
+                    reach[k] = f64::max(reach[k], 4.0 * apart);
+                    unsure = unsure.max(MASK_PIXELS * apart / tables.over.pixels);
+                }
+            }
+        }
+        (reach, unsure)
     }
 
     /// How far places on slides are from one pixel to the next, as a share of the slide's size: the most of a cell.
@@ -210,19 +281,35 @@ impl<M: Mode> Maker<'_, M> {
 
     /// By how much what these branches say of a place in the picture is off, by solutions for two points of the lamp; none
     /// where one of both is missing.
-    fn error(&self, film: DVec2, entry: &Entry, branches: &[&Nodes<M>], spot: &Spot) -> Option<f64> {
+    fn error(
+        &self,
+        film: DVec2,
+        entry: &Entry,
+        branches: &[&Nodes<M>],
+        spot: &Spot,
+        (masks, unsure): (&[(u32, u32)], f64),
+    ) -> Option<f64> {
         let size = entry.starts.size();
         let mut worst = 0f64;
         for nodes in branches {
             for off in [DVec2::new(ASIDE, 0.5 * ASIDE) * size, DVec2::new(-0.5 * ASIDE, -ASIDE) * size] {
                 let blend = blend(nodes, spot, off)?;
+                let inside = masks::inside(self.world, masks, &blend.masks, 0.0);
+                // So near to an outline either may be right.
+                if inside.is_some_and(|inside| inside.abs() <= unsure) {
+                    continue;
+                }
+                let hidden = inside.is_some_and(|inside| inside < 0.0);
                 let Some(found) = self.found(entry, film, blend.pupil, off) else {
-                    // Beside a slide's picture both know of nothing.
-                    if !through_slides(self.world, self.optics, &blend.slides) {
+                    // Beside a slide's picture, and beyond an outline, both know of nothing.
+                    if hidden || !through_slides(self.world, self.optics, &blend.slides) {
                         continue;
                     }
                     return None;
                 };
+                if hidden {
+                    return None;
+                }
                 let of_lane = |lane: usize| (blend.strength[lane] / found.strength[lane] - 1.0).abs();
                 let strength = (0..M::LANES).map(of_lane).fold(0.0, f64::max);
                 let apart = |((slide, a), (_, b)): (&(usize, DVec3), &(usize, DVec3))| {
@@ -258,6 +345,11 @@ impl<M: Mode> Node<M> {
             local: place(&|node| node.slides[k].local),
             by_lamp: [0, 1].map(|axis| place(&|node| node.slides[k].by_lamp[axis])),
         };
+        let mask = |k: usize| Crossing {
+            slide: next.masks[k].slide,
+            local: place(&|node| node.masks[k].local),
+            by_lamp: [0, 1].map(|axis| place(&|node| node.masks[k].by_lamp[axis])),
+        };
         Some(Node {
             pupil: DVec2::new(sum(&|node| node.pupil.x), sum(&|node| node.pupil.y)),
             pupil_by: next.pupil_by,
@@ -267,6 +359,7 @@ impl<M: Mode> Node<M> {
             told: next.told,
             alone: next.alone,
             slides: (0..next.slides.len()).map(crossing).collect(),
+            masks: (0..next.masks.len()).map(mask).collect(),
         })
     }
 }

@@ -1,6 +1,7 @@
 //! What a table says of all of a pixel, for one point of the lamp: linear in the place within the pixel, so that its mean over
 //! the pixel is known exactly, the slides' pictures with it. What is not linear, the solved connections make good.
 
+use super::masks::{MASKS, MovingEdge};
 use super::{Node, SLIDES, Spot};
 use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
@@ -8,7 +9,7 @@ use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
-use crate::world::slide::footprint::{Brightness, Footprint};
+use crate::world::slide::footprint::{Brightness, Edge, Footprint};
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
@@ -20,6 +21,8 @@ pub(in crate::estimate::manifold) struct OverPixel<M: Mode> {
     /// cd/m², with the slides open.
     pub(in crate::estimate::manifold) brightness: Brightness<M>,
     pub(in crate::estimate::manifold) footprints: ArrayVec<Footprint, SLIDES>,
+    /// What of the pixel sees the lamp past the outlines of the train's faces.
+    pub(in crate::estimate::manifold) edges: ArrayVec<Edge, MASKS>,
     pub(in crate::estimate::manifold) alone: bool,
     pub(in crate::estimate::manifold) trail: Trail,
     pub(in crate::estimate::manifold) told: LpeState,
@@ -52,7 +55,7 @@ impl<M: Mode> OverPixel<M> {
                 brightness.by[1][lane] += by.y * strength;
             }
             for (footprint, crossing) in footprints.iter_mut().zip(&node.slides) {
-                let at = crossing.local + crossing.by_lamp[0] * off.x + crossing.by_lamp[1] * off.y;
+                let at = crossing.at(off);
                 footprint.at += weight * at;
                 footprint.by[0] += by.x * at;
                 footprint.by[1] += by.y * at;
@@ -60,7 +63,7 @@ impl<M: Mode> OverPixel<M> {
         }
         let pupil_reach = 0.5 * (pupil_by[0].length() + pupil_by[1].length());
         let (alone, trail, told) = (near.alone, near.trail, near.told);
-        Some(OverPixel { pupil, pupil_reach, brightness, footprints, alone, trail, told })
+        Some(OverPixel { pupil, pupil_reach, brightness, footprints, edges: ArrayVec::new(), alone, trail, told })
     }
 
     /// What comes to a place within the pixel; none beside a slide's picture.
@@ -69,6 +72,9 @@ impl<M: Mode> OverPixel<M> {
         (world, optics): (&World, &Optics<M>),
         within: DVec2,
     ) -> Option<M::Lanes<Light>> {
+        if self.edges.iter().any(|edge| edge.at(within) < 0.0) {
+            return None;
+        }
         let strength = self.brightness.at(within);
         let mut light = lanes::<M, _>(|lane| Light::ONE.scaled(strength[lane]));
         for footprint in &self.footprints {
@@ -79,5 +85,52 @@ impl<M: Mode> OverPixel<M> {
             }
         }
         Some(light)
+    }
+}
+
+/// A branch over a pixel for every point of the lamp, in which all of it is linear.
+pub(in crate::estimate::manifold) struct OverLamp<M: Mode> {
+    middle: OverPixel<M>,
+    /// One size of the lamp aside along both axes.
+    aside: [OverPixel<M>; 2],
+    edges: ArrayVec<MovingEdge, MASKS>,
+    size_m: f64,
+}
+
+impl<M: Mode> OverLamp<M> {
+    /// `at`: a branch for a point of the lamp that is so far from its middle, m.
+    pub(super) fn read(
+        at: impl Fn(DVec2) -> Option<OverPixel<M>>,
+        edges: ArrayVec<MovingEdge, MASKS>,
+        size_m: f64,
+    ) -> Option<OverLamp<M>> {
+        let aside = [at(DVec2::X * size_m)?, at(DVec2::Y * size_m)?];
+        Some(OverLamp { middle: at(DVec2::ZERO)?, aside, edges, size_m })
+    }
+
+    pub(in crate::estimate::manifold) fn at(&self, off: DVec2) -> OverPixel<M> {
+        let (OverLamp { middle, aside: [a, b], edges, size_m }, [x, y]) = (self, (off / self.size_m).to_array());
+        let number = |of: &dyn Fn(&OverPixel<M>) -> f64| (1.0 - x - y) * of(middle) + x * of(a) + y * of(b);
+        let three = |of: &dyn Fn(&OverPixel<M>) -> DVec3| (1.0 - x - y) * of(middle) + x * of(a) + y * of(b);
+        debug_assert!(*size_m > 0.0);
+        let brightness = Brightness {
+            middle: lanes::<M, _>(|lane| number(&|over| over.brightness.middle[lane])),
+            by: [0, 1].map(|axis| lanes::<M, _>(|lane| number(&|over| over.brightness.by[axis][lane]))),
+        };
+        let footprint = |k: usize| Footprint {
+            slide: middle.footprints[k].slide,
+            at: three(&|over| over.footprints[k].at),
+            by: [0, 1].map(|axis| three(&|over| over.footprints[k].by[axis])),
+        };
+        OverPixel {
+            pupil: (1.0 - x - y) * middle.pupil + x * a.pupil + y * b.pupil,
+            pupil_reach: middle.pupil_reach,
+            brightness,
+            footprints: (0..middle.footprints.len()).map(footprint).collect(),
+            edges: edges.iter().map(|edge| edge.at(off)).collect(),
+            alone: middle.alone,
+            trail: middle.trail,
+            told: middle.told,
+        }
     }
 }

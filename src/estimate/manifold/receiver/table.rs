@@ -3,12 +3,14 @@
 use super::Incoming;
 use super::resolution::Errs;
 use crate::estimate::manifold::bicubic::{Rows, Spot};
+use crate::estimate::manifold::pixel_span::Span;
 use crate::estimate::manifold::simd_nodes::{Quad, SimdNodes, filled};
 use crate::estimate::manifold::surface_param::SurfaceParam;
 use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{LaneArray, Mode, lanes};
 use crate::world::optics::Optics;
+use crate::world::slide::footprint::{self, Brightness, Footprint};
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
@@ -21,6 +23,13 @@ pub(in crate::estimate::manifold) struct Crossing {
     pub(in crate::estimate::manifold) slide: usize,
     pub(in crate::estimate::manifold) local: DVec3,
     pub(in crate::estimate::manifold) by_lamp: [DVec3; 2],
+}
+
+impl Crossing {
+    /// The place for a point of the lamp that is `off` its middle, m.
+    pub(in crate::estimate::manifold) fn at(&self, off: DVec2) -> DVec3 {
+        self.local + self.by_lamp[0] * off.x + self.by_lamp[1] * off.y
+    }
 }
 
 /// A solution at a node, for the middle of the lamp.
@@ -187,6 +196,48 @@ impl<M: Mode> ReceiverTable<M> {
             for lane in 0..M::LANES {
                 light[lane].cross(map.t_white(), map.transmittance(s[lane]), s[lane]);
             }
+        }
+        Some(Incoming { lamp, letters: &[], dir: blend.dir().normalize(), light, alone: blend.alone() })
+    }
+}
+
+impl<M: Mode> ReceiverTable<M> {
+    /// Whether what comes in a cell crosses slides.
+    pub(super) fn crosses_slides(&self, cell: usize) -> bool {
+        self.nodes[cell].as_ref().is_some_and(|node| !node.slides.is_empty())
+    }
+
+    /// Whether anything does.
+    pub(super) fn crosses_any_slides(&self) -> bool {
+        self.nodes.iter().flatten().any(|node| !node.slides.is_empty())
+    }
+
+    /// [`ReceiverTable::interpolate`] with the slides' pictures taken over all of a pixel. `along`: rows of nodes along the pixel
+    /// to the right and down.
+    pub(super) fn interpolate_over(
+        &self,
+        (world, optics): (&World, &Optics<M>),
+        near: (usize, &Rows),
+        (along, span): (&[Rows; 2], &Span),
+        lamp: usize,
+        off: DVec2,
+    ) -> Option<Incoming<'static, M>> {
+        let blend = self.blend(near, off)?;
+        let [right, down] = [self.blended(&along[0])?, self.blended(&along[1])?];
+        let footprint = |(k, (slide, at)): (usize, (usize, DVec3))| {
+            let first = 3 + M::LANES + 3 * k;
+            let by = [&right, &down].map(|sums| DVec3::from_slice(&sums.as_flattened()[first..first + 3]));
+            Footprint { slide, at: at - by[0] * span.within.x - by[1] * span.within.y, by }
+        };
+        let footprints: ArrayVec<Footprint, SLIDES> = blend.slides().enumerate().map(footprint).collect();
+        let none = lanes::<M, _>(|_| 0.0);
+        let brightness = Brightness::<M> { middle: lanes::<M, _>(|lane| blend.strength(lane)), by: [none; 2] };
+        let (mean, _) = footprint::mean((world, optics), &brightness, (&[], &footprints))?;
+        let mut light = lanes::<M, _>(|lane| mean[lane].scaled(span.whole));
+        if span.whole != 1.0
+            && let Some(incoming) = self.interpolate((world, optics), near, lamp, off)
+        {
+            (0..M::LANES).for_each(|lane| light[lane].add(incoming.light[lane].scaled(1.0 - span.whole)));
         }
         Some(Incoming { lamp, letters: &[], dir: blend.dir().normalize(), light, alone: blend.alone() })
     }
