@@ -6,7 +6,7 @@ use eyebox::base::path::{Event, Trail};
 use eyebox::base::stats::Moments;
 use eyebox::bench::generate;
 use eyebox::check::check;
-use eyebox::estimate::manifold::newton::{Family, Target, newton, trace};
+use eyebox::estimate::manifold::solver::newton::{Family, Target, newton, trace};
 use eyebox::estimate::photon::Landing;
 use eyebox::estimate::run::Films;
 use eyebox::estimate::visible_receivers::VisibleReceivers;

@@ -8,7 +8,7 @@ use crate::base::{Fault, Result, Where};
 use crate::check::check;
 use crate::import::Built;
 use crate::output::rays::{self, Space};
-use crate::plan::rays::{Asked, From, rays};
+use crate::plan::paths::rays::{Asked, From, rays};
 use crate::scene::Severity;
 use crate::world::World;
 use clap::{Args, ValueEnum};

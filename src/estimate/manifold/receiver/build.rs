@@ -2,11 +2,11 @@
 
 use super::connect::{Connector, Entry, Solution, letter};
 use super::resolution::{Errs, slack};
+use super::surface_param::SurfaceParam;
 use super::table::{Cell, Crossing, Node, ReceiverTable, beyond};
 use super::{FORETOLD, MOST_SHEETS, SAME, TOLERANCE};
-use crate::estimate::manifold::bicubic::Spot;
-use crate::estimate::manifold::newton::Target;
-use crate::estimate::manifold::surface_param::SurfaceParam;
+use crate::estimate::manifold::solver::bicubic::Spot;
+use crate::estimate::manifold::solver::newton::Target;
 use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::geometry::Site;

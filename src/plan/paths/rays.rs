@@ -1,6 +1,6 @@
 //! Some paths one by one, with every point where they turn, and what became of each: for "why is it black?".
 
-use super::paths::{Source, part_name, source_name};
+use super::{Source, part_name, source_name};
 use crate::base::rng::{Rng, Stream};
 use crate::check::Checked;
 use crate::estimate::ShouldStop;

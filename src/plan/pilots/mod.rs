@@ -2,23 +2,34 @@
 
 #[cfg(test)]
 mod border_tests;
+pub mod chains;
+pub(super) mod eye_pilot;
 mod photons;
+pub(super) mod pilot_cache;
+pub(super) mod pilot_resolution;
+pub(crate) mod pinhole_pilot;
+pub mod pupil;
+pub(super) mod pupil_guide;
+pub(super) mod reached;
+pub(super) mod shared_faces;
+pub(super) mod sky_guide;
+pub(super) mod split_threshold;
 #[cfg(test)]
 mod tests;
 
-use super::shared_faces;
 use crate::base::ids::GroupId;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::Starts;
 use crate::estimate::forward::Forward;
-use crate::estimate::manifold::bands::Bands;
-use crate::estimate::manifold::connections::Connections;
+use crate::estimate::manifold::seeds::bands::Bands;
+use crate::estimate::manifold::seeds::connections::Connections;
 use crate::estimate::ownership::Ownership;
 use crate::film::guide::{Even, Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
 use crate::world::mode::Mono;
-pub use photons::{by_light, is_strong, photon, pixel_m};
+pub(crate) use photons::photon;
+pub use photons::{by_light, is_strong, pixel_m};
 use std::cmp::Ordering;
 use std::sync::Arc;
 
@@ -67,7 +78,7 @@ impl ForwardPilot {
 }
 
 /// An estimator's paths with one guide, as a pilot sees them.
-pub(super) trait Look {
+pub(in crate::plan) trait Look {
     fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Sample>;
     fn density(&self, lamp: usize, x: &Point) -> f64;
     fn flux(&self) -> &[f64];
@@ -231,7 +242,7 @@ pub fn forward_paths(share: f64, pixels: u64) -> u64 {
 }
 
 /// A pilot of paths to the picture, see [`look`].
-pub(super) fn pilot<L: Look>(
+pub(in crate::plan) fn pilot<L: Look>(
     with: impl Fn(Option<&Guide>, u64) -> L,
     worth: impl Fn() -> bool,
     groups: usize,
@@ -243,7 +254,7 @@ pub(super) fn pilot<L: Look>(
 }
 
 /// Looks that narrow down where paths start of which some starts are known.
-pub(super) struct Narrow<L: Look> {
+pub(in crate::plan) struct Narrow<L: Look> {
     looks: Looks<L>,
     flux: Vec<f64>,
     known: Vec<Sample>,

@@ -5,8 +5,8 @@ use super::chains::{Arrived, SEED};
 use super::eye_pilot;
 use crate::base::path::Class;
 use crate::estimate::ShouldStop;
-use crate::estimate::manifold::connections::Connections;
-use crate::estimate::manifold::newton::Target;
+use crate::estimate::manifold::seeds::connections::Connections;
+use crate::estimate::manifold::solver::newton::Target;
 use crate::estimate::ownership::Ownership;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
@@ -19,7 +19,7 @@ const SIGMAS: f64 = 3.0;
 
 /// Whether paths from the lamps bring the light of a train that rays from the eye have `seen`: some arrived, and not
 /// surely less than was seen.
-pub(super) fn is_reached(arrived: &[Arrived], seen: &[Arrived]) -> bool {
+pub(in crate::plan) fn is_reached(arrived: &[Arrived], seen: &[Arrived]) -> bool {
     let sum = |all: &[Arrived]| {
         let fold = |(sum, square): (f64, f64), a: &Arrived| (sum + a.luminance, square + a.luminance * a.luminance);
         let (sum, square) = all.iter().fold((0.0, 0.0), fold);

@@ -1,8 +1,8 @@
 //! Whether the lamps' light and the eye's sight have a face in common. A path over specular faces has none that only one of
 //! them reaches: where a diffuser stands between them there is nothing for light tracing to find, however long it looks.
 
+use super::SEED;
 use super::eye_pilot::{self, sides_of};
-use super::pilot::SEED;
 use crate::base::lattice::lattice;
 use crate::base::path::Class;
 use crate::base::rng::Stream;
@@ -53,7 +53,7 @@ const POINTS: u64 = 4;
 
 /// Whether a lamp may be in plain sight, through glass as well: small ones are missed by rays that aim at nothing. No where
 /// something that is not specular stands on the way from the middle of the pupil. Yes once `stop` says true.
-pub(super) fn in_plain_sight(world: &World, stop: &ShouldStop<'_>) -> bool {
+pub(in crate::plan) fn in_plain_sight(world: &World, stop: &ShouldStop<'_>) -> bool {
     let optics = Mono::<f64>::optics(world, SEED, 0);
     let ledger = &mut Ledger::new(world.solids.len());
     let eye = world.eye.position();
@@ -72,7 +72,7 @@ pub(super) fn in_plain_sight(world: &World, stop: &ShouldStop<'_>) -> bool {
 
 /// Whether light tracing may find what the plan gives to it: light that scatterers send to the eye, a lamp in plain sight,
 /// or one over specular faces, of which rays from the eye meet one that the lamps' light goes on from.
-pub(super) fn may_meet(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> bool {
+pub(in crate::plan) fn may_meet(world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> bool {
     let scattered = plan.rows.iter().any(|row| match row.verdict {
         Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => {
             by == Estimator::Forward && row.class != Class::Vision

@@ -1,11 +1,14 @@
 //! Where the solver starts: per train and lamp, the solution for the middle of the lamp on a grid over the picture, with
 //! its derivatives. A train whose map is folded has a sheet for each of its branches.
 
+pub mod bands; // of wavelengths
+pub mod connections;
+pub mod edge_sampling;
 mod extrapolate;
 mod lamp_visibility;
 
-use super::grid::Grid;
-use super::newton::{Family, Root, Target, newton, trace};
+use crate::estimate::manifold::solver::grid::Grid;
+use crate::estimate::manifold::solver::newton::{Family, Root, Target, newton, trace};
 use crate::film::specular_chain::{Connection, SpecularChain};
 use crate::world::World;
 use crate::world::lamp::{Lamp, Lamps};

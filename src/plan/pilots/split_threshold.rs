@@ -2,12 +2,12 @@
 //! variance times work is done. Through a combiner the eye sees a dark road, and in it the bright sky as a ghost of a lens:
 //! where chance chooses one way on, one path in a hundred brings all of that.
 
-use super::Planner;
-use super::pilot::SEED;
+use super::SEED;
 use crate::estimate::backward::Backward;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, Plan};
+use crate::plan::Planner;
 use crate::world::mode::Mono;
 
 /// Pixels that each trial looks at, by two paths.
@@ -22,13 +22,13 @@ const FAINTEST: [f64; 2] = [1.0 / 1024.0, 1.0 / 64.0];
 const WORTH: f64 = 1.25;
 /// Most paths per pixel and pass beside dearer estimators, which cost some tens of times as much as a short path and err more at
 /// edges.
-pub(super) const MOST: u32 = 4;
+pub(in crate::plan) const MOST: u32 = 4;
 /// Relative variance of a pass that is little beside that of such an estimator at edges.
 const LITTLE: f64 = 1e-3;
 
 /// What a pilot found.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Branches {
+pub(in crate::plan) struct Branches {
     /// [`Plan::faintest_branch`].
     pub faintest: f64,
     /// How many times less that makes variance times work.
@@ -39,7 +39,7 @@ pub(super) struct Branches {
 
 impl Branches {
     /// What a reader of the plan should know.
-    pub(super) fn note(&self) -> Option<String> {
+    pub(in crate::plan) fn note(&self) -> Option<String> {
         (self.faintest < 1.0).then(|| {
             format!(
                 "backward follows branches with 1/{:.0} of a path's light: a pilot found variance × work {:.3} times less",
@@ -51,7 +51,7 @@ impl Branches {
 }
 
 /// Of what plans differ in, only the paths that backward computes matter, and through which windows it sees the sky.
-pub(super) fn learn(making: &Planner<'_>, plan: &Plan) -> Branches {
+pub(in crate::plan) fn learn(making: &Planner<'_>, plan: &Plan) -> Branches {
     let trial = |faintest: f64, passes: [u64; 2]| {
         let route = Ownership::new(plan, making.groups(), Estimator::Backward);
         let hints = Hints::of_sky(plan.sky_guide.as_ref());

@@ -1,15 +1,14 @@
 //! What pilots have made for one plan, for the next that differs from it in something else.
 
-use super::Planner;
-use super::pilot::{self, ForwardPilot, SEED};
-use super::pinhole_pilot;
 use super::split_threshold::{self, Branches};
+use super::{ForwardPilot, SEED, forward, pinhole_pilot};
 use crate::estimate::ShouldStop;
-use crate::estimate::manifold::connections::{Connections, index_of};
-use crate::estimate::manifold::grid::Grid;
 use crate::estimate::manifold::receiver::Receivers;
+use crate::estimate::manifold::seeds::connections::{Connections, index_of};
+use crate::estimate::manifold::solver::grid::Grid;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use crate::film::specular_chain::{Connection, Glint, Screen};
+use crate::plan::Planner;
 use crate::world::World;
 use crate::world::mode::{Mode, Mono};
 use std::cell::{OnceCell, RefCell};
@@ -32,25 +31,25 @@ pub(crate) struct PilotCache {
 }
 
 impl PilotCache {
-    /// [`pilot::forward`].
+    /// [`forward`].
     pub fn forward(&self, world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> Rc<ForwardPilot> {
         let by = |verdict: &Verdict| match verdict {
             Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => *by == Estimator::Forward,
             Verdict::Skip { .. } => false,
         };
         let rows = plan.rows.iter().map(|row| by(&row.verdict)).collect();
-        known(&self.forward, rows, |_| Rc::new(pilot::forward(world, plan, groups, stop)))
+        known(&self.forward, rows, |_| Rc::new(forward(world, plan, groups, stop)))
     }
 
-    /// [`branching::learn`].
-    pub(super) fn branching(&self, making: &Planner<'_>, plan: &Plan) -> Branches {
+    /// [`split_threshold::learn`].
+    pub(in crate::plan) fn branching(&self, making: &Planner<'_>, plan: &Plan) -> Branches {
         let broad = |row: &Row| [false, true].map(|b| plan.computes(Estimator::Backward, row.group, row.class, b));
         let key = plan.rows.iter().flat_map(broad).collect();
         known(&self.branching, key, |_| split_threshold::learn(making, plan))
     }
 
     /// [`glints::find`]: they hang on the scene alone.
-    pub(super) fn glints(&self, world: &World, stop: &ShouldStop<'_>) -> Vec<Glint> {
+    pub(in crate::plan) fn glints(&self, world: &World, stop: &ShouldStop<'_>) -> Vec<Glint> {
         self.glints.get_or_init(|| pinhole_pilot::find(world, stop)).clone()
     }
 

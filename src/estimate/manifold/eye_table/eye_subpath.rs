@@ -1,15 +1,15 @@
 //! What the eye sees of faces that are joined with lamps: paths from the eye over specular faces to the first scatterer, in
 //! pairs whose points of the pupil and of the pixel lie opposite each other, so that what is linear in them is exact.
-//! Where they land is read from [`Glances`](super::glances::Glances), whose errors a few paths make good.
+//! Where they land is read from [`EyeTable`](super::EyeTable), whose errors a few paths make good.
 
-use super::eye_table::{Glanced, Rest};
-use super::receiver::{Ask, Incoming, Receivers};
-use super::vision::Manifold;
+use super::{Glanced, Rest};
 use crate::base::lpe::{Letter, Source};
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::base::warp::{Frame, disk};
 use crate::estimate::ledger::{Ledger, cost};
+use crate::estimate::manifold::receiver::{Ask, Incoming, Receivers};
+use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::pixel::Pixel;
 use crate::estimate::specular_event::Faint;
 use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
@@ -26,7 +26,7 @@ use glam::DVec2;
 const OF_PAIR: f64 = 0.5;
 
 /// Adds what one pass sees in a pixel.
-pub(super) fn look<M: Mode>(
+pub fn look<M: Mode>(
     manifold: &Manifold<'_, M>,
     (optics, screens): (&Optics<M>, &Receivers<M>),
     pixel: Pixel,
@@ -78,7 +78,7 @@ pub(super) fn look<M: Mode>(
 }
 
 /// Follows a path and its branches to the first broad scatterers.
-pub(super) fn to_scatterer<'w, M: Mode>(
+pub fn to_scatterer<'w, M: Mode>(
     mut walker: Walker<'w, M>,
     faint: Faint,
     ledger: &mut Ledger,

@@ -6,18 +6,18 @@ use crate::scene::Eye;
 use crate::world::World;
 
 /// The same world in a picture of fewer pixels.
-pub(super) struct PilotResolution {
-    pub(super) world: World,
-    pub(super) size: [usize; 2],
+pub(in crate::plan) struct PilotResolution {
+    pub(in crate::plan) world: World,
+    pub(in crate::plan) size: [usize; 2],
     /// Longer side of the real one, pixels.
-    pub(super) longer: usize,
+    pub(in crate::plan) longer: usize,
     /// Of the pixels of the real one.
-    pub(super) share: f64,
+    pub(in crate::plan) share: f64,
 }
 
 impl PilotResolution {
     /// `side`: so many pixels along the longer side, or as the real one if that has no more. Errors: as [`World::seen_by`].
-    pub(super) fn new(world: &World, eye: &Eye, side: usize) -> Result<PilotResolution> {
+    pub(in crate::plan) fn new(world: &World, eye: &Eye, side: usize) -> Result<PilotResolution> {
         let [width, height] = eye.resolution;
         let longer = width.max(height);
         let scale = (side as f64 / longer.max(1) as f64).min(1.0);
@@ -27,12 +27,12 @@ impl PilotResolution {
         Ok(PilotResolution { world, size, longer, share })
     }
 
-    pub(super) fn pixels(&self) -> f64 {
+    pub(in crate::plan) fn pixels(&self) -> f64 {
         (self.size[0] * self.size[1]) as f64
     }
 
     /// The plan with fewer paths from lamps as there are fewer pixels, and as many photons within reach of a point.
-    pub(super) fn plan(&self, plan: &Plan) -> Plan {
+    pub(in crate::plan) fn plan(&self, plan: &Plan) -> Plan {
         let mut own = plan.clone();
         if self.share < 1.0 {
             let fewer = |paths: u64| (paths as f64 * self.share).ceil() as u64;

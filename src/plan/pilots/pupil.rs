@@ -1,8 +1,6 @@
 //! A pilot that finds where in the pupil the light of each group arrives: the sharpness that diffraction allows.
 
-use super::facts::{auto, skip};
-use super::pupil_guide::lit;
-use super::{Asked, Choice, Guides, pilot};
+use super::{forward, pupil_guide::lit};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::rng::Stream;
@@ -15,6 +13,8 @@ use crate::film::guide::{ApertureGuide, Guide};
 use crate::film::plan::{Estimator, Plan, Verdict};
 use crate::film::pupil::{Aperture, Crossing, Pupil};
 use crate::film::sharpness::GroupPupil;
+use crate::plan::selection::facts::{auto, skip};
+use crate::plan::{Asked, Choice, Guides};
 use crate::world::World;
 use crate::world::eye::Arrival;
 use crate::world::mode::{Mode, Mono};
@@ -118,7 +118,7 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
     let groups = scene.groups.len();
     let guide = match (asked.choice, &plan.forward_guide) {
         (Choice::Auto, Some(guide)) => guide.clone(),
-        (Choice::Auto | Choice::Only(_), _) => pilot::forward(world, &own, groups, stop).guide,
+        (Choice::Auto | Choice::Only(_), _) => forward(world, &own, groups, stop).guide,
     };
     let lamps = crossings(world, &own, groups, &guide, PATHS, stop);
     for (index, of) in found.iter_mut().enumerate() {
@@ -153,7 +153,7 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
 }
 
 /// Where light that `own` leaves to `forward` crosses the pupil, by group and lamp.
-pub(super) fn crossings(
+pub(in crate::plan) fn crossings(
     world: &World,
     own: &Plan,
     groups: usize,

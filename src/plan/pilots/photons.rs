@@ -1,5 +1,6 @@
 //! The photons' pilot: where they start, how many there are, and within which radii they are gathered.
 
+use super::pilot_cache::PilotCache;
 use super::{LAST, LITTLE, Look, SEED, look};
 use crate::base::ids::GroupId;
 use crate::base::rng::{Rng, Stream};
@@ -14,7 +15,6 @@ use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::{Estimator, Plan, Radii};
 use crate::film::specular_chain::Screen;
-use crate::plan::pilot_cache::PilotCache;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -68,7 +68,7 @@ const PER_BLUR: f64 = 20.0;
 const SHARP: (f64, f64) = (16.0, 2.0);
 
 /// Learns what photons the plan needs. `pixel_m`: the distance between what neighbouring pixels see; `seen`: at that.
-pub fn photon(
+pub(crate) fn photon(
     world: &World,
     plan: &Plan,
     groups: usize,

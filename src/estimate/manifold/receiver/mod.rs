@@ -10,12 +10,13 @@ mod build;
 mod connect;
 mod ownership;
 mod resolution;
+mod surface_param;
 mod table;
 
-use super::newton::Target;
 use crate::base::lpe::Letter;
 use crate::base::rng::Rng;
 use crate::estimate::ledger::{Ledger, cost};
+use crate::estimate::manifold::solver::newton::Target;
 use crate::film::accumulate::Light;
 use crate::film::specular_chain::Screen;
 use crate::world::World;

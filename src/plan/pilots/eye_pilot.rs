@@ -35,7 +35,7 @@ struct From {
 }
 
 /// Lamps seen over chains of specular faces, as if their light had arrived. Once `stop` says true the rest is left out.
-pub(super) fn look(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> Vec<Arrived> {
+pub(in crate::plan) fn look(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> Vec<Arrived> {
     each_met(tracing, stop, |walker, vertex, from| {
         let (seen, chain) = (walker.lamp_at(vertex)?, walker.chain()?);
         // With the slides open: a dark place of the picture has the same trains.
@@ -54,12 +54,12 @@ pub(super) fn look(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> V
 
 /// The faces (part, face) that rays from the eye meet first, or after specular ones. Once `stop` says true the rest is left
 /// out.
-pub(super) fn faces(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> BTreeSet<(u32, u32)> {
+pub(in crate::plan) fn faces(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> BTreeSet<(u32, u32)> {
     each_met(tracing, stop, |_, vertex, _| Some(sides_of(vertex))).into_iter().flatten().flatten().collect()
 }
 
 /// The face that a path has met, and the one that touches it there.
-pub(super) fn sides_of(vertex: &Vertex) -> [Option<(u32, u32)>; 2] {
+pub(in crate::plan) fn sides_of(vertex: &Vertex) -> [Option<(u32, u32)>; 2] {
     let face = |site: Site| (site.part, site.face);
     [Some(face(vertex.hit.site)), vertex.touching.map(|other| face(other.site))]
 }

@@ -1,14 +1,14 @@
 //! What the facts of a scene say of each pair of light group and path class: who owns it, and why.
 
-use super::Choice;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::check::Checked;
 use crate::film::plan::{Estimator, Row, Verdict};
+use crate::plan::Choice;
 use crate::world::World;
 
 /// What facts say of every pair of light group and class.
-pub(super) fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row> {
+pub(in crate::plan) fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row> {
     let scene = checked.scene();
     let row = |group: GroupId, class: Class| {
         let is_sky = scene.sky.as_ref().is_some_and(|sky| sky.group == group);
@@ -61,25 +61,25 @@ fn without_area(world: &World, group: GroupId, class: Class, verdict: Verdict) -
     }
 }
 
-pub(super) fn own(owner: Estimator, because: impl Into<String>) -> Verdict {
+pub(in crate::plan) fn own(owner: Estimator, because: impl Into<String>) -> Verdict {
     Verdict::Own { owner, because: because.into() }
 }
 
-pub(super) fn connect(rest: Estimator, because: impl Into<String>) -> Verdict {
+pub(in crate::plan) fn connect(rest: Estimator, because: impl Into<String>) -> Verdict {
     Verdict::Connect { rest, because: because.into() }
 }
 
-pub(super) fn skip(because: impl Into<String>) -> Verdict {
+pub(in crate::plan) fn skip(because: impl Into<String>) -> Verdict {
     Verdict::Skip { because: because.into() }
 }
 
 /// Whether connection has what it can.
-pub(super) fn is_connected(row: &Row) -> bool {
+pub(in crate::plan) fn is_connected(row: &Row) -> bool {
     matches!(row.verdict, Verdict::Connect { .. })
 }
 
 /// A verdict without its reason: owner, and whether connection has what it can.
-pub(super) fn kind(verdict: &Verdict) -> Option<(Estimator, bool)> {
+pub(in crate::plan) fn kind(verdict: &Verdict) -> Option<(Estimator, bool)> {
     match verdict {
         Verdict::Own { owner, .. } => Some((*owner, false)),
         Verdict::Connect { rest, .. } => Some((*rest, true)),
@@ -88,11 +88,11 @@ pub(super) fn kind(verdict: &Verdict) -> Option<(Estimator, bool)> {
 }
 
 /// Etendue of lamps of this area, m², over the eye's.
-pub(super) fn lamps_over_eye(world: &World, area_m2: f64) -> f64 {
+pub(in crate::plan) fn lamps_over_eye(world: &World, area_m2: f64) -> f64 {
     std::f64::consts::PI * area_m2 / world.eye.etendue_m2_sr()
 }
 
-pub(super) fn auto(checked: &Checked, world: &World, group: GroupId, class: Class, is_sky: bool) -> Verdict {
+pub(in crate::plan) fn auto(checked: &Checked, world: &World, group: GroupId, class: Class, is_sky: bool) -> Verdict {
     let facts = checked.facts();
     if class != Class::Vision && !facts.scatters {
         return skip("no face scatters");

@@ -1,6 +1,6 @@
 //! Coordinates on a face that scatters: a grid of nodes over it.
 
-use super::bicubic::{Nodes, Spot};
+use crate::estimate::manifold::solver::bicubic::{Nodes, Spot};
 use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::geometry::{Ray, Site};

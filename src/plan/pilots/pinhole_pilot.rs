@@ -7,7 +7,7 @@ use crate::base::lattice::lattice;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ShouldStop;
 use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::newton::{Family, Target, newton};
+use crate::estimate::manifold::solver::newton::{Family, Target, newton};
 use crate::estimate::vision::is_looked_about;
 use crate::estimate::walk::{Meeting, Met, Travel, Walker};
 use crate::film::specular_chain::Glint;
@@ -67,7 +67,7 @@ struct Looked {
 }
 
 /// The glints of all lamps, those over the shortest chains first. Once `stop` says true the rest is left out.
-pub(super) fn find(world: &World, stop: &ShouldStop<'_>) -> Vec<Glint> {
+pub(in crate::plan) fn find(world: &World, stop: &ShouldStop<'_>) -> Vec<Glint> {
     let mut all = find_by_way(world, [0; 2], stop);
     all.sort_by_key(|((chain, _), _)| chain.0.len());
     all.into_iter().flat_map(|(_, glints)| glints).collect()

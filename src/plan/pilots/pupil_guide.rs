@@ -1,15 +1,16 @@
 //! Through which part of the pupil each part of the picture sees lamps over specular faces: rays from the eye then start
 //! there. No ray from the eye tells, but light from the lamps does.
 
-use super::facts::{connect, kind, lamps_over_eye, skip};
-use super::selection::OPEN;
-use super::{Planner, pupil};
+use super::pupil;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::warp::disk_inverse;
 use crate::film::guide::{ApertureGuide, Lit};
 use crate::film::plan::{Estimator, Plan, Row};
 use crate::film::pupil::Crossing;
+use crate::plan::Planner;
+use crate::plan::selection::OPEN;
+use crate::plan::selection::facts::{connect, kind, lamps_over_eye, skip};
 use glam::DVec2;
 use std::collections::BTreeMap;
 
@@ -24,7 +25,7 @@ const WORTH: f64 = 1.5;
 
 /// What rays from the eye need to know to find the lamps that the plan leaves to them in rows that `asks` says true of. None
 /// if it leaves none to them, no light of theirs arrives, or it fills the pupil. `known`: a plan of other owners.
-pub(super) fn learn(
+pub(in crate::plan) fn learn(
     making: &Planner<'_>,
     plan: &Plan,
     asks: impl Fn(&Row) -> bool,
@@ -71,7 +72,7 @@ pub(super) fn learn(
 
 /// For each of the groups `of` that connection sees, how dense the light of one lamp is in the pupil for a place in the
 /// picture, over that of light that fills it: the mean over the lamps.
-pub(super) fn densities(making: &Planner<'_>, plan: &Plan, of: &[bool]) -> Vec<Option<f64>> {
+pub(in crate::plan) fn densities(making: &Planner<'_>, plan: &Plan, of: &[bool]) -> Vec<Option<f64>> {
     let (world, groups) = (making.world, making.groups());
     let connected = |row: &Row| {
         let kind = kind(&row.verdict);
@@ -94,7 +95,7 @@ pub(super) fn densities(making: &Planner<'_>, plan: &Plan, of: &[bool]) -> Vec<O
 }
 
 /// Every light group is as important as any other, whatever it adds to the picture.
-pub(super) fn lit(by_lamp: &BTreeMap<(GroupId, usize), Vec<Crossing>>, radius_m: f64) -> Vec<Lit> {
+pub(in crate::plan) fn lit(by_lamp: &BTreeMap<(GroupId, usize), Vec<Crossing>>, radius_m: f64) -> Vec<Lit> {
     let mut of_group: BTreeMap<GroupId, f64> = BTreeMap::new();
     for ((group, _), crossings) in by_lamp {
         *of_group.entry(*group).or_default() += crossings.iter().map(|crossing| crossing.open).sum::<f64>();

@@ -1,21 +1,22 @@
 //! Where rays from the eye land on faces that are joined with lamps, as tables over the picture and the pupil.
 //!
 //! Over a known train of specular faces the place where a ray lands, its direction there and what the train lets through
-//! are smooth in its place in the picture and in the pupil: between nodes they are interpolated. As with
-//! [`Tables`](super::tables::Tables) no table is trusted. Now and then the ray itself is followed with all its branches,
-//! and makes good what the tables had wrong or did not have.
+//! are smooth in its place in the picture and in the pupil: between nodes they are interpolated. No table is trusted, as in
+//! [`FilmTables`](super::film_table::FilmTables). Now and then the ray itself is followed with all its branches, and makes
+//! good what the tables had wrong or did not have.
 
 mod eye_hit;
+pub mod eye_subpath;
 mod make;
 
-use super::bicubic::{Rows, Spot};
-use super::film_grid::FilmGrid;
-use super::receiver::Receivers;
 use crate::base::chain::Chain;
 use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
 use crate::base::rng::Rng;
 use crate::estimate::ledger::Ledger;
+use crate::estimate::manifold::film_grid::FilmGrid;
+use crate::estimate::manifold::receiver::Receivers;
+use crate::estimate::manifold::solver::bicubic::{Rows, Spot};
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::world::World;
 use crate::world::geometry::interface_derivatives::site_of;
@@ -68,7 +69,7 @@ struct Use {
     in_part: u32,
     /// No ray was found that lands on other faces that scatter.
     whole: bool,
-    /// Which of [`SIDES`](super::nodes::SIDES) is asked.
+    /// Which of [`SIDES`](crate::estimate::manifold::solver::bicubic::SIDES) is asked.
     aside: [i8; 2],
 }
 

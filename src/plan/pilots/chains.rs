@@ -26,7 +26,7 @@ use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Pilots have a seed of their own: the plan is a function of the scene alone.
-pub(super) const SEED: u64 = 0x77a1;
+pub(in crate::plan) const SEED: u64 = 0x77a1;
 const PATHS: u64 = 1 << 12;
 /// A path is followed both ways where each carries this share of what it started with.
 const LEAST: f64 = 1e-6;
@@ -38,7 +38,7 @@ const SEEDS: usize = 6;
 const MOST_SPLITS: u32 = 768;
 
 /// Light that arrived over one chain, and where.
-pub(super) struct Arrived {
+pub(in crate::plan) struct Arrived {
     pub group: GroupId,
     /// From the lamp.
     pub chain: Chain,
@@ -179,7 +179,7 @@ fn seeds(arrived: &[Arrived]) -> Vec<Seed> {
 }
 
 /// The train of a chain from a lamp, as the ray from the eye through these places finds it.
-pub(super) fn train(
+pub(in crate::plan) fn train(
     tracing: (&World, &Optics<Mono>),
     chain: &Chain,
     film: DVec2,

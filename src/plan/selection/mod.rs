@@ -1,13 +1,15 @@
 //! Where facts leave it open who should trace, a pilot decides: every way that comes into question makes a few passes of
 //! a small picture, and the one with the least variance × counted work wins.
 
+pub(super) mod facts;
 mod pilot_run;
 mod verdict;
 
-use super::facts::{connect, kind, lamps_over_eye, own};
-use super::{Planner, pupil_guide};
 use crate::base::path::Class;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
+use crate::plan::Planner;
+use crate::plan::pilots::pupil_guide;
+use facts::{connect, kind, lamps_over_eye, own};
 use pilot_run::{Trials, Tried};
 use std::collections::BTreeSet;
 use verdict::{Compared, Misses};
@@ -166,7 +168,7 @@ impl Open {
         };
         let all: Vec<[bool; 4]> = (0..scene.groups.len()).map(of).collect();
         // What a pilot has given up is not asked again.
-        let said = super::facts::rows(making.checked, making.world, making.asked.choice);
+        let said = crate::plan::selection::facts::rows(making.checked, making.world, making.asked.choice);
         let given_up = |group: usize| {
             let of =
                 |rows: &[Row]| rows.get(group * Class::ALL.len() + Class::Vision as usize).map(|r| kind(&r.verdict));

@@ -1,14 +1,14 @@
 //! Through which windows light of the sky gets in: in a room most directions that are chosen by the sky's luminance end on
 //! a wall. A few paths from the eye tell where it gets in, and the scatterers on all others aim there.
 
-use super::Planner;
-use super::pilot::SEED;
+use super::SEED;
 use crate::base::path::Class;
 use crate::estimate::backward::{Backward, Daylight};
 use crate::estimate::ownership::Ownership;
 use crate::estimate::vision::Hints;
 use crate::film::guide::{Entry, Portals};
 use crate::film::plan::{Estimator, Plan};
+use crate::plan::Planner;
 use crate::world::mode::Mono;
 
 /// Paths of the first look, which knows nothing, and most of them if little is found; and of each look after it.
@@ -25,7 +25,7 @@ const TILES: usize = 4;
 
 /// What scatterers need to know to find the sky. None if the plan leaves
 /// no light of the sky that scatterers send to paths from the eye, or the sky is open.
-pub(super) fn learn(making: &Planner<'_>, plan: &Plan) -> Option<Portals> {
+pub(in crate::plan) fn learn(making: &Planner<'_>, plan: &Plan) -> Option<Portals> {
     let (world, facts) = (making.world, making.checked.facts());
     let sky = world.sky.as_ref().filter(|sky| sky.integral() > 0.0)?;
     let scattered = |class: &Class| match class {

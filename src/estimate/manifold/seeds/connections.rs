@@ -1,11 +1,11 @@
 //! All specular connections of a plan, ready to be asked: which solutions there are for a place in the picture and a
 //! point of a lamp, and whether a path is one of them.
 
-use super::grid::Grid;
-use super::newton::{Root, Target};
-use super::seeds::{Builder, SAME, Seeds};
+use super::{Builder, SAME, Seeds};
 use crate::base::chain::Chain;
 use crate::estimate::ledger::cost;
+use crate::estimate::manifold::solver::grid::Grid;
+use crate::estimate::manifold::solver::newton::{Root, Target};
 use crate::film::specular_chain::{Connection, SpecularChain};
 use crate::world::World;
 use crate::world::mode::Mode;
