@@ -25,7 +25,7 @@ pub struct Picture {
 
 /// Luminance of linear Rec.709.
 fn luminance(rgb: [f32; 3]) -> f32 {
-    crate::base::units::luminance(rgb.map(f64::from)) as f32
+    crate::base::colour::luminance(rgb.map(f64::from)) as f32
 }
 
 impl Picture {

@@ -2,8 +2,8 @@
 
 use super::assembly::Material;
 use super::value::{Data, Value};
+use crate::base::colour::luminance;
 use crate::base::fault::Result;
-use crate::base::units::luminance;
 use crate::base::{Code, Fault};
 use crate::scene::Note;
 

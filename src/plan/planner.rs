@@ -11,7 +11,7 @@ use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::estimate::backward::Backward;
 use crate::estimate::ownership::Ownership;
-use crate::estimate::visible_receivers::VisibleReceivers;
+use crate::estimate::photon::visible_receivers::VisibleReceivers;
 use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
 use crate::film::specular_chain::Screen;

@@ -6,7 +6,8 @@
 //! which the integrand is smooth but for the slide's picture.
 //! Most of it is read from [`FilmTables`], whose errors a few solutions make good.
 
-use super::eye_table::{EyeTable, eye_subpath};
+use super::eye_subpath;
+use super::eye_table::EyeTable;
 use super::film_table::FilmTables;
 use super::receiver::Receivers;
 use super::seeds::bands::Bands;

@@ -98,7 +98,7 @@ fn colour(at: &At<'_>, key: &str, ledger: &mut Ledger) -> Result<(f64, [f64; 3])
     if color.iter().any(|lane| *lane < 0.0) {
         return Err(field.fault("a negative colour").expected("3 numbers from 0 to 1"));
     }
-    let luminance = crate::base::units::luminance(color);
+    let luminance = crate::base::colour::luminance(color);
     let whole = strength * luminance;
     if !whole.is_finite() {
         return Err(field.fault("the light overflows").expected("3 numbers from 0 to 1"));

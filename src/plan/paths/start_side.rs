@@ -11,7 +11,7 @@ use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::Emission;
 use crate::estimate::ownership::Ownership;
-use crate::estimate::visible_receivers::VisibleReceivers;
+use crate::estimate::photon::visible_receivers::VisibleReceivers;
 use crate::film::guide::Guide;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Spectral, Verdict};
 use crate::plan::pilots::{self, pilot_cache::PilotCache};

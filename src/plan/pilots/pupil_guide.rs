@@ -9,8 +9,7 @@ use crate::film::guide::{ApertureGuide, Lit};
 use crate::film::plan::{Estimator, Plan, Row};
 use crate::film::pupil::Crossing;
 use crate::plan::Planner;
-use crate::plan::selection::OPEN;
-use crate::plan::selection::facts::{connect, kind, lamps_over_eye, skip};
+use crate::plan::selection::facts::{OPEN, connect, kind, lamps_over_eye, skip};
 use glam::DVec2;
 use std::collections::BTreeMap;
 

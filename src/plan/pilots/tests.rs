@@ -8,7 +8,7 @@ use crate::estimate::ShouldStop;
 use crate::estimate::manifold::receiver::Receivers;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::photon::PhotonMapper;
-use crate::estimate::visible_receivers::VisibleReceivers;
+use crate::estimate::photon::visible_receivers::VisibleReceivers;
 use crate::film::guide::{Even, Guide, Point, Sample};
 use crate::film::plan::Estimator;
 use crate::import::{ImportOptions, import};

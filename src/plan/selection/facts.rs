@@ -7,6 +7,10 @@ use crate::film::plan::{Estimator, Row, Verdict};
 use crate::plan::Choice;
 use crate::world::World;
 
+/// Ratios of the lamps' etendue to the eye's below which each point of the picture has few ways to a lamp, and above which
+/// rays from the eye can't miss them. Between them a pilot decides.
+pub(in crate::plan) const OPEN: [f64; 2] = [8.0, 1e5];
+
 /// What facts say of every pair of light group and class.
 pub(in crate::plan) fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row> {
     let scene = checked.scene();

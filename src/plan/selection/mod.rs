@@ -9,14 +9,11 @@ use crate::base::path::Class;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
 use crate::plan::Planner;
 use crate::plan::pilots::pupil_guide;
-use facts::{connect, kind, lamps_over_eye, own};
+use facts::{OPEN, connect, kind, lamps_over_eye, own};
 use pilot_run::{Trials, Tried};
 use std::collections::BTreeSet;
 use verdict::{Compared, Misses};
 
-/// Ratios of the lamps' etendue to the eye's below which each point of the picture has few ways to a lamp, and above which
-/// rays from the eye can't miss them. Between them a pilot decides.
-pub(super) const OPEN: [f64; 2] = [8.0, 1e5];
 /// How many times denser the light of a lamp may be in the pupil than if it were spread evenly, for a place in the picture, for
 /// it to fill the pupil: the lamp is imaged far from it, and rays from the eye that go its way hardly miss.
 const FILLED: f64 = 2.0;

@@ -22,6 +22,7 @@ mod prepare;
 mod solid;
 mod surface;
 mod touching;
+mod triangle;
 
 #[cfg(test)]
 mod brute_tests;

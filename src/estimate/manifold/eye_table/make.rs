@@ -1,7 +1,7 @@
 //! How the tables are filled: trains as rays from the eye find them, node by node, and cell by cell on trial.
 
 use super::eye_hit::{EyeHit, EyeHits, OVER_PUPIL};
-use super::eye_subpath::to_scatterer;
+use super::first_scatterer::to_scatterer;
 use super::{EyeTable, Glance, OUTER, Use, follow};
 use crate::base::chain::{Chain, Link};
 use crate::base::rng::{Rng, Stream};

@@ -6,7 +6,7 @@
 //! good what the tables had wrong or did not have.
 
 mod eye_hit;
-pub mod eye_subpath;
+pub mod first_scatterer;
 mod make;
 
 use crate::base::chain::Chain;

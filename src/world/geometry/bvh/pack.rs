@@ -2,7 +2,7 @@
 //! [`Shear::cross`](super::patch::Shear::cross), operation by operation, so the two agree to the bit.
 
 use super::super::patch::Shear;
-use super::super::surface::Triangle;
+use super::super::triangle::Triangle;
 use super::node::Lanes;
 use super::wide::{LEAF_SIZE, Leaf};
 use glam::DVec3;

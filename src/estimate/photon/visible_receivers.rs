@@ -1,14 +1,14 @@
 //! What the eye sees of broad scatterers, as a pilot from the eye finds it: where photons are gathered.
 
-use super::ShouldStop;
-use super::ledger::Ledger;
-use super::photon::{Landing, final_gather, on_side};
-use super::photon_map::cell_of;
-use super::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
+use super::{Landing, final_gather, on_side};
 use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
 use crate::base::sobol::Sobol;
 use crate::base::warp::Frame;
+use crate::estimate::ShouldStop;
+use crate::estimate::ledger::Ledger;
+use crate::estimate::photon_map::cell_of;
+use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
 use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use crate::world::interior::Interior;
