@@ -39,7 +39,6 @@ mod render;
 mod render_args;
 mod report;
 mod scan;
-mod sequence;
 mod shards;
 mod source;
 mod threads;

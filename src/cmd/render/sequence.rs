@@ -1,11 +1,11 @@
 //! `eyebox render --frames`: one file per time code, each under an import of its own.
 
-use super::frames::{Frames, Pattern};
-use super::progress::Signals;
-use super::render::{Ended, one};
-use super::render_args::RenderArgs;
-use super::say;
+use super::{Ended, one};
 use crate::base::Result;
+use crate::cmd::frames::{Frames, Pattern};
+use crate::cmd::progress::Signals;
+use crate::cmd::render_args::RenderArgs;
+use crate::cmd::say;
 use crate::scene::Scene;
 use std::process::ExitCode;
 
