@@ -189,7 +189,7 @@ impl<'w, M: Mode> Backward<'w, M> {
         self.share >= 1.0 || pixel.rng(self.seed, Stream::Looks).uniform() < self.share
     }
 
-    /// What paths of one pass see in a pixel, by plane: for a witness, which looks at a few. The ledgers as for [`Backward::pixel`].
+    /// What paths of one pass see in a pixel, by plane: for a witness, which looks at a few. The ledgers as for `Backward::pixel`.
     pub fn look(&self, optics: &Optics<M>, pixel: Pixel, out: &mut [Light], ledgers: &mut [Ledger; 2]) {
         self.pixel(optics, pixel, out, ledgers);
     }

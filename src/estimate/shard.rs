@@ -1,6 +1,6 @@
 //! Shards: runs of disjoint ranges of passes under one plan, and the run that they are together.
 //!
-//! Randomness is a function of the pass, and sums are carried in two doubles ([`crate::base::twofold`]): shards in any
+//! Randomness is a function of the pass, and sums are carried in two doubles ([`crate::base::double_double`]): shards in any
 //! number and order add up to the bits of the run that made all passes itself.
 
 use super::finishing::{Finishing, Wanted};

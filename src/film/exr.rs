@@ -44,7 +44,7 @@ const BATCH: usize = 16;
 ///
 /// A channel without a dot in the second or a later part gets the part's name as its layer, unless it is called so itself.
 /// The prefix that `eyebox.layerPrefix` names is taken from the layers' names. Integer samples become
-/// the nearest f32. Metadata as written by [`write_exr`](super::write_exr): `colorInteropID`, `whiteLuminance`,
+/// the nearest f32. Metadata as written by `output::exr::write_exr`: `colorInteropID`, `whiteLuminance`,
 /// `cryptomatte/…` and what stands under `eyebox.`, without the prefix; other attributes are not kept.
 ///
 /// Errors: not a readable file, not EXR, deep data, parts of different sizes, missing or damaged chunks,

@@ -3,7 +3,7 @@
 //! Every node is a prim with one `matrix4d` transform; its mesh is a prim of its own below it, with one GeomSubset for
 //! each face. A mesh that several nodes use is a prototype that they refer to, instanceable. What USD has no place for
 //! (names that are no identifiers, the exact numbers behind a shader's single precision) stands in
-//! `customData["eyebox"]`, see [`stage`], and our reader takes it from there.
+//! `customData["eyebox"]`, see `stage`, and our reader takes it from there.
 
 pub mod layer; // prims and values as data
 pub mod name; // identifiers

@@ -150,7 +150,7 @@ fn share(index: usize, count: usize) -> f64 {
     INSET + (1.0 - 2.0 * INSET) * index as f64 / (count.max(2) - 1) as f64
 }
 
-/// The number, with a fraction, that a point at this share of a side would have: what [`share`] undoes.
+/// The number, with a fraction, that a point at this share of a side would have: what `share` undoes.
 pub fn on_grid(share: f64, count: usize) -> f64 {
     (share - INSET) / (1.0 - 2.0 * INSET) * (count.max(2) - 1) as f64
 }

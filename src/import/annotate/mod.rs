@@ -28,7 +28,7 @@ use std::path::Path;
 /// What `assembly` must carry to mean by itself what it means with `sidecar`, for a file in the folder `out`: names of
 /// files in its attributes are rewritten, too.
 ///
-/// Faults: whatever is wrong with the attributes (as in [`build`](super::build)); what the asset's rows can't say.
+/// Faults: whatever is wrong with the attributes (as in [`build`](super::build())); what the asset's rows can't say.
 pub fn annotate(assembly: &Assembly, sidecar: Option<&Value>, out: &Path) -> Result<Annotation> {
     let mut moved = assembly.clone();
     relocate::assembly(&mut moved, out);
