@@ -11,7 +11,7 @@ use super::frames::named;
 use super::progress::Signals;
 use super::render_args::RenderArgs;
 use crate::base::atomic::check_writable;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -72,7 +72,7 @@ impl<'r> Run<'r> {
             let at = || Where::Option(format!("--compression {}", packing.name()));
             packing
                 .spares_data(args.multi_part)
-                .map_err(|text| Fault::new(at(), text).expected("--multi-part with it"))?;
+                .map_err(|text| Error::new(at(), text).expected("--multi-part with it"))?;
         }
         let pool = args.threads.pool()?;
         Ok(Run { args, signals, partial, pool, start })
@@ -92,7 +92,7 @@ impl<'r> Run<'r> {
 /// Fails early where the picture could not be written: an hour of tracing must not end in a typing error.
 fn check_destination(output: &Path) -> Result<()> {
     if output.extension().is_none_or(|e| !e.eq_ignore_ascii_case("exr")) {
-        return Err(Fault::new(Where::file(output), "is no name for an EXR file").expected("a name that ends in .exr"));
+        return Err(Error::new(Where::file(output), "is no name for an EXR file").expected("a name that ends in .exr"));
     }
     check_writable(output)
 }

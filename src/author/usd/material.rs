@@ -11,7 +11,7 @@ use super::picture::Pictures;
 use super::stage::{Writing, named};
 use super::{optics, preview};
 use crate::base::colour::luminance;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::scene::assembly::{Assembly, Material};
 use crate::scene::value::{Data, Value};
 use crate::scene::{Colour, Opacity, Scalar, StandardSurface};

@@ -2,7 +2,7 @@
 
 use super::Run;
 use super::opened::Opened;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::check::{Checked, check};
 use crate::cmd::chains::Chains;
 use crate::cmd::shards::{checkpoint_of, resume};
@@ -81,7 +81,7 @@ impl Run<'_> {
         match behind {
             Some((kept, _)) if kept.plan_hash != head.plan_hash => {
                 let at = Where::file(&checkpoint_of(&self.args.output));
-                Err(Fault::new(at, "is of another plan").expected(&head.plan_hash))
+                Err(Error::new(at, "is of another plan").expected(&head.plan_hash))
             }
             Some((_, films)) => Ok(Start::Films(films)),
             None => Ok(Start::Pass(head.first)),

@@ -4,7 +4,7 @@ use super::opened::Opened;
 use super::planned::Planned;
 use super::{Ended, Run};
 use crate::base::ids::GroupId;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::cmd::ending::{Ending, ending};
 use crate::cmd::progress::Progress;
 use crate::cmd::shards::{Saver, checkpoint_of};
@@ -62,7 +62,7 @@ impl Run<'_> {
         let start = std::mem::replace(&mut planned.start, Start::Pass(0));
         let seen = self.pool.install(|| traced(&watched, (&mut planned.plan, &name), start, &limits, &mut saver));
         let Some(Seen { outcome, judgement, warnings: again }) = seen else {
-            return Err(Fault::new(Where::file(&saver.path), "keeps other sums than this run")
+            return Err(Error::new(Where::file(&saver.path), "keeps other sums than this run")
                 .expected("the same options, or no file of this name"));
         };
         if outcome.stop == Stop::Asked {

@@ -5,7 +5,7 @@ use super::notes::Ledger;
 use super::surface;
 use crate::base::Code;
 use crate::base::colour::luminance;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::Material;
 use crate::import::value::{Data, Value};
 

@@ -6,7 +6,7 @@ use super::reader::Reader;
 use super::round_trip::{RoundTrip, refined};
 use super::{normalise, shape, value};
 use crate::base::colour::luminance;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::{LightForm, LightSource, Node};
 use crate::import::value::{Data, Value};
 use glam::{DAffine3, DMat3};

@@ -9,7 +9,7 @@ use super::shader::{self, End};
 use super::{network, standard, value};
 use crate::base::Where;
 use crate::base::colour::luminance;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::value::{Data, Value};
 use crate::scene::StandardSurface;
 use openusd::sdf;
