@@ -118,7 +118,7 @@ impl<M: Mode> Connector<M> {
         let mut sheet = ReceiverTable::new(self.map.nodes.number());
         let mut tried = vec![false; self.map.nodes.number()];
         let from_seed = |at: usize| {
-            let step = -self.map.from_node(at, &spot);
+            let step = -self.map.offset_of(at, &spot);
             (at, seed.dir + seed.by_place[0] * step.x + seed.by_place[1] * step.y)
         };
         let mut open: VecDeque<(usize, DVec3)> = self.map.nodes.corners(spot.cell).map(from_seed).into();

@@ -161,7 +161,7 @@ impl<M: Mode> Connector<M> {
     ) -> Option<(DVec3, f64)> {
         let node = sheet.nodes[first].as_ref()?;
         let off = entry.middle.local(target.point - entry.middle.point);
-        let at = self.map.from_node(first, spot);
+        let at = self.map.offset_of(first, spot);
         let by_place = node.by_place[0] * at.x + node.by_place[1] * at.y;
         let by_lamp = node.by_lamp[0] * off.x + node.by_lamp[1] * off.y;
         Some((node.dir + by_place + by_lamp, self.map.cell_size() * node.by_place_size()))

@@ -186,7 +186,7 @@ impl<M: Mode> Connector<M> {
         if self.is_connected(sheet, place) {
             return self.solve(tracing, entry, sheet, spot, (*point, *site), target);
         }
-        let far = |node: usize| self.map.from_node(node, spot).length();
+        let far = |node: usize| self.map.offset_of(node, spot).length();
         let about = self.map.cells_within(spot, reach).flat_map(|cell| self.map.nodes.corners(cell));
         let known = spot.nodes().map(|(node, _)| node).chain(about).filter(|node| sheet.nodes[*node].is_some());
         let nearest = known.min_by(|a, b| far(*a).total_cmp(&far(*b)))?;

@@ -97,7 +97,7 @@ impl SurfaceParam {
     }
 
     /// From a node to a spot, m along both axes.
-    pub fn from_node(&self, node: usize, spot: &Spot) -> DVec2 {
+    pub fn offset_of(&self, node: usize, spot: &Spot) -> DVec2 {
         (spot.at - self.nodes.at_node(node)) * self.cell
     }
 
