@@ -14,7 +14,7 @@ use eyebox::film::accumulate::{Components, Film, Sampling};
 use eyebox::film::guide::Guide;
 use eyebox::film::plan::{Estimator, Plan};
 use eyebox::import::{ImportOptions, import};
-use eyebox::plan::pupil::survey;
+use eyebox::plan::pilots::pupil::survey;
 use eyebox::plan::{Asked, Choice, plan};
 use eyebox::scene::Scene;
 use eyebox::world::World;

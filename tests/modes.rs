@@ -120,7 +120,7 @@ fn skies_have_their_colours() {
     let rgb = [30.0, 120.0, 60.0];
     if let Some(sky) = &mut s.sky {
         let pixels = sky.luminance.len();
-        sky.luminance = std::sync::Arc::new(vec![eyebox::base::units::luminance(rgb) as f32; pixels]);
+        sky.luminance = std::sync::Arc::new(vec![eyebox::base::colour::luminance(rgb) as f32; pixels]);
         sky.rgb = Some(std::sync::Arc::new(vec![rgb.map(|c| c as f32); pixels]));
     }
     let mirror = mesh(&[quad(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0)]);

@@ -101,7 +101,7 @@ fn form() -> impl Strategy<Value = LightForm> {
 
 fn light() -> impl Strategy<Value = LightSource> {
     let tint = [0.05..1.0, 0.05..1.0, 0.05..1.0].prop_map(|[r, g, b]: [f64; 3]| {
-        let own = eyebox::base::units::luminance([r, g, b]);
+        let own = eyebox::base::colour::luminance([r, g, b]);
         [r / own, g / own, b / own]
     });
     ("[a-zA-Z /]{0,8}", form(), tint).prop_map(|(name, form, color)| LightSource {

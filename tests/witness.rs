@@ -8,7 +8,7 @@ use eyebox::estimate::witness::Witness;
 use eyebox::film::plan::{Estimator, Plan};
 use eyebox::film::witness::{Judged, Judgement, judge};
 use eyebox::import::{ImportOptions, import};
-use eyebox::plan::pupil::survey;
+use eyebox::plan::pilots::pupil::survey;
 use eyebox::plan::{Asked, Choice, Polarisation, plan};
 use eyebox::scene::Scene;
 use eyebox::world::World;

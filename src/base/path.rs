@@ -40,7 +40,7 @@ impl Class {
     }
 }
 
-/// State of the automaton. It can be fed from the eye ([`Trail::EYE`]) or from the lamp, and an eye-side and a
+/// State of the automaton. It can be fed from the eye ([`Trail::START`]) or from the lamp, and an eye-side and a
 /// lamp-side piece can be [joined](Trail::join); the class is the same either way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Trail {

@@ -3,10 +3,10 @@
 use super::curve::race::Ready;
 use crate::base::stats::{Moments, sidak_z};
 use crate::base::students_t::as_normal;
-use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::eye_table::EyeTable;
 use crate::estimate::manifold::film_grid::FilmGrid;
 use crate::estimate::manifold::receiver::Receivers;
+use crate::estimate::manifold::seeds::bands::Bands;
 use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::ownership::Ownership;
 use crate::film::accumulate::{Film, Sampling};

@@ -2,7 +2,7 @@
 
 use super::kit;
 use crate::base::rng::{Rng, Stream};
-use crate::plan::pinhole_pilot::find_by_way;
+use crate::plan::pilots::pinhole_pilot::find_by_way;
 use crate::scene::{Finish, Scene};
 use crate::world::World;
 use glam::{DAffine3, DVec3};

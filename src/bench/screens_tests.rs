@@ -2,8 +2,8 @@
 
 use super::curve::race::Ready;
 use super::generate;
-use crate::estimate::manifold::bands::Bands;
 use crate::estimate::manifold::receiver::Receivers;
+use crate::estimate::manifold::seeds::bands::Bands;
 use crate::estimate::manifold::vision::Manifold;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::run::{Films, Start, begin};

@@ -1,7 +1,7 @@
 //! `eyebox glass`: the catalogue of glasses, liquids, films and metals that attributes name.
 
 use super::{Format, print};
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::scene::glass::{FDC_NM, Glass, all, find, names};
 use serde_json::{Value, json};
 use std::process::ExitCode;
@@ -51,7 +51,7 @@ pub fn run(args: &GlassArgs) -> Result<ExitCode> {
 fn asked(args: &GlassArgs) -> Result<(Vec<&'static Glass>, Vec<f64>)> {
     let row = |name: &String| {
         find(name).ok_or_else(|| {
-            Fault::new(Where::Nowhere, format!("unknown glass `{name}`"))
+            Error::new(Where::Nowhere, format!("unknown glass `{name}`"))
                 .expected("a name of the catalogue, which `eyebox glass` lists")
                 .nearest(name, names())
         })

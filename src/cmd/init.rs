@@ -2,7 +2,7 @@
 
 use super::{Format, print};
 use crate::base::atomic::{check_writable, write_atomic};
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::import::template::{Template, skeleton};
 use clap::Args;
 use std::path::PathBuf;
@@ -35,10 +35,10 @@ pub struct InitArgs {
 /// Runs the command.
 pub fn run(args: &InitArgs) -> Result<ExitCode> {
     if args.output.exists() && !args.force {
-        return Err(Fault::new(Where::file(&args.output), "this file exists").expected("another name, or --force"));
+        return Err(Error::new(Where::file(&args.output), "this file exists").expected("another name, or --force"));
     }
     if args.output.extension().is_none_or(|e| e != "toml") {
-        return Err(Fault::new(Where::file(&args.output), "is no name for a sidecar").expected("NAME.optics.toml"));
+        return Err(Error::new(Where::file(&args.output), "is no name for a sidecar").expected("NAME.optics.toml"));
     }
     check_writable(&args.output)?;
     let skeleton = skeleton(&args.asset, &args.output)?;

@@ -15,7 +15,7 @@ use crate::estimate::render_vars::Named;
 use crate::estimate::run::Limits;
 use crate::estimate::shard::{self, Head};
 use crate::film::aov::Aov;
-use crate::film::layer_moments::ErrorDetail;
+use crate::film::error_detail::ErrorDetail;
 use crate::film::plan::Estimator;
 use crate::output::exr::{Packing, parse_prefix};
 use crate::plan::plan_file::PlanFile;

@@ -9,7 +9,6 @@ mod trial;
 use super::ShouldStop;
 use super::emitter_hit::EmitterHit;
 use super::ledger::{Ledger, cost};
-use super::manifold::bands::Bands;
 use super::ownership::{Ownership, Reach};
 use super::pixel::Pixel;
 use super::rqmc::Rqmc;
@@ -20,6 +19,7 @@ use super::window_visibility::Scattered;
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::base::warp::Frame;
+use crate::estimate::manifold::seeds::bands::Bands;
 use crate::film::accumulate::{Film, Light};
 use crate::world::World;
 use crate::world::geometry::Ray;
@@ -189,7 +189,7 @@ impl<'w, M: Mode> Backward<'w, M> {
         self.share >= 1.0 || pixel.rng(self.seed, Stream::Looks).uniform() < self.share
     }
 
-    /// What paths of one pass see in a pixel, by plane: for a witness, which looks at a few. The ledgers as for [`Backward::pixel`].
+    /// What paths of one pass see in a pixel, by plane: for a witness, which looks at a few. The ledgers as for `Backward::pixel`.
     pub fn look(&self, optics: &Optics<M>, pixel: Pixel, out: &mut [Light], ledgers: &mut [Ledger; 2]) {
         self.pixel(optics, pixel, out, ledgers);
     }

@@ -5,14 +5,14 @@
 use super::ShouldStop;
 use super::emission::{Emission, Origin, Shots, Starts, Visitor};
 use super::ledger::Ledger;
-use super::manifold::bands::Bands;
-use super::manifold::connections::{Connections, Rest};
-use super::manifold::newton::Target;
 use super::ownership::Ownership;
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::rng::Stream;
+use crate::estimate::manifold::seeds::bands::Bands;
+use crate::estimate::manifold::seeds::connections::{Connections, Rest};
+use crate::estimate::manifold::solver::newton::Target;
 use crate::film::accumulate::{Film, Light};
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::replicates::REPLICATES;

@@ -31,7 +31,6 @@ pub mod specular_event;
 pub mod splitting;
 pub mod throughput;
 pub mod virtual_image;
-pub mod visible_receivers;
 pub mod vision;
 pub mod walk;
 mod window_visibility;

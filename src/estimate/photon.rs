@@ -6,18 +6,18 @@ pub mod final_gather;
 mod gather;
 mod gather_samples;
 mod record;
+pub mod visible_receivers;
 
 use super::ShouldStop;
 use super::emission::{Emission, Shots, Starts};
 use super::ledger::{Ledger, cost};
-use super::manifold::eye_table::EyeTable;
-use super::manifold::receiver::Receivers;
 use super::ownership::{Ownership, Reach};
 use super::photon_map::Photon;
-use super::visible_receivers::VisibleReceivers;
 use crate::base::ids::GroupId;
 use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
+use crate::estimate::manifold::eye_table::EyeTable;
+use crate::estimate::manifold::receiver::Receivers;
 use crate::film::accumulate::Film;
 use crate::film::guide::{Guide, Point, Sample};
 use crate::film::plan::Radii;
@@ -34,6 +34,7 @@ use rayon::prelude::*;
 use record::PhotonRecord;
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
+use visible_receivers::VisibleReceivers;
 
 /// The squared radius falls as (pass + 1)^(α − 1): bias and variance of the mean both vanish for 0 < α < 1.
 const ALPHA: f64 = 2.0 / 3.0;

@@ -3,11 +3,11 @@
 
 pub mod adaptive_kernel;
 
-use super::manifold::receiver::Claim;
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
+use crate::estimate::manifold::receiver::Claim;
 use crate::film::accumulate::Light;
 use crate::world::geometry::Site;
 use crate::world::mode::Mode;

@@ -7,8 +7,6 @@
 //! what the solver leaves of trains that paths from the lamps were not seen to arrive by.
 
 use super::ledger::Ledger;
-use super::manifold::bands::Bands;
-use super::manifold::newton::Target;
 use super::ownership::Ownership;
 use super::pixel::Pixel;
 use super::walk::{Meeting, Met, Travel, Vertex, Walker};
@@ -16,6 +14,8 @@ use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::base::warp::disk;
+use crate::estimate::manifold::seeds::bands::Bands;
+use crate::estimate::manifold::solver::newton::Target;
 use crate::film::accumulate::Light;
 use crate::film::guide::{ApertureGuide, Portals};
 use crate::film::plan::Plan;

@@ -9,7 +9,6 @@
 
 use super::backward::{Backward, Glow};
 use super::ledger::Ledger;
-use super::manifold::receiver::Receivers;
 use super::ownership::Ownership;
 use super::photon::{Landing, PhotonMapper};
 use super::pixel::Pixel;
@@ -17,6 +16,7 @@ use super::vision::Hints;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::rng::{Rng, Stream};
+use crate::estimate::manifold::receiver::Receivers;
 use crate::film::accumulate::{Light, PlaneKey};
 use crate::film::guide::ApertureGuide;
 use crate::film::plan::{Estimator, Plan, Radii, Row, Verdict};

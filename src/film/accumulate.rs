@@ -1,7 +1,7 @@
 //! Sums of light per pixel, layer and group. A film belongs to one estimator; films are added up when the frame is made.
 
-mod light;
-mod plane;
+pub mod light;
+pub mod plane;
 
 use super::kernel_bias::{self, KernelBias};
 use super::layer::Layer;
@@ -12,8 +12,8 @@ use super::tiles::{Tiles, TilesRow};
 use super::totals::{Totals, TotalsRow};
 use crate::base::double_double::Sum;
 use crate::base::ids::GroupId;
-pub use light::Light;
 use light::{COLUMNS, add, depth, value_of};
+pub use light::{Light, MixError};
 pub use plane::{Components, PlaneKey, Together};
 
 /// How the samples of a film are counted, for its standard error.
@@ -64,14 +64,6 @@ pub struct Row<'f> {
     detail: Option<LayerMomentsRow<'f>>,
     blur: Option<TilesRow<'f>>,
     totals: Option<TotalsRow<'f>>,
-}
-
-/// Variances and covariance of the mean `open` and `content` of a pixel's light.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct MixError {
-    pub open: f64,
-    pub content: f64,
-    pub covariance: f64,
 }
 
 impl Film {

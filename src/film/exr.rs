@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use super::cryptomatte;
 use super::frame::{Channel, Frame, Meta, split_name};
 use crate::base::colour::Chromaticities;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use subsampled::Sampling;
 
 /// The attribute that names the colour space of the pictures.
@@ -44,19 +44,19 @@ const BATCH: usize = 16;
 ///
 /// A channel without a dot in the second or a later part gets the part's name as its layer, unless it is called so itself.
 /// The prefix that `eyebox.layerPrefix` names is taken from the layers' names. Integer samples become
-/// the nearest f32. Metadata as written by [`write_exr`](super::write_exr): `colorInteropID`, `whiteLuminance`,
+/// the nearest f32. Metadata as written by `output::exr::write_exr`: `colorInteropID`, `whiteLuminance`,
 /// `cryptomatte/…` and what stands under `eyebox.`, without the prefix; other attributes are not kept.
 ///
 /// Errors: not a readable file, not EXR, deep data, parts of different sizes, missing or damaged chunks,
 /// a picture larger than the file could hold.
 pub fn read_exr(path: &Path) -> Result<Frame> {
     let at = || Where::file(path);
-    let unreadable = |error: std::io::Error| Fault::new(at(), format!("cannot be read: {error}"));
+    let unreadable = |error: std::io::Error| Error::new(at(), format!("cannot be read: {error}"));
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(Fault::new(at(), "is not a file").expected("an EXR file"));
+        return Err(Error::new(at(), "is not a file").expected("an EXR file"));
     }
     let bytes = std::fs::read(path).map_err(unreadable)?;
-    decode(&bytes).map_err(|what| Fault::new(at(), what).expected("a complete flat EXR file"))
+    decode(&bytes).map_err(|what| Error::new(at(), what).expected("a complete flat EXR file"))
 }
 
 /// Whether these bytes begin an OpenEXR file.

@@ -2,22 +2,12 @@
 //! `content` with their product, so that a picture mixed for another contrast can say how uncertain it is. Where light path
 //! expressions part the light of a group, the squares of its whole share and of what each expression takes, too.
 
-use super::accumulate::{Light, PlaneKey, Together};
+use super::accumulate::light::Light;
+use super::accumulate::plane::{PlaneKey, Together};
 use super::layer::Layer;
 use super::tiles::{Tiles, TilesRow};
 use crate::base::ids::GroupId;
 use crate::base::lpe;
-
-/// Whose standard errors a run keeps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ErrorDetail {
-    /// Of `hybrid` alone.
-    #[default]
-    Picture,
-    /// Of every layer, of every group's share, and of its `open` and `content`.
-    Layers,
-}
 
 /// Second moments of the light of one plane, sums over samples.
 #[derive(Debug, Clone, Copy, PartialEq)]

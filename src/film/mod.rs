@@ -4,6 +4,7 @@ pub mod accumulate;
 pub mod aov; // layers that a user defines
 pub mod cryptomatte; // Cryptomatte
 pub mod diffraction;
+pub mod error_detail;
 pub mod exr; // a file → a frame
 pub mod finish;
 pub mod frame;

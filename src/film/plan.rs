@@ -1,8 +1,8 @@
 //! The plan as data: who owns which (light group, path class), and why. Made on floor 5, read by all below.
 
+use super::error_detail::ErrorDetail;
 use super::guide::{ApertureGuide, Guide, Portals};
 use super::layer::Layer;
-use super::layer_moments::ErrorDetail;
 use super::specular_chain::{Connection, Glint, Screen};
 use crate::base::ids::GroupId;
 use crate::base::path::{Class, Trail};

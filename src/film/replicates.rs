@@ -5,7 +5,7 @@
 //! pixel is known much better, from their squares: each pixel's variance leans on that, times what evenness saves over the
 //! whole plane.
 
-use super::accumulate::{Light, MixError};
+use super::accumulate::light::{Light, MixError};
 use super::tiles::Tiles;
 use crate::base::double_double::Sum;
 

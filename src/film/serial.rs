@@ -137,7 +137,7 @@ impl Film {
             .collect()
     }
 
-    /// Passes for, less passes against, of its [turns](crate::film::turns); zeros if it has none.
+    /// Passes for, less passes against, of its [turns](super::rqmc_variance); zeros if it has none.
     pub fn surplus(&self) -> [i64; PER_PIXEL] {
         self.turns.as_ref().map_or([0; PER_PIXEL], |turns| turns.surplus)
     }

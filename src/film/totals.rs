@@ -1,7 +1,7 @@
 //! Luminance of whole parts of the picture, pass by pass. What all pixels have of the same photons or wavelengths does not
 //! show in each pixel's own variance; it shows in how far the passes' totals lie apart. And what each pass cost.
 
-use super::accumulate::Light;
+use super::accumulate::light::Light;
 use crate::base::double_double::Sum;
 
 /// The picture is cut into so many parts side by side, and one above the other.

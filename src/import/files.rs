@@ -1,9 +1,9 @@
 //! Reading the files that a scene is made of, with faults that name who asked for them.
 
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where, package};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where, package};
 use std::fs::File;
-use std::io::{Error, ErrorKind, Read};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 /// The bytes of `path`, which may lie in a package and is a `kind` (`slide image`, …) that is named at `at`.
@@ -11,13 +11,13 @@ pub fn read(path: &Path, at: &Where, kind: &str) -> Result<Vec<u8>> {
     package::read(path).map_err(|error| unreadable(&error, path, at, kind))
 }
 
-fn unreadable(error: &Error, path: &Path, at: &Where, kind: &str) -> Box<Fault> {
+fn unreadable(error: &io::Error, path: &Path, at: &Where, kind: &str) -> Box<Error> {
     let why = match error.kind() {
         ErrorKind::NotFound => "there is no such file".to_owned(),
         ErrorKind::PermissionDenied => "it must not be read (permission denied)".to_owned(),
         _ => error.to_string(),
     };
-    Fault::new(at.clone(), format!("can't read the {kind} {}: {why}", path.display())).code(Code::of_reading(error))
+    Error::new(at.clone(), format!("can't read the {kind} {}: {why}", path.display())).code(Code::of_reading(error))
 }
 
 /// Adds the length of a file, as eight bytes, and its bytes. Faults: it can't be read.
@@ -26,7 +26,7 @@ pub fn hash(hasher: &mut blake3::Hasher, path: &Path, at: &Where, kind: &str) ->
 }
 
 /// Piece by piece: an asset may be large.
-fn hashed(hasher: &mut blake3::Hasher, path: &Path) -> std::io::Result<()> {
+fn hashed(hasher: &mut blake3::Hasher, path: &Path) -> io::Result<()> {
     const PIECE: usize = 1 << 17;
     if !path.is_file() && package::is_file(path) {
         let all = package::read(path)?;
@@ -55,7 +55,7 @@ fn hashed(hasher: &mut blake3::Hasher, path: &Path) -> std::io::Result<()> {
         };
         left = match left.checked_sub(count as u64) {
             Some(left) if count > 0 => left,
-            _ => return Err(Error::other("its length changed while it was read")),
+            _ => return Err(io::Error::other("its length changed while it was read")),
         };
         hasher.update(piece.get(..count).unwrap_or_default());
     }

@@ -2,10 +2,10 @@
 //! root law from there on. Even points converge faster than that law has it, which few passes cannot tell. How much less noise the
 //! pixels of the whole picture have is foretold from a few passes of one in between.
 
+use super::pilots::pilot_resolution::PilotResolution;
 use crate::base::Result;
 use crate::estimate::run::{Films, Tracing, begin};
 use crate::film::plan::Plan;
-use crate::plan::pilot_resolution::PilotResolution;
 use crate::scene::Scene;
 use crate::world::World;
 

@@ -1,34 +1,21 @@
 //! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is; scans an eyebox.
 
-pub mod chains;
-mod eye_pilot;
-mod facts;
 pub mod forecast;
 mod mode;
 pub mod paths;
-pub(crate) mod pilot;
-mod pilot_cache;
-mod pilot_resolution;
-pub(crate) mod pinhole_pilot;
+pub mod pilots;
 pub mod plan_file;
 mod planner;
-pub mod pupil;
-mod pupil_guide;
-pub mod rays;
-mod reached;
 pub mod scan;
 pub mod selection;
-mod shared_faces;
-mod sky_guide;
-mod split_threshold;
 
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
-use pilot_cache::PilotCache;
+use pilots::pilot_cache::PilotCache;
 use planner::Planner;
-use selection::Handicap;
+use selection::{Handicap, facts};
 
 /// Which estimators may be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]

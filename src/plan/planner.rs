@@ -1,16 +1,17 @@
 //! Fills a plan of verdicts with what pilots find: guides, connections, how many paths a pass has; and hands on what a pilot
 //! gives up.
 
-use super::facts::{is_connected, own};
-use super::pilot_cache::PilotCache;
-use super::{Asked, Choice, Guides, chains, pilot, pupil_guide, reached, shared_faces, sky_guide, split_threshold};
+use super::pilots::pilot_cache::PilotCache;
+use super::pilots::{chains, pupil_guide, reached, shared_faces, sky_guide, split_threshold};
+use super::selection::facts::{is_connected, own};
+use super::{Asked, Choice, Guides, pilots};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::estimate::backward::Backward;
 use crate::estimate::ownership::Ownership;
-use crate::estimate::visible_receivers::VisibleReceivers;
+use crate::estimate::photon::visible_receivers::VisibleReceivers;
 use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
 use crate::film::specular_chain::Screen;
@@ -123,17 +124,17 @@ impl Planner<'_> {
                 1.0
             } else {
                 let connections = self.made.connections(self.world, plan);
-                pilot::left(self.world, plan, self.groups(), &pilot, connections, self.stop)
+                pilots::left(self.world, plan, self.groups(), &pilot, connections, self.stop)
             };
-            plan.forward_paths = pilot::forward_paths(rest, self.pixels());
+            plan.forward_paths = pilots::forward_paths(rest, self.pixels());
             plan.forward_guide = Some(if plan.rows.iter().any(leaves) { pilot.guide.clone() } else { pilot.sure() });
             break;
         }
     }
 
     /// Whether light tracing leaves groups to rays from the eye. Where there is no hope for those either, they look seldom.
-    fn gives_up(&self, plan: &mut Plan, pilot: &pilot::ForwardPilot) -> bool {
-        let given_up = give_up_forward(plan, &pilot::without_arrivals(pilot), pilot.traced);
+    fn gives_up(&self, plan: &mut Plan, pilot: &pilots::ForwardPilot) -> bool {
+        let given_up = give_up_forward(plan, &pilots::without_arrivals(pilot), pilot.traced);
         let has_lamps = |row: &Row| self.world.lamps.all().iter().any(|lamp| lamp.group == row.group);
         let is_dark = |row: &Row| match row.verdict {
             Verdict::Skip { .. } => true,
@@ -153,22 +154,22 @@ impl Planner<'_> {
         if !(caustics || plan.runs(Estimator::Photon)) || self.stopped() {
             return;
         }
-        let pixel_m = pilot::pixel_m(self.world, self.checked.scene().eye.resolution);
+        let pixel_m = pilots::pixel_m(self.world, self.checked.scene().eye.resolution);
         let seen = VisibleReceivers::look(self.world, pixel_m, self.stop);
         if caustics {
             plan.screens = chains::screens(self.world, plan, self.groups(), &seen.faces(), None, self.stop);
             // What follows sees the light of a train as connected where a coarse table has it; so where that has nothing, the
             // train is the photons'. Of weak ones that is not worth finding out.
             let joined = |screen: &Screen| !self.made.screens(self.world, std::slice::from_ref(screen)).is_empty();
-            plan.screens.retain(|screen| !pilot::is_strong(screen) || joined(screen));
+            plan.screens.retain(|screen| !pilots::is_strong(screen) || joined(screen));
             leave_unconnected(plan, Class::Caustic);
         }
         if plan.runs(Estimator::Photon) {
-            let pilot = pilot::photon(self.world, plan, self.groups(), (pixel_m, &seen), &self.made, self.stop);
+            let pilot = pilots::photon(self.world, plan, self.groups(), (pixel_m, &seen), &self.made, self.stop);
             (plan.photons, plan.photons_part) = (pilot.photons, pilot.part);
             plan.photon_radii_m = pilot.radii_m;
             if !pilot.part {
-                (plan.screens, _) = pilot::by_light(&plan.screens);
+                (plan.screens, _) = pilots::by_light(&plan.screens);
             }
             plan.photon_guide = Some(pilot.guide);
         }
@@ -205,7 +206,7 @@ impl Planner<'_> {
         }
         if self.asked.choice == Choice::Auto && plan.owns(Estimator::Backward) && !self.stopped() {
             let route = Ownership::new(plan, self.groups(), Estimator::Backward);
-            let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), Hints::of(plan), pilot::SEED);
+            let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), Hints::of(plan), pilots::SEED);
             if !backward.finds_light(LOOKS, self.stop) {
                 plan.backward_share = SELDOM;
                 plan.notes.push(format!(

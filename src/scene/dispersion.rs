@@ -17,7 +17,7 @@ pub enum Dispersion {
     Polynomial { constant: f64, terms: [[f64; 2]; 6] },
     /// n = 1 + Σ a/(b − λ⁻²) over the terms [a, b], λ in µm: formula 6 of refractiveindex.info, for gases.
     Gas { terms: [[f64; 2]; 2] },
-    /// n = A + B/λ² + C/λ⁴ with A, B [µm²], C [µm⁴].
+    /// n = A + B/λ² + C/λ⁴ with A, B in µm², C in µm⁴.
     Cauchy([f64; 3]),
     /// n = max(n_d + (n_d − 1)/V_d · (523655/λ² − 1.5168), 1), λ in nm: the law of KHR_materials_dispersion.
     /// An infinite V_d means no dispersion.

@@ -1,7 +1,7 @@
 //! Emission textures: what each place of a lamp has of its light.
 
 use super::texture::read;
-use crate::base::units::luminance;
+use crate::base::colour::luminance;
 use crate::base::warp;
 use crate::scene::texture::{Filter, Texels, TextureInput};
 use crate::scene::{Emitter, Part, Scene};

@@ -100,7 +100,7 @@ impl Saying<'_> {
         let lanes = find("emitter.spectrum").map_or(vec![1.0; 3], |spectrum| {
             spectrum.get("rgb").expect("rgb").list().expect("a list").iter().map(|x| x.number().expect("one")).collect()
         });
-        let own = eyebox::base::units::luminance([lanes[0], lanes[1], lanes[2]]);
+        let own = eyebox::base::colour::luminance([lanes[0], lanes[1], lanes[2]]);
         let scale = surface.emission.as_ref().map_or([1.0; 4], |input| input.scale);
         let glow = (0..3).map(|i| nit * lanes[i] / own * scale[i]).collect();
         self.out.push(("emission".into(), glow));

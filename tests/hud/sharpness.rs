@@ -7,7 +7,7 @@ use eyebox::estimate::picture::{picture, picture_through};
 use eyebox::film::diffraction::Diffraction;
 use eyebox::film::pupil::Pupil;
 use eyebox::film::sharpness::{GroupPupil, Sharpness};
-use eyebox::plan::pupil::survey;
+use eyebox::plan::pilots::pupil::survey;
 use eyebox::plan::{Asked, Choice};
 use eyebox::scene::Scene;
 

@@ -3,8 +3,8 @@
 use super::document::Document;
 use super::surface::{Fields, Looks};
 use super::value::{self, OPTICS};
-use crate::base::fault::Result;
-use crate::base::units::luminance;
+use crate::base::colour::luminance;
+use crate::base::error::Result;
 use crate::scene::assembly::{Assembly, Material};
 use crate::scene::value::{Data, Value};
 use serde_json::{Map, Value as Json, json};

@@ -3,7 +3,7 @@
 //! Every node is a prim with one `matrix4d` transform; its mesh is a prim of its own below it, with one GeomSubset for
 //! each face. A mesh that several nodes use is a prototype that they refer to, instanceable. What USD has no place for
 //! (names that are no identifiers, the exact numbers behind a shader's single precision) stands in
-//! `customData["eyebox"]`, see [`stage`], and our reader takes it from there.
+//! `customData["eyebox"]`, see `stage`, and our reader takes it from there.
 
 pub mod layer; // prims and values as data
 pub mod name; // identifiers
@@ -28,9 +28,9 @@ pub use annotate::annotate;
 
 use super::Written;
 use crate::base::atomic::write_atomic;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::relative_path::folder_of;
-use crate::base::{Fault, Where};
+use crate::base::{Error, Where};
 use crate::scene::assembly::Assembly;
 use std::collections::HashMap;
 use std::path::Path;
@@ -88,7 +88,7 @@ impl Kind {
             Some("usdc" | "usd") => Ok(Kind::Crate),
             Some("usdz") => Ok(Kind::Package),
             Some(_) | None => {
-                Err(Fault::new(Where::file(path), "this is no name of a USD file").expected(".usda, .usdc or .usdz"))
+                Err(Error::new(Where::file(path), "this is no name of a USD file").expected(".usda, .usdc or .usdz"))
             }
         }
     }

@@ -4,7 +4,7 @@
 use super::layer::{Datum, Prim, Property};
 use super::network::{Network, Output, Source, pair, set_name, single, triple};
 use super::preview::Glow;
-use crate::base::units::luminance;
+use crate::base::colour::luminance;
 use crate::scene::texture::{Channel, Encoding, Filter, TextureInput, Wrap};
 use crate::scene::{AnisotropyLaw, CoatNormal, Colour, Opacity, Scalar, StandardSurface};
 

@@ -121,5 +121,11 @@ impl ColourSpace {
     }
 }
 
+/// Luminance of a linear Rec.709 colour, by the exact weights of its primaries, which ITU-R BT.709-6, item 3.2 rounds to
+/// 0.2126, 0.7152 and 0.0722: what a colour loses and what its spectrum gains are then the same.
+pub fn luminance(rgb: [f64; 3]) -> f64 {
+    ColourSpace::Rec709.luminance(rgb)
+}
+
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,8 @@
 //! What the eye sees of faces that are joined with lamps: paths from the eye over specular faces to the first scatterer, in
 //! pairs whose points of the pupil and of the pixel lie opposite each other, so that what is linear in them is exact.
-//! Where they land is read from [`Glances`](super::glances::Glances), whose errors a few paths make good.
+//! Where they land is read from [`EyeTable`](super::eye_table::EyeTable), whose errors a few paths make good.
 
+use super::eye_table::first_scatterer::to_scatterer;
 use super::eye_table::{Glanced, Rest};
 use super::pixel_span::Span;
 use super::receiver::{Ask, Incoming, Receivers};
@@ -13,7 +14,7 @@ use crate::base::warp::{Frame, disk};
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::pixel::Pixel;
 use crate::estimate::specular_event::Faint;
-use crate::estimate::walk::{Meeting, Met, SPLIT_FIRST_EVENTS, Travel, Vertex, Walker};
+use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::film::accumulate::Light;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -76,40 +77,6 @@ pub(super) fn look<M: Mode>(
             ledger.not_owned += walker.beam.carried();
         });
         ledger.close_path(balance);
-    }
-}
-
-/// Follows a path and its branches to the first broad scatterers.
-pub(super) fn to_scatterer<'w, M: Mode>(
-    mut walker: Walker<'w, M>,
-    faint: Faint,
-    ledger: &mut Ledger,
-    each: &mut impl FnMut(&mut Walker<'w, M>, &Vertex, &'w Scatter, Frame, &mut Ledger),
-) {
-    loop {
-        let vertex = match walker.advance(ledger) {
-            Met::Sky => return walker.escape(ledger),
-            Met::Pupil(_) | Met::Ended => return,
-            Met::Face(vertex) => vertex,
-        };
-        let other = if walker.events < SPLIT_FIRST_EVENTS {
-            walker.split(&vertex, 0.0, Walker::<M>::MOST_SPLITS, ledger)
-        } else {
-            walker.spare(&vertex, faint, ledger)
-        };
-        if let Some(reflected) = other {
-            to_scatterer(reflected, faint, ledger, each);
-        }
-        match walker.meet(&vertex, ledger) {
-            Meeting::Ended => return,
-            Meeting::Went => {}
-            // Narrow lobes are left to rays from the eye.
-            Meeting::Scatter(scatter, _) if scatter.is_narrow() => {
-                ledger.not_owned += walker.beam.carried();
-                return;
-            }
-            Meeting::Scatter(scatter, frame) => return each(&mut walker, &vertex, scatter, frame, ledger),
-        }
     }
 }
 

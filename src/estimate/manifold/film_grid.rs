@@ -1,6 +1,6 @@
 //! Nodes over the picture, for tables of what changes little from pixel to pixel.
 
-use super::bicubic::{Nodes, Spot};
+use super::solver::bicubic::{Nodes, Spot};
 use crate::world::World;
 use glam::DVec2;
 

@@ -11,11 +11,11 @@ mod make;
 mod masks;
 mod over_pixel;
 
-use super::bicubic::Spot;
-use super::connections::Connections;
 use super::film_grid::FilmGrid;
 use super::receiver::{Crossing, SLIDES};
 use super::seeds::MOST_SHEETS;
+use super::seeds::connections::Connections;
+use super::solver::bicubic::Spot;
 use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
 use crate::world::World;

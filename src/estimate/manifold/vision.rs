@@ -6,14 +6,14 @@
 //! which the integrand is smooth but for the slide's picture.
 //! Most of it is read from [`FilmTables`], whose errors a few solutions make good.
 
-use super::bands::Bands;
-use super::connections::{Connections, Entry};
-use super::edge_sampling::EdgeSampling;
 use super::eye_subpath;
 use super::eye_table::EyeTable;
 use super::film_table::{FilmTables, OverPixel};
-use super::newton::{Root, Target};
 use super::receiver::Receivers;
+use super::seeds::bands::Bands;
+use super::seeds::connections::{Connections, Entry};
+use super::seeds::edge_sampling::EdgeSampling;
+use super::solver::newton::{Root, Target};
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::estimate::ledger::{Ledger, cost};

@@ -3,8 +3,8 @@
 //! on where rays start, so that is no bias.
 
 use crate::base::rng::{Rng, Stream};
+use crate::estimate::photon::visible_receivers::{Place, follow};
 use crate::estimate::photon_map::{PhotonMap, adaptive_kernel};
-use crate::estimate::visible_receivers::{Place, follow};
 use crate::estimate::walk::{Travel, Walker};
 use crate::world::World;
 use crate::world::geometry::{Ray, Site};

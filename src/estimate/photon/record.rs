@@ -1,8 +1,8 @@
 //! What photons leave at scatterers on their way, and where they part.
 
 use crate::estimate::emission::{Origin, Visitor};
-use crate::estimate::manifold::newton::Target;
 use crate::estimate::manifold::receiver::{Claim, Receivers};
+use crate::estimate::manifold::solver::newton::Target;
 use crate::estimate::photon_map::Photon;
 use crate::estimate::splitting::Splitting;
 use crate::estimate::walk::{Vertex, Walker};

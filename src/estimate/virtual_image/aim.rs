@@ -4,7 +4,7 @@
 use super::sent;
 use super::subject::{Point, Subject};
 use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::newton::{Family, Target, newton};
+use crate::estimate::manifold::solver::newton::{Family, Target, newton};
 use crate::estimate::walk::{Meeting, Met};
 use crate::world::World;
 use crate::world::mode::Mono;

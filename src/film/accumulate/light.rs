@@ -16,6 +16,14 @@ pub struct Light {
     pub powers: [f64; Light::DEGREE + 1],
 }
 
+/// Variances and covariance of the mean `open` and `content` of a pixel's light.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MixError {
+    pub open: f64,
+    pub content: f64,
+    pub covariance: f64,
+}
+
 impl Light {
     pub const DEGREE: usize = 4;
     /// One, at every contrast.

@@ -2,7 +2,7 @@
 
 use super::{BASE, built_on, fault};
 use crate::base::Where;
-use crate::base::units::luminance;
+use crate::base::colour::luminance;
 use crate::import::testing::assembly;
 use crate::import::{Assembly, Built, build, toml};
 use crate::scene::assembly::{LightForm, LightSource};

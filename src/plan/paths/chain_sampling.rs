@@ -13,7 +13,7 @@ use crate::estimate::emission::{Emission, Shots, Started, Starts};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::walk::{Travel, Walker};
 use crate::film::guide::{Guide, Point, Sample};
-use crate::plan::pilot::{self, Look, Narrow};
+use crate::plan::pilots::{self, Look, Narrow};
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -171,8 +171,9 @@ struct Along<'a> {
 
 impl Look for Along<'_> {
     fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Sample> {
-        let optics = Mono::<f64>::optics(self.world, pilot::SEED, 0);
-        let shots = Shots { seed: pilot::SEED, stream: Stream::Pilot, pass, paths: self.paths, starts: Starts::OfPass };
+        let optics = Mono::<f64>::optics(self.world, pilots::SEED, 0);
+        let shots =
+            Shots { seed: pilots::SEED, stream: Stream::Pilot, pass, paths: self.paths, starts: Starts::OfPass };
         let sample = |found: Vec<Whole>| {
             let first = found.first()?;
             let light: f64 = found.iter().map(|whole| weight(self.world, whole.lumens, whole.luminance)).sum();

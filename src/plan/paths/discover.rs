@@ -14,7 +14,7 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::walk::{Travel, Walker};
 use crate::film::guide::{Point, Sample};
-use crate::plan::pilot;
+use crate::plan::pilots;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::mode::{Mode, Mono};
@@ -114,7 +114,7 @@ type Chains = BTreeMap<(GroupId, Chain), Found>;
 /// Finds the chains with at least `least` of all light and learns where the light of each starts, most light first.
 pub(super) fn discover(start: Start<'_>, split: Split, least: f64, stop: &ShouldStop<'_>) -> All {
     let mut chains = Chains::new();
-    let optics = Mono::<f64>::optics(start.world, pilot::SEED, 0);
+    let optics = Mono::<f64>::optics(start.world, pilots::SEED, 0);
     let mut looks = 0;
     while looks < MOST_LOOKS && !stop() {
         from_lamps(start, &optics, (looks, split), &mut chains, stop);
@@ -156,7 +156,7 @@ fn known(chains: &mut Chains, key: (GroupId, Chain)) -> Option<&mut Found> {
 
 fn shots(look: u64, side: u64) -> Shots {
     let pass = (1 << 21) + 2 * look + side;
-    Shots { seed: pilot::SEED, stream: Stream::Pilot, pass, paths: LOOKS, starts: Starts::OfPass }
+    Shots { seed: pilots::SEED, stream: Stream::Pilot, pass, paths: LOOKS, starts: Starts::OfPass }
 }
 
 fn from_lamps(
@@ -226,7 +226,7 @@ fn is_met_from(world: &World, optics: &Optics<Mono>, chain: &Chain, end: Option<
     let Some(end) = end else { return false };
     let Some(interior) = world.lamp_interiors.get(end.lamp) else { return false };
     let ray = Ray { origin: end.point, dir: -end.dir, from: Some(end.site) };
-    let rng = Rng::new(pilot::SEED, Stream::Pilot, 3, 0);
+    let rng = Rng::new(pilots::SEED, Stream::Pilot, 3, 0);
     let walker = Walker::new((world, optics), Travel::FromLamp, ray, 1.0, *interior, rng);
     let mut walker = walker.from_face(end.normal);
     let mut ledger = Ledger::new(world.solids.len());

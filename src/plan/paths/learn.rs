@@ -7,7 +7,7 @@ use crate::base::rng::Stream;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::{Emission, Shots, Starts};
 use crate::film::guide::{Point, Sample};
-use crate::plan::pilot::{self, Look};
+use crate::plan::pilots::{self, Look};
 use crate::world::World;
 use crate::world::mode::{Mode, Mono};
 use std::collections::BTreeMap;
@@ -51,8 +51,9 @@ impl Looks<'_> {
 
 impl Look for Looks<'_> {
     fn probe(&self, pass: u64, stop: &ShouldStop<'_>) -> Vec<Sample> {
-        let optics = Mono::<f64>::optics(self.world, pilot::SEED, pass);
-        let shots = Shots { seed: pilot::SEED, stream: Stream::Pilot, pass, paths: self.paths, starts: Starts::OfPass };
+        let optics = Mono::<f64>::optics(self.world, pilots::SEED, pass);
+        let shots =
+            Shots { seed: pilots::SEED, stream: Stream::Pilot, pass, paths: self.paths, starts: Starts::OfPass };
         let visitor = || Arrivals::new(self.split);
         let take = |lamp: usize, x: Point, density: f64, arrivals: Arrivals| {
             let caught = arrivals.caught(*self.sources.get(lamp)?, self.world, &All::default());

@@ -11,12 +11,11 @@ use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::estimate::emission::Emission;
 use crate::estimate::ownership::Ownership;
-use crate::estimate::visible_receivers::VisibleReceivers;
+use crate::estimate::photon::visible_receivers::VisibleReceivers;
 use crate::film::guide::Guide;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Spectral, Verdict};
-use crate::plan::facts::{auto, skip};
-use crate::plan::pilot;
-use crate::plan::pilot_cache::PilotCache;
+use crate::plan::pilots::{self, pilot_cache::PilotCache};
+use crate::plan::selection::facts::{auto, skip};
 use crate::world::World;
 
 /// From which side the light of each group is found.
@@ -80,7 +79,7 @@ impl Sides {
             };
             let plan = plan_of(groups, Estimator::Forward, mode, vision);
             let pilot = learn(world, &plan, groups, split, stop);
-            let lost = pilot::without_arrivals(&pilot);
+            let lost = pilots::without_arrivals(&pilot);
             let lost: Vec<GroupId> =
                 lost.into_iter().filter(|group| sides.from_eye.get(group.index()) == Some(&false)).collect();
             if lost.is_empty() {
@@ -103,9 +102,9 @@ impl Sides {
         if facts.scatters && !stop() {
             let plan =
                 plan_of(groups, Estimator::Photon, mode, |group, class| class != Class::Vision && !is_sky(group));
-            let pixel_m = pilot::pixel_m(world, scene.eye.resolution);
+            let pixel_m = pilots::pixel_m(world, scene.eye.resolution);
             let seen = VisibleReceivers::look(world, pixel_m, stop);
-            let pilot = pilot::photon(world, &plan, groups, (pixel_m, &seen), &PilotCache::default(), stop);
+            let pilot = pilots::photon(world, &plan, groups, (pixel_m, &seen), &PilotCache::default(), stop);
             sides.photons = Lamps::new(world, &plan, groups, Estimator::Photon, &pilot.guide);
             if scene.sky.is_some() {
                 notes.push("what scatters the light of the sky is not in the table".to_owned());
@@ -136,7 +135,7 @@ impl Sides {
 }
 
 /// Learns where paths have to start that end in the picture.
-fn learn(world: &World, plan: &Plan, groups: usize, split: Split, stop: &ShouldStop<'_>) -> pilot::ForwardPilot {
+fn learn(world: &World, plan: &Plan, groups: usize, split: Split, stop: &ShouldStop<'_>) -> pilots::ForwardPilot {
     let given = |group: GroupId| owned(plan, group, Class::Vision, Estimator::Forward);
     let sources = lamp_paths::sources(world, given);
     let split = Split { least: split.least.max(Looks::LEAST) };
@@ -144,7 +143,7 @@ fn learn(world: &World, plan: &Plan, groups: usize, split: Split, stop: &ShouldS
         let emission = Emission::new(world, &Ownership::new(plan, groups, Estimator::Forward), groups, guide);
         Looks { world, emission, sources: &sources, paths, split }
     };
-    pilot::pilot(with, || true, groups, stop)
+    pilots::pilot(with, || true, groups, stop)
 }
 
 /// A plan in which `estimator` owns what `owns` says and nobody anything else.

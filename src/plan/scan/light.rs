@@ -3,13 +3,13 @@
 
 use super::places::{Places, looking_at};
 use crate::base::colour::ColourSpace;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::check::check;
 use crate::estimate::ShouldStop;
 use crate::estimate::picture::{add_meta, picture};
 use crate::estimate::run::{Films, Limits, Observer, Status, run};
+use crate::film::error_detail::ErrorDetail;
 use crate::film::frame::Frame;
-use crate::film::layer_moments::ErrorDetail;
 use crate::output::average::{Image, Uncertain, mean, pixels_are_independent};
 use crate::output::leak::{modulated, patch_pixels};
 use crate::output::light_shares::{Rendering, luminance_of};

@@ -7,8 +7,8 @@ use crate::estimate::run::{Films, begin_trial};
 use crate::film::accumulate::Film;
 use crate::film::layer::Layer;
 use crate::film::plan::{Estimator, Plan};
-use crate::plan::pilot_resolution::PilotResolution;
-use crate::plan::{Planner, pilot};
+use crate::plan::pilots::pilot_resolution::PilotResolution;
+use crate::plan::{Planner, pilots};
 
 /// Longer sides of the pilot's pictures, pixels: a rough one, and a fine one for what that leaves open.
 const SIDES: [usize; 2] = [12, 32];
@@ -131,7 +131,7 @@ impl Small {
             let joined = (making.made.connections(world, plan), making.made.screens(world, &plan.screens));
             begin_trial(world, &own, making.groups(), (*size, *longer), seed, joined)
         };
-        let mut tracing = begin(pilot::SEED);
+        let mut tracing = begin(pilots::SEED);
         while !tracing.films().films.is_empty() && !making.stopped() {
             let films = tracing.films();
             let work: u64 = films.films.iter().map(|(_, _, ledger)| ledger.work).sum();
@@ -146,7 +146,7 @@ impl Small {
         if passes < TELL_EVEN || making.stopped() {
             return first;
         }
-        let mut again = begin(pilot::SEED + 1);
+        let mut again = begin(pilots::SEED + 1);
         again.step(passes);
         first.and(&Trial::of(again.films(), *size))
     }

@@ -6,7 +6,8 @@ use super::instance::Instance;
 use super::local_ray::Touch;
 use super::patch::Projection;
 use super::solid::Solid;
-use super::surface::{Surface, Triangle};
+use super::surface::Surface;
+use super::triangle::Triangle;
 use super::{Geometry, Ray, Site};
 use glam::{DMat3, DVec3};
 
@@ -200,13 +201,6 @@ fn of_corners(solid: &Solid, touch: &Touch, triangle: &Triangle) -> Option<DMat3
     let length = sum.length();
     let bend = across(sum / length) * (outer(nb - na, by_b) + outer(nc - na, by_c)) * length.recip();
     bend.is_finite().then_some(bend)
-}
-
-/// A gradient and how it changes along the surface.
-#[derive(Debug, Clone, Copy)]
-pub struct Gradient {
-    pub vector: DVec3,
-    pub change: DMat3,
 }
 
 /// The same place on a face for both directions of travel.

@@ -3,7 +3,7 @@
 use super::exact::Quadric;
 use super::patch::{Projection, Shear};
 use super::solid::Solid;
-use super::surface::Triangle;
+use super::triangle::Triangle;
 use glam::DVec3;
 
 /// A ray in a solid's coordinates.

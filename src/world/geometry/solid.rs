@@ -11,7 +11,8 @@ use super::curved::Curved;
 use super::grid::Grid;
 use super::local_ray::{LocalRay, Probe, Roots, Touch};
 use super::patch::{Projection, Shear, point_on};
-use super::surface::{Sheet, Surface, Triangle, winding};
+use super::surface::{Sheet, Surface};
+use super::triangle::{Triangle, winding};
 use glam::DVec3;
 use std::ops::ControlFlow;
 

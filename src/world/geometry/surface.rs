@@ -2,17 +2,7 @@
 
 use super::curved::Curved;
 use super::exact::Quadric;
-use super::patch::{Projection, Shear, vertex};
-use glam::DVec3;
-
-#[derive(Debug, Clone, Copy)]
-pub struct Triangle {
-    pub corners: [[f32; 3]; 3],
-    /// Face of the part.
-    pub face: u32,
-    /// Triangle of the mesh.
-    pub index: u32,
-}
+use super::patch::{Projection, Shear};
 
 /// The surface of a face.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,11 +46,4 @@ impl Surface {
             | Surface::Faceted => None,
         }
     }
-}
-
-/// Twice the area times the normal that the winding gives.
-#[inline(always)]
-pub fn winding(corners: &[[f32; 3]; 3]) -> DVec3 {
-    let [a, b, c] = [vertex(corners[0]), vertex(corners[1]), vertex(corners[2])];
-    (b - a).cross(c - a)
 }

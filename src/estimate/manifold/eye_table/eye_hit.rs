@@ -1,7 +1,7 @@
 //! Where rays from the eye land, at nodes over the picture and the pupil, and what lies between.
 
-use crate::estimate::manifold::bicubic::Rows;
-use crate::estimate::manifold::simd_nodes::{Quad, SimdNodes, filled};
+use crate::estimate::manifold::solver::bicubic::Rows;
+use crate::estimate::manifold::solver::simd_nodes::{Quad, SimdNodes, filled};
 use crate::world::mode::{LaneArray, Mode, lanes};
 use glam::DVec3;
 use std::marker::PhantomData;

@@ -1,13 +1,13 @@
 //! How the tables are filled: trains as rays from the eye find them, node by node, and cell by cell on trial.
 
 use super::eye_hit::{EyeHit, EyeHits, OVER_PUPIL};
+use super::first_scatterer::to_scatterer;
 use super::{EyeTable, Glance, OUTER, Use, follow};
 use crate::base::chain::{Chain, Link};
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::bicubic::{SIDES, Spot};
-use crate::estimate::manifold::eye_subpath::to_scatterer;
 use crate::estimate::manifold::receiver::Receivers;
+use crate::estimate::manifold::solver::bicubic::{SIDES, Spot};
 use crate::estimate::specular_event::Faint;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::world::World;

@@ -2,11 +2,11 @@
 
 use super::connect::{Connector, Entry, Solution, letter};
 use super::resolution::{Errs, slack};
+use super::surface_param::SurfaceParam;
 use super::table::{Cell, Crossing, Node, ReceiverTable, beyond};
 use super::{FORETOLD, MOST_SHEETS, SAME, TOLERANCE};
-use crate::estimate::manifold::bicubic::Spot;
-use crate::estimate::manifold::newton::Target;
-use crate::estimate::manifold::surface_param::SurfaceParam;
+use crate::estimate::manifold::solver::bicubic::Spot;
+use crate::estimate::manifold::solver::newton::Target;
 use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::geometry::Site;
@@ -118,7 +118,7 @@ impl<M: Mode> Connector<M> {
         let mut sheet = ReceiverTable::new(self.map.nodes.number());
         let mut tried = vec![false; self.map.nodes.number()];
         let from_seed = |at: usize| {
-            let step = -self.map.from_node(at, &spot);
+            let step = -self.map.offset_of(at, &spot);
             (at, seed.dir + seed.by_place[0] * step.x + seed.by_place[1] * step.y)
         };
         let mut open: VecDeque<(usize, DVec3)> = self.map.nodes.corners(spot.cell).map(from_seed).into();

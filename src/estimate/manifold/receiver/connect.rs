@@ -1,16 +1,16 @@
 //! A face and a train: the solver for points of the face, and what a solution brings.
 
+use super::surface_param::SurfaceParam;
 use super::table::{Crossing, Node, ReceiverTable, SLIDES};
 use crate::base::chain::{Chain, Link, Step};
 use crate::base::lpe::Letter;
 use crate::base::path::Event;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
-use crate::estimate::manifold::bicubic::Spot;
-use crate::estimate::manifold::connections::index_of;
-use crate::estimate::manifold::newton::{Family, Target, end_of, newton, trace};
-use crate::estimate::manifold::ray_differentials::Landing;
-use crate::estimate::manifold::surface_param::SurfaceParam;
+use crate::estimate::manifold::seeds::connections::index_of;
+use crate::estimate::manifold::solver::bicubic::Spot;
+use crate::estimate::manifold::solver::newton::{Family, Target, end_of, newton, trace};
+use crate::estimate::manifold::solver::ray_differentials::Landing;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::film::accumulate::Light;
 use crate::film::specular_chain::SpecularChain;
@@ -161,7 +161,7 @@ impl<M: Mode> Connector<M> {
     ) -> Option<(DVec3, f64)> {
         let node = sheet.nodes[first].as_ref()?;
         let off = entry.middle.local(target.point - entry.middle.point);
-        let at = self.map.from_node(first, spot);
+        let at = self.map.offset_of(first, spot);
         let by_place = node.by_place[0] * at.x + node.by_place[1] * at.y;
         let by_lamp = node.by_lamp[0] * off.x + node.by_lamp[1] * off.y;
         Some((node.dir + by_place + by_lamp, self.map.cell_size() * node.by_place_size()))

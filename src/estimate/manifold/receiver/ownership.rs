@@ -8,8 +8,8 @@ use super::table::{Cell, ReceiverTable};
 use super::{ABOUT_SAME, FORETOLD, MOST_SHEETS, Receivers, SAME};
 use crate::base::chain::Chain;
 use crate::estimate::ledger::cost;
-use crate::estimate::manifold::bicubic::Spot;
-use crate::estimate::manifold::newton::Target;
+use crate::estimate::manifold::solver::bicubic::Spot;
+use crate::estimate::manifold::solver::newton::Target;
 use crate::world::World;
 use crate::world::geometry::Site;
 use crate::world::mode::Mode;
@@ -186,7 +186,7 @@ impl<M: Mode> Connector<M> {
         if self.is_connected(sheet, place) {
             return self.solve(tracing, entry, sheet, spot, (*point, *site), target);
         }
-        let far = |node: usize| self.map.from_node(node, spot).length();
+        let far = |node: usize| self.map.offset_of(node, spot).length();
         let about = self.map.cells_within(spot, reach).flat_map(|cell| self.map.nodes.corners(cell));
         let known = spot.nodes().map(|(node, _)| node).chain(about).filter(|node| sheet.nodes[*node].is_some());
         let nearest = known.min_by(|a, b| far(*a).total_cmp(&far(*b)))?;

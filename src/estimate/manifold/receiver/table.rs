@@ -2,10 +2,10 @@
 
 use super::Incoming;
 use super::resolution::Errs;
-use crate::estimate::manifold::bicubic::{Rows, Spot};
+use super::surface_param::SurfaceParam;
 use crate::estimate::manifold::pixel_span::Span;
-use crate::estimate::manifold::simd_nodes::{Quad, SimdNodes, filled};
-use crate::estimate::manifold::surface_param::SurfaceParam;
+use crate::estimate::manifold::solver::bicubic::{Rows, Spot};
+use crate::estimate::manifold::solver::simd_nodes::{Quad, SimdNodes, filled};
 use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{LaneArray, Mode, lanes};

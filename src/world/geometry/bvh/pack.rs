@@ -1,8 +1,8 @@
 //! Four triangles of a leaf at a time: where a line passes through them, by the arithmetic of
-//! [`Shear::cross`](super::patch::Shear::cross), operation by operation, so the two agree to the bit.
+//! `Shear::cross` of `patch.rs`, operation by operation, so the two agree to the bit.
 
 use super::super::patch::Shear;
-use super::super::surface::Triangle;
+use super::super::triangle::Triangle;
 use super::node::Lanes;
 use super::wide::{LEAF_SIZE, Leaf};
 use glam::DVec3;

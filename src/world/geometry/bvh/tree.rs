@@ -58,7 +58,7 @@ impl Tree {
 
     /// Calls `visit` with the leaves along origin + t·dir for t in [start, reach], roughly from near to far. It returns a
     /// new reach, or breaks. `dir` is unit; `start` is inside the bounds or on them, as
-    /// [`Bounds::clip`] of them gives it.
+    /// `Bounds::clip` of them gives it.
     #[inline(always)]
     pub fn candidates(
         &self,

@@ -10,14 +10,20 @@ mod sag;
 mod tests;
 
 use super::bound::Bounds;
-use super::interface_derivatives::Gradient;
 use super::patch::Shear;
 use crate::scene::Shape;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use height::{Height, orders};
 use round::{Cylinder, Torus, signed_circle};
 use sag::{Frame, Sag};
 use std::ops::ControlFlow;
+
+/// A gradient and how it changes along the surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Gradient {
+    pub vector: DVec3,
+    pub change: DMat3,
+}
 
 /// An exact surface and which of its points belong to which triangle of its face.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,9 +1,9 @@
 //! Cylinders and tori as whole surfaces, however far they reach around their axis.
 
+use super::Gradient;
 use super::isolate::{Bent, roots};
 use super::number::{Num, Series};
 use super::sag::Frame;
-use crate::world::geometry::interface_derivatives::Gradient;
 use glam::{DMat3, DVec3};
 use std::ops::ControlFlow;
 

@@ -1,10 +1,10 @@
 //! A height over a plane as an exact surface: aspheres, toroids, polynomials and Zernike surfaces.
 
+use super::Gradient;
 use super::height::Height;
 use super::isolate::{Bent, roots};
 use super::number::{Interval, Num, Series, Slope};
 use crate::world::geometry::bound::Bounds;
-use crate::world::geometry::interface_derivatives::Gradient;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 use std::ops::ControlFlow;

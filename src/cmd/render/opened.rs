@@ -1,0 +1,40 @@
+//! The first step of a rendering: from the files to what can be traced.
+
+use super::Run;
+use crate::base::Result;
+use crate::check::check;
+use crate::estimate::picture::check_layers;
+use crate::import::Built;
+use crate::plan::{Asked, Guides};
+use crate::scene::Scene;
+use crate::scene::assembly::RequestedLayer;
+use crate::world::World;
+
+/// What was opened.
+pub struct Opened {
+    pub scene: Scene,
+    pub world: World,
+    /// The asset's own resolution: the path table has it, so that its numbers are those of `eyebox paths`.
+    pub own: [usize; 2],
+    /// Layers that the asset asks for, where the command line asks for none.
+    pub wishes: Vec<RequestedLayer>,
+    pub asked: Asked,
+}
+
+impl Run<'_> {
+    pub fn open(&self) -> Result<Opened> {
+        let args = &self.args;
+        let Built { mut scene, layers, .. } = args.source.import()?;
+        let own = scene.eye.resolution;
+        if let Some(resolution) = args.resolution {
+            scene.eye.resolution = resolution;
+        }
+        check(&scene)?;
+        check_layers(&args.layers, &scene.groups)?;
+        let world = World::freeze(&scene)?;
+        let guides = if args.unguided { Guides::Off } else { Guides::On };
+        let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked(), guides };
+        let wishes = if args.layers.is_empty() { layers } else { Vec::new() };
+        Ok(Opened { scene, world, own, wishes, asked })
+    }
+}

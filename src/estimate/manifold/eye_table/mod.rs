@@ -1,0 +1,338 @@
+//! Where rays from the eye land on faces that are joined with lamps, as tables over the picture and the pupil.
+//!
+//! Over a known train of specular faces the place where a ray lands, its direction there and what the train lets through
+//! are smooth in its place in the picture and in the pupil: between nodes they are interpolated. No table is trusted, as in
+//! [`FilmTables`](super::film_table::FilmTables). Now and then the ray itself is followed with all its branches, and makes
+//! good what the tables had wrong or did not have.
+
+mod eye_hit;
+pub mod first_scatterer;
+mod make;
+
+use crate::base::chain::Chain;
+use crate::base::lpe::LpeState;
+use crate::base::path::Trail;
+use crate::base::rng::Rng;
+use crate::estimate::ledger::Ledger;
+use crate::estimate::manifold::film_grid::FilmGrid;
+use crate::estimate::manifold::pixel_span::Span;
+use crate::estimate::manifold::receiver::Receivers;
+use crate::estimate::manifold::solver::bicubic::{Rows, Spot};
+use crate::estimate::walk::{Travel, Vertex, Walker};
+use crate::world::World;
+use crate::world::geometry::interface_derivatives::site_of;
+use crate::world::geometry::{Hit, Ray};
+use crate::world::interior::Interior;
+use crate::world::mode::{Mode, lanes, wavelengths_change};
+use crate::world::optics::Optics;
+use eye_hit::{EyeHit, EyeHits, OVER_PUPIL};
+use glam::DVec2;
+use std::sync::OnceLock;
+
+/// The outer nodes over the pupil, in radii.
+const OUTER: f64 = 0.8;
+
+/// Rays with all their branches hardly ever find trains with less than this of what the best brings.
+const FAINT: f64 = 1e-3;
+/// Of the looks at a train by itself so many are by the ray itself.
+const SELDOM: f64 = 1.0 / 16.0;
+/// So much more seldom it is followed for light that is little.
+const SELDOM_OF_LITTLE: f64 = 1.0 / 4.0;
+/// Least share of the looks in which a train is looked at by itself, where its light is all that a pixel may have: a ghost of
+/// 10⁻⁵ of a symbol is some hundredths of the black beside it. By every fourth look the flat pixels of the diffuse HUD have 4.6e-5
+/// after a pass, by every eighth 5.2e-5 (eight seeds).
+const OFTEN: f64 = 1.0 / 8.0;
+
+/// A train from the eye to a lit face.
+struct Glance<M: Mode> {
+    chain: Chain,
+    /// Of what the best train brings.
+    share: f64,
+    /// A ray that landed over it: what it met, and what is the same for all.
+    vertex: Vertex,
+    trail: Trail,
+    told: LpeState,
+    interior: Interior,
+    events: u32,
+    /// Over the picture, where any ray lands over this train.
+    lands: Vec<bool>,
+    landings: EyeHits<M>,
+}
+
+/// How a cell is used.
+#[derive(Debug, Clone, Copy)]
+struct Use {
+    /// How often the ray itself is followed.
+    share: f64,
+    /// The glances that have all nodes, as bits.
+    known: u32,
+    /// Faint ones that have some.
+    in_part: u32,
+    /// No ray was found that lands on other faces that scatter.
+    whole: bool,
+    /// Which of [`SIDES`](crate::estimate::manifold::solver::bicubic::SIDES) is asked.
+    aside: [i8; 2],
+}
+
+/// All trains from the eye to faces that are joined with lamps.
+pub struct EyeTable<M: Mode> {
+    over: FilmGrid,
+    /// m
+    radius: f64,
+    glances: Vec<Glance<M>>,
+    /// Per cell.
+    uses: Vec<Use>,
+}
+
+/// Where to look.
+struct Look {
+    rows: Rows,
+    /// Along a pixel to the right and down, and where in its pixel the ray is; none where nobody asks.
+    along: Option<([Rows; 2], DVec2)>,
+    /// Weights of the nodes over the pupil.
+    pupil: [f64; OVER_PUPIL],
+}
+
+/// Which light tables are read for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Glanced {
+    /// That of faces that are joined with lamps.
+    Lit,
+    /// That of any face that scatters.
+    All,
+    /// The same where it is little.
+    Little,
+}
+
+impl Glanced {
+    /// Trains with less than this of what the best brings are looked at by themselves, as seldom as they bring little.
+    fn by_itself(self) -> f64 {
+        match self {
+            Glanced::Lit | Glanced::All => FAINT,
+            Glanced::Little => 1.0,
+        }
+    }
+
+    /// How often a ray itself is followed where another would always be.
+    fn followed(self) -> f64 {
+        match self {
+            Glanced::Lit | Glanced::All => 1.0,
+            Glanced::Little => SELDOM_OF_LITTLE,
+        }
+    }
+
+    /// How often at least.
+    fn least(self) -> f64 {
+        match self {
+            Glanced::Lit => OFTEN,
+            Glanced::All | Glanced::Little => SELDOM,
+        }
+    }
+}
+
+/// What tables leave to rays that are followed.
+#[derive(Debug, Clone, Copy)]
+pub struct Rest {
+    /// How often a ray is: it stands for 1/share.
+    pub share: f64,
+    /// Glances that it leaves out, as bits.
+    read: u32,
+}
+
+impl Rest {
+    /// There are no tables.
+    pub const ALL: Rest = Rest { share: 1.0, read: 0 };
+
+    /// Whether there is anything that a followed ray must not count, for which it has to record its faces.
+    pub fn leaves_out(self) -> bool {
+        self.read != 0
+    }
+}
+
+impl<M: Mode> EyeTable<M> {
+    /// None without lit faces and trains to them, or where every pass has wavelengths of its own.
+    pub fn new(world: &World, optics: &Optics<M>, screens: &Receivers<M>, over: FilmGrid) -> Option<EyeTable<M>> {
+        if wavelengths_change::<M>() || screens.is_empty() {
+            return None;
+        }
+        let radius = world.eye.pupil_radius_m();
+        let glances = EyeTable { over, radius, glances: Vec::new(), uses: Vec::new() }.make((world, optics), screens);
+        (!glances.glances.is_empty()).then_some(glances)
+    }
+
+    /// Calls `visit` with rays that have landed and what each stood for at its start. That is all light if a followed ray
+    /// adds what the returned rest asks for; none: nothing is to be followed. `film`, `pupil`: places in tangents and m.
+    /// `whole`: what the ray stands for. `within`: its place in its pixel, if it matters how the landing moves with it.
+    pub fn read<'w>(
+        &self,
+        tracing: (&'w World, &'w Optics<M>),
+        (film, pupil, within): (DVec2, DVec2, Option<DVec2>),
+        (whole, of): (f64, Glanced),
+        rng: &mut Rng,
+        mut visit: impl FnMut(&mut Walker<'w, M>, &Vertex, f64, Option<Span>),
+    ) -> Option<Rest> {
+        let spot = self.over.spot(film);
+        let usage = spot.and_then(|spot| Some((spot, *self.uses.get(spot.cell)?)));
+        let Some((spot, usage)) = usage.filter(|(_, usage)| usage.share < 1.0 && (usage.whole || of == Glanced::Lit))
+        else {
+            return Some(Rest::ALL);
+        };
+        // The nodes about the spot, or, where those are not all there, others beside it.
+        let Some(spot) = self.over.nodes.aside(spot, usage.aside) else { return Some(Rest::ALL) };
+        let cells = self.over.by_pixel(tracing.0);
+        let look = self.look_at(spot, pupil, within.map(|within| (cells, within)));
+        let usual = usage.share * of.followed();
+        let followed = rng.uniform() < usual;
+        let mut read = 0;
+        for (k, glance) in self.glances.iter().enumerate() {
+            let by_itself = glance.share < of.by_itself();
+            let known = usage.known & 1 << k != 0;
+            if !known && usage.in_part & 1 << k == 0 {
+                continue;
+            }
+            // What the table says, less what stands for it where the ray itself is followed.
+            let (weight, followed) = if by_itself {
+                read |= 1 << k;
+                // What no table tells is followed as often as tables are read.
+                let chance = (glance.share / of.by_itself()).clamp(of.least(), 1.0);
+                if rng.uniform() >= chance {
+                    continue;
+                }
+                (whole / chance, !known || rng.uniform() < SELDOM)
+            } else {
+                (whole, followed)
+            };
+            let share = match (known, by_itself) {
+                (false, _) => 1.0,
+                (true, true) => SELDOM,
+                (true, false) => usual,
+            };
+            let control = if followed { 1.0 - 1.0 / share } else { 1.0 };
+            let table = Some(glance).filter(|_| known);
+            let landed = table
+                .and_then(|glance| glance.landings.blend(&look.rows, &look.pupil))
+                .and_then(|at| glance.land(tracing, &at, weight * control, rng.fork()));
+            if let Some((mut walker, vertex)) = landed {
+                let span = table.filter(|_| control != 0.0).and_then(|glance| glance.span(&look, 1.0 / control));
+                visit(&mut walker, &vertex, weight * control, span);
+            }
+            if followed && by_itself {
+                let start = (film, pupil, weight / share, rng.fork());
+                if let Some((mut walker, vertex)) = glance.follow(tracing, start) {
+                    visit(&mut walker, &vertex, weight / share, None);
+                }
+            }
+        }
+        followed.then_some(Rest { share: usual, read })
+    }
+
+    /// Whether a followed ray has landed where a glance has been read by itself.
+    pub fn has_read(&self, rest: Rest, walker: &Walker<'_, M>, vertex: &Vertex) -> bool {
+        let face = (vertex.hit.site.part, vertex.hit.site.face);
+        rest.leaves_out()
+            && !walker.trail.has_scatter()
+            && self.glances.iter().enumerate().any(|(k, glance)| {
+                rest.read & 1 << k != 0 && glance.face() == face && walker.chain() == Some(&glance.chain)
+            })
+    }
+
+    /// Faces that the tables lead to, as (part, face).
+    pub fn faces(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.glances.iter().map(Glance::face)
+    }
+
+    fn look_at(&self, spot: Spot, pupil: DVec2, pixel: Option<(DVec2, DVec2)>) -> Look {
+        let at = if self.radius > 0.0 { pupil / (OUTER * self.radius) } else { DVec2::ZERO };
+        let [x, y] = at.to_array().map(|t| [0.5 * t * (t - 1.0), 1.0 - t * t, 0.5 * t * (t + 1.0)]);
+        let along = pixel.map(|(cells, within)| {
+            ([DVec2::new(cells.x, 0.0), DVec2::new(0.0, cells.y)].map(|step| spot.rows_along(step)), within)
+        });
+        Look { rows: spot.rows(), along, pupil: std::array::from_fn(|k| x[k % 3] * y[k / 3]) }
+    }
+}
+
+impl<M: Mode> Glance<M> {
+    /// It brings so little that rays with all their branches hardly ever find it.
+    fn is_faint(&self) -> bool {
+        self.share < FAINT
+    }
+
+    /// The face that it leads to.
+    fn face(&self) -> (u32, u32) {
+        (self.vertex.hit.site.part, self.vertex.hit.site.face)
+    }
+
+    /// How the landing moves over the pixel.
+    fn span(&self, look: &Look, whole: f64) -> Option<Span> {
+        let (along, within) = look.along.as_ref()?;
+        let [right, down] = along.each_ref().map(|rows| self.landings.blend(rows, &look.pupil).map(|at| at.point));
+        Some(Span { by: [right?, down?], within: *within, whole })
+    }
+
+    /// Follows a ray over the train to the face; none where it does not get there with all wavelengths.
+    fn follow<'w>(
+        &self,
+        tracing: (&'w World, &'w Optics<M>),
+        (film, pupil, weight, rng): (DVec2, DVec2, f64, Rng),
+    ) -> Option<(Walker<'w, M>, Vertex)> {
+        let (origin, (_, dir), ..) = tracing.0.eye.ray_of(film, pupil);
+        let ray = Ray { origin, dir, from: None };
+        let walker = Walker::new(tracing, Travel::FromEye, ray, weight, Interior::default(), rng);
+        follow(walker, &self.chain, self.face())
+    }
+
+    /// A ray that lands there; none where it misses the face.
+    fn land<'w>(
+        &self,
+        (world, optics): (&'w World, &'w Optics<M>),
+        landing: &EyeHit<M>,
+        weight: f64,
+        rng: Rng,
+    ) -> Option<(Walker<'w, M>, Vertex)> {
+        /// How far before the face the ray begins, of its distance from the eye: about as far as tables err.
+        const BEFORE: f64 = 1e-4;
+        let dir = landing.dir.try_normalize()?;
+        let (site, known) = (self.vertex.hit.site, &self.vertex);
+        let back = BEFORE * landing.point.distance(world.eye.position());
+        let ray = Ray { origin: landing.point - dir * back, dir, from: None };
+        let meet = world.geometry.meet(site.part, site.face, &ray, known.hit.local)?;
+        let outside = dir.dot(meet.normal) < 0.0;
+        if outside != known.outside {
+            return None;
+        }
+        let hit = Hit {
+            t: 0.0,
+            site: site_of(site.part, site.face, &meet),
+            point: meet.point,
+            local: meet.local,
+            normal: meet.normal,
+            shading: meet.shading,
+        };
+        let shading = world.shading(&hit, ray.dir);
+        let normal = if outside { shading } else { -shading };
+        let vertex = Vertex {
+            hit,
+            touching: known.touching,
+            then: None,
+            back: None,
+            beside: None,
+            outside,
+            normal,
+            point: OnceLock::new(),
+        };
+        let weights = lanes::<M, _>(|lane| weight * landing.weight[lane]);
+        let interior = self.interior;
+        let mut walker = Walker::with_weights((world, optics), Travel::FromEye, ray, weights, interior, rng);
+        (walker.trail, walker.told, walker.events) = (self.trail, self.told, self.events);
+        Some((walker, vertex))
+    }
+}
+
+/// Follows a ray over a train to a face; none where it does not get there with all wavelengths.
+fn follow<'w, M: Mode>(mut walker: Walker<'w, M>, chain: &Chain, face: (u32, u32)) -> Option<(Walker<'w, M>, Vertex)> {
+    let mut ledger = Ledger::new(walker.world.solids.len());
+    let whole = walker.follow(chain.0.iter().copied(), &mut ledger, |_, _, _| {});
+    let vertex = whole.then(|| walker.reach_face(face, &mut ledger)).flatten()?;
+    walker.heal(&vertex, &mut ledger);
+    (walker.beam.count() == M::LANES).then_some((walker, vertex))
+}

@@ -1,0 +1,120 @@
+//! What rays from the eye see over specular faces. Of lamps: a small mirror that a lamp hardly ever hits may be in plain
+//! sight, and a pilot from the lamps alone would not know its light.
+
+use super::chains::{Arrived, SEED};
+use crate::base::rng::{Rng, Stream};
+use crate::base::warp::disk;
+use crate::estimate::ShouldStop;
+use crate::estimate::ledger::Ledger;
+use crate::estimate::walk::{Meeting, Met, Travel, Vertex, Walker};
+use crate::world::World;
+use crate::world::geometry::{Ray, Site};
+use crate::world::interior::Interior;
+use crate::world::mode::Mono;
+use crate::world::optics::Optics;
+use glam::DVec2;
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+
+/// Rays, spread evenly over the picture.
+const RAYS: u64 = 1 << 10;
+/// A ray is followed both ways where each carries this share of what it started with.
+const LEAST: f64 = 1e-3;
+/// Faces that one ray and all its branches may meet.
+const MOST_MET: u32 = 256;
+/// What the fractional parts of multiples of the golden ratio are spread by.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Where a ray started.
+#[derive(Clone, Copy)]
+struct From {
+    film: DVec2,
+    pupil: DVec2,
+    /// Pixels that it stands for.
+    pixels: f64,
+}
+
+/// Lamps seen over chains of specular faces, as if their light had arrived. Once `stop` says true the rest is left out.
+pub(in crate::plan) fn look(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> Vec<Arrived> {
+    each_met(tracing, stop, |walker, vertex, from| {
+        let (seen, chain) = (walker.lamp_at(vertex)?, walker.chain()?);
+        // With the slides open: a dark place of the picture has the same trains.
+        let ([light], _) = walker.seen(&seen);
+        Some(Arrived {
+            group: seen.lamp.group,
+            chain: chain.reversed(),
+            lamp: seen.index,
+            film: from.film,
+            pupil: from.pupil,
+            on_lamp: [vertex.hit.point, vertex.hit.normal],
+            luminance: light.open() * from.pixels,
+        })
+    })
+}
+
+/// The faces (part, face) that rays from the eye meet first, or after specular ones. Once `stop` says true the rest is left
+/// out.
+pub(in crate::plan) fn faces(tracing: (&World, &Optics<Mono>), stop: &ShouldStop<'_>) -> BTreeSet<(u32, u32)> {
+    each_met(tracing, stop, |_, vertex, _| Some(sides_of(vertex))).into_iter().flatten().flatten().collect()
+}
+
+/// The face that a path has met, and the one that touches it there.
+pub(in crate::plan) fn sides_of(vertex: &Vertex) -> [Option<(u32, u32)>; 2] {
+    let face = |site: Site| (site.part, site.face);
+    [Some(face(vertex.hit.site)), vertex.touching.map(|other| face(other.site))]
+}
+
+/// What `take` makes of the faces that rays from the eye and their branches meet over specular ones.
+fn each_met<T: Send>(
+    (world, optics): (&World, &Optics<Mono>),
+    stop: &ShouldStop<'_>,
+    take: impl Fn(&Walker<'_, Mono>, &Vertex, From) -> Option<T> + Sync,
+) -> Vec<T> {
+    let [width, height] = world.eye.size().map(|n| n as f64);
+    let ray = |k: u64| {
+        let mut found = Vec::new();
+        if stop() {
+            return found;
+        }
+        let mut rng = Rng::new(SEED, Stream::Pilot, 2, k);
+        let place = [(k as f64 + 0.5) / RAYS as f64 * width, (k as f64 * GOLDEN).fract() * height];
+        let film = world.eye.film_of(0, 0, place);
+        let pupil = disk(rng.pair()) * world.eye.pupil_radius_m();
+        let pupil = DVec2::new(pupil.x, pupil.y);
+        let (origin, (_, dir), ..) = world.eye.ray_of(film, pupil);
+        let ray = Ray { origin, dir, from: None };
+        let walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0, Interior::default(), rng).recording();
+        let from = From { film, pupil, pixels: width * height / RAYS as f64 };
+        follow(walker, &mut 0, &mut Ledger::new(world.solids.len()), &mut |walker, vertex| {
+            found.extend(take(walker, vertex, from));
+        });
+        found
+    };
+    (0..RAYS).into_par_iter().flat_map_iter(ray).collect()
+}
+
+fn follow(
+    mut walker: Walker<'_, Mono>,
+    met: &mut u32,
+    ledger: &mut Ledger,
+    each: &mut impl FnMut(&Walker<'_, Mono>, &Vertex),
+) {
+    loop {
+        let Met::Face(vertex) = walker.advance(ledger) else { return };
+        *met += 1;
+        if *met > MOST_MET {
+            return;
+        }
+        each(&walker, &vertex);
+        let share = walker.share();
+        if share > LEAST
+            && let Some(reflected) = walker.split(&vertex, LEAST / share, u8::MAX, ledger)
+        {
+            follow(reflected, met, ledger, each);
+        }
+        match walker.meet(&vertex, ledger) {
+            Meeting::Went => {}
+            Meeting::Ended | Meeting::Scatter(..) => return,
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! What pilots have made for one plan, for the next that differs from it in something else.
+
+use super::split_threshold::{self, Branches};
+use super::{ForwardPilot, SEED, forward, pinhole_pilot};
+use crate::estimate::ShouldStop;
+use crate::estimate::manifold::receiver::Receivers;
+use crate::estimate::manifold::seeds::connections::{Connections, index_of};
+use crate::estimate::manifold::solver::grid::Grid;
+use crate::film::plan::{Estimator, Plan, Row, Verdict};
+use crate::film::specular_chain::{Connection, Glint, Screen};
+use crate::plan::Planner;
+use crate::world::World;
+use crate::world::mode::{Mode, Mono};
+use std::cell::{OnceCell, RefCell};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Things with what they were made from.
+type Known<K, V> = RefCell<Vec<(K, V)>>;
+
+/// Made for one scene, at one wavelength.
+#[derive(Default)]
+pub(crate) struct PilotCache {
+    /// By the rows whose paths start at the lamps.
+    forward: Known<Vec<bool>, Rc<ForwardPilot>>,
+    connections: Known<(Vec<Connection>, Grid), Arc<Connections>>,
+    screens: Known<Screen, Arc<Receivers<Mono>>>,
+    /// By the paths from the eye, as [`Plan::computes`] tells them.
+    branching: Known<Vec<bool>, Branches>,
+    glints: OnceCell<Vec<Glint>>,
+}
+
+impl PilotCache {
+    /// [`forward`].
+    pub fn forward(&self, world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> Rc<ForwardPilot> {
+        let by = |verdict: &Verdict| match verdict {
+            Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => *by == Estimator::Forward,
+            Verdict::Skip { .. } => false,
+        };
+        let rows = plan.rows.iter().map(|row| by(&row.verdict)).collect();
+        known(&self.forward, rows, |_| Rc::new(forward(world, plan, groups, stop)))
+    }
+
+    /// [`split_threshold::learn`].
+    pub(in crate::plan) fn branching(&self, making: &Planner<'_>, plan: &Plan) -> Branches {
+        let broad = |row: &Row| [false, true].map(|b| plan.computes(Estimator::Backward, row.group, row.class, b));
+        let key = plan.rows.iter().flat_map(broad).collect();
+        known(&self.branching, key, |_| split_threshold::learn(making, plan))
+    }
+
+    /// [`glints::find`]: they hang on the scene alone.
+    pub(in crate::plan) fn glints(&self, world: &World, stop: &ShouldStop<'_>) -> Vec<Glint> {
+        self.glints.get_or_init(|| pinhole_pilot::find(world, stop)).clone()
+    }
+
+    /// The connections of a plan.
+    pub fn connections(&self, world: &World, plan: &Plan) -> Arc<Connections> {
+        known(&self.connections, (plan.connections.clone(), Grid::of(world)), |(connections, _)| {
+            Arc::new(Connections::new(world, &index_of(&Mono::<f64>::optics(world, SEED, 0)), connections))
+        })
+    }
+
+    /// Coarse tables of these screens.
+    pub fn screens(&self, world: &World, screens: &[Screen]) -> Receivers<Mono> {
+        let optics = Mono::<f64>::optics(world, SEED, 0);
+        let none = Receivers::coarse(world, &optics, &[]);
+        screens.iter().fold(none, |all, screen| {
+            let one = known(&self.screens, screen.clone(), |screen| {
+                Arc::new(Receivers::coarse(world, &optics, std::slice::from_ref(screen)))
+            });
+            all.and(&one)
+        })
+    }
+}
+
+/// What was made from `key`, now or before.
+fn known<K: PartialEq, V: Clone>(all: &Known<K, V>, key: K, make: impl FnOnce(&K) -> V) -> V {
+    let before = all.borrow().iter().find(|(known, _)| *known == key).map(|(_, value)| value.clone());
+    before.unwrap_or_else(|| {
+        let value = make(&key);
+        all.borrow_mut().push((key, value.clone()));
+        value
+    })
+}

@@ -1,0 +1,82 @@
+//! How far paths from the eye follow faint branches, and how many paths there are: a pilot tries, and what has the least
+//! variance times work is done. Through a combiner the eye sees a dark road, and in it the bright sky as a ghost of a lens:
+//! where chance chooses one way on, one path in a hundred brings all of that.
+
+use super::SEED;
+use crate::estimate::backward::Backward;
+use crate::estimate::ownership::Ownership;
+use crate::estimate::vision::Hints;
+use crate::film::plan::{Estimator, Plan};
+use crate::plan::Planner;
+use crate::world::mode::Mono;
+
+/// Pixels that each trial looks at, by two paths.
+const PLACES: u64 = 256;
+/// Passes of the two paths of a trial, and of those that tell how bright pixels are: points that follow each other on a pixel's
+/// lattice are not alike.
+const PASSES: [u64; 2] = [0, 5];
+const PASSES_OF_SCALE: [u64; 2] = [2, 7];
+/// Shares of a path's light down to which its branches are followed for certain.
+const FAINTEST: [f64; 2] = [1.0 / 1024.0, 1.0 / 64.0];
+/// How many times less variance times work has to be to depart from what is simple.
+const WORTH: f64 = 1.25;
+/// Most paths per pixel and pass beside dearer estimators, which cost some tens of times as much as a short path and err more at
+/// edges.
+pub(in crate::plan) const MOST: u32 = 4;
+/// Relative variance of a pass that is little beside that of such an estimator at edges.
+const LITTLE: f64 = 1e-3;
+
+/// What a pilot found.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::plan) struct Branches {
+    /// [`Plan::faintest_branch`].
+    pub faintest: f64,
+    /// How many times less that makes variance times work.
+    gain: f64,
+    /// Paths of a pixel in a pass beside dearer estimators.
+    pub paths: u32,
+}
+
+impl Branches {
+    /// What a reader of the plan should know.
+    pub(in crate::plan) fn note(&self) -> Option<String> {
+        (self.faintest < 1.0).then(|| {
+            format!(
+                "backward follows branches with 1/{:.0} of a path's light: a pilot found variance × work {:.3} times less",
+                1.0 / self.faintest,
+                self.gain
+            )
+        })
+    }
+}
+
+/// Of what plans differ in, only the paths that backward computes matter, and through which windows it sees the sky.
+pub(in crate::plan) fn learn(making: &Planner<'_>, plan: &Plan) -> Branches {
+    let trial = |faintest: f64, passes: [u64; 2]| {
+        let route = Ownership::new(plan, making.groups(), Estimator::Backward);
+        let hints = Hints::of_sky(plan.sky_guide.as_ref());
+        let backward = Backward::<Mono>::new(making.world, route, (1, 1.0), hints, SEED);
+        backward.branching(faintest).trial(PLACES, passes, making.stop)
+    };
+    let ways = if making.checked.facts().specular { &FAINTEST[..] } else { &[] };
+    // What is least noisy tells best how bright the pixels are, by paths that no way is judged by.
+    let pixels = trial(ways.first().copied().unwrap_or(1.0), PASSES_OF_SCALE).means();
+    // Relative variance and its product with the work.
+    let judge = |faintest: f64| {
+        let trial = trial(faintest, PASSES);
+        let variance = trial.variance(&pixels);
+        (variance, variance * trial.work_of_a_path())
+    };
+    let (mut faintest, (mut variance, before)) = (1.0, judge(1.0));
+    let mut least = before;
+    for way in ways {
+        let (varies, cost) = judge(*way);
+        if cost * WORTH < least {
+            (faintest, variance, least) = (*way, varies, cost);
+        }
+    }
+    // Where a trial has seen no light nobody knows how it varies.
+    let known = variance.is_finite();
+    let paths = if known { (variance / LITTLE).ceil().clamp(1.0, f64::from(MOST)) as u32 } else { MOST };
+    Branches { faintest, gain: before / least, paths }
+}
