@@ -3,7 +3,7 @@
 //! Where they land is read from [`EyeTable`](super::eye_table::EyeTable), whose errors a few paths make good.
 
 use super::eye_table::first_scatterer::to_scatterer;
-use super::eye_table::{Glanced, Rest};
+use super::eye_table::{EyeTable, Glanced, Rest};
 use super::pixel_span::Span;
 use super::receiver::{Ask, Incoming, Receivers};
 use super::vision::Manifold;
@@ -16,6 +16,7 @@ use crate::estimate::pixel::Pixel;
 use crate::estimate::specular_event::Faint;
 use crate::estimate::walk::{Travel, Vertex, Walker};
 use crate::film::accumulate::Light;
+use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
@@ -23,9 +24,28 @@ use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use crate::world::surface::Surface;
 use glam::DVec2;
+use rayon::prelude::*;
 
 /// What each path of a pair starts with.
 const OF_PAIR: f64 = 0.5;
+
+/// Where a pixel sees an edge of a slide's picture a ray itself is followed so often at least: it differs most from tables there.
+const AT_EDGES: f64 = 0.5;
+
+/// Which pixels see an edge of a slide's picture on a face that is joined with lamps, as tables have it.
+pub(super) fn edges<M: Mode>(
+    tracing: (&World, &Optics<M>),
+    screens: &Receivers<M>,
+    glances: Option<&EyeTable<M>>,
+) -> Vec<bool> {
+    let Some(glances) = glances.filter(|_| screens.cross_slides()) else { return Vec::new() };
+    let [width, height] = tracing.0.eye.size();
+    let at_edge = |index: usize| {
+        let film = tracing.0.eye.film_of(index % width, index / width, [0.5; 2]);
+        glances.any(tracing, film, |vertex, span| screens.has_edge(tracing, (vertex.hit.point, vertex.hit.site), &span))
+    };
+    (0..width * height).into_par_iter().map(at_edge).collect()
+}
 
 /// Adds what one pass sees in a pixel.
 pub(super) fn look<M: Mode>(
@@ -39,6 +59,7 @@ pub(super) fn look<M: Mode>(
     let [x, y, u, v, s, t] = pixel.start(manifold.seed, Stream::ConnectionLook, pixel.pass);
     let mut rng = pixel.rng(manifold.seed, Stream::ConnectionLook);
     let pupil = disk([u, v]) * world.eye.pupil_radius_m();
+    let least = if manifold.is_at_edge(pixel.index) { AT_EDGES } else { 0.0 };
     // Lamps that are not asked by the one are by the other.
     let turn = rng.uniform();
     let other = (turn + 0.5).fract();
@@ -57,7 +78,7 @@ pub(super) fn look<M: Mode>(
         };
         let glances = manifold.glances.as_deref();
         let rest = glances.map_or(Some(Rest::ALL), |glances| {
-            glances.read((world, optics), (film, pupil, within), (OF_PAIR, Glanced::Lit), &mut rng, read)
+            glances.read((world, optics), (film, pupil, within), (OF_PAIR, Glanced::Lit, least), &mut rng, read)
         });
         let Some(rest) = rest else { continue };
         let whole = OF_PAIR / rest.share;

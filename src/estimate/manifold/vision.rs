@@ -10,6 +10,7 @@ use super::eye_subpath;
 use super::eye_table::EyeTable;
 use super::film_table::{FilmTables, OverPixel};
 use super::receiver::Receivers;
+use super::seeds::MOST_SHEETS;
 use super::seeds::bands::Bands;
 use super::seeds::connections::{Connections, Entry};
 use super::seeds::edge_sampling::EdgeSampling;
@@ -27,11 +28,14 @@ use crate::world::interior::Interior;
 use crate::world::mode::{Mode, OPTICS_AT_A_TIME, lanes, plane_of};
 use crate::world::optics::Optics;
 use crate::world::slide::footprint;
+use arrayvec::ArrayVec;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+/// The sides of a pixel, within it: on the line itself rounding would say that it reaches into the next cell.
+const INSIDE: [f64; 2] = [1e-9, 1.0 - 1e-9];
 /// Points of a lamp that tables are asked about in a pass where what is seen of it changes much from one to the other.
 const POINTS: u64 = 64;
 
@@ -45,6 +49,8 @@ pub struct Manifold<'w, M: Mode> {
     rims: EdgeSampling,
     pub(super) glances: Option<Arc<EyeTable<M>>>,
     screens: Arc<Receivers<M>>,
+    /// By pixel: whether it sees an edge of a slide's picture on a screen; nothing where none does.
+    edges: Vec<bool>,
     pub(super) seed: u64,
 }
 
@@ -57,7 +63,14 @@ impl<'w, M: Mode> Manifold<'w, M> {
         seed: u64,
     ) -> Self {
         let rims = EdgeSampling::new(world, connections.middle());
-        Manifold { mode: PhantomData, world, route, connections, tables, rims, glances, screens, seed }
+        let optics = M::optics(world, seed, 0);
+        let edges = eye_subpath::edges((world, &optics), &screens, glances.as_deref());
+        Manifold { mode: PhantomData, world, route, connections, tables, rims, glances, screens, edges, seed }
+    }
+
+    /// Whether a pixel sees an edge of a slide's picture on a screen.
+    pub(super) fn is_at_edge(&self, pixel: u64) -> bool {
+        self.edges.get(pixel as usize).is_some_and(|edge| *edge)
     }
 
     /// Adds passes `first .. first + count` to the film. The ledger counts connections as paths, and what they bring, in
@@ -132,6 +145,10 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let spot = self.tables.as_ref().and_then(|tables| Some((tables, tables.spot(self.world, (pixel.x, pixel.y))?)));
         let within = DVec2::new(at[0], at[1]) - 0.5;
         let connections = self.connections.of(optics);
+        let corner = |x: f64, y: f64| self.world.eye.film_of(pixel.x, pixel.y, [x, y]);
+        let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| corner(INSIDE[x], INSIDE[y]));
+        // What is asked about a part of the pixel alone has no table over all of it.
+        let all_of_pixel = connections.at_all(film, corners);
         for (index, entry) in connections.at(film) {
             let Some(lamp) = self.world.lamps.get(entry.starts.lamp) else { continue };
             let share = spot.as_ref().map_or(1.0, |(tables, spot)| tables.share(index, spot));
@@ -140,35 +157,42 @@ impl<'w, M: Mode> Manifold<'w, M> {
             let middle = entry.starts.middle();
             let off = middle.local(point.position - middle.point);
             // Where a table is of no use it need not be read.
-            let read = spot.as_ref().filter(|_| share < 1.0);
+            let read = spot.as_ref().filter(|_| share < 1.0 && all_of_pixel.has(index));
             let read = read.map(|(tables, spot)| tables.read(self.world, index, spot, (off, entry.starts.size())));
-            let share = if read.as_ref().is_some_and(|read| read.at_rim) { 1.0 } else { share };
-            let chance = connections.chance(entry) * share;
-            let solved = chance >= 1.0 || choices.uniform() < chance;
-            ledger.work += cost::READ;
-            // What the table says of all of the pixel, less what it says of this place where the solver is asked about it.
-            let less = if solved { weight / chance } else { 0.0 };
+            // What the table says of all of the pixel. Where that is more than one piece of a picture the solver is always asked:
+            // at an edge it differs most from the table.
+            let mut share = if read.as_ref().is_some_and(|read| read.at_rim) { 1.0 } else { share };
+            let mut means: ArrayVec<M::Lanes<Light>, MOST_SHEETS> = ArrayVec::new();
             for (over, over_lamp) in read.iter().flat_map(|read| &read.branches) {
-                let share = self.route.from_eye(lamp.group, over.trail);
-                let Some(share) = share else { continue };
-                let plane = self.route.plane_from_eye(share, over.told, lamp.group, Source::Face);
-                let mut light = lanes::<M, _>(|_| Light::default());
+                let mut mean = lanes::<M, _>(|_| Light::default());
                 match over_lamp {
-                    None => ledger.work += self.add_mean(optics, over, weight, &mut light),
+                    None => {
+                        let pieces = self.add_mean(optics, over, weight, &mut mean);
+                        ledger.work += pieces * cost::CUT;
+                        share = if pieces > 1 { 1.0 } else { share };
+                    }
                     Some(over_lamp) => {
                         let number = (POINTS / times as u64).max(1);
                         for k in 0..number {
-                            let uv = pixel.start(
-                                self.seed,
-                                Stream::ConnectionLamp,
-                                pixel.pass.wrapping_mul(number).wrapping_add(k),
-                            );
+                            let index = pixel.pass.wrapping_mul(number).wrapping_add(k);
+                            let uv = pixel.start(self.seed, Stream::ConnectionLamp, index);
                             let off = middle.local(lamp.sample_point(uv).position - middle.point);
                             let weight = 1.0 / (times * number as f64);
-                            ledger.work += self.add_mean(optics, &over_lamp.at(off), weight, &mut light);
+                            let pieces = self.add_mean(optics, &over_lamp.at(off), weight, &mut mean);
+                            ledger.work += pieces * cost::CUT;
                         }
                     }
                 }
+                means.push(mean);
+            }
+            let chance = connections.chance(entry) * share;
+            let solved = chance >= 1.0 || choices.uniform() < chance;
+            ledger.work += cost::READ;
+            // Less what it says of this place where the solver is asked about it.
+            let less = if solved { weight / chance } else { 0.0 };
+            for ((over, _), mut light) in read.iter().flat_map(|read| &read.branches).zip(means) {
+                let Some(share) = self.route.from_eye(lamp.group, over.trail) else { continue };
+                let plane = self.route.plane_from_eye(share, over.told, lamp.group, Source::Face);
                 let inside = less != 0.0 && over.pupil.length() <= self.world.eye.pupil_radius_m();
                 if let Some(place) = inside.then(|| over.at((self.world, optics), within)).flatten() {
                     (0..M::LANES).for_each(|lane| light[lane].add(place[lane].scaled(-less)));
@@ -192,7 +216,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         }
     }
 
-    /// Adds what a table says of a pixel for a point of the lamp, `weight` times. Returns the counted work.
+    /// Adds what a table says of a pixel for a point of the lamp, `weight` times. Returns of how many pieces that is.
     fn add_mean(&self, optics: &Optics<M>, over: &OverPixel<M>, weight: f64, out: &mut M::Lanes<Light>) -> u64 {
         if over.pupil.length() > self.world.eye.pupil_radius_m() {
             return 0;
@@ -200,7 +224,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let cut = (&over.edges[..], &over.footprints[..]);
         let Some((mean, pieces)) = footprint::mean((self.world, optics), &over.brightness, cut) else { return 0 };
         (0..M::LANES).for_each(|lane| out[lane].add(mean[lane].scaled(weight)));
-        pieces * cost::CUT
+        pieces
     }
 
     /// Follows the solution as any path is followed, and adds what it sees. Returns its share of a unit of importance.

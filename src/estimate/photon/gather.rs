@@ -174,7 +174,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
         };
         let rest = self.glances.as_ref().map_or(Some(Rest::ALL), |glances| {
             let of = if self.part { Glanced::Little } else { Glanced::All };
-            glances.read((world, optics), (film, pupil, None), (1.0, of), &mut rng, read)
+            glances.read((world, optics), (film, pupil, None), (1.0, of, 0.0), &mut rng, read)
         });
         let Some(rest) = rest else { return };
         let (origin, (_, dir), ..) = world.eye.ray_of(film, pupil);

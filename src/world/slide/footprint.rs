@@ -213,3 +213,7 @@ fn moments(polygon: &Polygon) -> (f64, DVec2) {
     // A footprint's corners run one way round whatever it is on the slide: they are places of the square.
     (0.5 * area, moment / 6.0)
 }
+
+#[cfg(test)]
+#[path = "footprint_tests.rs"]
+mod tests;

@@ -12,7 +12,7 @@ mod make;
 use crate::base::chain::Chain;
 use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
-use crate::base::rng::Rng;
+use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::film_grid::FilmGrid;
 use crate::estimate::manifold::pixel_span::Span;
@@ -162,12 +162,12 @@ impl<M: Mode> EyeTable<M> {
 
     /// Calls `visit` with rays that have landed and what each stood for at its start. That is all light if a followed ray
     /// adds what the returned rest asks for; none: nothing is to be followed. `film`, `pupil`: places in tangents and m.
-    /// `whole`: what the ray stands for. `within`: its place in its pixel, if it matters how the landing moves with it.
+    /// `whole`: what the ray stands for; `least`: how often it is followed at least. `within`: its place in its pixel, if it matters how the landing moves with it.
     pub fn read<'w>(
         &self,
         tracing: (&'w World, &'w Optics<M>),
         (film, pupil, within): (DVec2, DVec2, Option<DVec2>),
-        (whole, of): (f64, Glanced),
+        (whole, of, least): (f64, Glanced, f64),
         rng: &mut Rng,
         mut visit: impl FnMut(&mut Walker<'w, M>, &Vertex, f64, Option<Span>),
     ) -> Option<Rest> {
@@ -181,7 +181,7 @@ impl<M: Mode> EyeTable<M> {
         let Some(spot) = self.over.nodes.aside(spot, usage.aside) else { return Some(Rest::ALL) };
         let cells = self.over.by_pixel(tracing.0);
         let look = self.look_at(spot, pupil, within.map(|within| (cells, within)));
-        let usual = usage.share * of.followed();
+        let usual = (usage.share * of.followed()).max(least);
         let followed = rng.uniform() < usual;
         let mut read = 0;
         for (k, glance) in self.glances.iter().enumerate() {
@@ -224,6 +224,25 @@ impl<M: Mode> EyeTable<M> {
             }
         }
         followed.then_some(Rest { share: usual, read })
+    }
+
+    /// Whether a place that the middle of a pupil sees through the middle of a pixel there is `wanted`.
+    pub fn any<'w>(
+        &self,
+        tracing: (&'w World, &'w Optics<M>),
+        film: DVec2,
+        wanted: impl Fn(&Vertex, Span) -> bool,
+    ) -> bool {
+        let spot = self.over.spot(film);
+        let Some((spot, usage)) = spot.and_then(|spot| Some((spot, *self.uses.get(spot.cell)?))) else { return false };
+        let Some(spot) = self.over.nodes.aside(spot, usage.aside) else { return false };
+        let look = self.look_at(spot, DVec2::ZERO, Some((self.over.by_pixel(tracing.0), DVec2::ZERO)));
+        let known = |(k, glance): &(usize, &Glance<M>)| usage.known & 1 << k != 0 && !glance.is_faint();
+        self.glances.iter().enumerate().filter(known).any(|(_, glance)| {
+            let at = glance.landings.blend(&look.rows, &look.pupil);
+            let landed = at.and_then(|at| glance.land(tracing, &at, 1.0, Rng::new(0, Stream::Pilot, 7, 0)));
+            landed.zip(glance.span(&look, 1.0)).is_some_and(|((_, vertex), span)| wanted(&vertex, span))
+        })
     }
 
     /// Whether a followed ray has landed where a glance has been read by itself.

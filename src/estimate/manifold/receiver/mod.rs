@@ -160,6 +160,19 @@ impl<M: Mode> Receivers<M> {
         self.lit().flat_map(|lit| &lit.entries).flat_map(|entry| &entry.sheets).any(ReceiverTable::crosses_any_slides)
     }
 
+    /// Whether the slides' pictures have an edge in what a pixel sees of a face, by the middles of the lamps.
+    pub fn has_edge(&self, tracing: (&World, &Optics<M>), (point, site): (DVec3, Site), span: &Span) -> bool {
+        let own = |lit: &&Connector<M>| (lit.map.part, lit.map.face) == (site.part, site.face);
+        self.lit().filter(own).any(|lit| {
+            let Some(spot) = lit.map.spot(point) else { return false };
+            let (rows, along) = (spot.rows(), span.by.map(|by| spot.rows_along(lit.map.step_of(by))));
+            let sheets = lit.entries.iter().flat_map(|entry| &entry.sheets);
+            let interpolated = |sheet: &&ReceiverTable<M>| sheet.cell(&lit.map, &spot) == Cell::Interpolated;
+            let near = (spot.cell, &rows);
+            sheets.filter(interpolated).any(|sheet| sheet.pieces(tracing, near, (&along, span)) > 1)
+        })
+    }
+
     /// Nothing is connected.
     pub fn is_empty(&self) -> bool {
         self.levels.is_empty()

@@ -212,17 +212,14 @@ impl<M: Mode> ReceiverTable<M> {
         self.nodes.iter().flatten().any(|node| !node.slides.is_empty())
     }
 
-    /// [`ReceiverTable::interpolate`] with the slides' pictures taken over all of a pixel. `along`: rows of nodes along the pixel
-    /// to the right and down.
-    pub(super) fn interpolate_over(
+    /// What comes over all of a pixel that sees a place of the middle's, and of how many pieces of the slides' pictures that is.
+    /// `along`: rows of nodes along the pixel to the right and down.
+    fn over_pixel(
         &self,
-        (world, optics): (&World, &Optics<M>),
-        near: (usize, &Rows),
+        tracing: (&World, &Optics<M>),
+        blend: &Blend<'_, M>,
         (along, span): (&[Rows; 2], &Span),
-        lamp: usize,
-        off: DVec2,
-    ) -> Option<Incoming<'static, M>> {
-        let blend = self.blend(near, off)?;
+    ) -> Option<(M::Lanes<Light>, u64)> {
         let [right, down] = [self.blended(&along[0])?, self.blended(&along[1])?];
         let footprint = |(k, (slide, at)): (usize, (usize, DVec3))| {
             let first = 3 + M::LANES + 3 * k;
@@ -232,10 +229,29 @@ impl<M: Mode> ReceiverTable<M> {
         let footprints: ArrayVec<Footprint, SLIDES> = blend.slides().enumerate().map(footprint).collect();
         let none = lanes::<M, _>(|_| 0.0);
         let brightness = Brightness::<M> { middle: lanes::<M, _>(|lane| blend.strength(lane)), by: [none; 2] };
-        let (mean, _) = footprint::mean((world, optics), &brightness, (&[], &footprints))?;
+        footprint::mean(tracing, &brightness, (&[], &footprints))
+    }
+
+    /// Of how many pieces of the slides' pictures a pixel's light from the middle of the lamp is; none: 0.
+    pub(super) fn pieces(&self, tracing: (&World, &Optics<M>), near: (usize, &Rows), over: (&[Rows; 2], &Span)) -> u64 {
+        let blend = self.blend(near, DVec2::ZERO);
+        blend.and_then(|blend| self.over_pixel(tracing, &blend, over)).map_or(0, |(_, pieces)| pieces)
+    }
+
+    /// [`ReceiverTable::interpolate`] with the slides' pictures taken over all of a pixel.
+    pub(super) fn interpolate_over(
+        &self,
+        tracing: (&World, &Optics<M>),
+        near: (usize, &Rows),
+        (along, span): (&[Rows; 2], &Span),
+        lamp: usize,
+        off: DVec2,
+    ) -> Option<Incoming<'static, M>> {
+        let blend = self.blend(near, off)?;
+        let (mean, _) = self.over_pixel(tracing, &blend, (along, span))?;
         let mut light = lanes::<M, _>(|lane| mean[lane].scaled(span.whole));
         if span.whole != 1.0
-            && let Some(incoming) = self.interpolate((world, optics), near, lamp, off)
+            && let Some(incoming) = self.interpolate(tracing, near, lamp, off)
         {
             (0..M::LANES).for_each(|lane| light[lane].add(incoming.light[lane].scaled(1.0 - span.whole)));
         }

@@ -10,6 +10,7 @@ use crate::film::specular_chain::{Connection, SpecularChain};
 use crate::world::World;
 use crate::world::mode::Mode;
 use crate::world::optics::Optics;
+use arrayvec::ArrayVec;
 use glam::DVec2;
 use std::collections::HashMap;
 
@@ -36,6 +37,20 @@ pub enum Rest {
     Lamp,
     /// Rays from the eye. `solved`: the solver may return it, so it has to be asked.
     Eye { solved: bool },
+}
+
+/// Entries of the other cells that an area reaches into.
+#[derive(Debug, Default)]
+pub struct Everywhere<'c> {
+    others: ArrayVec<&'c [u32], 4>,
+}
+
+impl Everywhere<'_> {
+    /// Whether an entry is tried in all of them.
+    pub fn has(&self, entry: usize) -> bool {
+        let listed = |cell: &&[u32]| u32::try_from(entry).is_ok_and(|entry| cell.binary_search(&entry).is_ok());
+        self.others.iter().all(listed)
+    }
 }
 
 /// The connections of a plan.
@@ -92,6 +107,14 @@ impl Connections {
         let cell = self.grid.map(|grid| grid.cell(film));
         let entries = cell.and_then(|cell| self.by_cell.get(cell)).map_or(&[][..], Vec::as_slice);
         entries.iter().filter_map(|index| Some((*index as usize, self.entries.get(*index as usize)?)))
+    }
+
+    /// Which entries are tried all over a small area with these corners, and not only about `film` in it.
+    pub fn at_all(&self, film: DVec2, corners: [DVec2; 4]) -> Everywhere<'_> {
+        let Some(grid) = self.grid else { return Everywhere::default() };
+        let about = grid.cell(film);
+        let others = corners.map(|corner| grid.cell(corner)).into_iter().filter(|cell| *cell != about);
+        Everywhere { others: others.filter_map(|cell| self.by_cell.get(cell).map(Vec::as_slice)).collect() }
     }
 
     /// Who has the paths over `chain` (from the lamp) from `lamp` to this place in the picture that the solver does not return.
