@@ -82,7 +82,7 @@ pub(super) fn build_within(
         if !sheet.binds.is_empty() && !seen.is_empty() {
             let names = listed(seen.iter().map(|part| part.path.as_str()));
             let text = format!("no finish binds faces of {names}: they look as their materials say");
-            notes.push(Note::warning(Where::file(&assembly.file), text).code(Code::PartUnbound));
+            notes.push(Note::info(Where::file(&assembly.file), text));
         }
     }
     let explained = Explained::new(&parts, &bound);
@@ -229,17 +229,17 @@ fn covered<'p>(parts: &'p [Candidate], bound: &[PartBound], assembly: &Assembly)
     let looks = |part: &Candidate, face: usize| {
         let materials = assembly.meshes.get(part.mesh).map_or(&[][..], |source| source.materials.as_slice());
         let material = materials.get(face).copied().flatten().and_then(|index| assembly.materials.get(index));
-        material.is_some_and(|material| material.surface.is_some())
+        let painted = || assembly.meshes.get(part.mesh).is_some_and(|source| !source.mesh.colors.is_empty());
+        material.is_some_and(|material| material.surface.is_some()) || painted()
     };
-    let unsaid = |bound: &PartBound| -> Vec<usize> {
-        let unsaid =
-            |(_, slots): &(usize, &Slots)| slots.get(Slot::Finish).is_none() && slots.get(Slot::Slide).is_none();
-        bound.faces.iter().enumerate().filter(unsaid).map(|(face, _)| face).collect()
-    };
+    let by_look = |slots: &Slots| slots.finish().is_none() && slots.get(Slot::Slide).is_none();
+    let unsaid = |slots: &Slots| by_look(slots) && slots.get(Slot::Finish).is_none();
     let open = |part: &Candidate, bound: &PartBound| -> Vec<usize> {
-        unsaid(bound).into_iter().filter(|face| !looks(part, *face)).collect()
+        let faces = bound.faces.iter().enumerate().filter(|(_, slots)| by_look(slots));
+        faces.map(|(face, _)| face).filter(|face| !looks(part, *face)).collect()
     };
-    let seen = parts.iter().zip(bound).filter(|(_, bound)| !unsaid(bound).is_empty()).map(|(part, _)| part).collect();
+    let seen = parts.iter().zip(bound).filter(|(_, bound)| bound.faces.iter().any(unsaid)).map(|(part, _)| part);
+    let seen = seen.collect();
     let bare: Vec<(&Candidate, &PartBound, Vec<usize>)> = parts
         .iter()
         .zip(bound)

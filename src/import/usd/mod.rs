@@ -18,6 +18,7 @@ mod hierarchy;
 mod implicit;
 mod inputs;
 mod instancer;
+mod layer_units;
 mod layered;
 mod light;
 mod material;

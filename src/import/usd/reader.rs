@@ -5,7 +5,7 @@ use super::composition_budget::CompositionBudget;
 use super::notes::Ledger;
 use super::reads::Folding;
 use super::resolver::Opened;
-use super::{hierarchy, implicit, material, mesh, optics, render, round_trip, skel, stage};
+use super::{hierarchy, implicit, layer_units, material, mesh, optics, render, round_trip, skel, stage};
 use crate::base::error::Result;
 use crate::base::{Code, Where};
 use crate::import::assembly::Assembly;
@@ -60,7 +60,7 @@ impl Reader {
         self.assembly.stage = Some(stage::facts(&self.stage, &mut self.placed.outermost));
         round_trip::fold(&mut self.assembly, &self.placed.folds);
         let Reader { stage, moment, assembly, ledger, .. } = &mut self;
-        stage::check_layers(stage, moment, assembly, ledger);
+        layer_units::check(stage, moment, assembly, ledger);
         stage::note_errors(stage, moment, ledger);
         if self.assembly.nodes.is_empty() {
             self.ledger.warn_of(

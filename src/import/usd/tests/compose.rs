@@ -155,3 +155,24 @@ def Mesh "Plain" {{ {SQUARE} }}"#
     assert_eq!(material("Pts[1]/Far"), Some("Out"));
     assert_eq!(material("Pts[2]/Plain"), None);
 }
+
+/// A layer in metres, y up, below one in millimetres, z up.
+#[test]
+fn a_reference_that_scales_and_turns_puts_units_right() {
+    let said = |ops: &str| {
+        let root = format!(
+            "(\n metersPerUnit = 0.001\n upAxis = \"Z\"\n)\ndef Xform \"A\" ( prepend references = @./b.usda@ ) {{\n{ops}\n}}\n"
+        );
+        let part = "(\n defaultPrim = \"P\"\n metersPerUnit = 1\n upAxis = \"Y\"\n)\ndef Xform \"P\" { }\n";
+        notes(&Folder::new(&[("a.usda", &root), ("b.usda", part)]).read(None).unwrap())
+    };
+    let scale = |by: &str| format!("float3 xformOp:scale = ({by}, {by}, {by})\n");
+    let order = "uniform token[] xformOpOrder = [\"xformOp:rotateX\", \"xformOp:scale\"]\n";
+    let turn = "float xformOp:rotateX = 90\n";
+    let right = said(&format!("{}{turn}{order}", scale("1000")));
+    assert!(!right.contains("USD does not"), "{right}");
+    let scaled_wrong = said(&format!("{}{turn}{order}", scale("100")));
+    assert!(scaled_wrong.contains("USD does not rescale") && !scaled_wrong.contains("turn it"), "{scaled_wrong}");
+    let nothing = said("");
+    assert!(nothing.contains("USD does not rescale") && nothing.contains("USD does not turn it"), "{nothing}");
+}
