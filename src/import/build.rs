@@ -111,7 +111,7 @@ pub(super) fn build_within(
         slides: Vec::new(),
         scatters: Vec::new(),
         surfaces: Vec::new(),
-        read: Surfaces::default(),
+        read: Surfaces::expecting(&bound),
         texture_bytes,
         groups: Vec::new(),
         profiles: Vec::new(),
