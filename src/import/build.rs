@@ -161,7 +161,7 @@ pub(super) fn build_within(
         }
     };
     let Builder { media, coatings, slides, scatters, surfaces, groups, profiles, files, mut notes, .. } = builder;
-    let hash = hash(&files, sets)?;
+    let hash = hash(&files, sets, &assembly.variants)?;
     let mut all = assembly.notes;
     all.append(&mut notes);
     let mut seen = Vec::<Note>::new();
@@ -263,15 +263,15 @@ fn covered<'p>(parts: &'p [Candidate], bound: &[PartBound], assembly: &Assembly)
         .code(Code::PartUnbound))
 }
 
-/// blake3 of all input bytes, each file preceded by its length, then the sets.
-fn hash(files: &[PathBuf], sets: &[Set]) -> Result<String> {
+/// blake3 of all input bytes, each file preceded by its length, then the sets and the variants.
+fn hash(files: &[PathBuf], sets: &[Set], variants: &[String]) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
     for file in files {
         files::hash(&mut hasher, file, &Where::Nowhere, "input file").map_err(|fault| fault.code(Code::FileMissing))?;
     }
-    for set in sets {
-        hasher.update(&(set.text.len() as u64).to_le_bytes());
-        hasher.update(set.text.as_bytes());
+    for text in sets.iter().map(|set| &set.text).chain(variants) {
+        hasher.update(&(text.len() as u64).to_le_bytes());
+        hasher.update(text.as_bytes());
     }
     Ok(hasher.finalize().to_hex().to_string())
 }

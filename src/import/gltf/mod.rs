@@ -63,6 +63,10 @@ use std::path::Path;
 /// Whatever is wrong in the file, with its JSON pointer. A hostile file gives a fault, too: no panic, no hang, and no
 /// more memory than a small multiple of the file.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Assembly> {
+    if let Some(choice) = options.variants.first() {
+        let at = Where::Option(format!("--variant {choice}"));
+        return Err(Error::new(at, "is for prims of USD; a glTF asset shows its default materials"));
+    }
     let failed = |error: std::io::Error| {
         Error::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
     };
