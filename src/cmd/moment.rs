@@ -1,6 +1,6 @@
-//! `--frame` and what it means for formats that count in seconds.
+//! Which of the things that one asset can be is meant: `--frame`, what it means for formats that count in seconds, `--variant`.
 
-use crate::import::ReadOptions;
+use crate::import::{ReadOptions, VariantChoice};
 use clap::Args;
 
 // No doc comment: clap would take it for the description of every command that has these arguments.
@@ -16,11 +16,19 @@ pub struct Moment {
     /// Which animation of a glTF asset, by its name or from 0; the first if not said.
     #[arg(long, value_name = "NAME|N")]
     pub animation: Option<String>,
+    /// Take this variant of a USD prim, e.g. /car{paint=red}; may be given several times.
+    #[arg(long = "variant", value_name = "PRIM{SET=NAME}", value_parser = VariantChoice::parse)]
+    pub variants: Vec<VariantChoice>,
 }
 
 impl Moment {
     pub fn reading(&self) -> ReadOptions {
-        ReadOptions { frame: self.frame, fps: self.fps, animation: self.animation.clone() }
+        ReadOptions {
+            frame: self.frame,
+            fps: self.fps,
+            animation: self.animation.clone(),
+            variants: self.variants.clone(),
+        }
     }
 }
 

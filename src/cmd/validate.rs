@@ -1,5 +1,6 @@
 //! `eyebox validate`.
 
+use super::moment::Moment;
 use super::print_text;
 use super::printer::print_coloured;
 use super::threads::Threads;
@@ -53,6 +54,8 @@ pub struct ValidateArgs {
     #[arg(long, value_name = "CODE", conflicts_with = "assets")]
     explain: Option<String>,
     #[command(flatten)]
+    moment: Moment,
+    #[command(flatten)]
     threads: Threads,
 }
 
@@ -74,7 +77,8 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode> {
         (Some(_), _) | (None, None) => baseline::Known::default(),
     };
     let piped = args.piped()?;
-    let report = args.threads.within(|| validate_with(&args.assets, piped.as_ref(), &config, &known))?;
+    let reading = args.moment.reading();
+    let report = args.threads.within(|| validate_with(&args.assets, piped.as_ref(), &config, &known, &reading))?;
     if let Some(path) = &args.write_baseline {
         baseline::write(path, &report)?;
     }

@@ -15,6 +15,7 @@ mod leak_tests;
 pub mod ledger;
 pub mod manifold;
 mod medium_stack;
+pub mod motion;
 mod outgoing;
 mod outliers;
 pub mod ownership;

@@ -21,7 +21,7 @@ const OF_SHARE: [(&str, &str); 12] = [
     ("_covariance", "as the covariance of its parts"),
 ];
 /// Layers that hold data of their own.
-const DATA: [&str; 8] = ["Z", "normal", "position", "albedo", "id", "normal_geometric", "uv", "opacity"];
+const DATA: [&str; 9] = ["Z", "normal", "position", "albedo", "id", "normal_geometric", "uv", "opacity", "motion"];
 
 /// Layers that tell errors of others. Where passes are too few to tell them, they are NaN: unknown is not zero.
 pub fn is_error(layer: &str) -> bool {

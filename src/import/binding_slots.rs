@@ -95,6 +95,15 @@ pub struct Entry {
     pub at: Where,
 }
 
+impl Entry {
+    /// Whether it leaves the finish to the face's material.
+    pub fn is_material(&self) -> bool {
+        self.slot == Slot::Finish
+            && (self.value.text() == Some("material")
+                || self.value.get("kind").is_some_and(|kind| kind.text() == Some("material")))
+    }
+}
+
 /// The value that holds, and what it won against.
 #[derive(Debug, Clone)]
 pub struct Won {
@@ -112,6 +121,16 @@ pub struct Slots([Option<Won>; Slot::COUNT]);
 impl Slots {
     pub fn get(&self, slot: Slot) -> Option<&Won> {
         self.0[slot as usize].as_ref()
+    }
+
+    /// The finish, unless the face's own material is to say it: then what that maps to, if anything.
+    pub fn finish(&self) -> Option<(&Entry, Rank)> {
+        let won = self.get(Slot::Finish)?;
+        if !won.entry.is_material() {
+            return Some((&won.entry, won.rank));
+        }
+        let mapped = won.beaten.iter().find(|(_, rank)| *rank == Rank::Mapped);
+        mapped.map(|(entry, rank)| (&**entry, *rank))
     }
 
     /// Everything that holds, in the order of the slots.

@@ -82,7 +82,7 @@ pub(super) fn build_within(
         if !sheet.binds.is_empty() && !seen.is_empty() {
             let names = listed(seen.iter().map(|part| part.path.as_str()));
             let text = format!("no finish binds faces of {names}: they look as their materials say");
-            notes.push(Note::warning(Where::file(&assembly.file), text).code(Code::PartUnbound));
+            notes.push(Note::info(Where::file(&assembly.file), text));
         }
     }
     let explained = Explained::new(&parts, &bound);
@@ -111,7 +111,7 @@ pub(super) fn build_within(
         slides: Vec::new(),
         scatters: Vec::new(),
         surfaces: Vec::new(),
-        read: Surfaces::default(),
+        read: Surfaces::expecting(&bound),
         texture_bytes,
         groups: Vec::new(),
         profiles: Vec::new(),
@@ -161,7 +161,7 @@ pub(super) fn build_within(
         }
     };
     let Builder { media, coatings, slides, scatters, surfaces, groups, profiles, files, mut notes, .. } = builder;
-    let hash = hash(&files, sets)?;
+    let hash = hash(&files, sets, &assembly.variants)?;
     let mut all = assembly.notes;
     all.append(&mut notes);
     let mut seen = Vec::<Note>::new();
@@ -229,17 +229,17 @@ fn covered<'p>(parts: &'p [Candidate], bound: &[PartBound], assembly: &Assembly)
     let looks = |part: &Candidate, face: usize| {
         let materials = assembly.meshes.get(part.mesh).map_or(&[][..], |source| source.materials.as_slice());
         let material = materials.get(face).copied().flatten().and_then(|index| assembly.materials.get(index));
-        material.is_some_and(|material| material.surface.is_some())
+        let painted = || assembly.meshes.get(part.mesh).is_some_and(|source| !source.mesh.colors.is_empty());
+        material.is_some_and(|material| material.surface.is_some()) || painted()
     };
-    let unsaid = |bound: &PartBound| -> Vec<usize> {
-        let unsaid =
-            |(_, slots): &(usize, &Slots)| slots.get(Slot::Finish).is_none() && slots.get(Slot::Slide).is_none();
-        bound.faces.iter().enumerate().filter(unsaid).map(|(face, _)| face).collect()
-    };
+    let by_look = |slots: &Slots| slots.finish().is_none() && slots.get(Slot::Slide).is_none();
+    let unsaid = |slots: &Slots| by_look(slots) && slots.get(Slot::Finish).is_none();
     let open = |part: &Candidate, bound: &PartBound| -> Vec<usize> {
-        unsaid(bound).into_iter().filter(|face| !looks(part, *face)).collect()
+        let faces = bound.faces.iter().enumerate().filter(|(_, slots)| by_look(slots));
+        faces.map(|(face, _)| face).filter(|face| !looks(part, *face)).collect()
     };
-    let seen = parts.iter().zip(bound).filter(|(_, bound)| !unsaid(bound).is_empty()).map(|(part, _)| part).collect();
+    let seen = parts.iter().zip(bound).filter(|(_, bound)| bound.faces.iter().any(unsaid)).map(|(part, _)| part);
+    let seen = seen.collect();
     let bare: Vec<(&Candidate, &PartBound, Vec<usize>)> = parts
         .iter()
         .zip(bound)
@@ -263,15 +263,15 @@ fn covered<'p>(parts: &'p [Candidate], bound: &[PartBound], assembly: &Assembly)
         .code(Code::PartUnbound))
 }
 
-/// blake3 of all input bytes, each file preceded by its length, then the sets.
-fn hash(files: &[PathBuf], sets: &[Set]) -> Result<String> {
+/// blake3 of all input bytes, each file preceded by its length, then the sets and the variants.
+fn hash(files: &[PathBuf], sets: &[Set], variants: &[String]) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
     for file in files {
         files::hash(&mut hasher, file, &Where::Nowhere, "input file").map_err(|fault| fault.code(Code::FileMissing))?;
     }
-    for set in sets {
-        hasher.update(&(set.text.len() as u64).to_le_bytes());
-        hasher.update(set.text.as_bytes());
+    for text in sets.iter().map(|set| &set.text).chain(variants) {
+        hasher.update(&(text.len() as u64).to_le_bytes());
+        hasher.update(text.as_bytes());
     }
     Ok(hasher.finalize().to_hex().to_string())
 }

@@ -68,8 +68,8 @@ impl Builder<'_> {
     /// A face that a format calls clear (KHR_materials_transmission) without saying what is behind it is a thin wall: what its
     /// material looks like, which lets light through unbent. One that a person calls polished lacks its medium.
     fn thin_wall(&mut self, part: &Candidate, number: usize, slots: &Slots, face: &mut Face) -> Result<()> {
-        let mapped = slots.get(Slot::Finish).filter(|won| won.rank == Rank::Mapped);
-        if mapped.is_some() && face.finish == Finish::Polished {
+        let mapped = slots.finish().is_some_and(|(_, rank)| rank == Rank::Mapped);
+        if mapped && face.finish == Finish::Polished {
             (face.finish, face.coating) = (Finish::Surface { surface: self.own_surface(part, number)? }, None);
         }
         Ok(())
@@ -132,9 +132,11 @@ impl Builder<'_> {
     }
 
     fn face(&mut self, part: &Candidate, number: usize, slots: &Slots, to_world: &DAffine3) -> Result<Face> {
-        let finish = match slots.get(Slot::Finish) {
-            Some(won) => match optics::finish(&won.entry.value, &mut self.notes)? {
+        let said = slots.finish();
+        let finish = match said {
+            Some((entry, _)) => match optics::finish(&entry.value, &mut self.notes)? {
                 FinishSpec::Given(finish) => finish,
+                FinishSpec::Material => Finish::Surface { surface: self.own_surface(part, number)? },
                 FinishSpec::Measured { file, at } => self.measured_finish(&file, &at)?,
                 FinishSpec::Surface { surface, at } => Finish::Surface { surface: self.given_surface(*surface, &at)? },
             },
@@ -168,10 +170,8 @@ impl Builder<'_> {
             Some(won) => self.slide(part, number, &won.entry.value)?,
             None => None,
         };
-        let tint = match slots.get(Slot::Finish) {
-            Some(won) if won.rank == Rank::Mapped => self.stain(part, number, finish),
-            Some(_) | None => None,
-        };
+        let is_mapped = said.is_some_and(|(_, rank)| rank == Rank::Mapped);
+        let tint = if is_mapped { self.stain(part, number, finish) } else { None };
         Ok(Face { finish, coating: self.coating(part, number, slots, finish)?, shape, emitter, tint, slide })
     }
 

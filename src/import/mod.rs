@@ -43,6 +43,7 @@ mod texture_file; // the files of those pictures
 mod tiles; // pictures in tiles, put together
 pub mod toml; // sidecars
 pub mod usd; // .usda, .usdc and .usdz
+mod variants; // --variant
 
 pub use crate::scene::assembly::{self, Assembly};
 pub use crate::scene::value::{self, Data, Value};
@@ -53,6 +54,7 @@ pub use deps::dependencies;
 pub use explain::Explained;
 pub use outline::{geometry, outline};
 pub use set::Set;
+pub use variants::VariantChoice;
 
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where, weld};
@@ -77,6 +79,8 @@ pub struct ReadOptions {
     pub fps: Option<f64>,
     /// The name or number of glTF's animation; the first if not said.
     pub animation: Option<String>,
+    /// Variants of a USD stage, taken in this order.
+    pub variants: Vec<VariantChoice>,
 }
 
 /// What textures may take of memory where nobody says, bytes.

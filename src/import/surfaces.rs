@@ -1,7 +1,9 @@
 //! Ordinary materials of a scene: the pictures that its faces show are read, each once.
 
+use super::binding_slots::{PartBound, Slots};
 use super::build::Builder;
 use super::files;
+use super::optics::{self, FinishSpec};
 use super::select::Candidate;
 use super::texture_file::{MOST_BYTES, decoded, file_bytes, halved, size_bytes};
 use super::tiles;
@@ -23,8 +25,33 @@ pub(super) struct Surfaces {
     pictures: HashMap<PictureKey, (Shared<Texture>, Encoding)>,
     /// Of meshes that have colours of vertices: whether some of them let light through.
     painted: HashMap<usize, Option<bool>>,
+    /// The pictures of finishes that somebody has bound.
+    bound: Vec<PictureSource>,
     /// How often each picture is halved, so that all of them stay within the memory that they may take; once it is known.
     halvings: Option<u32>,
+}
+
+impl Surfaces {
+    /// With what finishes that somebody has bound will ask for.
+    pub(super) fn expecting(bound: &[PartBound]) -> Surfaces {
+        Surfaces { bound: bound_pictures(bound), ..Surfaces::default() }
+    }
+}
+
+/// The pictures of all finishes that are bound, before any of them is read. What a finish has wrong is said when it is.
+fn bound_pictures(bound: &[PartBound]) -> Vec<PictureSource> {
+    let (mut seen, mut out) = (HashSet::new(), Vec::new());
+    for (entry, _) in bound.iter().flat_map(|part| &part.faces).filter_map(Slots::finish) {
+        if !seen.insert(std::ptr::from_ref(entry)) {
+            continue;
+        }
+        let Ok(FinishSpec::Surface { surface, .. }) = optics::finish(&entry.value, &mut Vec::new()) else { continue };
+        out.extend(surface.textures().filter_map(|input| match &input.texture.texels {
+            Texels::Encoded(source) => Some(source.clone()),
+            Texels::Bytes(_) | Texels::Floats(_) => None,
+        }));
+    }
+    out
 }
 
 /// What a face's looks come from.
@@ -199,7 +226,7 @@ impl Builder<'_> {
         (0..halvings).fold(texture, |texture, _| halved(texture))
     }
 
-    /// How often the pictures of all materials must be halved, both ways, to fit; said where it is at all.
+    /// How often the pictures of all materials and finishes must be halved, both ways, to fit; said where it is at all.
     fn halvings(&mut self) -> u32 {
         let most = self.texture_bytes;
         let mut seen = HashSet::new();
@@ -214,7 +241,7 @@ impl Builder<'_> {
             PictureSource::Embedded(bytes) => size_bytes(Cursor::new(bytes.as_slice())),
             PictureSource::Tiles(tiles) => tiles.iter().map(|(file, _)| file_bytes(file)).sum(),
         };
-        let total: u64 = sources.filter(|source| seen.insert(source.key())).map(size).sum();
+        let total: u64 = sources.chain(&self.read.bound).filter(|source| seen.insert(source.key())).map(size).sum();
         let halvings = (0..u32::BITS / 2).find(|k| total >> (2 * k) <= most).unwrap_or(u32::BITS / 2);
         if halvings > 0 {
             const MIB: u64 = 1 << 20;

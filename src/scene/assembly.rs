@@ -40,6 +40,8 @@ pub struct Assembly {
     pub notes: Vec<Note>,
     /// What a layer over a USD stage has to know of it.
     pub stage: Option<StageFacts>,
+    /// Variants that were asked for: with others it is another scene.
+    pub variants: Vec<String>,
 }
 
 /// What a USD stage says beside its prims.
@@ -70,6 +72,7 @@ impl Default for Assembly {
             optics: None,
             notes: Vec::new(),
             stage: None,
+            variants: Vec::new(),
         }
     }
 }

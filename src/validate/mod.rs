@@ -21,6 +21,7 @@ use crate::check::finding::{Finding, Level};
 use crate::check::geometry::EdgesOfMeshes;
 use crate::check::rule::Rule;
 use crate::check::subject::{Refusal, Stage, Subject};
+use crate::import::ReadOptions;
 use crate::scene::{Note, Scene, Severity};
 use crate::world::World;
 use crate::world::eye::EyeLens;
@@ -77,14 +78,20 @@ impl Report {
 /// # Errors
 /// An asset that is not there or no regular file, a folder without assets. Whatever is wrong inside one is a finding.
 pub fn validate(assets: &[PathBuf], config: &Config, known: &Known) -> Result<Report> {
-    validate_with(assets, None, config, known)
+    validate_with(assets, None, config, known, &ReadOptions::default())
 }
 
-/// The same with standard input, if it was read, where `-` stands among `assets`.
+/// The same with standard input, if it was read, where `-` stands among `assets`, and assets as `reading` has them.
 ///
 /// # Errors
 /// Those of [`validate`].
-pub fn validate_with(assets: &[PathBuf], piped: Option<&Piped>, config: &Config, known: &Known) -> Result<Report> {
+pub fn validate_with(
+    assets: &[PathBuf],
+    piped: Option<&Piped>,
+    config: &Config,
+    known: &Known,
+    reading: &ReadOptions,
+) -> Result<Report> {
     let folder::Expanded { files: assets, layers } = folder::expand(assets)?;
     let of = |asset: &Path| piped.filter(|_| asset == Path::new(stdin::NAMED));
     let named = |asset: &PathBuf| if of(asset).is_some() { PathBuf::from(stdin::SHOWN) } else { asset.clone() };
@@ -93,7 +100,7 @@ pub fn validate_with(assets: &[PathBuf], piped: Option<&Piped>, config: &Config,
     }
     let mut report = Report { assets: assets.iter().map(named).collect(), layers, ..Report::default() };
     for (index, asset) in assets.iter().enumerate() {
-        for mut finding in located(asset, of(asset), config) {
+        for mut finding in located(asset, of(asset), config, reading) {
             finding.asset = index;
             // Two sidecars over one asset find the same in it.
             if report.findings.iter().any(|other| other.fingerprint == finding.fingerprint) {
@@ -114,10 +121,10 @@ pub fn validate_with(assets: &[PathBuf], piped: Option<&Piped>, config: &Config,
 }
 
 /// The findings about one asset, which may be standard input, that the configuration lets through, each at its place.
-fn located(asset: &Path, piped: Option<&Piped>, config: &Config) -> Vec<Located> {
+fn located(asset: &Path, piped: Option<&Piped>, config: &Config, reading: &ReadOptions) -> Vec<Located> {
     let asset = piped.map_or(asset, Piped::path);
     let said = |text: &str| piped.map_or_else(|| text.to_owned(), |piped| piped.unnamed(text));
-    let examined = read::examine(asset);
+    let examined = read::examine(asset, reading);
     let mut found = examined.findings();
     let mut locator = Locator::new(asset, examined.assembly.as_ref());
     // A place is looked up once for a finding, so that sorting is by what is shown.
@@ -148,7 +155,7 @@ fn located(asset: &Path, piped: Option<&Piped>, config: &Config) -> Vec<Located>
 
 /// The findings about one asset as rules make them, in the order of the registry; no configuration, no places in text.
 pub fn findings(asset: &Path) -> Vec<Finding> {
-    read::examine(asset).findings()
+    read::examine(asset, &ReadOptions::default()).findings()
 }
 
 impl read::Examined {

@@ -35,8 +35,8 @@ pub fn check_there(path: &Path) -> Result<()> {
     }
 }
 
-/// Reads, binds and builds.
-pub fn examine(path: &Path) -> Examined {
+/// Reads as `reading` has it, binds and builds.
+pub fn examine(path: &Path, reading: &ReadOptions) -> Examined {
     let mut out = Examined {
         file: path.to_owned(),
         assembly: None,
@@ -51,7 +51,7 @@ pub fn examine(path: &Path) -> Examined {
         out.refusals.push(Refusal { stage: Stage::Sidecar, fault });
         return out;
     }
-    let (assembly, sidecar) = match import::read(path, &ReadOptions::default()) {
+    let (assembly, sidecar) = match import::read(path, reading) {
         Ok(read) => read,
         Err(fault) => {
             // Of an asset, only the sidecar beside it is TOML.

@@ -180,6 +180,16 @@ impl EyeLens {
         Some(py * self.size[0] + px)
     }
 
+    /// The place in the picture, in pixels from its corner to the right and down, at which the middle of the pupil sees what
+    /// lies in a direction; none behind the eye.
+    pub fn place_of(&self, towards: DVec3) -> Option<[f64; 2]> {
+        let along = towards.dot(self.look);
+        let film = DVec2::new(towards.dot(self.right), towards.dot(self.up)) / along;
+        let place = |tangent: f64, half: f64, count: usize| (0.5 + 0.5 * tangent / half) * count as f64;
+        let found = [place(film.x, self.half.x, self.size[0]), place(-film.y, self.half.y, self.size[1])];
+        (along > 0.0 && found.iter().all(|x| x.is_finite())).then_some(found)
+    }
+
     /// Where a ray crosses the pupil: distance along it and the offset from the pupil's centre. `facing` is 1 if the
     /// ray must run with the viewing direction and −1 if against it.
     fn cross(&self, origin: DVec3, dir: DVec3, t_max: f64, facing: f64) -> Option<(f64, DVec2)> {

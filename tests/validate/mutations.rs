@@ -107,7 +107,16 @@ const PLANTS: &[(&str, Plant)] = &[
     ("EB0503", |b| b.swap("up = [0, 1, 0]", "up = [0, 0, 1]")),
     ("EB0504", |b| b.swap("look = [0, 0, -1]", "look = [0, 0, 1]")),
     ("EB0505", |b| b.shift("BAFFLE", 0, 0.0)),
-    ("EB0601", |b| b.swap("[default]\nfinish = \"absorber\"\n", "")),
+    ("EB0601", |b| {
+        b.swap("[default]\nfinish = \"absorber\"\n", "");
+        // Else what nothing binds looks as its material says.
+        b.gltf.as_object_mut().expect("an asset").remove("materials");
+        for mesh in b.gltf["meshes"].as_array_mut().expect("meshes") {
+            for face in mesh["primitives"].as_array_mut().expect("faces") {
+                face.as_object_mut().expect("a face").remove("material");
+            }
+        }
+    }),
     ("EB0602", |b| b.append("\n[[bind]]\npath = \"BAFFEL\"\nfinish = \"absorber\"\n")),
     ("EB0603", |b| b.swap("luminance_cd_m2", "luminance_cd")),
     ("EB0604", |b| b.append("\n[[bind]]\npath = \"LCD\"\nfinish = \"absorber\"\n")),

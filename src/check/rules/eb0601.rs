@@ -8,7 +8,7 @@ pub const RULE: Rule = Rule {
     name: "part-unbound",
     level: Level::Error,
     title: "A part is bound by no rule",
-    why: "It has no finish, so it is not known what it does with light. If its material says how it looks, that is shown, with a warning; else nothing is assumed, not even black.",
+    why: "It has no finish, so it is not known what it does with light. Nor has it a material that says how it looks, which would be shown. Nothing is assumed, not even black. `finish = \"material\"` says of a part that its material is meant.",
     bad: Example::Code(
         "toml",
         r#"[[bind]]

@@ -1,7 +1,7 @@
 //! The first step of a rendering: from the files to what can be traced.
 
 use super::Run;
-use crate::base::Result;
+use crate::base::{Error, Result, Where};
 use crate::check::check;
 use crate::estimate::picture::check_layers;
 use crate::import::Built;
@@ -19,6 +19,8 @@ pub struct Opened {
     /// Layers that the asset asks for, where the command line asks for none.
     pub wishes: Vec<RequestedLayer>,
     pub asked: Asked,
+    /// The scene one frame later, for `--motion`.
+    pub later: Option<Scene>,
 }
 
 impl Run<'_> {
@@ -35,6 +37,18 @@ impl Run<'_> {
         let guides = if args.unguided { Guides::Off } else { Guides::On };
         let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked(), guides };
         let wishes = if args.layers.is_empty() { layers } else { Vec::new() };
-        Ok(Opened { scene, world, own, wishes, asked })
+        let later = args.motion.then(|| self.later(scene.eye.resolution)).transpose()?;
+        Ok(Opened { scene, world, own, wishes, asked, later })
+    }
+
+    fn later(&self, resolution: [usize; 2]) -> Result<Scene> {
+        let args = &self.args;
+        let Some(frame) = args.source.moment.frame else {
+            let at = Where::Option("--motion".to_owned());
+            return Err(Error::new(at, "without a frame there is no next one").expected("--frame or --frames with it"));
+        };
+        let mut scene = args.of_frame(args.output.clone(), frame + 1.0).source.import()?.scene;
+        scene.eye.resolution = resolution;
+        Ok(scene)
     }
 }

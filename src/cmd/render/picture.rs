@@ -10,6 +10,7 @@ use crate::cmd::shards::checkpoint_of;
 use crate::estimate::cryptomatte;
 use crate::estimate::data::data_layers;
 use crate::estimate::finishing::Wanted;
+use crate::estimate::motion::motion;
 use crate::estimate::picture::{add_data_layers, add_meta, add_sharpness, add_witness};
 use crate::estimate::run::Stop;
 use crate::estimate::shard;
@@ -34,6 +35,10 @@ impl Run<'_> {
         let mut frame = finished.frame;
         let size = scene.eye.resolution;
         add_data_layers(&mut frame, self.pool.install(|| data_layers(world, size[0], size[1])));
+        if let Some(later) = &opened.later {
+            let moved = self.pool.install(|| motion(world, scene, later))?;
+            moved.into_iter().zip(["X", "Y"]).for_each(|(data, axis)| frame.push(format!("motion.{axis}"), data));
+        }
         let Wanted { layers, named, .. } = &head.finishing.wanted;
         let mattes = cryptomatte::wanted(args.cryptomatte, layers.iter().chain(named.iter().map(|wish| &wish.layer)));
         self.pool.install(|| cryptomatte::add(&mut frame, scene, world, &mattes));

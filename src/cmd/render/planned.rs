@@ -39,7 +39,7 @@ impl Run<'_> {
     /// None if a signal came.
     pub fn plan(&self, opened: &mut Opened) -> Result<Option<Planned>> {
         let args = &self.args;
-        let Opened { scene, world, own, wishes, asked } = opened;
+        let Opened { scene, world, own, wishes, asked, .. } = opened;
         let (asked, stop) = (*asked, || self.is_stopped());
         let checked = check(scene)?;
         let behind = if args.resume { resume(&args.output, &|head| args.is_mine(head, scene))? } else { None };

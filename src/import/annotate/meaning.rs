@@ -59,15 +59,15 @@ pub fn of(slots: &Slots, slot: Slot, sheet: &AssetAttributes) -> Result<Option<M
 
 /// Whether the coating of a face acts: it does nothing on a face that a stronger binding made other than polished.
 pub fn acts(slots: &Slots) -> Result<bool> {
-    let (Some(coating), finish) = (slots.get(Slot::Coating), slots.get(Slot::Finish)) else { return Ok(false) };
-    let Some(finish) = finish else { return Ok(true) };
+    let Some(coating) = slots.get(Slot::Coating) else { return Ok(false) };
+    let Some((finish, rank)) = slots.finish() else { return Ok(true) };
     // A finish that can't be read (yet) stays beside the coating as it is.
-    if !optics::finish(&finish.entry.value, &mut Vec::new())
+    if !optics::finish(&finish.value, &mut Vec::new())
         .is_ok_and(|finish| finish != optics::FinishSpec::Given(Finish::Polished))
     {
         return Ok(true);
     }
-    if coating.rank >= finish.rank && coating.rank > Rank::Mapped {
+    if coating.rank >= rank && coating.rank > Rank::Mapped {
         return Err(Error::new(coating.entry.at.clone(), "a coating acts on polished faces, and this face is not one")
             .expected("finish = \"polished\" there, or no coating")
             .code(Code::CoatingNotPolished));

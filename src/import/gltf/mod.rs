@@ -63,6 +63,10 @@ use std::path::Path;
 /// Whatever is wrong in the file, with its JSON pointer. A hostile file gives a fault, too: no panic, no hang, and no
 /// more memory than a small multiple of the file.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Assembly> {
+    if let Some(choice) = options.variants.first() {
+        let at = Where::Option(format!("--variant {choice}"));
+        return Err(Error::new(at, "is for prims of USD; a glTF asset shows its default materials"));
+    }
     let failed = |error: std::io::Error| {
         Error::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
     };
@@ -135,7 +139,8 @@ const LARGE_PART_M: f64 = 5.0;
 /// larger than 20 m, and a quarter of its parts are larger than 5 m each (a street that a display is looked at in is large, too, but
 /// most things in it are not). Where the sidecar sets `unit`: [`large_by_its_unit`].
 pub fn looks_like_millimetres(assembly: &Assembly) -> Option<Note> {
-    let extent = too_large(assembly, assembly.unit_m)?;
+    // What declares millimetres or less does not take them for metres.
+    let extent = too_large(assembly, assembly.unit_m).filter(|_| assembly.unit_m > 1e-3 * (1.0 + 1e-9))?;
     let text = format!(
         "largest extent {extent:.0} m: this looks like millimetres; set `unit = 0.001` in the sidecar (or `unit = 1` if it is right)"
     );

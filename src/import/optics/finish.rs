@@ -11,6 +11,8 @@ use crate::scene::{Finish, Note, StandardSurface};
 #[derive(Debug, Clone, PartialEq)]
 pub enum FinishSpec {
     Given(Finish),
+    /// As the face's own material says.
+    Material,
     /// The file as it is written, and where.
     Measured {
         file: String,
@@ -42,6 +44,7 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
         "none" => Finish::None,
         "polished" => Finish::Polished,
         "absorber" => Finish::Absorber,
+        "material" => return Ok(FinishSpec::Material),
         "surface" => {
             let surface = Box::new(super::surface::surface(fields, notes)?);
             return Ok(FinishSpec::Surface { surface, at: value.at.clone() });

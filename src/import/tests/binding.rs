@@ -1,12 +1,12 @@
 //! Which of several values holds.
 
 use super::{BASE, built, built_on};
-use crate::base::Where;
+use crate::base::{Code, Where};
 use crate::import::binding_slots::Rank;
 use crate::import::testing::assembly;
 use crate::import::value::{Data, Value};
 use crate::import::{Built, Explained};
-use crate::scene::{Finish, Part};
+use crate::scene::{Finish, Part, StandardSurface};
 
 fn part<'a>(built: &'a Built, name: &str) -> &'a Part {
     built.scene.parts.iter().find(|part| part.name == name).unwrap()
@@ -277,4 +277,36 @@ fn names_that_nothing_uses_are_noted() {
     assert_eq!(unused(&[]), ["[coating.y] is not used: no part names it", "[medium.b] is not used: no part names it"]);
     // What `--set` puts aside was used by a line of the sidecar.
     assert_eq!(unused(&["LENS.medium=b", "LENS.coating=y"]), [""; 0]);
+}
+
+/// One material has a look and is glass besides, the other has none.
+#[test]
+fn a_look_needs_no_finish_and_can_be_asked_for() {
+    let asset = |looks: bool| {
+        let mut asset = assembly(&["LENS", "BOX"]);
+        asset.materials[0].mapped = vec![("finish".into(), Value::new(Data::Text("polished".into()), Where::Nowhere))];
+        asset.materials.push(asset.materials[0].clone());
+        asset.materials[1].mapped.clear();
+        asset.materials[1].surface = looks.then(|| StandardSurface::default().into());
+        asset.meshes[1].materials = vec![Some(1); 6];
+        asset
+    };
+    let eye = &BASE[..BASE.find("[default]").unwrap()];
+    let surface = |built: &Built, name| finishes(built, name).iter().all(|finish| finish.surface().is_some());
+    let text = format!("{eye}[[bind]]\npath = \"LENS\"\nfinish = \"polished\"\n");
+    let unsaid = built_on(asset(true), &text, &[]).unwrap();
+    let said = |built: &Built| built.scene.notes.iter().any(|note| note.text.contains("look as their materials say"));
+    assert!(surface(&unsaid, "BOX") && said(&unsaid));
+    assert!(unsaid.scene.notes.iter().all(|note| note.code.is_none()), "{:?}", unsaid.scene.notes);
+    // What is asked for need not be said, and a stronger binding gives the look back.
+    let asked = format!(
+        "{eye}[default]\nfinish = \"absorber\"\n[[bind]]\npath = \"*\"\nfinish = \"material\"\nglass = \"PMMA\"\n"
+    );
+    let built = built_on(asset(true), &asked, &[]).unwrap();
+    assert!(surface(&built, "BOX") && !said(&built));
+    assert_eq!(finishes(&built, "LENS"), [Finish::Polished; 6]);
+    for text in [&text, &asked] {
+        let fault = built_on(asset(false), text, &[]).map(|_| ()).unwrap_err();
+        assert_eq!(fault.code, Some(Code::PartUnbound), "{fault}");
+    }
 }

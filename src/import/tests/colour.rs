@@ -198,3 +198,20 @@ fn glasses_beyond_their_range_are_warned_of_once() {
     assert!(warned(BASE).is_empty());
     assert_eq!(warned(&BASE.replace("550", "430")).len(), 1);
 }
+
+/// A picture of 64 × 64 texels of 4 bytes that the sidecar alone names, in memory for 4 KiB.
+#[test]
+fn pictures_of_the_sidecar_count_for_the_memory_of_textures() {
+    let folder = tempfile::tempdir().unwrap();
+    image::RgbaImage::new(64, 64).save(folder.path().join("paint.png")).unwrap();
+    let text = format!(
+        "{BASE}[[bind]]\npath = \"LCD\"\nfinish = {{ kind = \"surface\", base_color_texture = \"paint.png\" }}\n"
+    );
+    let sidecar = toml::parse(&text, &folder.path().join("a.optics.toml")).unwrap();
+    let read = |bytes| {
+        let scene = crate::import::build::build_within(assembly(&["LCD"]), Some(&sidecar), &[], bytes).unwrap().scene;
+        let size = scene.surfaces[0].base_color.texture.as_ref().map(|input| input.texture.width);
+        (size, scene.notes.iter().any(|note| note.text.contains("`--texture-memory` allows more")))
+    };
+    assert_eq!((read(1 << 14), read(1 << 12)), ((Some(64), false), (Some(32), true)));
+}

@@ -18,6 +18,7 @@ mod hierarchy;
 mod implicit;
 mod inputs;
 mod instancer;
+mod layer_units;
 mod layered;
 mod light;
 mod material;
@@ -47,6 +48,7 @@ mod tessellate;
 mod texture;
 mod triangulate;
 mod value;
+mod variants;
 mod xform;
 mod xml;
 
@@ -80,7 +82,9 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Assembly> {
     }
     std::thread::scope(|scope| {
         let builder = std::thread::Builder::new().name("usd".to_owned()).stack_size(STACK_BYTES);
-        let reading = builder.spawn_scoped(scope, || Reader::open(path, options.frame)?.run()).map_err(failed)?;
+        let reading = builder
+            .spawn_scoped(scope, || Reader::open(path, options.frame)?.run(&options.variants))
+            .map_err(failed)?;
         // A panic in the crate is a defect of it, but ends here all the same.
         reading.join().unwrap_or_else(|_| {
             Err(Error::new(Where::file(path), "the USD library failed on this file (a defect in it)"))

@@ -5,10 +5,11 @@ use super::composition_budget::CompositionBudget;
 use super::notes::Ledger;
 use super::reads::Folding;
 use super::resolver::Opened;
-use super::{hierarchy, implicit, material, mesh, optics, render, round_trip, skel, stage};
+use super::{hierarchy, implicit, layer_units, material, mesh, optics, render, round_trip, skel, stage, variants};
 use crate::base::error::Result;
 use crate::base::{Code, Where};
 use crate::import::assembly::Assembly;
+use crate::import::variants::VariantChoice;
 use openusd::sdf;
 use openusd::usd::{Prim, Stage};
 use std::path::Path;
@@ -49,7 +50,9 @@ impl Reader {
         })
     }
 
-    pub fn run(mut self) -> Result<Assembly> {
+    pub fn run(mut self, variants: &[VariantChoice]) -> Result<Assembly> {
+        variants::choose(&mut self, variants)?;
+        self.assembly.variants = variants.iter().map(ToString::to_string).collect();
         let Reader { stage, moment, assembly, ledger, .. } = &mut self;
         stage::measures(stage, moment, assembly, ledger)?;
         self.assembly.optics = optics::root(&mut self)?;
@@ -60,7 +63,7 @@ impl Reader {
         self.assembly.stage = Some(stage::facts(&self.stage, &mut self.placed.outermost));
         round_trip::fold(&mut self.assembly, &self.placed.folds);
         let Reader { stage, moment, assembly, ledger, .. } = &mut self;
-        stage::check_layers(stage, moment, assembly, ledger);
+        layer_units::check(stage, moment, assembly, ledger);
         stage::note_errors(stage, moment, ledger);
         if self.assembly.nodes.is_empty() {
             self.ledger.warn_of(

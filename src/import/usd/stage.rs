@@ -52,12 +52,12 @@ fn parse_line(error: &openusd::Error) -> Option<usize> {
 
 /// USD's up axes; the fallback is Y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Up {
+pub(super) enum Up {
     Y,
     Z,
 }
 
-fn up(text: &str) -> Option<Up> {
+pub(super) fn up(text: &str) -> Option<Up> {
     match text {
         "Y" => Some(Up::Y),
         "Z" => Some(Up::Z),
@@ -101,32 +101,6 @@ pub(super) fn measures(stage: &Stage, moment: &Moment, assembly: &mut Assembly, 
     Ok(())
 }
 
-/// Notes on layers whose unit or up axis is another one than the root layer's: USD composes their numbers as they are.
-pub(super) fn check_layers(stage: &Stage, moment: &Moment, assembly: &Assembly, ledger: &mut Ledger) {
-    let root = sdf::Path::abs_root();
-    let root_is_z = assembly.axes != DMat3::IDENTITY;
-    for identifier in stage.layer_identifiers() {
-        let Some(layer) = stage.layer(&identifier) else { continue };
-        let field = |key: &str| layer.data().try_field(&root, key).ok().flatten().map(|found| found.into_owned());
-        let name = file_name(&identifier);
-        if let Some(unit) = field("metersPerUnit").as_ref().and_then(value::number)
-            && (unit - assembly.unit_m).abs() > 1e-9 * assembly.unit_m
-        {
-            let ours = assembly.unit_m;
-            let text = format!(
-                "the layer {name} is in units of {unit} m, the root layer in {ours} m: USD does not rescale, so its lengths are taken as they are"
-            );
-            ledger.warn(Where::file(&moment.file), text);
-        }
-        if let Some(axis) = field("upAxis").as_ref().and_then(value::text).and_then(up)
-            && (axis == Up::Z) != root_is_z
-        {
-            let text = format!("the layer {name} has another up axis than the root layer: USD does not turn it");
-            ledger.warn(Where::file(&moment.file), text);
-        }
-    }
-}
-
 /// What a layer over the stage has to know.
 pub(super) fn facts(stage: &Stage, outermost: &mut Vec<String>) -> StageFacts {
     let metadata = |key: &str| stage.stage_metadata(key).ok().flatten();
@@ -155,7 +129,7 @@ pub(super) fn note_errors(stage: &Stage, moment: &Moment, ledger: &mut Ledger) {
 }
 
 /// The last element of a layer identifier: messages should not depend on where the asset lies.
-fn file_name(identifier: &str) -> &str {
+pub(super) fn file_name(identifier: &str) -> &str {
     identifier.rsplit(['/', '\\']).next().unwrap_or(identifier)
 }
 

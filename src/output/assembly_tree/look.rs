@@ -1,7 +1,7 @@
 //! How an ordinary material looks: what there is of it, and which pictures say so.
 
 use super::words::{name, number};
-use crate::scene::{Colour, Opacity, Scalar, StandardSurface, TextureInput};
+use crate::scene::{CoatNormal, Colour, Opacity, Scalar, StandardSurface, TextureInput};
 
 /// A surface as people know it. Numbers are factors of the textures beside them.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -45,9 +45,13 @@ impl LookReport {
             Opacity::Mask { .. } => Some("cut out"),
             Opacity::Blend { .. } => Some("blended"),
         };
+        let tinted = metallic.factor > 0.0 && surface.metal_edge != Colour::new([1.0; 3]);
         let layers = [
+            (surface.anisotropy.as_ref().is_some_and(|found| some(&found.strength)), "anisotropy"),
+            (tinted, "metal edge"),
             (some(&surface.transmission), "transmission"),
             (some(&surface.diffuse_transmission), "diffuse transmission"),
+            (surface.film.as_ref().is_some_and(|film| some(&film.weight)), "film"),
             (some(&surface.coat), "coat"),
             (lit(&surface.sheen_color), "sheen"),
         ];
@@ -95,17 +99,28 @@ fn textures(surface: &StandardSurface) -> Vec<TextureReport> {
         Opacity::Opaque => None,
         Opacity::Mask { alpha, .. } | Opacity::Blend { alpha } => scalar("opacity", alpha),
     };
+    let (film, anisotropy) = (surface.film.as_ref(), surface.anisotropy.as_ref());
+    let coat_normal = match &surface.coat_normal {
+        CoatNormal::Base | CoatNormal::Smooth => None,
+        CoatNormal::Map(input, _) => Some(input),
+    };
     let all = [
         colour("base colour", &surface.base_color),
         scalar("metallic", &surface.metallic),
         scalar("roughness", &surface.roughness),
         scalar("specular", &surface.specular),
         colour("specular colour", &surface.specular_color),
+        colour("metal edge", &surface.metal_edge),
+        anisotropy.and_then(|found| scalar("anisotropy", &found.strength)),
+        input("anisotropy direction", anisotropy.and_then(|found| found.direction.as_ref())),
         scalar("transmission", &surface.transmission),
         scalar("diffuse transmission", &surface.diffuse_transmission),
         colour("diffuse transmission colour", &surface.diffuse_transmission_color),
+        film.and_then(|film| scalar("film", &film.weight)),
+        film.and_then(|film| scalar("film thickness", &film.thickness_nm)),
         scalar("coat", &surface.coat),
         scalar("coat roughness", &surface.coat_roughness),
+        input("coat normal", coat_normal),
         colour("sheen", &surface.sheen_color),
         scalar("sheen roughness", &surface.sheen_roughness),
         input("normal", surface.normal.as_ref().map(|(input, _)| input)),
@@ -124,6 +139,7 @@ fn report(of: &'static str, input: &TextureInput) -> TextureReport {
 mod tests {
     use super::*;
     use crate::scene::texture::{Channel, Encoding, Filter, Texels, TextureInput, Wrap};
+    use crate::scene::{Anisotropy, AnisotropyLaw, Film};
     use std::sync::Arc;
 
     fn input(name: &str) -> TextureInput {
@@ -173,6 +189,16 @@ mod tests {
                 .text()
                 .contains(": metal, base colour (0.5, 0.25, 0) x colours of vertices x paint.png")
         );
+        rich.metal_edge = Colour { factor: [1.0, 0.5, 0.5], texture: Some(input("edge.png")) };
+        rich.film = Some(Film { weight: textured(1.0, "film.png"), ior: 1.3, thickness_nm: textured(400.0, "nm.png") });
+        let (law, direction) = (AnisotropyLaw::Gltf, Some(input("brush.png")));
+        let strength = textured(0.5, "brush.png");
+        rich.anisotropy = Some(Anisotropy { strength, law, rotation_rad: 0.0, direction });
+        rich.coat_normal = CoatNormal::Map(input("flakes.png"), 1.0);
+        let text = LookReport::new(&rich, true).text();
+        let part = ", anisotropy, metal edge, film, coat, cut out, metal edge edge.png, anisotropy brush.png, anisotropy direction \
+             brush.png, film film.png, film thickness nm.png, coat normal flakes.png, normal bumps.png";
+        assert!(text.contains(part), "{text}");
         // Nothing to multiply with.
         assert!(!LookReport::new(&rich, false).vertex_colors);
     }

@@ -35,7 +35,7 @@ pub fn is_light(name: &str) -> bool {
 /// pictures, whatever they are called.
 pub fn is_data(name: &str) -> bool {
     let base = name.strip_suffix("_seen").unwrap_or(name);
-    ["Z", "normal", "position", "albedo", "id", "normal_geometric", "uv", "opacity", "seethrough"]
+    ["Z", "normal", "position", "albedo", "id", "normal_geometric", "uv", "opacity", "motion", "seethrough"]
         .iter()
         .any(|data| base.strip_suffix(data).is_some_and(|before| before.is_empty() || before.ends_with('_')))
 }

@@ -303,6 +303,7 @@ pub const KINDS: &[Kind] = &[
     kind("finish", "rough", &["alpha"], "refracts and reflects at microfacets, from both sides, and absorbs nothing; acts on the faces of a medium"),
     kind("finish", "lambert", &["reflectance", "transmittance", "color", "color_texture", "texture_set", "texture_scale"], "scatters diffusely"),
     kind("finish", "surface", &SURFACE, "an ordinary material, in layers, as glTF 2.0 and OpenPBR have it: a body or a metal under facets, a film, a coat and fibres; each number or colour times its texture"),
+    kind("finish", "material", &[], "as the face's own material says, as where nothing is bound"),
     kind("finish", "gauss", &["sigma_deg", "reflectance", "transmittance"], "Gaussian lobe about the specular directions"),
     kind("finish", "cos_m", &["m", "reflectance", "transmittance"], "lobe cosᵐ about the specular directions: share·(m + 2)/2π·cosᵐ of light that falls straight on"),
     kind("finish", "abg", &["a", "b", "g", "reflectance"], "ABg (Harvey–Shack) scatter of polish or blackened metal about what it reflects specularly; absorbs the rest"),

@@ -8,7 +8,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 
 /// At one frame a second, a frame is a second.
 fn at(frame: f64) -> ReadOptions {
-    ReadOptions { frame: Some(frame), fps: Some(1.0), animation: None }
+    ReadOptions { frame: Some(frame), fps: Some(1.0), animation: None, ..ReadOptions::default() }
 }
 
 fn has_note(assembly: &Assembly, text: &str) -> bool {
@@ -85,8 +85,12 @@ fn frames_are_counted_and_animations_chosen() {
     other["channels"] = json!([]);
     builder.push("animations", other);
     let size = |options: &ReadOptions| builder.read_at(options).map(|found| found.nodes[0].to_world.matrix3.x_axis.x);
-    let asked =
-        |frame, fps, animation: Option<&str>| ReadOptions { frame, fps, animation: animation.map(str::to_owned) };
+    let asked = |frame, fps, animation: Option<&str>| ReadOptions {
+        frame,
+        fps,
+        animation: animation.map(str::to_owned),
+        ..ReadOptions::default()
+    };
     assert_eq!(size(&asked(Some(12.0), None, None)).unwrap(), 2.0, "24 frames a second");
     assert_eq!(size(&asked(Some(12.0), Some(48.0), Some("go"))).unwrap(), 1.5);
     assert_eq!(size(&asked(Some(12.0), None, Some("stay"))).unwrap(), 1.0);

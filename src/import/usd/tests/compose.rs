@@ -155,3 +155,62 @@ def Mesh "Plain" {{ {SQUARE} }}"#
     assert_eq!(material("Pts[1]/Far"), Some("Out"));
     assert_eq!(material("Pts[2]/Plain"), None);
 }
+
+/// A layer in metres, y up, below one in millimetres, z up.
+#[test]
+fn a_reference_that_scales_and_turns_puts_units_right() {
+    let said = |ops: &str| {
+        let root = format!(
+            "(\n metersPerUnit = 0.001\n upAxis = \"Z\"\n)\ndef Xform \"A\" ( prepend references = @./b.usda@ ) {{\n{ops}\n}}\n"
+        );
+        let part = "(\n defaultPrim = \"P\"\n metersPerUnit = 1\n upAxis = \"Y\"\n)\ndef Xform \"P\" { }\n";
+        notes(&Folder::new(&[("a.usda", &root), ("b.usda", part)]).read(None).unwrap())
+    };
+    let scale = |by: &str| format!("float3 xformOp:scale = ({by}, {by}, {by})\n");
+    let order = "uniform token[] xformOpOrder = [\"xformOp:rotateX\", \"xformOp:scale\"]\n";
+    let turn = "float xformOp:rotateX = 90\n";
+    let right = said(&format!("{}{turn}{order}", scale("1000")));
+    assert!(!right.contains("USD does not"), "{right}");
+    let scaled_wrong = said(&format!("{}{turn}{order}", scale("100")));
+    assert!(scaled_wrong.contains("USD does not rescale") && !scaled_wrong.contains("turn it"), "{scaled_wrong}");
+    let nothing = said("");
+    assert!(nothing.contains("USD does not rescale") && nothing.contains("USD does not turn it"), "{nothing}");
+}
+
+/// A prim whose variants come from the file that it refers to, one of which has variants of its own.
+#[test]
+fn variants_are_chosen() {
+    let root = "def Xform \"A\" (\n prepend references = @./b.usda@\n variants = { string paint = \"red\" }\n) { }\n";
+    let part = "(\n defaultPrim = \"P\"\n)\ndef Xform \"P\" (\n prepend variantSets = [\"paint\", \"size\"]\n variants = { string size = \"small\" }\n) {\n\
+         variantSet \"paint\" = { \"red\" { def Xform \"Red\" { } } \"blue\" { def Xform \"Blue\" (\n prepend variantSets = \"tone\"\n) {\n\
+         variantSet \"tone\" = { \"light\" { def Xform \"Light\" { } } \"dark\" { def Xform \"Dark\" { } } }\n } } }\n\
+         variantSet \"size\" = { \"small\" { def Xform \"Small\" { } } \"large\" { def Xform \"Large\" { } } }\n}\n";
+    let folder = Folder::new(&[("a.usda", root), ("b.usda", part)]);
+    let read = |choices: &[&str]| {
+        let variants = choices.iter().map(|text| crate::import::VariantChoice::parse(text).unwrap()).collect();
+        folder.read_with(&crate::import::ReadOptions { variants, ..Default::default() })
+    };
+    let found = |choices: &[&str]| {
+        let found = read(choices).unwrap();
+        let mut paths = paths(&found);
+        paths.sort_unstable();
+        paths.join(" ")
+    };
+    assert_eq!(found(&[]), "A A/Red A/Small");
+    assert_eq!(found(&["/A{size=large}"]), "A A/Large A/Red");
+    assert_eq!(found(&["A{paint=blue}", "A/Blue{tone=dark}"]), "A A/Blue A/Blue/Dark A/Small");
+    let fault = |choice: &str| read(&[choice]).unwrap_err();
+    assert_eq!(
+        fault("/A{paint=bleu}"),
+        "--variant /A{paint=bleu}: the variant set paint of /A has no `bleu`; expected one of blue, red; did you mean `blue`?"
+    );
+    assert_eq!(
+        fault("/A{pain=red}"),
+        "--variant /A{pain=red}: /A has no variant set `pain`; expected one of paint (blue, red), size (large, small); did you \
+         mean `paint`?"
+    );
+    for host in ["/A/Small", "/Nobody"] {
+        let fault = fault(&format!("{host}{{size=large}}"));
+        assert!(fault.contains("is no prim with variants"), "{fault}");
+    }
+}

@@ -21,8 +21,10 @@ impl Folder {
         Folder { folder, root: files[0].0.to_owned() }
     }
     pub fn read(&self, frame: Option<f64>) -> Result<Assembly, String> {
-        read(&self.folder.path().join(&self.root), &ReadOptions { frame, ..ReadOptions::default() })
-            .map_err(|fault| fault.to_string())
+        self.read_with(&ReadOptions { frame, ..ReadOptions::default() })
+    }
+    pub fn read_with(&self, options: &ReadOptions) -> Result<Assembly, String> {
+        read(&self.folder.path().join(&self.root), options).map_err(|fault| fault.to_string())
     }
 }
 
