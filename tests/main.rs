@@ -18,6 +18,7 @@ mod oracle_slabs;
 mod oracle_thinfilm;
 
 // Light.
+mod displays;
 mod doublet;
 mod generated;
 mod hud;

@@ -151,13 +151,14 @@ impl Builder<'_> {
     }
 
     fn face(&mut self, part: &Candidate, number: usize, slots: &Slots, to_world: &DAffine3) -> Result<Face> {
+        let shines = slots.get(Slot::Emitter).is_some_and(|won| won.entry.value.text() != Some("none"));
         let finish = match slots.get(Slot::Finish) {
             Some(won) => match optics::finish(&won.entry.value, &mut self.notes)? {
                 FinishSpec::Given(finish) => finish,
                 FinishSpec::Measured { file, at } => self.measured_finish(&file, &at)?,
                 FinishSpec::Surface { surface, at } => Finish::Surface { surface: self.given_surface(*surface, &at)? },
             },
-            None if slots.get(Slot::Slide).is_some() => Finish::None,
+            None if slots.get(Slot::Slide).is_some() && !shines => Finish::None,
             None => Finish::Surface { surface: self.own_surface(part, number)? },
         };
         let shape = match slots.get(Slot::Shape) {

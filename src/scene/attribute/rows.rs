@@ -230,7 +230,7 @@ pub const ROWS: &[Row] = &[
     new(Emitter, "angle_deg", Number, "deg", Any, "direction of polarisation, from u, counter-clockwise as seen from the front"),
     new(Emitter, "degree", Number, "", Within(0.0, 1.0), "degree of polarisation"),
     // A thin transmissive picture on a face.
-    new(Slide, "slide", Thing(&SLIDE), "", Any, "{ image, size, u, v, centre, transmittance, contrast }"),
+    new(Slide, "slide", Thing(&SLIDE), "", Any, "{ image, size, u, v, centre, transmittance, contrast }; on a face with an emitter, the picture of a display"),
     new(Slide, "name", Text, "", Any, "name of a slide of the asset"),
     new(Slide, "image", File, "", Any, "picture with linear values, PNG of 8 or 16 bits or EXR"),
     new(Slide, "layer", Text, "", Any, "layer of an EXR file that has several").or("the default image"),
