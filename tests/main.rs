@@ -33,6 +33,7 @@ mod witness;
 
 // Layers.
 mod aov;
+mod crop;
 mod cryptomatte;
 mod layer_errors;
 mod mix;

@@ -80,6 +80,13 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     if let Some(resolution) = args.resolution {
         scene.eye.resolution = resolution;
     }
+    if let Some(crop) = args.crop
+        && !crop.fits(scene.eye.resolution)
+    {
+        let [width, height] = scene.eye.resolution;
+        return Err(Fault::new(Where::Option(format!("--crop {crop}")), "reaches out of the picture")
+            .expected(format!("a part of {width} x {height} pixels")));
+    }
     let checked = check(&scene)?;
     check_layers(&args.layers, &scene.groups)?;
     let mut world = World::freeze(&scene)?;
@@ -116,6 +123,8 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     world.sieve = sieve;
     plan.errors = args.errors(&named_layers);
     let mut limits = args.limits();
+    // Only now: plan and pilots are those of the whole picture, so that the part has its bits.
+    world.eye.crop = args.crop;
     // The time that was asked for includes the import, the plan and its pilots.
     limits.time = limits.time.map(|time| time.saturating_sub(start.elapsed()));
     let size = scene.eye.resolution;
@@ -145,7 +154,8 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         groups,
         size,
         seed: args.seed_of_passes(),
-        watch: (!args.no_witness).then_some(guide),
+        // What naive paths find is about the whole picture.
+        watch: (!args.no_witness && args.crop.is_none()).then_some(guide),
         may_change: ours && args.shard.is_none() && args.checkpoint.is_none(),
     };
     let name = |group: GroupId| scene.group(group).name.clone();
@@ -189,7 +199,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     frame.meta.insert("planHash".to_owned(), Meta::Text(frozen.hash));
     add_meta(&mut frame, &scene, &plan, &outcome, args.seed_of_passes(), &finished.splits);
     add_sharpness(&mut frame, &sharpness);
-    add_witness(&mut frame, judgement.as_ref(), !args.no_witness, &ending.lines);
+    add_witness(&mut frame, judgement.as_ref(), !args.no_witness && args.crop.is_none(), &ending.lines);
     if args.convergence {
         let errors = serde_json::json!(progress.errors()).to_string();
         frame.meta.insert("convergence".to_owned(), Meta::Text(errors));
@@ -203,6 +213,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         if pool.install(|| chains.add(&mut frame, (&checked, &world), outcome.films.passes, &stop)).is_none() {
             frame.meta.insert("chainsMissing".to_owned(), Meta::Text("stopped before they were traced".to_owned()));
         }
+        head.finishing.wanted.cut(&mut frame);
         write_exr(&args.output, &frame)?
     };
     ending.warnings.splice(0..0, traced_again);
