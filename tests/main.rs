@@ -42,6 +42,7 @@ mod mix;
 mod author;
 mod examples;
 mod hostile;
+mod prescriptions;
 mod usd_out;
 mod usd_survive;
 

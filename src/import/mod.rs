@@ -29,6 +29,7 @@ pub mod optics; // readers of the attribute vocabulary
 mod outline; // the geometry alone
 mod patch; // changing a value in place
 pub mod photometric; // IES LM-63 and EULUMDAT
+pub mod prescription; // lens files of design programs
 mod scene_images; // slides and panoramas
 pub mod select; // which parts and faces a selector means
 pub mod set; // --set
