@@ -16,8 +16,8 @@
 //! # }
 //! ```
 
-pub use crate::base::fault::Result;
-pub use crate::base::{Fault, Where};
+pub use crate::base::error::Result;
+pub use crate::base::{Error, Where};
 pub use crate::check::finding::{Finding, Level};
 pub use crate::estimate::run::{Films, Limits, Outcome, Status, Stop};
 pub use crate::film::frame::Frame;

@@ -122,8 +122,8 @@ fn modules_import_only_from_lower_floors() {
 
 #[test]
 fn the_test_finds_planted_arrows() {
-    assert_eq!(wrong_arrows("world", "use crate::{base::Fault, estimate::walk};"), ["estimate"]);
+    assert_eq!(wrong_arrows("world", "use crate::{base::Error, estimate::walk};"), ["estimate"]);
     assert_eq!(wrong_arrows("scene", "fn f() { let x = crate::film::plan::Plan; }"), ["film"]);
     assert_eq!(wrong_arrows("import", "fn f() { println!(\"{}\", crate::output::X); }"), ["output"]);
-    assert!(wrong_arrows("cmd", "use crate::estimate::run; use crate::base::Fault;").is_empty());
+    assert!(wrong_arrows("cmd", "use crate::estimate::run; use crate::base::Error;").is_empty());
 }

@@ -6,8 +6,8 @@ mod picture; // the files of pictures
 pub mod schema; // JSON and USD schemas from the attribute table
 pub mod usd; // .usda, .usdc and .usdz
 
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::scene::Note;
 use crate::scene::annotation::Annotation;
 use crate::scene::assembly::Assembly;
@@ -51,7 +51,7 @@ pub fn annotate(assembly: &Assembly, annotation: &Annotation, out: &Path) -> Res
     let (own, new) = (writer(&assembly.file)?, writer(out)?);
     if own.name != new.name {
         let what = format!("an annotated copy of {} is {}, not {}", assembly.file.display(), own.name, new.name);
-        return Err(Fault::new(Where::file(out), what)
+        return Err(Error::new(Where::file(out), what)
             .expected(format!("one of {}; `eyebox convert` changes the format", dotted(own.extensions))));
     }
     (own.annotate)(assembly, annotation, out)
@@ -61,7 +61,7 @@ fn writer(file: &Path) -> Result<&'static Writer> {
     let extension = file.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
     WRITERS.iter().find(|writer| writer.extensions.contains(&extension.as_str())).ok_or_else(|| {
         let known: Vec<String> = WRITERS.iter().map(|writer| dotted(writer.extensions)).collect();
-        Fault::new(Where::file(file), "is of no format that can be written").expected(known.join(", "))
+        Error::new(Where::file(file), "is of no format that can be written").expected(known.join(", "))
     })
 }
 

@@ -1,9 +1,9 @@
 //! The files of an assembly's pictures, taken as they are: encoded bytes, what kind they are, and free names for them.
 
 use crate::base::atomic::write_atomic;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::relative_path::folder_of;
-use crate::base::{Fault, Where, package};
+use crate::base::{Error, Where, package};
 use crate::scene::Texture;
 use crate::scene::texture::{Channel, Encoding, PictureKey, PictureSource, Texels};
 use image::{ColorType, ImageDecoder, ImageReader};
@@ -139,7 +139,7 @@ pub fn save(pictures: &[(PathBuf, Encoded)]) -> Result<Vec<PathBuf>> {
         }
         let folder = folder_of(file);
         std::fs::create_dir_all(&folder).map_err(|error| {
-            Fault::new(Where::file(&folder), format!("the folder of the pictures cannot be made: {error}"))
+            Error::new(Where::file(&folder), format!("the folder of the pictures cannot be made: {error}"))
         })?;
         write_atomic(file, &picture.bytes)?;
     }

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 
 /// Writes `bytes` under a temporary name (`NAME.tmpXXXXXX`) beside `path`, flushes them to disk and renames. A reader
 /// never sees half a file, an existing file stays whole until the new one is complete, and on an error nothing is
@@ -34,20 +34,20 @@ pub fn check_writable(path: &Path) -> Result<()> {
 /// A rename goes over a directory's owner's rights, not the file's own: those are asked here.
 fn refuse(path: &Path) -> Result<()> {
     match path.metadata() {
-        Ok(known) if known.is_dir() => Err(Fault::new(Where::file(path), "is a folder").expected("a file name")),
+        Ok(known) if known.is_dir() => Err(Error::new(Where::file(path), "is a folder").expected("a file name")),
         Ok(known) if known.permissions().readonly() => {
-            Err(Fault::new(Where::file(path), "is a read-only file").expected("another name, or a file to write to"))
+            Err(Error::new(Where::file(path), "is a read-only file").expected("another name, or a file to write to"))
         }
         // What can't be looked at is left to the attempt.
         Ok(_) | Err(_) => Ok(()),
     }
 }
 
-fn fault(path: &Path, error: &io::Error) -> Box<Fault> {
+fn fault(path: &Path, error: &io::Error) -> Box<Error> {
     // `tempfile` adds ` at path "…"` with the temporary name, which nobody has heard of.
     let text = error.to_string();
     let why = text.split(" at path \"").next().unwrap_or(&text);
-    Fault::new(Where::file(path), format!("cannot be written: {why}")).expected(expected(path))
+    Error::new(Where::file(path), format!("cannot be written: {why}")).expected(expected(path))
 }
 
 fn try_write(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {

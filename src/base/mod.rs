@@ -8,7 +8,7 @@ pub mod colour;
 pub mod complex;
 pub mod document; // JSON that says who made it
 pub mod double_double; // sums that do not depend on their pieces
-pub mod fault;
+pub mod error;
 pub mod glb;
 pub mod ids;
 pub mod lattice; // points that are even however many there are
@@ -30,5 +30,5 @@ pub mod weld; // which vertices are one point
 
 pub use code::Code;
 pub use complex::Complex;
-pub use fault::{Fault, Result, Where, nearest_name};
+pub use error::{Error, Result, Where, nearest_name};
 pub use shared::Shared;

@@ -9,7 +9,7 @@ pub mod rule;
 pub mod rules; // one file each
 pub mod subject; // what rules look at
 
-use crate::base::{Code, Fault, Result, Where};
+use crate::base::{Code, Error, Result, Where};
 use crate::film::names::{self, Clash};
 use crate::scene::{AbgLaw, Finish, Scene};
 
@@ -51,7 +51,7 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
         let mesh = scene.mesh(part.mesh);
         if part.faces.len() != mesh.faces.len() {
             let text = format!("{} faces are bound but the mesh has {}", part.faces.len(), mesh.faces.len());
-            return Err(Fault::new(Where::part(&part.path), text));
+            return Err(Error::new(Where::part(&part.path), text));
         }
         for (index, face) in part.faces.iter().enumerate() {
             check_face(scene, part, index, face)?;
@@ -62,7 +62,7 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
             if !(n.re.is_finite() && n.re >= 1.0 && n.re <= 10.0 && n.im >= 0.0) {
                 let nm = scene.wavelengths.traced_nm();
                 let text = format!("impossible refractive index {} of `{}` at {nm} nm", n.re, medium.name);
-                return Err(Fault::new(Where::part(&part.path), text).expected("1 to 10").code(Code::IndexImpossible));
+                return Err(Error::new(Where::part(&part.path), text).expected("1 to 10").code(Code::IndexImpossible));
             }
         }
     }
@@ -71,13 +71,13 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
             scene.parts.iter().find(|p| p.faces.iter().flat_map(|f| &f.emitter).any(|e| e.group == sky.group))
     {
         let text = format!("its emitter has the light group `{}` of the sky", scene.group(sky.group).name);
-        return Err(Fault::new(Where::part(&part.path), text).expected("a group of its own").code(Code::GroupUnusable));
+        return Err(Error::new(Where::part(&part.path), text).expected("a group of its own").code(Code::GroupUnusable));
     }
     if let Some(sky) = &scene.sky
         && let Some(light) = scene.lights.iter().find(|light| light.group == sky.group)
     {
         let text = format!("the light has the light group `{}` of the sky", scene.group(sky.group).name);
-        return Err(Fault::new(Where::part(&light.name), text)
+        return Err(Error::new(Where::part(&light.name), text)
             .expected("a group of its own")
             .code(Code::GroupUnusable));
     }
@@ -128,7 +128,7 @@ fn check_groups(scene: &Scene) -> Result<()> {
         None => Ok(()),
         Some(Clash { layer, causes: [one, other] }) => {
             let text = format!("the layer `{layer}` would be {one} and {other}");
-            Err(Fault::new(Where::Option("light groups".to_owned()), text)
+            Err(Error::new(Where::Option("light groups".to_owned()), text)
                 .expected("another name for one of the groups")
                 .code(Code::GroupUnusable))
         }
@@ -137,7 +137,7 @@ fn check_groups(scene: &Scene) -> Result<()> {
 
 fn check_eye(scene: &Scene) -> Result<()> {
     let eye = &scene.eye;
-    let fault = |what: String| Fault::new(Where::Option("eye".to_owned()), what).code(Code::EyeImpossible);
+    let fault = |what: String| Error::new(Where::Option("eye".to_owned()), what).code(Code::EyeImpossible);
     if !(eye.position.is_finite() && eye.look.is_finite() && eye.up.is_finite()) {
         return Err(fault("the eye's position or directions are not finite".to_owned()));
     }
@@ -170,7 +170,7 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
             let sum = reflectance + transmittance;
             if !(reflectance >= 0.0 && transmittance >= 0.0 && sum <= 1.0 + 1e-12) {
                 let text = format!("reflectance {reflectance} + transmittance {transmittance} gains energy");
-                return Err(Fault::new(at(), text)
+                return Err(Error::new(at(), text)
                     .expected("each 0 to 1, the sum at most 1")
                     .code(Code::ScatterGainsEnergy));
             }
@@ -179,60 +179,60 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
             let shares = [transmittance, extinction].iter().all(|share| (0.0..=1.0).contains(share));
             if !shares || axis.try_normalize().is_none() {
                 let text = format!("a polariser about {axis} with T {transmittance} and extinction {extinction}");
-                return Err(Fault::new(at(), text).expected("a direction, and shares of 0 to 1"));
+                return Err(Error::new(at(), text).expected("a direction, and shares of 0 to 1"));
             }
         }
         Finish::Retarder { axis, retardance_nm } => {
             if axis.try_normalize().is_none() || !retardance_nm.is_finite() {
                 let text = format!("a retarder about {axis} of {retardance_nm} nm");
-                return Err(Fault::new(at(), text).expected("a direction, and a finite path"));
+                return Err(Error::new(at(), text).expected("a direction, and a finite path"));
             }
         }
         Finish::MirrorIdeal { reflectance } => {
             if !(0.0..=1.0).contains(&reflectance) {
-                return Err(Fault::new(at(), format!("reflectance {reflectance}")).expected("0 to 1"));
+                return Err(Error::new(at(), format!("reflectance {reflectance}")).expected("0 to 1"));
             }
         }
         Finish::MirrorMetal { n, k } => {
             if !(n > 0.0 && k >= 0.0 && n.is_finite() && k.is_finite()) {
-                return Err(Fault::new(at(), format!("metal index {n} + {k}i"))
+                return Err(Error::new(at(), format!("metal index {n} + {k}i"))
                     .expected("n > 0, k ≥ 0")
                     .code(Code::IndexImpossible));
             }
         }
         Finish::Rough { alpha } => {
             if !(1e-4..=1.0).contains(&alpha) {
-                return Err(Fault::new(at(), format!("roughness {alpha}")).expected("1e-4 to 1"));
+                return Err(Error::new(at(), format!("roughness {alpha}")).expected("1e-4 to 1"));
             }
         }
         Finish::Abg { a, b, g, reflectance } => {
             let Some(law) = AbgLaw::new([a, b, g]).filter(|_| (0.0..=1.0).contains(&reflectance)) else {
                 let text = format!("ABg with A {a}, B {b}, g {g}, R {reflectance}");
-                return Err(Fault::new(at(), text).expected("A >= 0, B > 0, g >= 0, A/B finite, R 0 to 1"));
+                return Err(Error::new(at(), text).expected("A >= 0, B > 0, g >= 0, A/B finite, R 0 to 1"));
             };
             // Straight on, the whole of the lobe is above the horizon: nowhere is it more.
             let total = law.total(0.0) + reflectance;
             if total.is_nan() || total > 1.0 + 1e-9 {
                 let text = format!("ABg with A {a}, B {b}, g {g}, R {reflectance} sends out {total:.6} of the light");
-                return Err(Fault::new(at(), text)
+                return Err(Error::new(at(), text)
                     .expected("at most 1, by a smaller A or R or a larger B")
                     .code(Code::ScatterGainsEnergy));
             }
         }
         Finish::Measured { table } => {
             if scene.scatters.get(table.index()).is_none() {
-                return Err(Fault::new(at(), "measured scattering without its table"));
+                return Err(Error::new(at(), "measured scattering without its table"));
             }
         }
         Finish::Surface { surface } => {
             if scene.surfaces.get(surface.index()).is_none() {
-                return Err(Fault::new(at(), "a standard surface without its parameters"));
+                return Err(Error::new(at(), "a standard surface without its parameters"));
             }
         }
         Finish::None | Finish::Polished | Finish::Absorber => {}
     }
     if face.coating.is_some() && face.finish != Finish::Polished {
-        return Err(Fault::new(at(), "a coating needs a polished face")
+        return Err(Error::new(at(), "a coating needs a polished face")
             .expected("finish = \"polished\"")
             .code(Code::CoatingNotPolished));
     }
@@ -243,7 +243,7 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
             && slide.contrast >= 1.0
             && slide.pixels.len() == slide.width * slide.height;
         if !sound {
-            return Err(Fault::new(at(), format!("slide `{}` has an impossible size or transmittance", slide.name))
+            return Err(Error::new(at(), format!("slide `{}` has an impossible size or transmittance", slide.name))
                 .code(Code::SlideWithoutSize));
         }
     }

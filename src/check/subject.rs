@@ -1,7 +1,7 @@
 //! What rules look at.
 
 use super::geometry::EdgesOfMeshes;
-use crate::base::{Code, Fault, Where};
+use crate::base::{Code, Error, Where};
 use crate::scene::assembly::Assembly;
 use crate::scene::value::Value;
 use crate::scene::{Face, Finish, Part, Scene, Shape};
@@ -39,7 +39,7 @@ pub struct Needed {
 #[derive(Debug, Clone)]
 pub struct Refusal {
     pub stage: Stage,
-    pub fault: Box<Fault>,
+    pub fault: Box<Error>,
 }
 
 /// Steps of the corridor from a path to a world.

@@ -4,7 +4,7 @@ use super::bench_choice::{self, ChoiceArgs};
 use super::bench_curve::{self, CurveArgs};
 use super::print_text;
 use crate::base::document::document;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::bench::curve::asset::Form;
 use crate::bench::stress::{self, Kind, table};
 use clap::{Args, ValueEnum};
@@ -89,10 +89,10 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode> {
         return bench_curve::run(&args.curve, args.format.form());
     }
     if !args.stress {
-        return Err(Fault::new(Where::Nowhere, "nothing to measure").expected("assets, --generate, or --stress"));
+        return Err(Error::new(Where::Nowhere, "nothing to measure").expected("assets, --generate, or --stress"));
     }
     if matches!(args.format, BenchFormat::Csv | BenchFormat::Svg) {
-        return Err(Fault::new(Where::Option("--format".to_owned()), "a stress report has no such form")
+        return Err(Error::new(Where::Option("--format".to_owned()), "a stress report has no such form")
             .expected("text, json, markdown"));
     }
     let kinds = kinds(&args.only)?;
@@ -129,7 +129,7 @@ fn kinds(names: &[String]) -> Result<Vec<Kind>> {
         .iter()
         .map(|name| {
             Kind::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
-                Fault::new(Where::Option(format!("--only {name}")), "no such kind of case").expected(all.join(", "))
+                Error::new(Where::Option(format!("--only {name}")), "no such kind of case").expected(all.join(", "))
             })
         })
         .collect()

@@ -4,7 +4,7 @@ use super::bench_curve::CurveArgs;
 use super::print_text;
 use super::progress::Signals;
 use crate::base::document::document;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::bench::choice::{head, judge, line};
 use crate::bench::curve::asset::Form;
 use crate::bench::curve::race::Budget;
@@ -64,7 +64,7 @@ pub fn run(args: &ChoiceArgs, curve: &CurveArgs, form: Form) -> Result<Option<Ex
         Form::Text => false,
         Form::Csv | Form::Svg | Form::Markdown if args.generate.is_none() && args.error.is_none() => false,
         Form::Csv | Form::Svg | Form::Markdown => {
-            let fault = Fault::new(Where::Option("--format".to_owned()), "this report has no such form");
+            let fault = Error::new(Where::Option("--format".to_owned()), "this report has no such form");
             return Err(fault.expected("text, json"));
         }
     };
@@ -107,7 +107,7 @@ fn stated(error: f64, args: &ChoiceArgs, curve: &CurveArgs, json: bool) -> Resul
     let stop = || signals.caught().is_some();
     let (pool, task) = (curve.pool()?, curve.task()?);
     if seeds.is_none() && !curve.has_assets() {
-        let fault = Fault::new(Where::Option("--error".to_owned()), "there is nothing to trace");
+        let fault = Error::new(Where::Option("--error".to_owned()), "there is nothing to trace");
         return Err(fault.expected("an asset or --generate SEED..SEED"));
     }
     let mut reports: Vec<Stated> = Vec::new();

@@ -6,7 +6,7 @@ use super::render_args::parse_resolution;
 use super::source::sets;
 use super::threads::pool;
 use crate::base::atomic::{check_writable, write_atomic};
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::bench::curve::asset::{Form, Task, measure};
 use crate::bench::curve::race::Budget;
 use crate::bench::curve::reference::Source;
@@ -96,7 +96,7 @@ impl CurveArgs {
     }
 
     fn source(&self) -> Result<Source> {
-        let fault = |what: &str| Fault::new(Where::Option("--reference".to_owned()), what).expected("two EXR files");
+        let fault = |what: &str| Error::new(Where::Option("--reference".to_owned()), what).expected("two EXR files");
         match (self.reference.as_slice(), self.assets.len()) {
             ([], _) => {
                 let unsaid =
@@ -119,7 +119,7 @@ fn choice(option: &str, text: &str) -> Result<Choice> {
     let all = contenders();
     all.iter().copied().find(|choice| name(*choice) == text.trim()).ok_or_else(|| {
         let names: Vec<&str> = all.iter().copied().map(name).collect();
-        Fault::new(Where::Option(format!("{option} {text}")), "no such estimator")
+        Error::new(Where::Option(format!("{option} {text}")), "no such estimator")
             .expected(names.join(", "))
             .nearest(text, names)
     })
@@ -134,7 +134,7 @@ fn form_of(path: &Path) -> Result<Form> {
         Some("svg") => Ok(Form::Svg),
         Some("md") => Ok(Form::Markdown),
         Some(_) | None => {
-            Err(Fault::new(Where::file(path), "does not say its form")
+            Err(Error::new(Where::file(path), "does not say its form")
                 .expected("a name in .txt, .json, .csv, .svg, .md"))
         }
     }

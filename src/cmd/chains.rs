@@ -1,7 +1,7 @@
 //! `render --chain`: layers that hold the light of one way through the faces.
 
 use super::render_args::RenderArgs;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::check::{Checked, check};
 use crate::estimate::ShouldStop;
 use crate::estimate::picture::possible_layers;
@@ -34,7 +34,7 @@ impl Chains {
             let name = paths::layer_name(text)?;
             if !names.insert(name.to_owned()) {
                 let at = Where::Option(format!("--chain {text}"));
-                return Err(Fault::new(at, format!("there is a layer `{name}` already")).expected("another name"));
+                return Err(Error::new(at, format!("there is a layer `{name}` already")).expected("another name"));
             }
         }
         let mut scene = scene.clone();

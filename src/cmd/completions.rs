@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use super::Cli;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use clap::CommandFactory;
 use clap_complete::Shell;
 

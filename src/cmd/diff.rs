@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::{Format, print};
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::frame::Frame;
 use crate::output::compare::{
     Comparison, Deviation, Deviations, LayerDifference, Verdict, compare_blocks, weighted_sum, within,
@@ -69,7 +69,7 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode> {
         [b] if args.weights.is_empty() => b,
         [_, _, ..] if args.weights.is_empty() => {
             let at = Where::Option(args.b.get(1).map_or(String::new(), |path| path.display().to_string()));
-            return Err(Fault::new(at, "two frames are compared, here are more").expected("--weights with --within"));
+            return Err(Error::new(at, "two frames are compared, here are more").expected("--weights with --within"));
         }
         _ => &weighted_sum(&others, &args.weights)?,
     };

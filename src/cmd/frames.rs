@@ -1,6 +1,6 @@
 //! Which frames a sequence has, and how their files are called.
 
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use std::path::{Path, PathBuf};
 
 /// Most frames of one sequence.
@@ -114,7 +114,7 @@ impl Pattern {
     /// Errors: no place for a number in the name, several, or one in a folder's name.
     pub fn of(path: &Path) -> Result<Pattern> {
         let fault = |what: &str| {
-            Fault::new(Where::file(path), what).expected(
+            Error::new(Where::file(path), what).expected(
                 "a name like hud.####.exr, hud.%04d.exr or hud.$F4.exr: one place for the number in the file's name",
             )
         };
@@ -153,7 +153,7 @@ pub fn named(path: &Path, frame: Option<f64>) -> Result<PathBuf> {
         return Ok(path.to_owned());
     }
     let pattern = Pattern::of(path)?;
-    let fault = |what: &str| Fault::new(Where::file(path), what).expected("a whole time code, e.g. --frame 12");
+    let fault = |what: &str| Error::new(Where::file(path), what).expected("a whole time code, e.g. --frame 12");
     let frame = frame.ok_or_else(|| fault("has a place for the number of a frame, and no frame was named"))?;
     if frame.fract() != 0.0 || frame.abs() > 1e15 {
         return Err(fault("has a place for the number of a frame, and the frame is no whole number"));

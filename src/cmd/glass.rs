@@ -1,7 +1,7 @@
 //! `eyebox glass`: the catalogue of glasses, liquids, films and metals that attributes name.
 
 use super::{Format, print};
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::import::agf;
 use crate::scene::glass::{FDC_NM, Glass, all, find, names};
 use serde_json::{Value, json};
@@ -68,7 +68,7 @@ fn asked(args: &GlassArgs) -> Result<(Vec<Cow<'static, Glass>>, Vec<f64>)> {
             return Ok(Cow::Owned(from.read(&Where::Nowhere)?));
         }
         find(name).map(Cow::Borrowed).ok_or_else(|| {
-            Fault::new(Where::Nowhere, format!("unknown glass `{name}`"))
+            Error::new(Where::Nowhere, format!("unknown glass `{name}`"))
                 .expected("a name of the catalogue, which `eyebox glass` lists")
                 .nearest(name, names())
         })
@@ -93,7 +93,7 @@ fn like(text: &str) -> Result<Vec<Cow<'static, Glass>>> {
         }
     }
     if rows.is_empty() {
-        return Err(Fault::new(Where::Nowhere, format!("no glass has `{text}` in its name")).nearest(text, names()));
+        return Err(Error::new(Where::Nowhere, format!("no glass has `{text}` in its name")).nearest(text, names()));
     }
     Ok(rows.into_iter().map(Cow::Borrowed).collect())
 }

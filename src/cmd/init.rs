@@ -3,7 +3,7 @@
 use super::{Format, print};
 use crate::author;
 use crate::base::atomic::{check_writable, write_atomic};
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::import::template::{Template, skeleton};
 use crate::import::{build, prescription, toml};
 use crate::scene::Note;
@@ -44,10 +44,10 @@ pub struct InitArgs {
 /// Runs the command.
 pub fn run(args: &InitArgs) -> Result<ExitCode> {
     if args.output.exists() && !args.force {
-        return Err(Fault::new(Where::file(&args.output), "this file exists").expected("another name, or --force"));
+        return Err(Error::new(Where::file(&args.output), "this file exists").expected("another name, or --force"));
     }
     if args.output.extension().is_none_or(|e| e != "toml") {
-        return Err(Fault::new(Where::file(&args.output), "is no name for a sidecar").expected("NAME.optics.toml"));
+        return Err(Error::new(Where::file(&args.output), "is no name for a sidecar").expected("NAME.optics.toml"));
     }
     check_writable(&args.output)?;
     if prescription::is_prescription(&args.asset) {
@@ -66,7 +66,7 @@ impl InitArgs {
         let stem = name.strip_suffix(".optics.toml").or(name.strip_suffix(".toml")).unwrap_or(&name);
         let asset = self.output.with_file_name(format!("{stem}.glb"));
         if asset.exists() && !self.force {
-            return Err(Fault::new(Where::file(&asset), "this file exists").expected("another name, or --force"));
+            return Err(Error::new(Where::file(&asset), "this file exists").expected("another name, or --force"));
         }
         let made = prescription::make(&self.asset, &format!("{stem}.glb"))?;
         let sheet = toml::parse(&made.text, &self.output)?;

@@ -2,7 +2,7 @@
 
 use super::source::Source;
 use super::{Format, print};
-use crate::base::{Fault, Result};
+use crate::base::{Error, Result};
 use crate::check::check;
 use crate::import::deps::{Dependency, dependencies};
 use crate::import::{geometry, outline};
@@ -72,7 +72,7 @@ pub fn run(args: &InspectArgs) -> Result<ExitCode> {
 }
 
 /// What `render` would refuse before its first ray.
-fn refusal(scene: &Scene) -> Option<Box<Fault>> {
+fn refusal(scene: &Scene) -> Option<Box<Error>> {
     check(scene).err().or_else(|| World::freeze(scene).err())
 }
 
@@ -99,7 +99,7 @@ fn show(format: Format, tree: &AssemblyTree) -> Result<()> {
 
 impl InspectArgs {
     /// Shows what can be shown in spite of `fault`, if the asset itself can be read.
-    fn shown(&self, fault: Box<Fault>) -> Box<Fault> {
+    fn shown(&self, fault: Box<Error>) -> Box<Error> {
         if let (None, Ok(scene)) = (&self.explain, outline(&self.source.asset, &self.source.reading())) {
             let _ = show(self.format, &AssemblyTree::without_optics(&scene, &fault));
         }

@@ -4,7 +4,7 @@ use super::frames::{Frames, Pattern, named, parse_frames};
 use super::render_args::RenderArgs;
 use super::{Format, print};
 use crate::base::atomic::write_atomic;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::import::ReadOptions;
 use crate::import::deps::dependencies;
 use crate::output::job::{Job, yaml};
@@ -71,12 +71,12 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
     // openjd takes a template by its name for YAML or JSON.
     let ends = |wanted: &str| args.job.extension().is_some_and(|e| e.eq_ignore_ascii_case(wanted));
     if !["yaml", "yml", "json"].into_iter().any(ends) {
-        return Err(Fault::new(Where::Option(format!("--job {}", args.job.display())), "is no name for a template")
+        return Err(Error::new(Where::Option(format!("--job {}", args.job.display())), "is no name for a template")
             .expected("a name that ends in .yaml, .yml or .json"));
     }
     // What workers would find missing one by one.
     if let Err(error) = std::fs::metadata(&args.asset) {
-        return Err(Fault::new(Where::file(&args.asset), format!("cannot be read: {error}")));
+        return Err(Error::new(Where::file(&args.asset), format!("cannot be read: {error}")));
     }
     let files: Vec<PathBuf> = dependencies(&args.asset, &ReadOptions::default())?
         .into_iter()
@@ -94,7 +94,7 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
     let text = output.to_string_lossy();
     if Pattern::has_place(&output) != args.frames.is_some() {
         let what = format!("`{text}` and the frames do not fit each other");
-        return Err(Fault::new(Where::Option("--output".to_owned()), what)
+        return Err(Error::new(Where::Option("--output".to_owned()), what)
             .expected("hud.####.exr with --frames, hud.exr without"));
     }
     named(&output, args.frames.as_ref().map(|_| 0.0))?;
@@ -115,13 +115,13 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
     let words = plan_options.iter().chain(&args.render);
     if let Some(word) = words.clone().find(|word| word.contains("{{")) {
         let what = format!("`{word}` would be read as a format string by the farm");
-        return Err(Fault::new(Where::Option(word.clone()), what).expected("no {{ in options"));
+        return Err(Error::new(Where::Option(word.clone()), what).expected("no {{ in options"));
     }
     of_render_alone(&args.render)?;
     check_options(&plan_options, &args.render)?;
     if folder.parent().is_none() {
         let what = "and its files have no folder in common";
-        return Err(Fault::new(Where::file(&asset), what).expected("files below one folder, which workers get"));
+        return Err(Error::new(Where::file(&asset), what).expected("files below one folder, which workers get"));
     }
     let home = parent(&absolute(&args.job)?);
     let job = Job {
@@ -167,7 +167,7 @@ fn of_render_alone(render: &[String]) -> Result<()> {
     const OF_BOTH: [&str; 5] = ["--resolution", "--estimator", "--polarisation", "--unguided", "--set"];
     let of_both = |word: &&String| OF_BOTH.contains(&word.split('=').next().unwrap_or_default());
     render.iter().find(of_both).map_or(Ok(()), |word| {
-        Err(Fault::new(Where::Option(word.clone()), "is for the plan, too").expected("it before `--`"))
+        Err(Error::new(Where::Option(word.clone()), "is for the plan, too").expected("it before `--`"))
     })
 }
 
@@ -179,11 +179,11 @@ fn check_options(plan: &[String], render: &[String]) -> Result<()> {
     command
         .try_get_matches_from(words)
         .map(drop)
-        .map_err(|error| Fault::new(Where::Option("options of render".to_owned()), super::one_line(&error.to_string())))
+        .map_err(|error| Error::new(Where::Option("options of render".to_owned()), super::one_line(&error.to_string())))
 }
 
 fn absolute(path: &Path) -> Result<PathBuf> {
-    std::path::absolute(path).map_err(|error| Fault::new(Where::file(path), format!("has no absolute path: {error}")))
+    std::path::absolute(path).map_err(|error| Error::new(Where::file(path), format!("has no absolute path: {error}")))
 }
 
 fn parent(path: &Path) -> PathBuf {
@@ -202,7 +202,7 @@ fn below(path: &Path, home: &Path) -> Result<Option<String>> {
         Some("") => Ok(Some(".".to_owned())),
         Some(text) if !text.contains("{{") => Ok(Some(text.to_owned())),
         Some(_) | None => {
-            Err(Fault::new(Where::file(path), "cannot stand in a job template").expected("a Unicode path without {{"))
+            Err(Error::new(Where::file(path), "cannot stand in a job template").expected("a Unicode path without {{"))
         }
     }
 }

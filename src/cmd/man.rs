@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use super::Cli;
 use crate::base::atomic::write_atomic;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use clap::CommandFactory;
 use clap_mangen::Man;
 
@@ -30,7 +30,7 @@ pub fn run(args: &ManArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     };
     std::fs::create_dir_all(folder)
-        .map_err(|error| Fault::new(Where::file(folder), format!("cannot be made: {error}")).expected("a folder"))?;
+        .map_err(|error| Error::new(Where::file(folder), format!("cannot be made: {error}")).expected("a folder"))?;
     let mut written = Vec::new();
     for (name, page) in pages {
         let path = folder.join(name);
@@ -53,7 +53,7 @@ fn pages() -> Result<Vec<(String, String)>> {
         let mut out = Vec::new();
         // The date of a page is left out: the same program writes the same bytes.
         let page = Man::new(command).title(file.trim_end_matches(".1").to_uppercase()).date("");
-        page.render(&mut out).map_err(|error| Fault::new(Where::Nowhere, format!("{file}: {error}")))?;
+        page.render(&mut out).map_err(|error| Error::new(Where::Nowhere, format!("{file}: {error}")))?;
         Ok((file, String::from_utf8_lossy(&out).into_owned()))
     })
     .collect()

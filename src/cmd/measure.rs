@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::{Format, print};
-use crate::base::fault::{Result, Where};
+use crate::base::error::{Result, Where};
 use crate::output::exr::read_exr;
 use crate::output::measure::{Quantity, Target, measure};
 

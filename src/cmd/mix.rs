@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use super::{Format, print};
 use crate::base::atomic::check_writable;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::exr::is_exr;
 use crate::film::frame::Frame;
 use crate::film::still::{Remark, Still};
@@ -109,7 +109,7 @@ const SRGB_WHITE: f64 = 80.0;
 
 /// The picture of a plate. Errors: a file that can't be read, or without the layer.
 fn plate_of(path: &Path, layer: Option<&str>) -> Result<Still> {
-    let broken = |what: String| Fault::new(Where::file(path), format!("can't be a plate: {what}"));
+    let broken = |what: String| Error::new(Where::file(path), format!("can't be a plate: {what}"));
     let bytes = std::fs::read(path).map_err(|error| broken(error.to_string()))?;
     if is_exr(&bytes) {
         return Still::of_exr(&bytes, layer).map_err(broken);
@@ -127,7 +127,7 @@ fn plate_of(path: &Path, layer: Option<&str>) -> Result<Still> {
 fn mixed(args: &MixArgs) -> Result<(serde_json::Value, String)> {
     let ends = |wanted: &str| args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case(wanted));
     if !ends("exr") && !ends("png") {
-        return Err(Fault::new(Where::Option(format!("--output {}", args.output.display())), "not an EXR's name")
+        return Err(Error::new(Where::Option(format!("--output {}", args.output.display())), "not an EXR's name")
             .expected("a name that ends in .exr or .png"));
     }
     check_writable(&args.output)?;
@@ -196,7 +196,7 @@ fn recombine(args: &MixArgs, frame: &Frame, recipe: &mut Recipe) -> Result<(Mixe
 }
 
 /// A fault of a frame's contents gets the frame's name.
-fn within(mut fault: Box<Fault>, path: &Path) -> Box<Fault> {
+fn within(mut fault: Box<Error>, path: &Path) -> Box<Error> {
     if fault.at == Where::Nowhere {
         fault.at = Where::file(path);
     }

@@ -48,7 +48,7 @@ mod view;
 mod witnessed;
 
 use crate::author::Written;
-use crate::base::{Fault, Result};
+use crate::base::{Error, Result};
 use crate::scene::assembly::Assembly;
 use crate::scene::{Note, Severity};
 use clap::{Parser, Subcommand, ValueEnum};
@@ -129,7 +129,7 @@ pub fn main() -> ExitCode {
         Err(error) => {
             // Help and version go to stdout with 0; a usage error is one line on stderr with 2.
             if error.use_stderr() {
-                say(&Fault::new(crate::base::Where::Nowhere, one_line(&error.to_string())));
+                say(&Error::new(crate::base::Where::Nowhere, one_line(&error.to_string())));
             } else {
                 match printer::judged(error.print()) {
                     Ok(()) => {}
@@ -183,7 +183,7 @@ fn one_line(text: &str) -> String {
 }
 
 /// One line on stderr, red `error` on terminals that want colour.
-fn say(fault: &Fault) {
+fn say(fault: &Error) {
     let red = anstyle::AnsiColor::Red.on_default().bold();
     tell!("{red}error{red:#}: {fault}");
 }

@@ -5,7 +5,7 @@ use super::source::Source;
 use super::threads::Threads;
 use super::{Format, print};
 use crate::base::atomic::write_atomic;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::check::check;
 use crate::estimate::picture::plan_lines;
 use crate::plan::forecast::{Forecast, forecast};
@@ -73,7 +73,7 @@ fn traced(args: &PlanArgs) -> Result<ExitCode> {
     let forecast = forecast(&scene, &world, &frozen.plan)?;
     if let Some(path) = &args.output {
         let bytes = serde_json::to_vec_pretty(&frozen)
-            .map_err(|error| Fault::new(Where::file(path), format!("cannot be written: {error}")))?;
+            .map_err(|error| Error::new(Where::file(path), format!("cannot be written: {error}")))?;
         write_atomic(path, &bytes)?;
     }
     print(

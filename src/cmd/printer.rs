@@ -2,7 +2,7 @@
 
 use super::Format;
 use crate::base::document::document;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use serde_json::Value;
 use std::io::{ErrorKind, Write};
 
@@ -34,7 +34,7 @@ pub(super) fn judged(written: std::io::Result<()>) -> Result<()> {
     match written {
         Ok(()) => Ok(()),
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        Err(error) => Err(Fault::new(Where::Nowhere, format!("standard output can't be written: {error}"))),
+        Err(error) => Err(Error::new(Where::Nowhere, format!("standard output can't be written: {error}"))),
     }
 }
 

@@ -4,7 +4,7 @@ use super::source::Source;
 use super::threads::Threads;
 use super::{Format, print};
 use crate::base::atomic::check_writable;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::check::check;
 use crate::import::Built;
 use crate::output::rays::{self, Space};
@@ -86,7 +86,7 @@ fn traced(args: &RaysArgs) -> Result<ExitCode> {
         check_writable(output)?;
     }
     if let (Some(Start::Lamp), Some(_)) = (args.from, args.pixel) {
-        return Err(Fault::new(Where::Option("--pixel".to_owned()), "a pixel is looked through from the eye")
+        return Err(Error::new(Where::Option("--pixel".to_owned()), "a pixel is looked through from the eye")
             .expected("--from eye"));
     }
     let built = args.source.import()?;
@@ -97,7 +97,7 @@ fn traced(args: &RaysArgs) -> Result<ExitCode> {
     if let Some([x, y]) = args.pixel
         && (x >= width || y >= height)
     {
-        return Err(Fault::new(Where::Option(format!("--pixel {x},{y}")), "is not in the picture").expected(format!(
+        return Err(Error::new(Where::Option(format!("--pixel {x},{y}")), "is not in the picture").expected(format!(
             "0,0 to {},{}",
             width.saturating_sub(1),
             height.saturating_sub(1)

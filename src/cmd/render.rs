@@ -11,7 +11,7 @@ use super::shards::{Saver, checkpoint_of, resume};
 use super::witnessed::{Seen, Watched, traced};
 use crate::base::atomic::check_writable;
 use crate::base::ids::GroupId;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::check::{Checked, check};
 use crate::estimate::aov::{self, Granted};
 use crate::estimate::cryptomatte;
@@ -71,7 +71,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     check_destination(&args.output)?;
     if let Some(packing) = args.compression {
         let at = || Where::Option(format!("--compression {}", packing.name()));
-        packing.spares_data(args.multi_part).map_err(|text| Fault::new(at(), text).expected("--multi-part with it"))?;
+        packing.spares_data(args.multi_part).map_err(|text| Error::new(at(), text).expected("--multi-part with it"))?;
     }
     let pool = args.threads.pool()?;
     let Built { mut scene, layers: wishes, .. } = args.source.import()?;
@@ -84,7 +84,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
         && !crop.fits(scene.eye.resolution)
     {
         let [width, height] = scene.eye.resolution;
-        return Err(Fault::new(Where::Option(format!("--crop {crop}")), "reaches out of the picture")
+        return Err(Error::new(Where::Option(format!("--crop {crop}")), "reaches out of the picture")
             .expected(format!("a part of {width} x {height} pixels")));
     }
     let checked = check(&scene)?;
@@ -135,7 +135,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     if let Some((behind, _)) = &behind
         && behind.plan_hash != head.plan_hash
     {
-        return Err(Fault::new(Where::file(&checkpoint_of(&args.output)), "is of another plan").expected(frozen.hash));
+        return Err(Error::new(Where::file(&checkpoint_of(&args.output)), "is of another plan").expected(frozen.hash));
     }
     let start = match behind {
         Some((_, films)) => Start::Films(films),
@@ -161,7 +161,7 @@ pub fn one(args: &RenderArgs, signals: &Signals, partial: bool) -> Result<Ended>
     let name = |group: GroupId| scene.group(group).name.clone();
     let seen = pool.install(|| traced(&watched, (&mut plan, &name), start, &limits, &mut saver));
     let Some(Seen { mut outcome, judgement, warnings: traced_again }) = seen else {
-        return Err(Fault::new(Where::file(&saver.path), "keeps other sums than this run")
+        return Err(Error::new(Where::file(&saver.path), "keeps other sums than this run")
             .expected("the same options, or no file of this name"));
     };
     if outcome.stop == Stop::Asked {
@@ -265,7 +265,7 @@ fn stopped(args: &RenderArgs, when: &str) -> Ended {
 /// Fails early where the picture could not be written: an hour of tracing must not end in a typing error.
 fn check_destination(output: &Path) -> Result<()> {
     if output.extension().is_none_or(|e| !e.eq_ignore_ascii_case("exr")) {
-        return Err(Fault::new(Where::file(output), "is no name for an EXR file").expected("a name that ends in .exr"));
+        return Err(Error::new(Where::file(output), "is no name for an EXR file").expected("a name that ends in .exr"));
     }
     check_writable(output)
 }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use super::{Format, print};
 use crate::base::atomic::{check_writable, write_atomic};
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::frame::Frame;
 use crate::output::exr::read_exr;
 use crate::output::report::{Page, page};
@@ -35,7 +35,7 @@ pub struct ReportArgs {
 pub fn run(args: &ReportArgs) -> Result<ExitCode> {
     let is_html = |end: &std::ffi::OsStr| end.eq_ignore_ascii_case("html") || end.eq_ignore_ascii_case("htm");
     if !args.output.extension().is_some_and(is_html) {
-        return Err(Fault::new(Where::Option(format!("--output {}", args.output.display())), "not a page's name")
+        return Err(Error::new(Where::Option(format!("--output {}", args.output.display())), "not a page's name")
             .expected("a name that ends in .html"));
     }
     check_writable(&args.output)?;

@@ -7,7 +7,7 @@ use super::threads::Threads;
 use super::{Format, print};
 use crate::base::atomic::{check_writable, write_atomic};
 use crate::base::document::document;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::plan::Asked;
 use crate::plan::scan::light::LightAsked;
 use crate::plan::scan::table::{csv, lines};
@@ -151,7 +151,7 @@ fn table_of(path: &Path) -> Result<Table> {
         Table::Json
     } else {
         return Err(
-            Fault::new(Where::file(path), "is no name for a table").expected("a name that ends in .csv or .json")
+            Error::new(Where::file(path), "is no name for a table").expected("a name that ends in .csv or .json")
         );
     };
     check_writable(path)?;

@@ -1,7 +1,7 @@
 //! `render --shard`, `--checkpoint` and `--resume`: a part of a run, and a run that survives its end.
 
 use super::progress::Progress;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::estimate::run::{Films, Observer, Status};
 use crate::estimate::shard::{Head, load, save};
 use crate::film::frame::Frame;
@@ -33,7 +33,7 @@ pub fn resume(output: &Path, mine: &dyn Fn(&Head) -> Result<(), String>) -> Resu
     }
     let (head, films, _) = load(&path)?;
     mine(&head).map_err(|what| {
-        Fault::new(Where::file(&path), format!("is of another run: {what}"))
+        Error::new(Where::file(&path), format!("is of another run: {what}"))
             .expected("the same asset and options, or no file of this name")
     })?;
     Ok(Some((head, films)))

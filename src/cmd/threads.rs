@@ -1,6 +1,6 @@
 //! `--threads`: the same argument and the same pool for every command that traces.
 
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use clap::Args;
 
 /// Stack of a worker, bytes: what the main thread mostly has, because importing may run on a worker, too.
@@ -29,7 +29,7 @@ impl Threads {
 /// A pool of so many threads; of all cores if it is not said.
 pub fn pool(threads: Option<u16>) -> Result<rayon::ThreadPool> {
     let built = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from)).stack_size(STACK).build();
-    built.map_err(|error| Fault::new(Where::Option("--threads".to_owned()), error.to_string()))
+    built.map_err(|error| Error::new(Where::Option("--threads".to_owned()), error.to_string()))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::print_text;
 use super::printer::print_coloured;
 use super::threads::Threads;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::validate::config::Config;
 use crate::validate::report::{Style, render, summary};
 use crate::validate::stdin::{self, Piped};
@@ -61,7 +61,7 @@ pub fn run(args: &ValidateArgs) -> Result<ExitCode> {
     if let Some(code) = &args.explain {
         let rule = rules::find(code).ok_or_else(|| {
             let at = Where::Option(format!("--explain {code}"));
-            Fault::new(at, "there is no such rule")
+            Error::new(at, "there is no such rule")
                 .expected("a code like EB0102, or a rule's name")
                 .nearest(code, rules::words())
         })?;
@@ -98,7 +98,7 @@ impl ValidateArgs {
     /// Standard input, if it is among the assets.
     fn piped(&self) -> Result<Option<Piped>> {
         let named = self.assets.iter().filter(|asset| asset.as_os_str() == stdin::NAMED).count();
-        let fault = |what: &str| Fault::new(Where::Option(stdin::NAMED.to_owned()), what);
+        let fault = |what: &str| Error::new(Where::Option(stdin::NAMED.to_owned()), what);
         match (named, &self.write_baseline) {
             (0, _) => Ok(None),
             // All that comes through pipes has one name: a baseline would hide the findings of one in another.

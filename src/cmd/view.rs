@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use super::{Format, print};
 use crate::base::atomic::check_writable;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::sharpness::Sharpness;
 use crate::output::contact_sheet::write_contact_sheet;
 use crate::output::exr::read_exr;
@@ -99,7 +99,7 @@ pub fn run(args: &ViewArgs) -> Result<ExitCode> {
 /// Errors: an output that is no `.png`, and those of reading the frame and writing the view.
 fn view(args: &ViewArgs) -> Result<(serde_json::Value, String)> {
     if !args.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-        return Err(Fault::new(Where::Option(format!("--output {}", args.output.display())), "not a PNG's name")
+        return Err(Error::new(Where::Option(format!("--output {}", args.output.display())), "not a PNG's name")
             .expected("a name that ends in .png"));
     }
     check_writable(&args.output)?;
@@ -114,7 +114,7 @@ fn view(args: &ViewArgs) -> Result<(serde_json::Value, String)> {
     };
     let [path] = args.frames.as_slice() else { return sheet(args, &options) };
     if !args.caption.is_empty() || args.columns.is_some() {
-        return Err(Fault::new(Where::Option("--caption, --columns".to_owned()), "are for sheets of several frames"));
+        return Err(Error::new(Where::Option("--caption, --columns".to_owned()), "are for sheets of several frames"));
     }
     let frame = read_exr(path)?;
     if args.contact_sheet {
@@ -141,12 +141,12 @@ fn view(args: &ViewArgs) -> Result<(serde_json::Value, String)> {
 /// Several frames on one sheet.
 fn sheet(args: &ViewArgs, options: &ViewOptions) -> Result<(serde_json::Value, String)> {
     if args.contact_sheet {
-        return Err(Fault::new(Where::Option("--contact-sheet".to_owned()), "shows the layers of one frame"));
+        return Err(Error::new(Where::Option("--contact-sheet".to_owned()), "shows the layers of one frame"));
     }
     let count = args.frames.len();
     if !args.caption.is_empty() && args.caption.len() != count {
         let what = format!("{} captions for {count} frames", args.caption.len());
-        return Err(Fault::new(Where::Option("--caption".to_owned()), what).expected("one per frame, or none"));
+        return Err(Error::new(Where::Option("--caption".to_owned()), what).expected("one per frame, or none"));
     }
     let mut frames = Vec::with_capacity(count);
     for (index, path) in args.frames.iter().enumerate() {

@@ -6,7 +6,7 @@ use super::picture::possible_layers;
 use super::render_vars::{Named, plain};
 use crate::base::lpe::{Alphabet, Letter, Lpe, Product, Source, Verdict};
 use crate::base::path::{Class, Event};
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::film::aov::Aov;
 use crate::film::cryptomatte::Matte;
 use crate::film::frame::{Channel, Frame, Meta};
@@ -62,9 +62,9 @@ pub fn granted(
         let at = || Where::Option(format!("--aov {name}={lpe}"));
         granted.aovs.push(maker.aov(name.clone(), lpe).map_err(|refused| match refused {
             Refused::Name(layer) => {
-                Fault::new(at(), format!("there is a layer `{layer}` already")).expected("a name of its own")
+                Error::new(at(), format!("there is a layer `{layer}` already")).expected("a name of its own")
             }
-            Refused::Expression(what) => Fault::new(at(), format!("the expression {what}")),
+            Refused::Expression(what) => Error::new(at(), format!("the expression {what}")),
         })?);
     }
     for wish in wishes.iter().filter(|wish| wish.expression) {

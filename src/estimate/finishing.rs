@@ -6,7 +6,7 @@ use super::picture::{infos, keep_layers};
 use super::render_vars::{self, Named};
 use super::run::Films;
 use crate::base::colour::ColourSpace;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::film::accumulate::Film;
 use crate::film::aov::Aov;
 use crate::film::crop::Crop;
@@ -71,7 +71,7 @@ impl Finishing {
         match finished.invalid.first() {
             Some(channel) => {
                 let what = format!("NaN or infinite light in channel {channel}; nothing is written");
-                Err(Fault::new(Where::Nowhere, what))
+                Err(Error::new(Where::Nowhere, what))
             }
             None => Ok(finished),
         }

@@ -4,7 +4,7 @@ use super::data::{Data, SeenLooks, SeenPixels};
 use super::finishing::Finishing;
 use super::run::{Films, Outcome, Stop};
 use crate::base::colour::ColourSpace;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::film::cryptomatte::Matte;
 use crate::film::diffraction::Diffraction;
 use crate::film::finish::{Finished, GroupInfo, Split};
@@ -216,7 +216,7 @@ pub fn check_layers(layers: &[String], groups: &[Group]) -> Result<()> {
     let possible = possible_layers(groups);
     match layers.iter().find(|layer| !possible.contains(*layer)) {
         None => Ok(()),
-        Some(layer) => Err(Fault::new(Where::Option("--layers".to_owned()), format!("there is no layer `{layer}`"))
+        Some(layer) => Err(Error::new(Where::Option("--layers".to_owned()), format!("there is no layer `{layer}`"))
             .expected("direct, caustic, secondary, forward, hybrid, LAYER_GROUP, stderr, Z, normal, position, albedo, id, seethrough or CryptoPart")
             .nearest(layer, possible.iter().map(String::as_str))),
     }

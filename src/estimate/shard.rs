@@ -6,7 +6,7 @@
 use super::finishing::{Finishing, Wanted};
 use super::ledger::{Books, Ledger};
 use super::run::Films;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::film::accumulate::Film;
 use crate::film::frame::{Channel, Frame};
 use crate::film::plan::Estimator;
@@ -78,7 +78,7 @@ pub fn save(path: &Path, head: &Head, films: &Films, picture: &Frame) -> Result<
 pub fn load(path: &Path) -> Result<(Head, Films, Frame)> {
     let Shard { head, films, picture } = read_shard::<Head>(path)?;
     let fault =
-        |what: &str| Fault::new(Where::file(path), what).expected("what `render --shard` or `--checkpoint` writes");
+        |what: &str| Error::new(Where::file(path), what).expected("what `render --shard` or `--checkpoint` writes");
     let ranged = match (head.of, head.total) {
         (Some([index, count]), Some(total)) => {
             let (first, passes) = range([index, count], total);
@@ -98,7 +98,7 @@ pub fn load(path: &Path) -> Result<(Head, Films, Frame)> {
     for (film, (estimator, _)) in films.iter().zip(&head.films) {
         if let Some((table, pixel)) = film.first_invalid() {
             let what = format!("has NaN or infinite {table} of {} at pixel number {pixel}", estimator.name());
-            return Err(Fault::new(Where::file(path), what));
+            return Err(Error::new(Where::file(path), what));
         }
     }
     let mut all = Vec::new();
@@ -144,7 +144,7 @@ pub fn merge(paths: &[PathBuf], partial: bool) -> Result<Merged> {
         seen.push((path.clone(), head));
     }
     let Some((mut films, picture)) = sum else {
-        return Err(Fault::new(Where::Nowhere, "no shard was named").expected("at least one"));
+        return Err(Error::new(Where::Nowhere, "no shard was named").expected("at least one"));
     };
     if !partial {
         complete(&seen)?;
@@ -159,7 +159,7 @@ pub fn merge(paths: &[PathBuf], partial: bool) -> Result<Merged> {
 fn added(path: &Path, mut whole: Films, more: &Films) -> Result<Films> {
     for ((_, film, ledger), (_, other, books)) in whole.films.iter_mut().zip(&more.films) {
         if !film.merge(other) {
-            return Err(Fault::new(Where::file(path), "has films of another kind").expected("shards of one request"));
+            return Err(Error::new(Where::file(path), "has films of another kind").expected("shards of one request"));
         }
         ledger.merge(books);
     }
@@ -169,7 +169,7 @@ fn added(path: &Path, mut whole: Films, more: &Films) -> Result<Films> {
         (Some(_), None) | (None, Some(_)) => false,
     };
     if !seen {
-        return Err(Fault::new(Where::file(path), "has another witness than the shards before it")
+        return Err(Error::new(Where::file(path), "has another witness than the shards before it")
             .expected("shards of one request, all with `--no-witness` or none"));
     }
     whole.passes += more.passes;
@@ -178,7 +178,7 @@ fn added(path: &Path, mut whole: Films, more: &Films) -> Result<Films> {
 
 /// Whether a shard belongs to those before it and holds what it should.
 fn check(path: &Path, head: &Head, picture: &Frame, seen: &[(PathBuf, Head)]) -> Result<()> {
-    let fault = |what: String| Fault::new(Where::file(path), what);
+    let fault = |what: String| Error::new(Where::file(path), what);
     if head.of.is_none() || head.total.is_none() || picture.channels.is_empty() {
         return Err(fault("is a checkpoint, no shard".to_owned()).expected("what `render --shard I/N` writes"));
     }
@@ -252,7 +252,7 @@ fn complete(seen: &[(PathBuf, Head)]) -> Result<()> {
     };
     let named = named.unwrap_or_default();
     let passes = if next + 1 == end { format!("pass {end}") } else { format!("passes {} to {end}", next + 1) };
-    Err(Fault::new(Where::Nowhere, format!("{named}{passes} of {total} missing from the shards"))
+    Err(Error::new(Where::Nowhere, format!("{named}{passes} of {total} missing from the shards"))
         .expected("all passes, or `--partial`"))
 }
 
@@ -269,9 +269,9 @@ fn same_data((path, wanted): (&Path, &Wanted), own: &Frame, other: &Frame) -> Re
     let differs = own.iter().zip(&other).find(|(a, b)| a.name != b.name || bits(a) != bits(b));
     match differs {
         None if own.len() == other.len() => Ok(()),
-        None => Err(Fault::new(Where::file(path), "has other layers than the shards before it")),
+        None => Err(Error::new(Where::file(path), "has other layers than the shards before it")),
         Some((channel, _)) => {
-            Err(Fault::new(Where::file(path), format!("shows another scene: channel {} differs", channel.name)))
+            Err(Error::new(Where::file(path), format!("shows another scene: channel {} differs", channel.name)))
         }
     }
 }

@@ -21,7 +21,7 @@ use super::crop::Window;
 use super::cryptomatte;
 use super::frame::{Channel, Frame, Meta, split_name};
 use crate::base::colour::Chromaticities;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use subsampled::Sampling;
 
 /// The attribute that names the colour space of the pictures.
@@ -52,12 +52,12 @@ const BATCH: usize = 16;
 /// a picture larger than the file could hold.
 pub fn read_exr(path: &Path) -> Result<Frame> {
     let at = || Where::file(path);
-    let unreadable = |error: std::io::Error| Fault::new(at(), format!("cannot be read: {error}"));
+    let unreadable = |error: std::io::Error| Error::new(at(), format!("cannot be read: {error}"));
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(Fault::new(at(), "is not a file").expected("an EXR file"));
+        return Err(Error::new(at(), "is not a file").expected("an EXR file"));
     }
     let bytes = std::fs::read(path).map_err(unreadable)?;
-    decode(&bytes).map_err(|what| Fault::new(at(), what).expected("a complete flat EXR file"))
+    decode(&bytes).map_err(|what| Error::new(at(), what).expected("a complete flat EXR file"))
 }
 
 /// Whether these bytes begin an OpenEXR file.

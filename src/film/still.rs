@@ -5,7 +5,7 @@ use super::exr::{About, COLOR_INTEROP_ID, WHITE_LUMINANCE, decode_all};
 use super::frame::Frame;
 use super::names;
 use crate::base::colour::FileSpace;
-use crate::base::fault::nearest_name;
+use crate::base::error::nearest_name;
 
 /// More pixels than this are a broken header, not a picture.
 const MAX_PIXELS: usize = 1 << 28;

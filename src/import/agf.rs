@@ -5,8 +5,8 @@
 //! which nothing here has. Formulas by number as in the manual of Zemax OpticStudio, "Using material catalogs".
 
 use super::{files, text};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::glass::Glass;
 use crate::scene::{Dispersion, Formula, FormulaKind};
 use std::path::{Path, PathBuf};
@@ -51,12 +51,12 @@ fn glass(text: &str, path: &Path, name: &str, at: &Where) -> Result<Glass> {
     let Some((line, head)) = lines.find(|(_, words)| named(words)) else {
         let names: Vec<&str> =
             text.lines().filter_map(|line| line.strip_prefix("NM")?.split_whitespace().next()).collect();
-        return Err(Fault::new(at.clone(), format!("no glass `{name}` in {}", path.display()))
+        return Err(Error::new(at.clone(), format!("no glass `{name}` in {}", path.display()))
             .nearest(name, names)
             .code(Code::NameUnknown));
     };
     let fault = |line: usize, what: String| {
-        Fault::new(Where::Line { file: path.to_owned(), line }, what).code(Code::IndexImpossible)
+        Error::new(Where::Line { file: path.to_owned(), line }, what).code(Code::IndexImpossible)
     };
     let numbers = |line: usize, words: &[&str]| -> Result<Vec<f64>> {
         let number = |word: &&str| match word.parse::<f64>() {

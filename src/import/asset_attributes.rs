@@ -3,8 +3,8 @@
 use super::binding_slots::Slot;
 use super::optics;
 use super::value::{Data, Value};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 
 /// Everything said at the top level.
 #[derive(Debug, Clone)]
@@ -133,7 +133,7 @@ impl Library {
                         0 => format!("the asset to have {}s; it has none", self.noun),
                         _ => format!("an index from 0 to {}", count - 1),
                     };
-                    Fault::new(value.at.clone(), format!("{} {index} does not exist", self.noun)).expected(expected)
+                    Error::new(value.at.clone(), format!("{} {index} does not exist", self.noun)).expected(expected)
                 })
             }
             Data::Bool(_) | Data::List(_) | Data::Table(_) => Ok(value),
@@ -157,7 +157,7 @@ fn merge(over: Value, under: Value, key: &str) -> Result<Value> {
 fn keys<'a>(table: &Value, what: &str, valid: impl Iterator<Item = &'a str> + Clone) -> Result<()> {
     for (key, value) in entries(table, what)? {
         if !valid.clone().any(|name| name == key) {
-            return Err(Fault::new(value.at.clone(), format!("unknown key `{key}` of {what}"))
+            return Err(Error::new(value.at.clone(), format!("unknown key `{key}` of {what}"))
                 .expected(format!("one of {}", valid.clone().collect::<Vec<_>>().join(", ")))
                 .nearest(key, valid)
                 .code(Code::AttributeUnknown));
@@ -168,13 +168,13 @@ fn keys<'a>(table: &Value, what: &str, valid: impl Iterator<Item = &'a str> + Cl
 
 pub fn entries<'a>(value: &'a Value, what: &str) -> Result<&'a [(String, Value)]> {
     value.table().ok_or_else(|| {
-        Fault::new(value.at.clone(), format!("{what} is {} ({value})", value.kind())).expected("a table")
+        Error::new(value.at.clone(), format!("{what} is {} ({value})", value.kind())).expected("a table")
     })
 }
 
 fn list<'a>(value: &'a Value, what: &str) -> Result<&'a [Value]> {
     value.list().ok_or_else(|| {
-        Fault::new(value.at.clone(), format!("`{what}` is {}", value.kind())).expected("a list of tables")
+        Error::new(value.at.clone(), format!("`{what}` is {}", value.kind())).expected("a list of tables")
     })
 }
 

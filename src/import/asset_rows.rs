@@ -7,8 +7,8 @@ use super::binding_slots::{Entry, PartBound, Rank, Slot};
 use super::material_mapping::mapped;
 use super::select::{Candidate, Faces};
 use super::value::Value;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault};
+use crate::base::error::Result;
+use crate::base::{Code, Error};
 use crate::scene::Note;
 use std::rc::Rc;
 
@@ -94,7 +94,7 @@ fn of_node<'a>(value: &'a Value, sheet: &AssetAttributes, what: &str) -> Result<
     let mut faces = Vec::new();
     if let Some(rows) = value.get("faces") {
         let list = rows.list().ok_or_else(|| {
-            Fault::new(rows.at.clone(), format!("`faces` of {what} is {}", rows.kind()))
+            Error::new(rows.at.clone(), format!("`faces` of {what} is {}", rows.kind()))
                 .expected("a list of tables, each with `faces` or `normal` and attributes of those faces")
         })?;
         for row in list {
@@ -102,7 +102,7 @@ fn of_node<'a>(value: &'a Value, sheet: &AssetAttributes, what: &str) -> Result<
             let which = Faces::read(row.get("faces"), row.get("normal"))?;
             let said = said(entries(row, &what)?, sheet, &what, &["faces", "normal"])?;
             if which == Faces::All {
-                return Err(Fault::new(row.at.clone(), format!("a row of {what} selects no faces"))
+                return Err(Error::new(row.at.clone(), format!("a row of {what} selects no faces"))
                     .expected("`faces = [0, 2]` or `normal = \"+z\"`"));
             }
             only_faces(&said, "beside `faces`")?;
@@ -116,7 +116,7 @@ fn only_faces(said: &[Rc<Entry>], instead: &str) -> Result<()> {
     match said.iter().find(|entry| entry.slot.of_part()) {
         Some(entry) => {
             let what = format!("`{}` is said of a face, but it fills a whole part", entry.key);
-            Err(Fault::new(entry.at.clone(), what).expected(format!("it {instead}")))
+            Err(Error::new(entry.at.clone(), what).expected(format!("it {instead}")))
         }
         None => Ok(()),
     }

@@ -8,8 +8,8 @@ use super::binding_slots::{Entry, PartBound, Rank, Slot, Slots};
 use super::optics::{medium_entries, stray};
 use super::select::{Candidate, Faces, is_glob, listed};
 use super::value::{Data, Value};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault};
+use crate::base::error::Result;
+use crate::base::{Code, Error};
 use crate::scene::Note;
 use crate::scene::attribute::Noun;
 use std::rc::Rc;
@@ -87,7 +87,7 @@ pub fn said(table: &[(String, Value)], sheet: &AssetAttributes, what: &str, besi
     let mut add = |entry: Entry| -> Result<()> {
         if let Some(other) = all.iter().find(|other| other.slot == entry.slot) {
             let what = format!("{what} gives both `{}` and `{}`", other.key, entry.key);
-            return Err(Fault::new(entry.at, what).expected("one of them").code(Code::SaidTwice));
+            return Err(Error::new(entry.at, what).expected("one of them").code(Code::SaidTwice));
         }
         all.push(Rc::new(entry));
         Ok(())
@@ -103,7 +103,7 @@ pub fn said(table: &[(String, Value)], sheet: &AssetAttributes, what: &str, besi
                 return Err(fault);
             }
             let valid = || beside.iter().copied().chain(BINDABLE);
-            return Err(Fault::new(value.at.clone(), format!("unknown attribute `{key}` in {what}"))
+            return Err(Error::new(value.at.clone(), format!("unknown attribute `{key}` in {what}"))
                 .expected(format!("one of {}", valid().collect::<Vec<_>>().join(", ")))
                 .nearest(key, valid())
                 .code(Code::AttributeUnknown));
@@ -114,7 +114,7 @@ pub fn said(table: &[(String, Value)], sheet: &AssetAttributes, what: &str, besi
         }
         let medium = sheet.media.follow(value)?;
         if let Data::Text(name) = &medium.data {
-            return Err(Fault::new(value.at.clone(), format!("unknown medium `{name}`"))
+            return Err(Error::new(value.at.clone(), format!("unknown medium `{name}`"))
                 .expected("the name of a [medium.NAME], or \"none\"; a catalogue glass is `glass = …`")
                 .nearest(name, sheet.media.names())
                 .code(Code::NameUnknown));
@@ -122,7 +122,7 @@ pub fn said(table: &[(String, Value)], sheet: &AssetAttributes, what: &str, besi
         let inner = medium_entries(medium)?;
         let label = value.text().or_else(|| medium.get("name").and_then(Value::text)).map(str::to_owned);
         if !inner.iter().any(|(key, _)| Slot::of(key) == Some(Slot::Index)) {
-            return Err(Fault::new(medium.at.clone(), "this medium has no index")
+            return Err(Error::new(medium.at.clone(), "this medium has no index")
                 .expected("one of ior, glass, sellmeier, cauchy, abbe, index_table")
                 .code(Code::IndexMissing));
         }
@@ -151,7 +151,7 @@ fn one(
             .get(key)
             .map(|value| {
                 value.text().ok_or_else(|| {
-                    Fault::new(value.at.clone(), format!("`{key}` is {} ({value})", value.kind())).expected("a text")
+                    Error::new(value.at.clone(), format!("`{key}` is {} ({value})", value.kind())).expected("a text")
                 })
             })
             .transpose()
@@ -159,16 +159,16 @@ fn one(
     let (path, name, material, mesh) = (text("path")?, text("name")?, text("material")?, text("mesh")?);
     let which = Faces::read(value.get("faces"), value.get("normal"))?;
     if path.is_none() && name.is_none() && material.is_none() && mesh.is_none() {
-        return Err(Fault::new(value.at.clone(), "this `[[bind]]` selects no parts")
+        return Err(Error::new(value.at.clone(), "this `[[bind]]` selects no parts")
             .expected("`path`, `name`, `material` or `mesh`; what holds for all parts goes to [default]")
             .code(Code::SelectsNothing));
     }
     if said.is_empty() {
-        return Err(Fault::new(value.at.clone(), "this `[[bind]]` says nothing about its parts")
+        return Err(Error::new(value.at.clone(), "this `[[bind]]` says nothing about its parts")
             .expected(format!("one of {}", BINDABLE.join(", "))));
     }
     if let (true, Some(entry)) = (which != Faces::All, said.iter().find(|entry| entry.slot.of_part())) {
-        return Err(Fault::new(entry.at.clone(), format!("`{}` fills a whole part, not some of its faces", entry.key))
+        return Err(Error::new(entry.at.clone(), format!("`{}` fills a whole part, not some of its faces", entry.key))
             .expected("a [[bind]] of its own without `faces` and `normal`"));
     }
     let mesh_name = |part: &Candidate| assembly.meshes.get(part.mesh).map_or("", |source| source.mesh.name.as_str());
@@ -190,7 +190,7 @@ fn one(
         let paths = listed(chosen.iter().map(|index| parts[*index].path.as_str()));
         if let Some(path) = path.filter(|path| !is_glob(path)) {
             let at = value.get("path").map_or(&value.at, |value| &value.at);
-            return Err(Fault::new(at.clone(), format!("path `{path}` means {} parts: {paths}", chosen.len()))
+            return Err(Error::new(at.clone(), format!("path `{path}` means {} parts: {paths}", chosen.len()))
                 .expected("the path of one part, or a pattern, e.g. `**/NAME`, for all of them")
                 .code(Code::NameAmbiguous));
         }
@@ -230,13 +230,13 @@ fn one(
             (None, None) => format!("{} has no faces", listed(without.into_iter())),
         };
         let names = assembly.materials.iter().map(|own| own.name.as_str());
-        return Err(Fault::new(at.clone(), what).nearest(material.unwrap_or(""), names).code(Code::SelectsNothing));
+        return Err(Error::new(at.clone(), what).nearest(material.unwrap_or(""), names).code(Code::SelectsNothing));
     }
     if let (Some(normal), false) = (value.get("normal"), without.is_empty()) {
         let text = format!("no face looks along {normal} in {}", listed(without.into_iter()));
         // A lamp or a slide that gets lost leaves a plausible picture: that is no matter for a note.
         if value.get("emitter").is_some() || value.get("slide").is_some() {
-            return Err(Fault::new(at.clone(), text)
+            return Err(Error::new(at.clone(), text)
                 .expected("a face with an area that looks that way in every part")
                 .code(Code::SelectsNothing));
         }
@@ -253,10 +253,10 @@ fn unmatched(
     path: Option<&str>,
     name: Option<&str>,
     mesh: Option<&str>,
-) -> Box<Fault> {
+) -> Box<Error> {
     let fault = |key: &str, what: String| {
         let at = value.get(key).map_or(&value.at, |value| &value.at);
-        Fault::new(at.clone(), what).code(Code::SelectsNothing)
+        Error::new(at.clone(), what).code(Code::SelectsNothing)
     };
     let names = || parts.iter().map(|part| part.name.as_str());
     if let Some(path) = path.filter(|path| !parts.iter().any(|part| part.has_path(path))) {

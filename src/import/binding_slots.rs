@@ -1,8 +1,8 @@
 //! The places that values are offered for, and the rule by which one wins.
 
 use super::value::Value;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use std::rc::Rc;
 
 /// How specific a binding is: the greatest wins.
@@ -147,7 +147,7 @@ impl Slots {
         *place = Some(Won { entry, rank: Rank::Set, beaten, conflict: None });
     }
 
-    /// Fault: two values have the same right to a slot.
+    /// Error: two values have the same right to a slot.
     pub(super) fn settled(&self, place: &dyn Fn() -> String) -> Result<()> {
         for won in self.0.iter().flatten() {
             let Some(other) = &won.conflict else { continue };
@@ -159,7 +159,7 @@ impl Slots {
                 won.entry.at,
                 other.value
             );
-            return Err(Fault::new(other.at.clone(), what)
+            return Err(Error::new(other.at.clone(), what)
                 .expected("one of them, or a more specific selector for one")
                 .code(Code::BoundTwice));
         }

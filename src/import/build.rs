@@ -14,8 +14,8 @@ use super::select::{Candidate, candidates, listed};
 use super::set::Set;
 use super::surfaces::Surfaces;
 use super::value::Value;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Shared, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Shared, Where};
 use crate::scene::{
     Coating, Face, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide, StandardSurface, Wavelengths,
 };
@@ -132,7 +132,7 @@ pub(super) fn build_within(
     };
     let sun = match &sheet.sun {
         Some(value) if its_sun.is_some() => {
-            return Err(Fault::new(value.at.clone(), "the sky has a sun already, that of its `sun_sky`")
+            return Err(Error::new(value.at.clone(), "the sky has a sun already, that of its `sun_sky`")
                 .expected("one of sun_sky and [sun]"));
         }
         Some(value) => Some(builder.sun(value)?),
@@ -206,19 +206,19 @@ fn sets_nothing(bound: &[PartBound]) -> bool {
     slots.flat_map(Slots::all).all(|won| won.rank != Rank::Set)
 }
 
-fn no_eye(sidecar: Option<&Value>, file: &Path) -> Box<Fault> {
-    Fault::new(super::asset_attributes::place(sidecar, file), "there is no eye")
+fn no_eye(sidecar: Option<&Value>, file: &Path) -> Box<Error> {
+    Error::new(super::asset_attributes::place(sidecar, file), "there is no eye")
         .expected("an [eye], or a perspective camera in the asset")
         .code(Code::EyeMissing)
 }
 
 /// An asset of which nothing can be seen.
-fn no_surface(assembly: &Assembly) -> Box<Fault> {
+fn no_surface(assembly: &Assembly) -> Box<Error> {
     let unread = match assembly.unread.as_slice() {
         [] => String::new(),
         kinds => format!(" (geometry of type {} is not read)", listed(kinds.iter().map(String::as_str))),
     };
-    Fault::new(Where::file(&assembly.file), format!("nothing in the asset has a surface{unread}"))
+    Error::new(Where::file(&assembly.file), format!("nothing in the asset has a surface{unread}"))
         .expected("a mesh or a shape to look at")
         .code(Code::NothingToTrace)
 }
@@ -252,13 +252,13 @@ fn covered<'p>(parts: &'p [Candidate], bound: &[PartBound], assembly: &Assembly)
     if wholly(slots) || bare.len() > 1 {
         let names = listed(bare.iter().map(|(part, _, _)| part.path.as_str()));
         let parts = if bare.len() == 1 { "part" } else { "parts" };
-        return Err(Fault::new(at, format!("no optical attributes bind {parts} {names}"))
+        return Err(Error::new(at, format!("no optical attributes bind {parts} {names}"))
             .expected("a finish for every face: a [[bind]] or [default] finish = \"absorber\"")
             .code(Code::PartUnbound));
     }
     let numbers: Vec<String> = faces.iter().map(usize::to_string).collect();
     let faces = listed(numbers.iter().map(String::as_str));
-    Err(Fault::new(Where::part(&first.path), format!("no finish binds face {faces}"))
+    Err(Error::new(Where::part(&first.path), format!("no finish binds face {faces}"))
         .expected("a finish for every face: a [[bind]] or [default] finish = \"absorber\"")
         .code(Code::PartUnbound))
 }

@@ -3,7 +3,7 @@
 use super::agf::Reference;
 use super::value::{Data, Value};
 use super::{Assembly, ReadOptions, extension, files, gltf, photometric, toml};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::{Where, package};
 use crate::scene::assembly::LightForm;
 use crate::scene::attribute::{Form, ROWS};

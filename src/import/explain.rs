@@ -2,8 +2,8 @@
 
 use super::binding_slots::{Entry, PartBound, Rank, Slots};
 use super::select::{Candidate, is_glob, listed};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 
 /// For every part what was bound to it, in part order.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
@@ -59,7 +59,7 @@ impl Explained {
             return Ok(found);
         }
         let names = || self.parts.iter().map(|part| part.name.as_str());
-        Err(Fault::new(Where::Nowhere, format!("there is no part `{name}`"))
+        Err(Error::new(Where::Nowhere, format!("there is no part `{name}`"))
             .expected(format!("one of {}", listed(names())))
             .nearest(name, names()))
     }

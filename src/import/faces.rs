@@ -8,9 +8,9 @@ use super::frames;
 use super::optics::{self, FinishSpec, ShapeSpec, SpectrumSpec};
 use super::select::Candidate;
 use super::value::{Data, Value};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::ids::{CoatingId, MediumId, MeshId, ScatterId};
-use crate::base::{Code, Fault, Where};
+use crate::base::{Code, Error, Where};
 use crate::scene::{Absorption, Face, Finish, Medium, Note, Part, Shape, Spectrum, Wavelengths, glass};
 use glam::DAffine3;
 use std::path::Path;
@@ -267,7 +267,7 @@ impl Builder<'_> {
             // A film that a format's own field means (iridescence) says nothing about the finish.
             if won.rank > Rank::Mapped && slots.get(Slot::Finish).is_none_or(|finish| won.rank >= finish.rank) {
                 let what = format!("a coating acts on polished faces; part {} face {number} is not", part.path);
-                return Err(Fault::new(won.entry.at.clone(), what)
+                return Err(Error::new(won.entry.at.clone(), what)
                     .expected("finish = \"polished\" there, or no coating")
                     .code(Code::CoatingNotPolished));
             }
@@ -300,7 +300,7 @@ impl Builder<'_> {
             return Ok(Shape::Mesh);
         }
         let scale = frames::uniform_scale(to_world).ok_or_else(|| {
-            Fault::new(
+            Error::new(
                 value.at.clone(),
                 format!("part {} face {number} has an exact shape but its node is not scaled uniformly", part.path),
             )

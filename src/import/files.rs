@@ -1,7 +1,7 @@
 //! Reading the files that a scene is made of, with faults that name who asked for them.
 
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where, package};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where, package};
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -11,13 +11,13 @@ pub fn read(path: &Path, at: &Where, kind: &str) -> Result<Vec<u8>> {
     package::read(path).map_err(|error| unreadable(&error, path, at, kind))
 }
 
-fn unreadable(error: &Error, path: &Path, at: &Where, kind: &str) -> Box<Fault> {
+fn unreadable(error: &Error, path: &Path, at: &Where, kind: &str) -> Box<Error> {
     let why = match error.kind() {
         ErrorKind::NotFound => "there is no such file".to_owned(),
         ErrorKind::PermissionDenied => "it must not be read (permission denied)".to_owned(),
         _ => error.to_string(),
     };
-    Fault::new(at.clone(), format!("can't read the {kind} {}: {why}", path.display())).code(Code::of_reading(error))
+    Error::new(at.clone(), format!("can't read the {kind} {}: {why}", path.display())).code(Code::of_reading(error))
 }
 
 /// Adds the length of a file, as eight bytes, and its bytes. Faults: it can't be read.

@@ -6,8 +6,8 @@ use super::fit::{self, Fitted};
 use super::optics::{self, EyeSpec, Lens, Pose};
 use super::select;
 use super::value::{Data, Value};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::{Eye, Mesh, Note, Residual, Shape};
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -42,7 +42,7 @@ fn frame_of(assembly: &Assembly, frame: Option<&(String, Where)>) -> Result<DAff
         DMat3::from_cols(m.x_axis.normalize_or_zero(), m.y_axis.normalize_or_zero(), m.z_axis.normalize_or_zero());
     let orthogonal = (axes.transpose() * axes - DMat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() <= 1e-6);
     if !orthogonal || axes.determinant() < 0.0 {
-        return Err(Fault::new(at.clone(), format!("the axes of frame `{name}` are skewed, mirrored or flat"))
+        return Err(Error::new(at.clone(), format!("the axes of frame `{name}` are skewed, mirrored or flat"))
             .expected("a node that is moved, rotated and scaled only"));
     }
     Ok(DAffine3 { matrix3: assembly.axes * axes, translation: assembly.axes * node.to_world.translation })
@@ -105,7 +105,7 @@ pub fn eye(
             let look = (-m.z_axis).normalize_or_zero();
             let up = (m.y_axis - m.y_axis.dot(look) * look).normalize_or_zero();
             if look == DVec3::ZERO || up == DVec3::ZERO {
-                return Err(Fault::new(spec.at.clone(), format!("camera `{}` has no direction", camera.name))
+                return Err(Error::new(spec.at.clone(), format!("camera `{}` has no direction", camera.name))
                     .code(Code::EyeImpossible));
             }
             let more = if cameras.next().is_some() { ", the first of several" } else { "" };
@@ -114,7 +114,7 @@ pub fn eye(
             (assembly.axes * camera.to_world.translation * unit_m, look, up)
         }
         (None, None) => {
-            return Err(Fault::new(
+            return Err(Error::new(
                 spec.at.clone(),
                 "eye has no `position`, `look` and `up`, and the asset has no perspective camera",
             )
@@ -128,13 +128,13 @@ pub fn eye(
         // The camera's is vertical.
         (None, Some(yfov)) => (2.0 * (width / height * (yfov / 2.0).tan()).atan()).to_degrees(),
         (None, None) => {
-            return Err(Fault::new(spec.at.clone(), "eye has no `fov_deg`")
+            return Err(Error::new(spec.at.clone(), "eye has no `fov_deg`")
                 .expected("the full horizontal field of view, a number above 0 and below 180 in deg")
                 .code(Code::EyeImpossible));
         }
     };
     if !(fov_deg > 0.0 && fov_deg < 180.0 && position.is_finite()) {
-        return Err(Fault::new(spec.at.clone(), format!("the camera's field of view of {fov_deg}° can't be used"))
+        return Err(Error::new(spec.at.clone(), format!("the camera's field of view of {fov_deg}° can't be used"))
             .expected("a number above 0 and below 180 in deg")
             .code(Code::EyeImpossible));
     }
@@ -178,7 +178,7 @@ pub fn fitted(mesh: &Mesh, place: FacePlace<'_>, order: FitOrder, metres: f64, n
     let triangles = range.zip(end).and_then(|(range, end)| mesh.triangles.get(range.first as usize..end as usize));
     let Some(triangles) = triangles.filter(|triangles| !triangles.is_empty()) else {
         let what = format!("part {} face {} has no triangles to fit", place.part, place.number);
-        return Err(Fault::new(place.at.clone(), what));
+        return Err(Error::new(place.at.clone(), what));
     };
     // The tolerance is physical, the mesh has its own unit.
     let tolerance = order.tolerance_um * 1e-6 / metres;
@@ -191,7 +191,7 @@ pub fn fitted(mesh: &Mesh, place: FacePlace<'_>, order: FitOrder, metres: f64, n
     let signed = |found: f64, given: Option<f64>| given.map_or(found, |given| found.signum() * given.abs());
     let stray = |what: &str| {
         let kind = found.surface.kind();
-        Fault::new(
+        Error::new(
             place.at.clone(),
             format!("part {} face {} is a {kind}; it has no {what} to replace", place.part, place.number),
         )

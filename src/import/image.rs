@@ -1,7 +1,7 @@
 //! Pictures that a scene is made of: slides (PNG) and panoramas (OpenEXR, Radiance HDR), as luminance and as colour.
 
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::film::exr::is_exr;
 use crate::film::still::{Light, Remark, Still};
 use crate::scene::{Note, Severity};
@@ -75,8 +75,8 @@ impl Picture {
     }
 }
 
-fn broken(path: &Path, at: &Where, why: impl std::fmt::Display) -> Box<Fault> {
-    Fault::new(at.clone(), format!("can't read the picture {}: {why}", path.display()))
+fn broken(path: &Path, at: &Where, why: impl std::fmt::Display) -> Box<Error> {
+    Error::new(at.clone(), format!("can't read the picture {}: {why}", path.display()))
 }
 
 /// A slide: grey PNG of 8 or 16 bits, value/max, values taken as linear, or an EXR (of which `layer`); colours as their

@@ -2,7 +2,7 @@
 //! objects of glTF).
 
 use super::value::{Data, Value};
-use crate::base::{Fault, Where, fault::Result};
+use crate::base::{Error, Where, error::Result};
 use std::path::Path;
 
 /// The tree of `json`, which stands at `pointer` (RFC 6901, empty for a whole document) in `file`. Tables keep the
@@ -14,12 +14,12 @@ pub fn value(json: &serde_json::Value, file: &Path, pointer: &str) -> Result<Val
     let at = || Where::Pointer { file: file.to_owned(), pointer: pointer.to_owned() };
     let data = match json {
         serde_json::Value::Null => {
-            return Err(Fault::new(at(), "null means nothing here").expected("a value, or the entry left out"));
+            return Err(Error::new(at(), "null means nothing here").expected("a value, or the entry left out"));
         }
         serde_json::Value::Bool(flag) => Data::Bool(*flag),
         serde_json::Value::Number(number) => match number.as_f64().filter(|x| x.is_finite()) {
             Some(number) => Data::Number(number),
-            None => return Err(Fault::new(at(), format!("{number} is too large")).expected("a 64-bit number")),
+            None => return Err(Error::new(at(), format!("{number} is too large")).expected("a 64-bit number")),
         },
         serde_json::Value::String(text) => Data::Text(text.clone()),
         serde_json::Value::Array(items) => {

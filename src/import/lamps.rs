@@ -7,9 +7,9 @@ use super::select::Candidate;
 use super::value::Value;
 use super::{files, frames, photometric};
 use crate::base::colour::{K_M, cmf};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::ids::{GroupId, ProfileId};
-use crate::base::{Code, Fault, Where};
+use crate::base::{Code, Error, Where};
 use crate::scene::{
     Angular, Beacon, BeaconForm, Emitter, Group, LuminousProfile, Note, Photometry, PolarisedLight, Spectrum,
     Wavelengths,
@@ -60,7 +60,7 @@ impl Builder<'_> {
             Strength::Said(photometry) => photometry,
             Strength::RadiantFluxW { watts, at } => {
                 let per_watt = efficacy_lm_per_w(spectrum.as_ref(), self.wavelengths).map_err(|why| {
-                    Fault::new(at.clone(), format!("`radiant_flux_w` of emitter: {why}"))
+                    Error::new(at.clone(), format!("`radiant_flux_w` of emitter: {why}"))
                         .expected("a spectrum beside it, or flux_lm")
                 })?;
                 let flux = watts * per_watt;
@@ -97,12 +97,12 @@ impl Builder<'_> {
         ProfileId::from_index(intern(&mut self.profiles, profile))
     }
 
-    /// A face shines to its front only. Fault: the profile does not.
+    /// A face shines to its front only. Error: the profile does not.
     pub(super) fn behind(&mut self, profile: &LuminousProfile, at: &Where) -> Result<()> {
         let (whole, front) = (profile.flux_lm(), profile.front().flux_lm());
         if front <= 0.0 {
             let what = format!("the light profile {} has no light in front of the face", profile.file);
-            return Err(Fault::new(at.clone(), what)
+            return Err(Error::new(at.clone(), what)
                 .expected("one that shines about its direction (0, 0)")
                 .code(Code::ProfileBehindFace));
         }

@@ -8,9 +8,9 @@ use super::optics::{self, group_name};
 use super::scene_images::finite;
 use super::value::Value;
 use super::{files, frames, image, photometric};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::ids::{GroupId, MeshId};
-use crate::base::{Fault, Where};
+use crate::base::{Error, Where};
 use crate::scene::assembly::{LightForm, LightProfile, LightSource, ProfileSource};
 use crate::scene::{
     Angular, Beacon, BeaconForm, Emitter, Face, Finish, Group, LuminousProfile, Mesh, Note, Part, Photometry, Shape,
@@ -41,7 +41,7 @@ impl Builder<'_> {
             let to_world = frames::in_metres(&to_asset, self.unit_m, &assembly.axes);
             let axis = || {
                 (to_world.matrix3 * DVec3::NEG_Z).try_normalize().ok_or_else(|| {
-                    Fault::new(light.at.clone(), format!("light {} has no direction", light.name))
+                    Error::new(light.at.clone(), format!("light {} has no direction", light.name))
                         .expected("a node that is not scaled to nothing")
                 })
             };
@@ -119,7 +119,7 @@ impl Builder<'_> {
         let name = match given {
             Some(value) => {
                 let text = value.text().ok_or_else(|| {
-                    Fault::new(value.at.clone(), format!("`group` is {}", value.kind())).expected("a name")
+                    Error::new(value.at.clone(), format!("`group` is {}", value.kind())).expected("a name")
                 })?;
                 group_name(text, &value.at)?
             }
@@ -212,7 +212,7 @@ impl Builder<'_> {
             ProfileSource::File(file) => self.measured(file, &light.at)?,
             ProfileSource::Embedded(bytes) => {
                 let name = Path::new("the light profile in the asset");
-                let alone = |_: &Path, at: &Where| Err(Fault::new(at.clone(), "an embedded profile names a file"));
+                let alone = |_: &Path, at: &Where| Err(Error::new(at.clone(), "an embedded profile names a file"));
                 photometric::parse(name, bytes, &alone, &mut self.notes)?
             }
         };
@@ -221,13 +221,13 @@ impl Builder<'_> {
                 "light {}: nothing of its profile is left at an angle scale of {}",
                 light.name, own.angle_scale
             );
-            Fault::new(light.at.clone(), what).expected("a scale that keeps some light")
+            Error::new(light.at.clone(), what).expected("a scale that keeps some light")
         })?;
         if own.normalize {
             return Ok(scaled);
         }
         if own.factor == 0.0 {
-            return Err(Fault::new(light.at.clone(), format!("light {} has a profile and no light", light.name))
+            return Err(Error::new(light.at.clone(), format!("light {} has a profile and no light", light.name))
                 .expected("an intensity above 0"));
         }
         let scaled = scaled.times(own.factor);
@@ -235,7 +235,7 @@ impl Builder<'_> {
         if flux > 0.0 && flux.is_finite() {
             Ok(scaled)
         } else {
-            Err(Fault::new(light.at.clone(), format!("light {} with its profile has {flux} lm", light.name))
+            Err(Error::new(light.at.clone(), format!("light {} with its profile has {flux} lm", light.name))
                 .expected("a finite flux"))
         }
     }
@@ -243,7 +243,7 @@ impl Builder<'_> {
     /// A point with a profile; `flux_lm`: of the light without it, which stays where the profile only shapes.
     fn web(&mut self, light: &LightSource, flux_lm: f64, to_asset: &DAffine3) -> Result<BeaconForm> {
         let Some(own) = &light.profile else {
-            return Err(Fault::new(light.at.clone(), "a light without a profile"));
+            return Err(Error::new(light.at.clone(), "a light without a profile"));
         };
         let profile = self.light_profile(light, own)?;
         let factor = if own.normalize { flux_lm / profile.flux_lm() } else { 1.0 };
@@ -274,7 +274,7 @@ impl Builder<'_> {
         let rgb = self.scaled(&mut read, scale, &light.at);
         if !finite(&read.pixels, rgb.as_deref()) {
             let what = format!("the luminance of dome {} is negative or overflows", light.name);
-            return Err(Fault::new(light.at.clone(), what).expected("0 or more, and finite"));
+            return Err(Error::new(light.at.clone(), what).expected("0 or more, and finite"));
         }
         let (luminance, rgb) = (Arc::new(read.pixels), rgb.map(Arc::new));
         let to_world = self.assembly.axes * rotation(&to_asset.matrix3, &light.at)?;
@@ -284,7 +284,7 @@ impl Builder<'_> {
 
 /// The rotation in a node's axes; scale is taken off.
 fn rotation(axes: &DMat3, at: &Where) -> Result<DMat3> {
-    let bad = || Fault::new(at.clone(), "the light's axes are not a rotation").expected("a node that is not mirrored");
+    let bad = || Error::new(at.clone(), "the light's axes are not a rotation").expected("a node that is not mirrored");
     let x = axes.x_axis.try_normalize().ok_or_else(bad)?;
     let y = (axes.y_axis - x * axes.y_axis.dot(x)).try_normalize().ok_or_else(bad)?;
     let turned = DMat3::from_cols(x, y, x.cross(y));

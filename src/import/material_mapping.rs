@@ -2,9 +2,9 @@
 
 use super::assembly::Material;
 use super::value::{Data, Value};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::units::luminance;
-use crate::base::{Code, Fault};
+use crate::base::{Code, Error};
 use crate::scene::Note;
 
 /// The attributes that `material.mapped` amounts to. Names that our vocabulary has pass as they are, dotted ones as
@@ -83,7 +83,7 @@ pub fn mapped(material: &Material, notes: &mut Vec<Note>) -> Result<Vec<(String,
             return Ok(all);
         }
         if luminance(rgb) <= 0.0 {
-            return Err(Fault::new(value.at.clone(), format!("material `{}` attenuates to black", material.name))
+            return Err(Error::new(value.at.clone(), format!("material `{}` attenuates to black", material.name))
                 .expected("an attenuation colour above 0, or an absorbing finish"));
         }
         let number = |x: f64| Value::new(Data::Number(x), value.at.clone());

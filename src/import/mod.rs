@@ -57,8 +57,8 @@ pub use explain::Explained;
 pub use outline::{geometry, outline};
 pub use set::Set;
 
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where, weld};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where, weld};
 use crate::scene::Note;
 use std::path::{Path, PathBuf};
 
@@ -120,14 +120,14 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<(Assembly, Option<(Pat
     if extension(path) == "toml" {
         let sidecar = toml::read(path)?;
         let Some(asset) = sidecar.get("asset") else {
-            return Err(Fault::new(Where::file(path), "`asset` is missing").expected("asset = \"FILE.glb\""));
+            return Err(Error::new(Where::file(path), "`asset` is missing").expected("asset = \"FILE.glb\""));
         };
         let Some(name) = asset.text() else {
-            return Err(Fault::new(asset.at.clone(), format!("`asset` is {}", asset.kind())).expected("a file name"));
+            return Err(Error::new(asset.at.clone(), format!("`asset` is {}", asset.kind())).expected("a file name"));
         };
         let file = files::resolve(name, &asset.at);
         if !file.is_file() {
-            return Err(Fault::new(
+            return Err(Error::new(
                 asset.at.clone(),
                 format!("can't read the asset {}: there is no such file", file.display()),
             )
@@ -170,7 +170,7 @@ fn read_asset(path: &Path, at: &Where, options: &ReadOptions) -> Result<Assembly
     }
     let known: Vec<String> =
         FORMATS.iter().flat_map(|format| format.extensions).map(|known| format!(".{known}")).collect();
-    Err(Fault::new(at.clone(), format!("{} is of no format that can be imported", path.display()))
+    Err(Error::new(at.clone(), format!("{} is of no format that can be imported", path.display()))
         .expected(format!("{} or a sidecar .toml", known.join(", "))))
 }
 

@@ -3,7 +3,7 @@
 use super::gltf::looks_like_millimetres;
 use super::value::{Data, Value};
 use super::{Assembly, ReadOptions, build, optics, toml};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::scene::Scene;
 use std::path::Path;
 

@@ -1,8 +1,8 @@
 //! Changing a value in place: paths into it, and what stands there afterwards.
 
 use super::value::{Data, Value};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::scene::attribute;
 
 /// A step into a value.
@@ -15,7 +15,7 @@ pub enum Step {
 /// `faces[0].shape.radius` → steps.
 pub fn steps(text: &str, at: &Where) -> Result<Vec<Step>> {
     let wrong = || {
-        Fault::new(at.clone(), format!("can't read `{text}`")).expected("names and numbers, e.g. faces[0].shape.radius")
+        Error::new(at.clone(), format!("can't read `{text}`")).expected("names and numbers, e.g. faces[0].shape.radius")
     };
     let mut all = Vec::new();
     for segment in text.split('.').filter(|_| !text.is_empty()) {
@@ -56,15 +56,15 @@ pub fn patch(value: &mut Value, steps: &[Step], new: &Value) -> Result<()> {
             let count = list.len();
             match list.get_mut(*index) {
                 Some(inner) => patch(inner, rest, new),
-                None => Err(Fault::new(new.at.clone(), format!("there is no item {index} in {what}"))
+                None => Err(Error::new(new.at.clone(), format!("there is no item {index} in {what}"))
                     .expected(format!("an item below {count}"))),
             }
         }
         (Step::Key(key), Data::Bool(_) | Data::Number(_) | Data::Text(_) | Data::List(_)) => {
-            Err(Fault::new(new.at.clone(), format!("{what} has no `{key}` to set")))
+            Err(Error::new(new.at.clone(), format!("{what} has no `{key}` to set")))
         }
         (Step::Index(index), Data::Bool(_) | Data::Number(_) | Data::Text(_) | Data::Table(_)) => {
-            Err(Fault::new(new.at.clone(), format!("{what} has no item {index} to set")))
+            Err(Error::new(new.at.clone(), format!("{what} has no item {index} to set")))
         }
     }
 }

@@ -6,10 +6,10 @@ use super::measure::FaceMeasure;
 use super::select::Candidate;
 use super::value::Value;
 use super::{files, image, optics};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::ids::SlideId;
 use crate::base::units::luminance;
-use crate::base::{Code, Fault, Where};
+use crate::base::{Code, Error, Where};
 use crate::scene::{Note, Slide, Wavelengths};
 use std::sync::Arc;
 
@@ -48,7 +48,7 @@ impl Builder<'_> {
         };
         let mesh = self.assembly.meshes.get(part.mesh).map(|source| &source.mesh);
         let at = |what: String| {
-            Fault::new(spec.at.clone(), format!("the slide's face {number} of part {} {what}", part.path))
+            Error::new(spec.at.clone(), format!("the slide's face {number} of part {} {what}", part.path))
         };
         let measure = mesh.and_then(|mesh| FaceMeasure::new(mesh, number).map(|measure| (mesh, measure)));
         let Some((mesh, measure)) = measure else { return Err(at("has no triangles".into())) };

@@ -3,8 +3,8 @@
 use super::assembly::Assembly;
 use super::measure::FaceMeasure;
 use super::value::Value;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use glam::DVec3;
 
 /// A node with geometry, as selectors see it.
@@ -33,7 +33,7 @@ pub fn candidates(assembly: &Assembly) -> Result<Vec<Candidate>> {
     for (index, node) in assembly.nodes.iter().enumerate() {
         let Some(mesh) = node.mesh else { continue };
         let Some(source) = assembly.meshes.get(mesh) else {
-            return Err(Fault::new(
+            return Err(Error::new(
                 node.at.clone(),
                 format!("node `{}` has mesh {mesh}, which does not exist", node.path),
             )
@@ -102,14 +102,14 @@ pub fn node(assembly: &Assembly, name: &str, at: &Where) -> Result<usize> {
             let path =
                 |node: &super::assembly::Node| if name.contains('/') { node.path.clone() } else { node.name.clone() };
             let names: Vec<String> = assembly.nodes.iter().map(path).collect();
-            Err(Fault::new(at.clone(), format!("frame `{name}` is no node of the asset"))
+            Err(Error::new(at.clone(), format!("frame `{name}` is no node of the asset"))
                 .expected("\"asset\", or the name or path of a node")
                 .nearest(name, names.iter().map(String::as_str).chain(["asset"]))
                 .code(Code::SelectsNothing))
         }
         several => {
             let paths = several.iter().filter_map(|index| assembly.nodes.get(*index)).map(|node| node.path.as_str());
-            Err(Fault::new(at.clone(), format!("frame `{name}` means {} nodes: {}", several.len(), listed(paths)))
+            Err(Error::new(at.clone(), format!("frame `{name}` means {} nodes: {}", several.len(), listed(paths)))
                 .expected("a path that only one node has")
                 .code(Code::NameAmbiguous))
         }
@@ -214,12 +214,12 @@ impl Faces {
         ];
         match (faces, normal) {
             (None, None) => Ok(Faces::All),
-            (Some(_), Some(normal)) => Err(Fault::new(normal.at.clone(), "both `faces` and `normal`")
+            (Some(_), Some(normal)) => Err(Error::new(normal.at.clone(), "both `faces` and `normal`")
                 .expected("one of them")
                 .code(Code::SaidTwice)),
             (Some(value), None) => {
                 let wrong = || {
-                    Fault::new(value.at.clone(), format!("`faces` is {} ({value})", value.kind()))
+                    Error::new(value.at.clone(), format!("`faces` is {} ({value})", value.kind()))
                         .expected("a list of face numbers, e.g. [0, 2]")
                 };
                 let list = value.list().filter(|list| !list.is_empty()).ok_or_else(wrong)?;
@@ -233,7 +233,7 @@ impl Faces {
             (None, Some(value)) => {
                 let token = AXES.iter().find(|(name, _)| value.text() == Some(name)).map(|(_, axis)| *axis);
                 token.map(Faces::Normal).ok_or_else(|| {
-                    Fault::new(value.at.clone(), format!("`normal` is {value}"))
+                    Error::new(value.at.clone(), format!("`normal` is {value}"))
                         .expected("one of \"+x\", \"-x\", \"+y\", \"-y\", \"+z\", \"-z\", in the part's local axes")
                 })
             }
@@ -250,7 +250,7 @@ impl Faces {
                         0 => "no face at all: the part has none".to_owned(),
                         count => format!("a face from 0 to {}", count - 1),
                     };
-                    return Err(Fault::new(at.clone(), format!("part {} has no face {number}", part.path))
+                    return Err(Error::new(at.clone(), format!("part {} has no face {number}", part.path))
                         .expected(expected)
                         .code(Code::SelectsNothing));
                 }

@@ -9,8 +9,8 @@ use super::patch::{Step, patch, patch_parameter, steps};
 use super::select::{Candidate, is_glob, listed};
 use super::toml::parse_value;
 use super::value::{Data, Value};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use std::rc::Rc;
 
 /// One `--set`.
@@ -31,11 +31,11 @@ impl Set {
         let at = Where::Option(format!("--set {text}"));
         let form = "TARGET.attribute=VALUE, e.g. led.flux_lm=0.5";
         let Some((left, right)) = text.split_once('=') else {
-            return Err(Fault::new(at, "there is no `=`").expected(form));
+            return Err(Error::new(at, "there is no `=`").expected(form));
         };
         let (left, right) = (left.trim(), right.trim());
         if left.is_empty() || right.is_empty() {
-            return Err(Fault::new(at, "one side of the `=` is empty").expected(form));
+            return Err(Error::new(at, "one side of the `=` is empty").expected(form));
         }
         Ok(Set { text: text.to_owned(), left: left.to_owned(), value: parse_value(right, &at) })
     }
@@ -61,7 +61,7 @@ impl Set {
                     })
                     .max_by_key(|(name, _)| name.len());
                 let Some((name, value)) = own else {
-                    return Err(Fault::new(self.at().clone(), format!("there is no {top} `{tail}`"))
+                    return Err(Error::new(self.at().clone(), format!("there is no {top} `{tail}`"))
                         .expected(format!("{top}.NAME.attribute with one of {}", names.join(", ")))
                         .nearest(tail.split('.').next().unwrap_or(tail), names.iter().map(String::as_str)));
                 };
@@ -83,7 +83,7 @@ impl Set {
             }
         };
         if steps.is_empty() && matches!(top, "eye" | "sky" | "sun" | "default") {
-            return Err(Fault::new(self.at().clone(), format!("`{top}` is no attribute"))
+            return Err(Error::new(self.at().clone(), format!("`{top}` is no attribute"))
                 .expected(format!("{top}.attribute=VALUE")));
         }
         // `wavelengths.mono_nm` over "visible": a new table.
@@ -120,7 +120,7 @@ impl Set {
                 (_, true) => {
                     if chosen.len() > 1 && !is_glob(target_part) {
                         let paths = listed(chosen.iter().map(|index| parts[*index].path.as_str()));
-                        return Err(Fault::new(
+                        return Err(Error::new(
                             self.at().clone(),
                             format!("`{target}` means {} parts: {paths}", chosen.len()),
                         )
@@ -130,7 +130,7 @@ impl Set {
                 }
                 (_, false) => {
                     let path = chosen.first().map_or("", |index| parts[*index].path.as_str());
-                    return Err(Fault::new(self.at().clone(), format!("`{target}` is a part and a light group"))
+                    return Err(Error::new(self.at().clone(), format!("`{target}` is a part and a light group"))
                         .expected(format!("the part's path `{path}`, or another name for the group")));
                 }
             }
@@ -142,7 +142,7 @@ impl Set {
             parts.chain(groups.iter().map(String::as_str)).chain(TOP)
         };
         let what = if self.left.contains('.') { "is neither a part nor a light group" } else { "names no attribute" };
-        Err(Fault::new(self.at().clone(), format!("`{target}` {what}"))
+        Err(Error::new(self.at().clone(), format!("`{target}` {what}"))
             .expected("TARGET.attribute=VALUE with a part, a light group, eye, sky, sun, default, unit, wavelengths, coating.NAME or medium.NAME")
             .nearest(target, names()))
     }
@@ -167,11 +167,11 @@ impl Set {
     fn known(&self, steps: &[Step], what: &str) -> Result<()> {
         match steps.first() {
             Some(Step::Key(key)) if EMITTER.contains(&key.as_str()) => Ok(()),
-            Some(Step::Key(key)) => Err(Fault::new(self.at().clone(), format!("unknown attribute `{key}` of {what}"))
+            Some(Step::Key(key)) => Err(Error::new(self.at().clone(), format!("unknown attribute `{key}` of {what}"))
                 .expected(format!("one of {}", EMITTER.join(", ")))
                 .nearest(key, EMITTER)),
             Some(Step::Index(_)) | None => {
-                Err(Fault::new(self.at().clone(), format!("no attribute of {what} is named"))
+                Err(Error::new(self.at().clone(), format!("no attribute of {what} is named"))
                     .expected("TARGET.attribute=VALUE"))
             }
         }
@@ -200,7 +200,7 @@ impl Set {
             all => all,
         };
         let Some(Step::Key(key)) = steps.first() else {
-            return Err(Fault::new(self.at().clone(), format!("no attribute of `{target}` is named"))
+            return Err(Error::new(self.at().clone(), format!("no attribute of `{target}` is named"))
                 .expected("TARGET.attribute=VALUE or TARGET.faces[N].attribute=VALUE"));
         };
         // `LED.flux_lm` is short for `LED.emitter.flux_lm`, `LCD.contrast` for `LCD.slide.contrast`.
@@ -215,17 +215,17 @@ impl Set {
             (None, Some((_, slot))) => (slot, steps),
             (None, None) => {
                 let rows = EMITTER.into_iter().chain(SLIDE);
-                return Err(Fault::new(self.at().clone(), format!("unknown attribute `{key}` of a part"))
+                return Err(Error::new(self.at().clone(), format!("unknown attribute `{key}` of a part"))
                     .expected(format!("one of {}, or an attribute of its emitter or slide", BINDABLE.join(", ")))
                     .nearest(key, BINDABLE.into_iter().chain(rows)));
             }
         };
         if let (true, Some(_)) = (slot.of_part(), only) {
-            return Err(Fault::new(self.at().clone(), format!("`{key}` fills a whole part, not a face"))
+            return Err(Error::new(self.at().clone(), format!("`{key}` fills a whole part, not a face"))
                 .expected(format!("{target}.{key}=VALUE")));
         }
         if let Some((face, part)) = only.zip(chosen.iter().map(|i| &parts[*i]).find(|part| only >= Some(part.faces))) {
-            return Err(Fault::new(self.at().clone(), format!("part {} has no face {face}", part.path))
+            return Err(Error::new(self.at().clone(), format!("part {} has no face {face}", part.path))
                 .expected(format!("a face below {}", part.faces)));
         }
         if inner.is_empty() {
@@ -263,11 +263,11 @@ impl Set {
         }
         let noun = slot.key();
         if members.is_empty() {
-            return Err(Fault::new(self.at().clone(), format!("`{target}` has no {noun} whose attributes can be set"))
+            return Err(Error::new(self.at().clone(), format!("`{target}` has no {noun} whose attributes can be set"))
                 .expected(format!("a part with {} {noun} = {{ … }}", if noun == "emitter" { "an" } else { "a" })));
         }
         if slot == Slot::Shape && members.len() > chosen.len() {
-            return Err(Fault::new(self.at().clone(), format!("several faces of `{target}` have a shape"))
+            return Err(Error::new(self.at().clone(), format!("several faces of `{target}` have a shape"))
                 .expected(format!("one face, e.g. {target}.faces[0].{tail}=VALUE")));
         }
         for (part, face) in members {
@@ -284,10 +284,10 @@ impl Set {
             Some(Step::Key(key)) => {
                 let what = format!("unknown attribute `{key}` of the medium of `{target}`");
                 let expected = format!("one of {}", own().collect::<Vec<_>>().join(", "));
-                Err(Fault::new(self.at().clone(), what).expected(expected).nearest(key, own()))
+                Err(Error::new(self.at().clone(), what).expected(expected).nearest(key, own()))
             }
             Some(Step::Index(_)) | None => {
-                Err(Fault::new(self.at().clone(), format!("no attribute of the medium of `{target}` is named"))
+                Err(Error::new(self.at().clone(), format!("no attribute of the medium of `{target}` is named"))
                     .expected(format!("{target}.medium.attribute=VALUE")))
             }
         }
@@ -295,7 +295,7 @@ impl Set {
 
     /// Patches a part's index or absorption: `LENS.sellmeier.b[0]`.
     fn patch_part(&self, part: &mut PartBound, target: &str, key: &str, slot: Slot, steps: &[Step]) -> Result<()> {
-        let fault = |what: String| Fault::new(self.at().clone(), what).expected(format!("{target}.{key}=VALUE"));
+        let fault = |what: String| Error::new(self.at().clone(), what).expected(format!("{target}.{key}=VALUE"));
         let Some(won) = part.part.get(slot) else { return Err(fault(format!("`{target}` has no `{key}` to change"))) };
         let entry = &won.entry;
         if entry.key != key {

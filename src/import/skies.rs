@@ -7,10 +7,10 @@ use super::optics::{self, SkyKind, SkySpec, Up};
 use super::scene_images::finite;
 use super::value::Value;
 use super::{files, frames, image};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::ids::GroupId;
 use crate::base::units::luminance;
-use crate::base::{Fault, Where};
+use crate::base::{Error, Where};
 use crate::scene::{Beacon, BeaconForm, Group, Note, Sky};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -127,7 +127,7 @@ impl Builder<'_> {
     ) -> Result<Sky> {
         let rgb = self.scaled(&mut picture, scale, picture_at);
         if !finite(&picture.pixels, rgb.as_deref()) {
-            return Err(Fault::new(at.clone(), "the sky's luminance overflows").expected(expected));
+            return Err(Error::new(at.clone(), "the sky's luminance overflows").expected(expected));
         }
         Ok(Sky {
             group: GroupId::from_index(intern(&mut self.groups, Group { name: group })),

@@ -5,9 +5,9 @@ use super::files;
 use super::select::Candidate;
 use super::texture_file::{MOST_BYTES, decoded, file_bytes, halved, size_bytes};
 use super::tiles;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::ids::SurfaceId;
-use crate::base::{Fault, Shared, Where};
+use crate::base::{Error, Shared, Where};
 use crate::scene::texture::{Encoding, PictureKey, PictureSource, Texels, Wrap};
 use crate::scene::{Colour, Note, Opacity, Scalar, StandardSurface, Texture};
 use std::collections::{HashMap, HashSet};
@@ -177,7 +177,7 @@ impl Builder<'_> {
             read.push((texture, *place));
         }
         let joined = tiles::joined(name, &read, MOST_BYTES).ok_or_else(|| {
-            let fault = Fault::new(at.clone(), format!("the tiles of the texture {name} do not fit into memory"));
+            let fault = Error::new(at.clone(), format!("the tiles of the texture {name} do not fit into memory"));
             fault.expected(format!("at most {MOST_BYTES} bytes together"))
         })?;
         Ok((Shared::from(joined), encoding))

@@ -10,8 +10,8 @@ mod write;
 mod tests;
 
 use super::{Assembly, Built, build, gltf, toml};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use std::path::{Component, Path};
 
 /// A sidecar as text.
@@ -25,7 +25,7 @@ pub struct Template {
     /// What the author has to say, in the order of the text.
     pub todos: Vec<String>,
     /// Why the text can't be imported as it is, if so.
-    pub fault: Option<Box<Fault>>,
+    pub fault: Option<Box<Error>>,
 }
 
 /// Largest distance of a face's points from a surface that is called its shape, µm.
@@ -36,7 +36,7 @@ const TOLERANCE_UM: f64 = 0.05;
 /// Faults: the asset can't be read, or is no asset.
 pub fn skeleton(asset: &Path, sidecar: &Path) -> Result<Template> {
     if super::extension(asset) == "toml" {
-        return Err(Fault::new(Where::file(asset), "this is a sidecar already").expected("an asset: .gltf or .glb"));
+        return Err(Error::new(Where::file(asset), "this is a sidecar already").expected("an asset: .gltf or .glb"));
     }
     let assembly = super::read_asset(asset, &Where::Nowhere, &super::ReadOptions::default())?;
     of(assembly, &relative(asset, sidecar), sidecar)

@@ -1,7 +1,7 @@
 //! Files of textures: PNG, JPEG, WebP, TIFF, Radiance HDR, OpenEXR and KTX2. None is trusted: a header can claim any size.
 
-use crate::base::fault::Result;
-use crate::base::{Fault, Where, package};
+use crate::base::error::Result;
+use crate::base::{Error, Where, package};
 use crate::film::exr::is_exr;
 use crate::film::still::{Light, Still};
 use crate::scene::Texture;
@@ -25,7 +25,7 @@ const KTX2: &[u8] = b"\xABKTX 20\xBB\r\n\x1A\n";
 /// # Errors
 /// Formats that are not read, damaged files, values that are not finite, more than 2 GiB of texels.
 pub(super) fn decoded(bytes: &[u8], name: &str, at: &Where) -> Result<(Texture, Encoding, Vec<String>)> {
-    let broken = |why: String| Fault::new(at.clone(), format!("can't read the texture {name}: {why}"));
+    let broken = |why: String| Error::new(at.clone(), format!("can't read the texture {name}: {why}"));
     let texture =
         |width: usize, height: usize, texels: Texels| Texture { name: name.to_owned(), width, height, texels };
     if is_exr(bytes) {

@@ -1,8 +1,8 @@
 //! TOML text → [`Value`] tree; every value knows its line.
 
 use super::value::{Data, Value};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -16,7 +16,7 @@ pub fn read(path: &Path) -> Result<Value> {
 /// The same for a file that is called something else in faults.
 pub fn read_as(path: &Path, what: &str) -> Result<Value> {
     let bytes = super::files::read(path, &Where::Nowhere, what)?;
-    let text = String::from_utf8(bytes).map_err(|_| Fault::new(Where::file(path), "this file is not UTF-8 text"))?;
+    let text = String::from_utf8(bytes).map_err(|_| Error::new(Where::file(path), "this file is not UTF-8 text"))?;
     parse(&text, path)
 }
 
@@ -26,7 +26,7 @@ pub fn parse(text: &str, file: &Path) -> Result<Value> {
     let place = |span: Range<usize>| Where::Line { file: file.to_owned(), line: lines.of(span.start) };
     let document = DeTable::parse(text).map_err(|error| {
         let at = error.span().map_or_else(|| Where::file(file), &place);
-        Fault::new(at, format!("not valid TOML: {}", error.message().replace('\n', " ")))
+        Error::new(at, format!("not valid TOML: {}", error.message().replace('\n', " ")))
     })?;
     table(document.get_ref(), place(0..0), &place)
 }
@@ -60,7 +60,7 @@ fn table(entries: &DeTable<'_>, at: Where, place: &Place<'_>) -> Result<Value> {
 
 fn value(entry: &Spanned<DeValue<'_>>, at: Where, place: &Place<'_>) -> Result<Value> {
     let number = |text: &str, parsed: Option<f64>| {
-        parsed.ok_or_else(|| Fault::new(at.clone(), format!("`{text}` is not a number that can be used")))
+        parsed.ok_or_else(|| Error::new(at.clone(), format!("`{text}` is not a number that can be used")))
     };
     let data = match entry.get_ref() {
         DeValue::String(text) => Data::Text(text.to_string()),
@@ -77,7 +77,7 @@ fn value(entry: &Spanned<DeValue<'_>>, at: Where, place: &Place<'_>) -> Result<V
         }
         DeValue::Boolean(flag) => Data::Bool(*flag),
         DeValue::Datetime(date) => {
-            return Err(Fault::new(at, format!("a date ({date}) has no meaning here; write it in quotes")));
+            return Err(Error::new(at, format!("a date ({date}) has no meaning here; write it in quotes")));
         }
         DeValue::Array(items) => {
             let items = items.iter().map(|item| value(item, place(item.span()), place));

@@ -15,7 +15,7 @@ pub use lamp::LampReport;
 pub use look::{LookReport, TextureReport};
 pub use parts::{Bounds, MediumReport, PartReport};
 
-use crate::base::Fault;
+use crate::base::Error;
 use crate::scene::{Eye, Note, Scene, Severity, Sky, Wavelengths};
 
 /// The report. Lengths of the world in metres, shapes in mesh units as in the scene. In JSON an infinite number is null.
@@ -33,7 +33,7 @@ pub struct AssemblyTree {
     /// None where the optical attributes could not be used: see `fault`.
     pub optics: Option<OpticsReport>,
     /// Why there are no optics.
-    pub fault: Option<Fault>,
+    pub fault: Option<Error>,
     /// Warnings first.
     pub notes: Vec<Note>,
 }
@@ -154,7 +154,7 @@ impl AssemblyTree {
     }
 
     /// Only what the geometry says, since `fault` forbids more.
-    pub fn without_optics(scene: &Scene, fault: &Fault) -> Self {
+    pub fn without_optics(scene: &Scene, fault: &Error) -> Self {
         AssemblyTree { fault: Some(fault.clone()), ..Self::geometry(scene) }
     }
 

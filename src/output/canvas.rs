@@ -1,7 +1,7 @@
 //! An 8-bit picture to draw on, with letters small enough for labels.
 
 use crate::base::atomic::write_atomic;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use std::path::Path;
@@ -133,7 +133,7 @@ impl Canvas {
     /// Writes a PNG, completely or not at all.
     /// Errors: a picture too large for the format, a place that cannot be written.
     pub fn write_png(&self, path: &Path) -> Result<()> {
-        let unencodable = |why: String| Fault::new(Where::file(path), format!("cannot be encoded as PNG: {why}"));
+        let unencodable = |why: String| Error::new(Where::file(path), format!("cannot be encoded as PNG: {why}"));
         let side =
             |length: usize| u32::try_from(length).map_err(|_| unencodable(format!("{length} pixels wide or high")));
         let mut bytes = Vec::new();

@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, STEP};
 use super::view::{ViewOptions, shown};
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::frame::Frame;
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub fn contact_sheet(frame: &Frame, options: &ViewOptions) -> Result<Canvas> {
     let names: Vec<&str> = layers.chain(channels).collect();
     let (count, factor) = (names.len(), frame.width.div_ceil(WIDEST).max(1));
     if count == 0 {
-        return Err(Fault::new(Where::Nowhere, "the frame has no layer to show"));
+        return Err(Error::new(Where::Nowhere, "the frame has no layer to show"));
     }
     let cell = [
         frame.width.div_ceil(factor).max(8 * LETTER * STEP[0]) + GAP,

@@ -3,7 +3,7 @@
 
 use super::compare::is_data;
 use super::luminance::Luminance;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::aov;
 use crate::film::cryptomatte::Matte;
 use crate::film::frame::Frame;
@@ -68,7 +68,7 @@ pub struct Rendering<'f> {
 pub fn groups_of(frame: &Frame) -> Result<Vec<String>> {
     let listed = frame.text("groups").and_then(|json| serde_json::from_str(json).ok());
     listed.ok_or_else(|| {
-        Fault::new(Where::Nowhere, "the header has no list of light groups (`eyebox.groups`)")
+        Error::new(Where::Nowhere, "the header has no list of light groups (`eyebox.groups`)")
             .expected("a frame that `eyebox render` wrote")
     })
 }
@@ -134,7 +134,7 @@ impl<'f> Rendering<'f> {
     fn check_sums(&self) -> Result<()> {
         let frame = self.frame;
         let incomplete = |what: String, missing: String| {
-            Fault::new(Where::Nowhere, what).expected(format!(
+            Error::new(Where::Nowhere, what).expected(format!(
                 "all shares of the light, of which {missing} is missing or damaged: render without --layers"
             ))
         };
@@ -149,7 +149,7 @@ impl<'f> Rendering<'f> {
             }
         }
         let Some(picture) = frame.rgb("") else {
-            return Err(Fault::new(Where::Nowhere, "the frame has no default image").expected("channels R, G and B"));
+            return Err(Error::new(Where::Nowhere, "the frame has no default image").expected("channels R, G and B"));
         };
         if !adds_up(picture, self.shares.iter().map(|share| share.picture), tolerance(frame)) {
             let missing = Layer::SUM_ORDER.map(Layer::name).into_iter().filter(|layer| frame.rgb(layer).is_none());
@@ -202,7 +202,7 @@ impl<'f> Split<'f> {
                 (self.value(contrast, channel, pixel) - f64::from(*stored)).abs() > tolerance * peak
             };
             if stored.iter().enumerate().any(miss) {
-                return Err(Fault::new(
+                return Err(Error::new(
                     Where::Nowhere,
                     format!(
                         "`{name}_open` and `{name}_content` do not give `{name}` at the rendered contrast {contrast}"
@@ -245,7 +245,7 @@ pub fn check_data(frame: &Frame) -> Result<()> {
     for channel in &frame.channels {
         let name = &channel.name;
         if Some(channel.data.len()) != pixels {
-            return Err(Fault::new(Where::Nowhere, format!("channel `{name}` has {} values", channel.data.len()))
+            return Err(Error::new(Where::Nowhere, format!("channel `{name}` has {} values", channel.data.len()))
                 .expected(format!("{} × {}", frame.width, frame.height)));
         }
         // What is nowhere is infinitely far, as other programs write it: that says nothing of light.
@@ -255,7 +255,7 @@ pub fn check_data(frame: &Frame) -> Result<()> {
         if let Some(pixel) = channel.data.iter().position(bad) {
             let (x, y) = (pixel % frame.width, pixel / frame.width);
             let value = channel.data.get(pixel).copied().unwrap_or(f32::NAN);
-            return Err(Fault::new(Where::Nowhere, format!("channel `{name}` is {value} at pixel ({x}, {y})"))
+            return Err(Error::new(Where::Nowhere, format!("channel `{name}` is {value} at pixel ({x}, {y})"))
                 .expected("finite values"));
         }
     }

@@ -13,7 +13,7 @@ use super::leak::modulated;
 use super::light_shares::Rendering;
 use super::luminance::Luminance;
 use super::tone::{Adaptation, adaptation_luminance};
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::base::rng::{Rng, Stream};
 use crate::base::stats::Moments;
 use crate::film::frame::Frame;
@@ -51,7 +51,7 @@ pub struct Target {
 pub fn measure(frame: &Frame, target: &Target) -> Result<Vec<Quantity>> {
     let rendering = Rendering::of(frame)?;
     if let Some(unknown) = target.groups.iter().find(|group| !rendering.groups.contains(group)) {
-        return Err(Fault::new(Where::Option(format!("--display {unknown}")), format!("no light group `{unknown}`"))
+        return Err(Error::new(Where::Option(format!("--display {unknown}")), format!("no light group `{unknown}`"))
             .expected(format!("one of {}", rendering.groups.join(", ")))
             .nearest(unknown, rendering.groups.iter().map(String::as_str)));
     }
@@ -187,7 +187,7 @@ impl<'f> Measurer<'f> {
         };
         let inside = |at: usize, size: usize, most: usize| at.checked_add(size).is_some_and(|end| end <= most);
         if !inside(x, width, frame.width) || !inside(y, height, frame.height) {
-            return Err(Fault::new(
+            return Err(Error::new(
                 Where::Option(format!("--edge {x},{y},{width}x{height}")),
                 "not inside the picture",
             )

@@ -2,7 +2,7 @@
 //! `docs/mix.md` has the formulas.
 
 use super::light_shares::{PLATE, Rendering, Share};
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::aov;
 use crate::film::frame::{Frame, Meta, split_name};
 use crate::film::layer::Layer;
@@ -88,28 +88,28 @@ impl Recipe {
         for (group, gain) in &self.gains {
             let at = || Where::Option(format!("--gain {group}={gain}"));
             if !rendering.groups.contains(group) {
-                return Err(Fault::new(at(), format!("the frame has no light group `{group}`"))
+                return Err(Error::new(at(), format!("the frame has no light group `{group}`"))
                     .expected(format!("one of {}", rendering.groups.join(", ")))
                     .nearest(group, rendering.groups.iter().map(String::as_str)));
             }
             if !(*gain >= 0.0 && gain.is_finite()) {
-                return Err(Fault::new(at(), format!("{gain} is no gain")).expected("0 or more, finite"));
+                return Err(Error::new(at(), format!("{gain} is no gain")).expected("0 or more, finite"));
             }
         }
         let Some(contrast) = self.contrast else { return Ok(()) };
         let at = || Where::Option(format!("--contrast {contrast}"));
         if contrast.is_nan() || contrast < 1.0 {
-            return Err(Fault::new(at(), format!("{contrast} is no contrast")).expected("1 or more; `inf` is allowed"));
+            return Err(Error::new(at(), format!("{contrast} is no contrast")).expected("1 or more; `inf` is allowed"));
         }
         let Some(rendered) = rendering.contrast else {
-            return Err(Fault::new(at(), "the frame has no slide whose contrast could be changed")
+            return Err(Error::new(at(), "the frame has no slide whose contrast could be changed")
                 .expected("a scene with one slide"));
         };
         let refused =
             rendering.shares.iter().chain(&rendering.taken).find_map(|share| Some((share, share.refused.as_ref()?)));
         match refused {
             Some((share, because)) if contrast != rendered => {
-                Err(Fault::new(at(), format!("`{}` is not split by contrast: {because}", share.name))
+                Err(Error::new(at(), format!("`{}` is not split by contrast: {because}", share.name))
                     .expected(format!("`{}_open` and `{}_content` in the frame", share.name, share.name)))
             }
             Some(_) | None => Ok(()),

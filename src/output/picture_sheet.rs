@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, STEP};
 use super::view::{ViewOptions, shown};
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::frame::Frame;
 
 /// Pictures are no wider than this, pixels.
@@ -41,7 +41,7 @@ pub fn picture_sheet(frames: &[(Frame, String)], columns: usize, options: &ViewO
     let size = [columns.saturating_mul(width + GAP) + GAP, heights.iter().sum::<usize>() + GAP];
     if cells.is_empty() || size[0].saturating_mul(size[1]) > MOST_PIXELS {
         let what = format!("{} pictures make a sheet of {} × {} pixels", cells.len(), size[0], size[1]);
-        return Err(Fault::new(Where::Nowhere, what).expected(format!("1 to {MOST_PIXELS} pixels")));
+        return Err(Error::new(Where::Nowhere, what).expected(format!("1 to {MOST_PIXELS} pixels")));
     }
     let mut sheet = Canvas::new(size[0], size[1], [24; 3]);
     let mut top = GAP;

@@ -4,7 +4,7 @@ use super::fit::Fit;
 use super::light_shares::{PLATE, groups_of};
 use super::luminance::Luminance;
 use super::mix::set_layer;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::aov;
 use crate::film::frame::Frame;
 use crate::film::still::{Light, Still};
@@ -18,7 +18,7 @@ use crate::film::still::{Light, Still};
 pub fn place(frame: &Frame, plate: &Still, white_cd_m2: f64) -> Result<(Frame, Option<String>)> {
     if (plate.width, plate.height) != (frame.width, frame.height) {
         let [wide, high] = [plate.width, plate.height];
-        return Err(Fault::new(Where::Nowhere, format!("the plate has {wide} × {high} pixels")).expected(format!(
+        return Err(Error::new(Where::Nowhere, format!("the plate has {wide} × {high} pixels")).expected(format!(
             "{} × {}, as the frame has, or --fit with one of {}",
             frame.width,
             frame.height,
@@ -27,10 +27,10 @@ pub fn place(frame: &Frame, plate: &Still, white_cd_m2: f64) -> Result<(Frame, O
     }
     if let Some(cause) = named_alike(frame) {
         let what = format!("`{PLATE}` would be the layer of --plate and {cause}");
-        return Err(Fault::new(Where::Nowhere, what).expected("another name for the asset's own, and a new rendering"));
+        return Err(Error::new(Where::Nowhere, what).expected("another name for the asset's own, and a new rendering"));
     }
     let Some(through) = frame.rgb("seethrough") else {
-        return Err(Fault::new(Where::Nowhere, "the frame has no layer `seethrough`, which a plate is seen through")
+        return Err(Error::new(Where::Nowhere, "the frame has no layer `seethrough`, which a plate is seen through")
             .expected("a frame rendered without --layers, or with seethrough among them"));
     };
     let to = Luminance::in_frame(frame);

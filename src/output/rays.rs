@@ -3,8 +3,8 @@
 mod glb;
 mod usda;
 
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -165,11 +165,11 @@ pub fn write(out: &Path, strips: &[Strip], space: &Space) -> Result<()> {
     };
     let lines: Vec<Line<'_>> = strips.iter().map(|strip| Line { strip, points: places(strip) }).collect();
     if !lines.iter().flat_map(|line| line.points.as_flattened()).all(|x| x.is_finite()) {
-        return Err(Fault::new(Where::file(out), "coordinates are too large for the file"));
+        return Err(Error::new(Where::file(out), "coordinates are too large for the file"));
     }
     let bytes = match extension(out).as_str() {
         "glb" => glb::bytes(&lines).ok_or_else(|| {
-            Fault::new(Where::file(out), "the file would be larger than 4 GiB").expected("fewer rays")
+            Error::new(Where::file(out), "the file would be larger than 4 GiB").expected("fewer rays")
         })?,
         "usda" => usda::text(&lines, space).into_bytes(),
         _ => return Err(unknown(out)),
@@ -178,8 +178,8 @@ pub fn write(out: &Path, strips: &[Strip], space: &Space) -> Result<()> {
 }
 
 /// The fault of a name that no format goes with.
-pub fn unknown(out: &Path) -> Box<Fault> {
-    Fault::new(Where::file(out), "is no name for a file of rays").expected("a name that ends in .glb or .usda")
+pub fn unknown(out: &Path) -> Box<Error> {
+    Error::new(Where::file(out), "is no name for a file of rays").expected("a name that ends in .glb or .usda")
 }
 
 pub fn extension(path: &Path) -> String {

@@ -15,7 +15,7 @@ use super::measure::{Target, measure};
 use super::tone::{Adaptation, adaptation_luminance, ward_scale};
 use super::view::{Shown, choose};
 use crate::base::colour::ColourSpace;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::frame::Frame;
 use planes::{Planes, Reduce};
 use serde_json::{Value, json};
@@ -67,13 +67,13 @@ impl<'f> Shares<'f> {
 /// Errors: no frame, channels that do not fill it, no layer to show, frames of different scenes.
 pub fn page(frames: &[(String, &Frame)]) -> Result<Page> {
     let Some((file, frame)) = frames.first() else {
-        return Err(Fault::new(Where::Nowhere, "there is no frame to report on"));
+        return Err(Error::new(Where::Nowhere, "there is no frame to report on"));
     };
     check(frames)?;
     let mut planes = Planes::new(frame.width, frame.height);
     let layers = layers(frame, &mut planes);
     if layers.is_empty() {
-        return Err(Fault::new(Where::Nowhere, "the frame has no layer to show"));
+        return Err(Error::new(Where::Nowhere, "the frame has no layer to show"));
     }
     let shares = Shares::of(frame);
     let mixed = shares.rendering.as_ref().map(|rendering| mixed(rendering, &mut planes)).unwrap_or_default();
@@ -136,11 +136,11 @@ fn check(frames: &[(String, &Frame)]) -> Result<()> {
         let pixels = frame.width.checked_mul(frame.height).filter(|pixels| *pixels > 0);
         if let Some(channel) = frame.channels.iter().find(|channel| Some(channel.data.len()) != pixels) {
             let values = format!("{name}: channel `{}` has {} values", channel.name, channel.data.len());
-            return Err(Fault::new(Where::Nowhere, values).expected(format!("{} × {}", frame.width, frame.height)));
+            return Err(Error::new(Where::Nowhere, values).expected(format!("{} × {}", frame.width, frame.height)));
         }
         let (here, there) = (first.text("sceneHash"), frame.text("sceneHash"));
         if here != there {
-            return Err(Fault::new(
+            return Err(Error::new(
                 Where::Nowhere,
                 format!("{name} is of another scene ({})", there.unwrap_or("no hash")),
             )

@@ -5,7 +5,7 @@
 //! left out. The attribute `eyebox.shard` says in JSON what the films are and whatever the writer wants to know again.
 
 use crate::base::double_double::Sum;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::base::lpe;
 use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
 use crate::film::frame::{Channel, Frame, Meta, Samples};
@@ -100,7 +100,7 @@ pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture
     };
     let stored = Stored { format: FORMAT, films: films.iter().map(kind).collect(), head };
     let text = serde_json::to_string(&stored)
-        .map_err(|error| Fault::new(Where::file(path), format!("cannot be described: {error}")))?;
+        .map_err(|error| Error::new(Where::file(path), format!("cannot be described: {error}")))?;
     let mut frame = picture.clone();
     frame.meta.insert(KEY.to_owned(), Meta::Text(text));
     for (number, film) in films.iter().enumerate() {
@@ -127,7 +127,7 @@ pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture
 pub fn read_shard<H: DeserializeOwned>(path: &Path) -> Result<Shard<H>> {
     let mut frame = read_exr(path)?;
     let fault =
-        |what: String| Fault::new(Where::file(path), what).expected("what `render --shard` or `--checkpoint` writes");
+        |what: String| Error::new(Where::file(path), what).expected("what `render --shard` or `--checkpoint` writes");
     let text = frame.text(KEY).ok_or_else(|| fault("is no shard".to_owned()))?;
     let no_shard = |error: serde_json::Error| fault(format!("is no shard: {error}"));
     let Format { format } = serde_json::from_str(text).map_err(no_shard)?;

@@ -4,7 +4,7 @@ use super::leak::{Visibility, brightest, leak_luminance, modulated};
 use super::light_shares::{Rendering, luminance_of};
 use super::luminance::Luminance;
 use super::mix::Recipe;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::base::vision::threshold_ferwerda;
 
 /// Gains are looked for below this.
@@ -100,7 +100,7 @@ pub fn solve(rendering: &Rendering, recipe: &Recipe, groups: &[String], goal: Go
         Goal::Contrast(contrast) => format!("contrast={contrast}"),
         Goal::LeakHidden => "leak=hidden".to_owned(),
     };
-    let unreached = |what: String| Fault::new(Where::Option(format!("--solve {said}")), what);
+    let unreached = |what: String| Error::new(Where::Option(format!("--solve {said}")), what);
     let gain = match goal {
         Goal::Contrast(contrast) => {
             // B + g·W = X(B + g·K).
@@ -147,7 +147,7 @@ fn brightest_hidden(levels: &Levels) -> Option<f64> {
 fn chosen(rendering: &Rendering, groups: &[String]) -> Result<Vec<String>> {
     let at = |group: &str| Where::Option(format!("--solve-for {group}"));
     if let Some(unknown) = groups.iter().find(|group| !rendering.groups.contains(group)) {
-        return Err(Fault::new(at(unknown), format!("the frame has no light group `{unknown}`"))
+        return Err(Error::new(at(unknown), format!("the frame has no light group `{unknown}`"))
             .expected(format!("one of {}", rendering.groups.join(", ")))
             .nearest(unknown, rendering.groups.iter().map(String::as_str)));
     }
@@ -160,7 +160,7 @@ fn chosen(rendering: &Rendering, groups: &[String]) -> Result<Vec<String>> {
         } else {
             ("the slide modulates several groups", candidates.join(", "))
         };
-        Fault::new(Where::Option("--solve".to_owned()), what).expected(format!("--solve-for GROUP,… of {of}"))
+        Error::new(Where::Option("--solve".to_owned()), what).expected(format!("--solve-for GROUP,… of {of}"))
     })
 }
 
@@ -185,7 +185,7 @@ fn measured(rendering: &Rendering, recipe: &Recipe, groups: &[String]) -> Result
     let lit = lit_pixels(&own);
     if lit.is_empty() {
         let what = format!("there is no light of {} in the frame", groups.join(", "));
-        return Err(Fault::new(Where::Option("--solve".to_owned()), what).expected("a group with light"));
+        return Err(Error::new(Where::Option("--solve".to_owned()), what).expected("a group with light"));
     }
     let over_lit = |data: &[f64]| mean(lit.iter().filter_map(|pixel| data.get(*pixel)));
     Ok(Levels {

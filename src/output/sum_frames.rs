@@ -2,7 +2,7 @@
 
 use super::light_shares::{PLATE, Rendering, groups_of};
 use super::mix::set_layer;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::aov;
 use crate::film::frame::{Frame, Meta};
 use crate::film::layer::Layer;
@@ -18,7 +18,7 @@ use serde_json::Value;
 /// which would count it twice; frames whose shares are not complete.
 pub fn join(frames: &[Frame]) -> Result<Frame> {
     let Some((first, rest)) = frames.split_first() else {
-        return Err(Fault::new(Where::Nowhere, "no frame to mix"));
+        return Err(Error::new(Where::Nowhere, "no frame to mix"));
     };
     let mut sum = first.clone();
     for (number, frame) in rest.iter().enumerate() {
@@ -67,7 +67,7 @@ fn join_aovs(sum: &mut Frame, other: &Frame) {
 
 fn comparable(first: &Frame, other: &Frame, number: usize) -> Result<()> {
     let differs = |what: &str, own: String, its: String| {
-        Err(Fault::new(Where::Nowhere, format!("frame {number} has {what} {its}"))
+        Err(Error::new(Where::Nowhere, format!("frame {number} has {what} {its}"))
             .expected(format!("{own}, as the first")))
     };
     let size = |frame: &Frame| format!("{} × {}", frame.width, frame.height);
@@ -102,7 +102,7 @@ fn add(mut sum: Frame, other: &Frame, number: usize) -> Result<Frame> {
     };
     let twice = second.shares.iter().find(|share| super::mix::is_lit(share) && first_names.contains(&share.name));
     if let Some(twice) = twice {
-        return Err(Fault::new(
+        return Err(Error::new(
             Where::Nowhere,
             format!("frame {number} has light in `{}`, as another has", twice.name),
         )

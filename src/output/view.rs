@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::base::colour::ColourSpace;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::frame::{Channel, Frame};
 use crate::film::sharpness::Sharpness;
 use crate::output::canvas::Canvas;
@@ -104,7 +104,7 @@ pub fn shown(frame: &Frame, options: &ViewOptions) -> Result<(Canvas, ViewInfo)>
     check(frame, options)?;
     let (layer, kind, channels) = choose(frame, options.layer.as_deref())?;
     if kind != Shown::Picture {
-        return Err(Fault::new(Where::Option("--false-colour".to_owned()), format!("`{layer}` is no luminance"))
+        return Err(Error::new(Where::Option("--false-colour".to_owned()), format!("`{layer}` is no luminance"))
             .expected("a picture layer"));
     }
     let glared = glared(frame, options, channels)?;
@@ -135,8 +135,8 @@ fn glared(frame: &Frame, options: &ViewOptions, channels: [&[f32]; 3]) -> Result
     Ok(Some(planes.map(|plane| plane.into_iter().map(|value| value as f32).collect())))
 }
 
-fn no_eye(option: &str) -> Box<Fault> {
-    Fault::new(Where::Option(option.to_owned()), "the header does not say how wide the eye looks (`eyebox.eye`)")
+fn no_eye(option: &str) -> Box<Error> {
+    Error::new(Where::Option(option.to_owned()), "the header does not say how wide the eye looks (`eyebox.eye`)")
         .expected("a frame that `eyebox render` wrote")
 }
 
@@ -227,22 +227,22 @@ fn check(frame: &Frame, options: &ViewOptions) -> Result<()> {
     if let Some(stops) = options.exposure
         && (stops.is_nan() || stops.abs() > MOST_STOPS)
     {
-        return Err(Fault::new(option(format!("--exposure {stops}")), "not a usable exposure")
+        return Err(Error::new(option(format!("--exposure {stops}")), "not a usable exposure")
             .expected(format!("{} to {MOST_STOPS} stops", -MOST_STOPS)));
     }
     let display = options.ldmax_cd_m2;
     if !(display > 0.0 && display.is_finite()) {
         return Err(
-            Fault::new(Where::Nowhere, format!("a display of {display} cd/m²")).expected("a positive luminance")
+            Error::new(Where::Nowhere, format!("a display of {display} cd/m²")).expected("a positive luminance")
         );
     }
     let pixels = frame.width.checked_mul(frame.height).filter(|pixels| *pixels > 0);
     match frame.channels.iter().find(|channel| Some(channel.data.len()) != pixels) {
         Some(channel) => {
-            Err(Fault::new(Where::Nowhere, format!("channel `{}` has {} values", channel.name, channel.data.len()))
+            Err(Error::new(Where::Nowhere, format!("channel `{}` has {} values", channel.name, channel.data.len()))
                 .expected(format!("{} × {}", frame.width, frame.height)))
         }
-        None if frame.channels.is_empty() => Err(Fault::new(Where::Nowhere, "the frame has no channel")),
+        None if frame.channels.is_empty() => Err(Error::new(Where::Nowhere, "the frame has no channel")),
         None => Ok(()),
     }
 }
@@ -284,11 +284,11 @@ fn shown_by_name(layer: &str) -> Shown {
     }
 }
 
-fn unknown_layer(frame: &Frame, layer: &str, names: &[&str]) -> Box<Fault> {
+fn unknown_layer(frame: &Frame, layer: &str, names: &[&str]) -> Box<Error> {
     let listed: Vec<&str> = names.iter().map(|name| if name.is_empty() { "(default)" } else { name }).collect();
     let channels = frame.channels.iter().map(|channel: &Channel| channel.name.as_str());
     let valid: Vec<&str> = names.iter().copied().filter(|name| !name.is_empty()).chain(channels).collect();
-    Fault::new(Where::Option(format!("--layer {layer}")), format!("the frame has no layer `{layer}`"))
+    Error::new(Where::Option(format!("--layer {layer}")), format!("the frame has no layer `{layer}`"))
         .expected(format!("one of {}, or a channel's full name", listed.join(", ")))
         .nearest(layer, valid)
 }

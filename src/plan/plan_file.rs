@@ -1,7 +1,7 @@
 //! The plan as an artefact: everything that was decided before pass 0, with a hash, so that shards and later runs share it.
 
 use super::Asked;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::film::plan::Plan;
 use crate::scene::Scene;
 use std::path::Path;
@@ -44,7 +44,7 @@ impl PlanFile {
     /// Reads a plan for a scene. Errors: no such file, no plan, one that was changed after it was made, or one that is for
     /// another scene, resolution, request or version.
     pub fn read(path: &Path, scene: &Scene, asked: Asked) -> Result<PlanFile> {
-        let fault = |what: String| Fault::new(Where::file(path), what);
+        let fault = |what: String| Error::new(Where::file(path), what);
         let text = std::fs::read_to_string(path).map_err(|error| fault(format!("cannot be read: {error}")))?;
         let frozen: PlanFile = serde_json::from_str(&text)
             .map_err(|error| fault(format!("is no plan: {error}")).expected("what `eyebox plan -o` writes"))?;
@@ -54,12 +54,12 @@ impl PlanFile {
     /// A plan that was stored in a file, for a scene. Errors: those of [`PlanFile::read`].
     pub fn of_value(value: &serde_json::Value, path: &Path, scene: &Scene, asked: Asked) -> Result<PlanFile> {
         let frozen: PlanFile = serde_json::from_value(value.clone())
-            .map_err(|error| Fault::new(Where::file(path), format!("has no plan: {error}")))?;
+            .map_err(|error| Error::new(Where::file(path), format!("has no plan: {error}")))?;
         frozen.fits(path, scene, asked)
     }
 
     fn fits(self, path: &Path, scene: &Scene, asked: Asked) -> Result<PlanFile> {
-        let fault = |what: String| Fault::new(Where::file(path), what);
+        let fault = |what: String| Error::new(Where::file(path), what);
         let frozen = self;
         let mine = PlanFile { hash: String::new(), ..PlanFile::new(scene, asked, &frozen.plan) };
         let differs = |what: &str, got: String, want: String| Err(fault(format!("is for {what} {got}")).expected(want));

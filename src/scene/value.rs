@@ -1,8 +1,8 @@
 //! A tree of values with their places: TOML, JSON and (later) USD attributes look alike to the attribute readers, and
 //! every error can say where the value stands.
 
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use std::fmt;
 
 /// A value and where it stands in the user's material.
@@ -124,7 +124,7 @@ impl Value {
                     return Ok((*number as i64).into());
                 }
                 let json = serde_json::Number::from_f64(*number).map(serde_json::Value::Number);
-                json.ok_or_else(|| Fault::new(self.at.clone(), format!("{number} can't be written")))?
+                json.ok_or_else(|| Error::new(self.at.clone(), format!("{number} can't be written")))?
             }
             Data::Text(text) => text.as_str().into(),
             Data::List(items) => items.iter().map(Value::to_json).collect::<Result<Vec<_>>>()?.into(),

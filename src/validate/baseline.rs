@@ -3,7 +3,7 @@
 use super::{Located, Report, fingerprint};
 use crate::base::atomic::write_atomic;
 use crate::base::relative_path::folder_of;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ impl Known {
 
 /// Reads a baseline. Faults: it can't be read, is no baseline, or is of a later version.
 pub fn read(path: &Path) -> Result<Known> {
-    let fault = |what: String| Fault::new(Where::file(path), what);
+    let fault = |what: String| Error::new(Where::file(path), what);
     let text = std::fs::read_to_string(path).map_err(|error| fault(format!("cannot read the baseline: {error}")))?;
     let baseline: Baseline = serde_json::from_str(&text).map_err(|error| {
         fault(format!("not a baseline: {error}")).expected("a file that `eyebox validate --write-baseline FILE` wrote")
@@ -79,7 +79,7 @@ pub fn write(path: &Path, report: &Report) -> Result<()> {
     findings
         .sort_by(|a, b| (&a.file, &a.code, &a.text, &a.fingerprint).cmp(&(&b.file, &b.code, &b.text, &b.fingerprint)));
     let mut bytes = serde_json::to_vec_pretty(&Baseline { version: VERSION, findings })
-        .map_err(|error| Fault::new(Where::file(path), format!("cannot be written: {error}")))?;
+        .map_err(|error| Error::new(Where::file(path), format!("cannot be written: {error}")))?;
     bytes.push(b'\n');
     write_atomic(path, &bytes)
 }

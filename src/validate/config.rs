@@ -1,7 +1,7 @@
 //! `eyebox.toml`: which rules hold, how grave they are, and where.
 
 use super::rules;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::check::finding::Level;
 use crate::check::rule::Rule;
 use crate::import::select::glob;
@@ -107,12 +107,12 @@ fn entries<'a>(value: &'a Value, what: &str) -> Result<&'a [(String, Value)]> {
     value.table().ok_or_else(|| wrong(value, what, "a table"))
 }
 
-fn wrong(value: &Value, what: &str, expected: &str) -> Box<Fault> {
-    Fault::new(value.at.clone(), format!("{what} is {} ({value})", value.kind())).expected(expected)
+fn wrong(value: &Value, what: &str, expected: &str) -> Box<Error> {
+    Error::new(value.at.clone(), format!("{what} is {} ({value})", value.kind())).expected(expected)
 }
 
-fn unknown(key: &str, value: &Value, what: &str, valid: &[&str]) -> Box<Fault> {
-    Fault::new(value.at.clone(), format!("unknown key `{key}` of {what}"))
+fn unknown(key: &str, value: &Value, what: &str, valid: &[&str]) -> Box<Error> {
+    Error::new(value.at.clone(), format!("unknown key `{key}` of {what}"))
         .expected(format!("one of {}", valid.join(", ")))
         .nearest(key, valid.iter().copied())
 }
@@ -120,7 +120,7 @@ fn unknown(key: &str, value: &Value, what: &str, valid: &[&str]) -> Box<Fault> {
 fn code(word: &str, at: &Where) -> Result<&'static str> {
     let fault = || {
         let known = rules::words();
-        Fault::new(at.clone(), format!("there is no rule `{word}`"))
+        Error::new(at.clone(), format!("there is no rule `{word}`"))
             .expected("a code like EB0102, or a rule's name")
             .nearest(word, known)
     };
@@ -139,7 +139,7 @@ fn levels(value: &Value) -> Result<Vec<(&'static str, Option<Level>)>> {
         let level = match word {
             "off" => None,
             _ => Some(Level::ALL.into_iter().find(|level| level.name() == word).ok_or_else(|| {
-                Fault::new(value.at.clone(), format!("there is no level `{word}`"))
+                Error::new(value.at.clone(), format!("there is no level `{word}`"))
                     .expected(format!("one of {}", WORDS.join(", ")))
                     .nearest(word, WORDS)
             })?),
@@ -164,7 +164,7 @@ fn for_path(value: &Value) -> Result<ForPath> {
     }
     if out.glob.is_empty() {
         return Err(
-            Fault::new(value.at.clone(), "this `[[validate.path]]` has no `glob`").expected("glob = \"old/**\"")
+            Error::new(value.at.clone(), "this `[[validate.path]]` has no `glob`").expected("glob = \"old/**\"")
         );
     }
     Ok(out)

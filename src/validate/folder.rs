@@ -2,7 +2,7 @@
 //! layer of another. A layer that only holds materials is no asset, and whatever is wrong in it is found through the asset
 //! that it belongs to.
 
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::import::{self, files, toml};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub fn expand(named: &[PathBuf]) -> Result<Expanded> {
         }
         let found = inside(path)?;
         if found.files.is_empty() {
-            return Err(Fault::new(Where::file(path), "there is no asset and no sidecar in this folder")
+            return Err(Error::new(Where::file(path), "there is no asset and no sidecar in this folder")
                 .expected(format!("*{SIDECAR} or .{}", ASSETS.join(", ."))));
         }
         all.files.extend(found.files);
@@ -42,7 +42,7 @@ fn inside(folder: &Path) -> Result<Expanded> {
     let (mut sidecars, mut assets) = (Vec::new(), Vec::new());
     let mut left = vec![folder.to_owned()];
     while let Some(next) = left.pop() {
-        let fault = |error: std::io::Error| Fault::new(Where::file(&next), format!("cannot be read: {error}"));
+        let fault = |error: std::io::Error| Error::new(Where::file(&next), format!("cannot be read: {error}"));
         for entry in std::fs::read_dir(&next).map_err(fault)? {
             let entry = entry.map_err(fault)?;
             let name = entry.file_name().to_string_lossy().to_lowercase();

@@ -1,7 +1,7 @@
 //! Going on past a fault: what is faulty is replaced by something harmless, so that the next fault can be found, too.
 //! Nothing that is made here is ever rendered or written.
 
-use crate::base::{Code, Fault, Where};
+use crate::base::{Code, Error, Where};
 use crate::import::toml;
 use crate::scene::assembly::Assembly;
 use crate::scene::value::{Data, Value};
@@ -12,7 +12,7 @@ const SELECTORS: [&str; 6] = ["path", "name", "material", "mesh", "faces", "norm
 
 /// Takes what `fault` is about out of the sidecar or of the asset's own attributes. False if that place is not known, so
 /// that there is nothing more to find.
-pub fn heal(assembly: &mut Assembly, sheet: &mut Option<Value>, fault: &Fault) -> bool {
+pub fn heal(assembly: &mut Assembly, sheet: &mut Option<Value>, fault: &Error) -> bool {
     if fault.code == Some(Code::PartUnbound) {
         return cover(assembly, sheet);
     }

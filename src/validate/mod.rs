@@ -16,7 +16,7 @@ pub mod rules; // the registry of all rules
 pub mod stdin; // an asset on standard input
 
 use crate::base::relative_path::{relative, slashed};
-use crate::base::{Code, Fault, Result};
+use crate::base::{Code, Error, Result};
 use crate::check::finding::{Finding, Level};
 use crate::check::geometry::EdgesOfMeshes;
 use crate::check::rule::Rule;
@@ -206,7 +206,7 @@ fn traced(subject: &Subject<'_>) -> Vec<Finding> {
 }
 
 /// Why a scene without optics cannot be traced, if it cannot.
-fn refused_geometry(scene: &Scene) -> Option<Box<Fault>> {
+fn refused_geometry(scene: &Scene) -> Option<Box<Error>> {
     let eye = |()| EyeLens::build(&scene.eye, scene.eye.position).map(|_| ());
     Geometry::check(scene).and_then(eye).err()
 }

@@ -1,7 +1,7 @@
 //! An asset as far as it can be read: where something is faulty, it is noted, taken away and the rest is looked at.
 
 use super::heal::heal;
-use crate::base::{Code, Fault, Result, Where};
+use crate::base::{Code, Error, Result, Where};
 use crate::check::subject::{Needed, Refusal, Stage};
 use crate::import::{self, ReadOptions, build, dependencies};
 use crate::scene::assembly::Assembly;
@@ -29,9 +29,9 @@ pub fn check_there(path: &Path) -> Result<()> {
     match std::fs::metadata(path) {
         Ok(facts) if facts.is_file() => Ok(()),
         Ok(_) => {
-            Err(Fault::new(Where::File(path.to_owned()), "this is no regular file").expected("an asset or a sidecar"))
+            Err(Error::new(Where::File(path.to_owned()), "this is no regular file").expected("an asset or a sidecar"))
         }
-        Err(error) => Err(Fault::new(Where::File(path.to_owned()), format!("cannot be read: {error}"))),
+        Err(error) => Err(Error::new(Where::File(path.to_owned()), format!("cannot be read: {error}"))),
     }
 }
 
@@ -62,7 +62,7 @@ pub fn examine(path: &Path) -> Examined {
     };
     if assembly.lights.is_empty() && assembly.nodes.iter().all(|node| node.mesh.is_none()) {
         // Every rule of a sidecar would match nothing.
-        let fault = Fault::new(Where::file(&assembly.file), "no node has geometry")
+        let fault = Error::new(Where::file(&assembly.file), "no node has geometry")
             .expected("at least one part")
             .code(Code::NothingToTrace);
         out.refusals.push(Refusal { stage: Stage::Read, fault });

@@ -2,7 +2,7 @@
 //! file of the working directory while it is looked at, where its relative references lead, and is told by its content.
 //! No report names that file.
 
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -88,8 +88,8 @@ impl Piped {
     }
 }
 
-fn fault(what: impl Into<String>) -> Box<Fault> {
-    Fault::new(Where::Option("standard input".to_owned()), what)
+fn fault(what: impl Into<String>) -> Box<Error> {
+    Error::new(Where::Option("standard input".to_owned()), what)
 }
 
 /// The file name extension of what begins like this; none for what is neither an asset nor text, as a sidecar is.

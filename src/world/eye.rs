@@ -1,7 +1,7 @@
 //! The eye as the tracer uses it, both ways: rays from the pupil, and light that arrives at it (`design/eye.md`).
 
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where, warp};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where, warp};
 use crate::film::crop::Crop;
 use crate::scene::Eye;
 use glam::{DVec2, DVec3};
@@ -47,7 +47,7 @@ impl EyeLens {
     /// Errors: numbers outside the ranges that [`Eye`] states.
     pub fn build(eye: &Eye, origin: DVec3) -> Result<EyeLens> {
         let fault = |what: &str, value: String, range: &str| {
-            Err(Fault::new(Where::Nowhere, format!("the eye's {what} is {value}"))
+            Err(Error::new(Where::Nowhere, format!("the eye's {what} is {value}"))
                 .expected(range)
                 .code(Code::EyeImpossible))
         };

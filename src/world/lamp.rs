@@ -3,10 +3,10 @@
 use super::beam::Beam;
 use super::cdf::Cdf;
 use super::glow::Glow;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::ids::GroupId;
 use crate::base::warp;
-use crate::base::{Code, Fault, Where};
+use crate::base::{Code, Error, Where};
 use crate::scene::angular::GaussBeam;
 use crate::scene::{Angular, Emitter, Part, Photometry, Scene};
 use glam::{DAffine3, DVec3};
@@ -93,11 +93,11 @@ impl Lamp {
         let owner = &scene.parts[part];
         let at = || Where::Part { path: owner.path.clone(), face: Some(face) };
         let mut triangles = world_triangles(scene, owner, face, to_world)
-            .ok_or_else(|| Fault::new(at(), "an emitting face refers to triangles or vertices that its mesh lacks"))?;
+            .ok_or_else(|| Error::new(at(), "an emitting face refers to triangles or vertices that its mesh lacks"))?;
         triangles.iter_mut().for_each(|triangle| triangle.normal *= side);
         let areas = triangles.iter().map(|t| 0.5 * t.edges[0].cross(t.edges[1]).length());
         let by_area = Cdf::new(areas).ok_or_else(|| {
-            Fault::new(at(), "an emitting face has no area")
+            Error::new(at(), "an emitting face has no area")
                 .expected("a face with a positive, finite area")
                 .code(Code::EmitterWithoutArea)
         })?;
@@ -113,7 +113,7 @@ impl Lamp {
             Angular::CosN { n } => {
                 if !(n >= 0.0 && n.is_finite()) {
                     return Err(
-                        Fault::new(at(), format!("the emitter's exponent of cosine is {n}")).expected("0 or more")
+                        Error::new(at(), format!("the emitter's exponent of cosine is {n}")).expected("0 or more")
                     );
                 }
                 Beam::CosN(n)
@@ -121,7 +121,7 @@ impl Lamp {
             Angular::Gauss { fwhm_deg } => {
                 if !(fwhm_deg > 0.0 && fwhm_deg.is_finite()) {
                     return Err(
-                        Fault::new(at(), format!("the emitter's beam is {fwhm_deg} deg wide")).expected("more than 0")
+                        Error::new(at(), format!("the emitter's beam is {fwhm_deg} deg wide")).expected("more than 0")
                     );
                 }
                 Beam::Gauss(Box::new(GaussBeam::new(fwhm_deg)))
@@ -130,13 +130,13 @@ impl Lamp {
                 let profile = scene.profiles.get(profile.index());
                 let c0 = to_world.matrix3 * c0;
                 profile.and_then(|profile| Beam::of_profile(profile, c0)).ok_or_else(|| {
-                    Fault::new(at(), "the emitter's profile has no light in front of the face")
+                    Error::new(at(), "the emitter's profile has no light in front of the face")
                         .expected("a profile that shines along its axis")
                         .code(Code::ProfileBehindFace)
                 })?
             }
         };
-        let dark = || Fault::new(at(), "the emitter's angular distribution is unknown");
+        let dark = || Error::new(at(), "the emitter's angular distribution is unknown");
         let spread = emitter.angular.spread(&scene.profiles).ok_or_else(dark)?;
         // Both sides share a flux.
         let share = match emitter.photometry {
@@ -152,13 +152,13 @@ impl Lamp {
         let (flux_lm, intensity_cd) = (unit_cd * beam.whole(), unit_cd * spread.normal);
         let brightest = unit_cd * spread.peak / area_m2;
         if !(value >= 0.0 && unit_cd >= 0.0 && flux_lm.is_finite() && brightest.is_finite()) {
-            return Err(Fault::new(at(), format!("the emitter's {what} is {value}")).expected("0 or more, and finite"));
+            return Err(Error::new(at(), format!("the emitter's {what} is {value}")).expected("0 or more, and finite"));
         }
         // What is beyond reach of f32 lanes and their squares in f64 would come out as NaN hours later.
         const BRIGHTEST: f64 = 1e30;
         if brightest > BRIGHTEST {
             let text = format!("the emitter's {what} of {value} makes {brightest:.3e} cd/m² on its {area_m2:.3e} m²");
-            return Err(Fault::new(at(), text)
+            return Err(Error::new(at(), text)
                 .expected(format!("at most {BRIGHTEST:e} cd/m²"))
                 .code(Code::LuminanceImplausible));
         }
@@ -337,7 +337,7 @@ impl Lamps {
         }
         out.by_flux = Cdf::new(out.lamps.iter().map(|lamp| lamp.flux_lm));
         if out.by_flux.is_none() && out.lamps.iter().any(|lamp| lamp.flux_lm > 0.0) {
-            return Err(Fault::new(Where::Nowhere, "the flux of all emitters together is not a finite number"));
+            return Err(Error::new(Where::Nowhere, "the flux of all emitters together is not a finite number"));
         }
         Ok(out)
     }

@@ -1,10 +1,10 @@
 //! Lamps that are no faces: points, spots and distant lamps, sampled from both ends.
 
 use super::web::Web;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::ids::GroupId;
 use crate::base::warp::{self, Frame};
-use crate::base::{Fault, Where};
+use crate::base::{Error, Where};
 use crate::scene::{Beacon, BeaconForm, LuminousProfile, Scene};
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
@@ -127,7 +127,7 @@ impl Light {
         (centre, radius): (DVec3, f64),
     ) -> Result<Light> {
         let fault = |what: &str, value: f64, range: &str| {
-            Fault::new(Where::part(&light.name), format!("the light's {what} is {value}")).expected(range)
+            Error::new(Where::part(&light.name), format!("the light's {what} is {value}")).expected(range)
         };
         let strength = |what: &str, value: f64| {
             if value >= 0.0 && value.is_finite() { Ok(()) } else { Err(fault(what, value, "0 or more, and finite")) }

@@ -132,7 +132,7 @@ impl World {
         let around_eye = geometry.solids_containing(scene.eye.position - geometry.origin());
         if let Some(part) = around_eye.first() {
             let path = &scene.parts[*part as usize].path;
-            return Err(crate::base::Fault::new(
+            return Err(crate::base::Error::new(
                 crate::base::Where::part(path),
                 format!("the eye is inside this solid (pupil centre at {} m)", scene.eye.position),
             )

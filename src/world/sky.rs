@@ -1,9 +1,9 @@
 //! The sky: a lat-long panorama at infinity, each pixel a patch of uniform luminance.
 
 use super::cdf::{Cdf, within};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::ids::GroupId;
-use crate::base::{Fault, Where};
+use crate::base::{Error, Where};
 use crate::scene::Sky;
 use glam::{DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -37,22 +37,22 @@ impl SkyLight {
         let (width, height) = (sky.width, sky.height);
         if width == 0 || width.checked_mul(height) != Some(sky.luminance.len()) || height == 0 {
             let what = format!("the panorama has {} values for {width} × {height} pixels", sky.luminance.len());
-            return Err(Fault::new(at(), what).expected("one value per pixel"));
+            return Err(Error::new(at(), what).expected("one value per pixel"));
         }
         if let Some(index) = sky.luminance.iter().position(|l| !(*l >= 0.0 && l.is_finite())) {
             let (x, y) = (index % width, index / width);
             let what = format!("the panorama's luminance is {} at pixel ({x}, {y})", sky.luminance[index]);
-            return Err(Fault::new(at(), what).expected("0 or more, and finite"));
+            return Err(Error::new(at(), what).expected("0 or more, and finite"));
         }
         let rotation = sky.to_world * sky.to_world.transpose();
         let orthonormal = (rotation - DMat3::IDENTITY).to_cols_array().iter().all(|x| x.abs() < 1e-6);
         if !orthonormal || sky.to_world.determinant() < 0.0 {
-            return Err(Fault::new(at(), "the panorama's orientation is not a rotation").expected("a rotation"));
+            return Err(Error::new(at(), "the panorama's orientation is not a rotation").expected("a rotation"));
         }
         if let Some(rgb) = &sky.rgb {
             let sound = |rgb: &[f32; 3]| rgb.iter().all(|c| *c >= 0.0 && c.is_finite());
             if rgb.len() != sky.luminance.len() || !rgb.iter().all(sound) {
-                return Err(Fault::new(at(), "the panorama's colours do not go with its luminance")
+                return Err(Error::new(at(), "the panorama's colours do not go with its luminance")
                     .expected("three values of 0 or more per pixel"));
             }
         }

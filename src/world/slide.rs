@@ -1,7 +1,7 @@
 //! A slide as the tracer asks it: how open is it here?
 
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::Slide;
 use glam::DVec3;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ impl SlideMap {
     /// Errors: a picture without pixels, without size or with values outside 0–1; transmittance or contrast outside
     /// their ranges.
     pub fn build(slide: &Slide) -> Result<SlideMap> {
-        let fault = |what: String| Fault::new(Where::File(slide.file.clone().into()), what);
+        let fault = |what: String| Error::new(Where::File(slide.file.clone().into()), what);
         let (width, height) = (slide.width, slide.height);
         if width == 0 || height == 0 || width.checked_mul(height) != Some(slide.pixels.len()) {
             let what =

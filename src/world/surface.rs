@@ -6,7 +6,7 @@ use super::scatter::{Lost, Measured, Principled, Rough, Scatter};
 use super::stokes::{Amount, Turning};
 use crate::base::complex::Complex;
 use crate::base::ids::ScatterId;
-use crate::base::{Code, Fault, Result, Where};
+use crate::base::{Code, Error, Result, Where};
 use crate::scene::{Face, Finish, Medium, Part, Scene, Shape, Wavelengths};
 use glam::DVec3;
 use std::collections::{BTreeSet, HashMap};
@@ -164,7 +164,7 @@ fn coating(scene: &Scene, face: &Face, at: impl Fn() -> Where) -> Result<usize> 
     let coating = scene.coating(id);
     if coating.films().len() > MAX_FILMS {
         let what = format!("coating `{}` has {} films", coating.name, coating.films().len());
-        return Err(Fault::new(at(), what).expected(format!("at most {MAX_FILMS}")));
+        return Err(Error::new(at(), what).expected(format!("at most {MAX_FILMS}")));
     }
     Ok(id.index() + 1)
 }
@@ -189,7 +189,7 @@ fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Res
         }
         (None, Finish::Polished) => {
             if part.medium.is_none() {
-                return Err(Fault::new(at(), "a polished face needs a medium on its part")
+                return Err(Error::new(at(), "a polished face needs a medium on its part")
                     .expected("`ior`, `glass` or another medium attribute, or the finish `mirror`")
                     .code(Code::IndexMissing));
             }
@@ -197,7 +197,7 @@ fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Res
         }
         (None, Finish::Rough { alpha }) => {
             if part.medium.is_none() {
-                return Err(Fault::new(at(), "a rough face needs a medium on its part")
+                return Err(Error::new(at(), "a rough face needs a medium on its part")
                     .expected("`ior`, `glass` or another medium attribute, or the finish `gauss`, `abg` or `measured`")
                     .code(Code::IndexMissing));
             }
@@ -211,7 +211,7 @@ fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Res
         (None, Finish::Surface { surface }) => {
             let own = &scene.surfaces[surface.index()];
             if face.shape != Shape::Mesh && own.is_textured() {
-                return Err(Fault::new(at(), "textures on an exact shape, which has no texture coordinates")
+                return Err(Error::new(at(), "textures on an exact shape, which has no texture coordinates")
                     .expected("`shape = \"mesh\"` there, or a finish without textures"));
             }
             let mesh = scene.meshes[part.mesh.index()].clone();

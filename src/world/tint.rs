@@ -1,7 +1,7 @@
 //! The colours of a world's lamps: spectra per lumen, worked out once.
 
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::{PowerDistribution, Scene, Spectrum, Wavelengths};
 
 /// Power per nm and lumen of each lamp and light; empty where one wavelength is traced.
@@ -31,7 +31,7 @@ impl Tints {
 fn resolved(spectrum: Option<&Spectrum>) -> Result<PowerDistribution> {
     let spectrum = spectrum.unwrap_or(&Spectrum::D65);
     let power = spectrum.resolve().map_err(|what| {
-        Fault::new(Where::Nowhere, format!("the spectrum {spectrum} of a lamp: {what}")).code(Code::SpectrumUnusable)
+        Error::new(Where::Nowhere, format!("the spectrum {spectrum} of a lamp: {what}")).code(Code::SpectrumUnusable)
     })?;
     Ok(power.luminous_normalised())
 }

@@ -6,9 +6,9 @@ use super::splice::{Span, Splice};
 use super::uri;
 use super::value::{self, OPTICS};
 use crate::base::atomic::write_atomic;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::relative_path::folder_of;
-use crate::base::{Fault, Where};
+use crate::base::{Error, Where};
 use crate::scene::annotation::Annotation;
 use crate::scene::assembly::Assembly;
 use crate::scene::value::Value;
@@ -23,14 +23,14 @@ use std::path::Path;
 /// `EXT_mesh_gpu_instancing` with different rows.
 pub fn annotate(assembly: &Assembly, annotation: &Annotation, out: &Path) -> Result<Written> {
     let file = &assembly.file;
-    let fault = |what: String| Fault::new(Where::file(file), what);
+    let fault = |what: String| Error::new(Where::file(file), what);
     let bytes = std::fs::read(file).map_err(|error| fault(format!("cannot read the asset: {error}")))?;
     let binary = bytes.starts_with(b"glTF");
     let asked = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
     if binary != asked {
         let expected = if binary { "a name that ends in .glb" } else { "a name that ends in .gltf" };
         let what = "an annotated copy has the container of its asset; `eyebox convert` changes it";
-        return Err(Fault::new(Where::file(out), what).expected(expected));
+        return Err(Error::new(Where::file(out), what).expected(expected));
     }
     let changed = || fault("the asset is not what it was when it was read".into());
     let range = if binary { chunk(&bytes).ok_or_else(changed)? } else { 0..bytes.len() };
@@ -82,7 +82,7 @@ fn replaced(bytes: &[u8], range: std::ops::Range<usize>, json: Vec<u8>) -> Optio
 /// The JSON text with the rows, and with URIs that lead to the same files from the folder of `out`.
 fn edited(text: &str, document: &Json, assembly: &Assembly, annotation: &Annotation, out: &Path) -> Result<String> {
     let mut splice = Splice::new(text);
-    let broken = || Fault::new(Where::file(&assembly.file), "the JSON can't be edited");
+    let broken = || Error::new(Where::file(&assembly.file), "the JSON can't be edited");
     let root = splice.document().ok_or_else(broken)?;
     let prefix = uri::prefix(&folder_of(&assembly.file), &folder_of(out));
     if !prefix.is_empty() {
@@ -108,7 +108,7 @@ type Place = (&'static str, usize, Option<usize>);
 
 /// The rows by their places. Faults: an object that would need two.
 fn rows<'a>(assembly: &Assembly, annotation: &'a Annotation) -> Result<Vec<(Place, &'a Value)>> {
-    let lost = |at: &Where| Fault::new(at.clone(), "this stands nowhere in the asset's JSON");
+    let lost = |at: &Where| Error::new(at.clone(), "this stands nowhere in the asset's JSON");
     let mut all: Vec<(Place, &Value)> = Vec::new();
     if let Some(root) = &annotation.root {
         all.push((("", 0, None), root));
@@ -143,8 +143,8 @@ fn rows<'a>(assembly: &Assembly, annotation: &'a Annotation) -> Result<Vec<(Plac
     Ok(all)
 }
 
-fn instances(at: &Where) -> Box<Fault> {
-    Fault::new(at.clone(), "the instances of this node get different attributes, which one node can't say")
+fn instances(at: &Where) -> Box<Error> {
+    Error::new(at.clone(), "the instances of this node get different attributes, which one node can't say")
         .expected("`eyebox convert`, which makes a node of each instance")
 }
 

@@ -8,9 +8,9 @@ use super::texture::{Place, Textures};
 use super::value::{self, OPTICS};
 use super::{geometry, light, material, node, uri};
 use crate::base::atomic::write_atomic;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::glb::container;
-use crate::base::{Fault, Where};
+use crate::base::{Error, Where};
 use crate::scene::Note;
 use crate::scene::assembly::Assembly;
 use crate::scene::value::{Data, Value};
@@ -173,7 +173,7 @@ fn save(
         text.resize(text.len().next_multiple_of(4), b' ');
         bytes.resize(bytes.len().next_multiple_of(4), 0);
         let glb = container(&text, &bytes).ok_or_else(|| {
-            Fault::new(Where::file(out), "the asset is larger than the 4 GiB of a .glb").expected("a .gltf")
+            Error::new(Where::file(out), "the asset is larger than the 4 GiB of a .glb").expected("a .gltf")
         })?;
         write_atomic(out, &glb)?;
         return Ok(vec![out.to_owned()]);
@@ -182,7 +182,7 @@ fn save(
     let name = beside.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     buffer(&mut json, &bytes, Some(uri::encoded(&name)));
     let mut text = serde_json::to_string_pretty(&json)
-        .map_err(|error| Fault::new(Where::file(out), format!("cannot be written as JSON: {error}")))?;
+        .map_err(|error| Error::new(Where::file(out), format!("cannot be written as JSON: {error}")))?;
     text.push('\n');
     let mut files = vec![out.to_owned()];
     files.extend(picture::save(pictures)?);

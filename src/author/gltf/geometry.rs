@@ -3,8 +3,8 @@
 
 use super::document::Document;
 use super::value::{self, OPTICS};
-use crate::base::Fault;
-use crate::base::fault::Result;
+use crate::base::Error;
+use crate::base::error::Result;
 use crate::scene::assembly::{Assembly, MeshSource};
 use serde_json::{Value as Json, json};
 
@@ -47,7 +47,7 @@ fn nothing(document: &mut Document) -> Json {
 
 fn face(document: &mut Document, source: &MeshSource, face: usize, colors: bool) -> Result<Json> {
     let mesh = &source.mesh;
-    let wrong = |what: &str| Fault::new(source.at.clone(), format!("mesh `{}` face {face}: {what}", mesh.name));
+    let wrong = |what: &str| Error::new(source.at.clone(), format!("mesh `{}` face {face}: {what}", mesh.name));
     let range = mesh.faces.get(face).and_then(|range| Some((range.first, range.first.checked_add(range.count)?)));
     let triangles = range.and_then(|(first, end)| mesh.triangles.get(first as usize..end as usize));
     let triangles = triangles.ok_or_else(|| wrong("its triangles do not exist"))?;

@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use super::value;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::relative_path::{folder_of, relative, slashed};
 use crate::scene::assembly::{Assembly, Camera, LightForm, LightSource};
 use crate::scene::value::{Data, Value};

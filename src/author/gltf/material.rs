@@ -3,7 +3,7 @@
 use super::document::Document;
 use super::surface::{Fields, Looks};
 use super::value::{self, OPTICS};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::units::luminance;
 use crate::scene::assembly::{Assembly, Material};
 use crate::scene::value::{Data, Value};

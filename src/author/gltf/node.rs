@@ -3,7 +3,7 @@
 use super::document::Document;
 use super::light::{self, PUNCTUAL};
 use super::value::{self, OPTICS};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::scene::assembly::Assembly;
 use crate::scene::value::Value;
 use glam::{DAffine3, DMat3};

@@ -1,7 +1,7 @@
 //! Attributes as JSON. Every number comes back with the same bits; whole ones are written as integers.
 
-use crate::base::Fault;
-use crate::base::fault::Result;
+use crate::base::Error;
+use crate::base::error::Result;
 use crate::scene::value::{Data, Value};
 use serde_json::{Map, Number, Value as Json};
 
@@ -15,7 +15,7 @@ pub fn json(value: &Value) -> Result<Json> {
         Data::Number(number) if *number == f64::INFINITY => Json::String("inf".into()),
         Data::Number(number) => match self::number(*number) {
             Some(number) => number,
-            None => return Err(Fault::new(value.at.clone(), format!("{number} can't be written as JSON"))),
+            None => return Err(Error::new(value.at.clone(), format!("{number} can't be written as JSON"))),
         },
         Data::Text(text) => Json::String(text.clone()),
         Data::List(items) => Json::Array(items.iter().map(json).collect::<Result<_>>()?),

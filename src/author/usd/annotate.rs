@@ -6,9 +6,9 @@ use super::layer::{Datum, Layer, Prim, Property, Specifier};
 use super::{Kind, bytes, optics, stage};
 use crate::author::Written;
 use crate::base::atomic::write_atomic;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::relative_path::folder_of;
-use crate::base::{Fault, Where};
+use crate::base::{Error, Where};
 use crate::scene::annotation::Annotation;
 use crate::scene::assembly::{Assembly, StageFacts};
 use crate::scene::attribute::usd::UsdProperty;
@@ -24,7 +24,7 @@ use std::path::Path;
 pub fn annotate(assembly: &Assembly, annotation: &Annotation, out: &Path) -> Result<Written> {
     let kind = Kind::of(out)?;
     if kind == Kind::Package {
-        return Err(Fault::new(Where::file(out), "a package cannot be a layer over another file")
+        return Err(Error::new(Where::file(out), "a package cannot be a layer over another file")
             .expected("a .usda or .usdc file"));
     }
     let layer = layer(assembly, annotation, out)?;
@@ -35,7 +35,7 @@ pub fn annotate(assembly: &Assembly, annotation: &Annotation, out: &Path) -> Res
 fn layer(assembly: &Assembly, annotation: &Annotation, out: &Path) -> Result<Layer> {
     let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
     if same(&assembly.file, out) {
-        return Err(Fault::new(Where::file(out), "the layer would replace the asset that it lies over")
+        return Err(Error::new(Where::file(out), "the layer would replace the asset that it lies over")
             .expected("another file name"));
     }
     let none = StageFacts::default();
@@ -80,7 +80,7 @@ fn layer(assembly: &Assembly, annotation: &Annotation, out: &Path) -> Result<Lay
         overs.say(&path, &optics::of(value, lists)?, &old(&material.attributes, assembly)?)?;
     }
     if let Some((_, _, value)) = annotation.faces.first() {
-        return Err(Fault::new(
+        return Err(Error::new(
             value.at.clone(),
             "a layer over the asset cannot say this of a face that instances share",
         )
@@ -103,7 +103,7 @@ fn prim(at: &Where) -> Result<String> {
         | Where::Line { .. }
         | Where::Pointer { .. }
         | Where::Part { .. }
-        | Where::Option(_) => Err(Fault::new(at.clone(), "this was read from no prim of a stage")),
+        | Where::Option(_) => Err(Error::new(at.clone(), "this was read from no prim of a stage")),
     }
 }
 

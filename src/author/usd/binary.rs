@@ -1,8 +1,8 @@
 //! A layer as a `.usdc` crate or inside a `.usdz` package, through `openusd`.
 
 use super::layer::{Body, Datum, Layer, Prim, Property, Specifier};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use openusd::gf;
 use openusd::sdf::{self, ChildrenKey, Data, FieldKey, Path as SdfPath, SpecData, SpecType, Value};
 use openusd::tf::Token;
@@ -15,7 +15,7 @@ use std::path::Path;
 /// # Errors
 /// The library refuses something (a defect of ours); `file` is named.
 pub fn crate_bytes(layer: &Layer, file: &Path) -> Result<Vec<u8>> {
-    let failed = |error: &dyn std::fmt::Display| Fault::new(Where::file(file), format!("cannot be written: {error}"));
+    let failed = |error: &dyn std::fmt::Display| Error::new(Where::file(file), format!("cannot be written: {error}"));
     let data = data(layer).map_err(|error| failed(&error))?;
     let mut out = Cursor::new(Vec::new());
     openusd::usdc::CrateWriter::write(&data, &mut out).map_err(|error| failed(&error))?;
@@ -28,7 +28,7 @@ pub fn crate_bytes(layer: &Layer, file: &Path) -> Result<Vec<u8>> {
 /// # Errors
 /// As [`crate_bytes`].
 pub fn package_bytes(layer: &Layer, beside: &[(String, Vec<u8>)], file: &Path, name: &str) -> Result<Vec<u8>> {
-    let failed = |error: &dyn std::fmt::Display| Fault::new(Where::file(file), format!("cannot be written: {error}"));
+    let failed = |error: &dyn std::fmt::Display| Error::new(Where::file(file), format!("cannot be written: {error}"));
     let inner = crate_bytes(layer, file)?;
     let mut archive = openusd::usdz::ArchiveWriter::new(Cursor::new(Vec::new()));
     archive.add_layer(&format!("{name}.usdc"), &inner).map_err(|error| failed(&error))?;

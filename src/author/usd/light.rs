@@ -5,7 +5,7 @@ use super::layer::{Datum, Prim, Property};
 use super::name::Siblings;
 use super::optics;
 use super::stage::{Writing, matrix, named};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::scene::assembly::{LightForm, LightSource, ProfileSource};
 
 /// Appends a light below the node that holds it.

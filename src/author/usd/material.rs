@@ -10,7 +10,7 @@ use super::open_pbr::{self, Optics};
 use super::picture::Pictures;
 use super::stage::{Writing, named};
 use super::{optics, preview};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::units::luminance;
 use crate::scene::assembly::{Assembly, Material};
 use crate::scene::value::{Data, Value};

@@ -4,7 +4,7 @@ use super::layer::{Datum, Prim, Property};
 use super::name::Siblings;
 use super::stage::{Writing, named};
 use super::{material, optics};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::scene::assembly::MeshSource;
 use std::collections::BTreeSet;
 

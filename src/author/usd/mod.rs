@@ -28,9 +28,9 @@ pub use annotate::annotate;
 
 use super::Written;
 use crate::base::atomic::write_atomic;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::relative_path::folder_of;
-use crate::base::{Fault, Where};
+use crate::base::{Error, Where};
 use crate::scene::assembly::Assembly;
 use std::collections::HashMap;
 use std::path::Path;
@@ -88,7 +88,7 @@ impl Kind {
             Some("usdc" | "usd") => Ok(Kind::Crate),
             Some("usdz") => Ok(Kind::Package),
             Some(_) | None => {
-                Err(Fault::new(Where::file(path), "this is no name of a USD file").expected(".usda, .usdc or .usdz"))
+                Err(Error::new(Where::file(path), "this is no name of a USD file").expected(".usda, .usdc or .usdz"))
             }
         }
     }

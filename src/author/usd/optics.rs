@@ -2,9 +2,9 @@
 
 use super::layer::{Datum, Prim, Property};
 use super::stage::Writing;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::relative_path::{relative, slashed};
-use crate::base::{Fault, Where};
+use crate::base::{Error, Where};
 use crate::scene::assembly::Assembly;
 use crate::scene::attribute::usd::{UsdProperty, UsdValue, flatten};
 use crate::scene::value::{Data, Value};
@@ -90,7 +90,7 @@ fn datum(value: &UsdValue, at: &Where) -> Result<Datum> {
 /// A name that USD's text cannot hold.
 fn anchored(path: &str, at: &Where) -> Result<String> {
     if path.chars().any(char::is_control) {
-        return Err(Fault::new(at.clone(), format!("the file name {path:?} has control characters")));
+        return Err(Error::new(at.clone(), format!("the file name {path:?} has control characters")));
     }
     let plain = path.is_empty() || path.starts_with("./") || path.starts_with("../") || Path::new(path).is_absolute();
     Ok(if plain { path.to_owned() } else { format!("./{path}") })

@@ -2,8 +2,8 @@
 
 use super::layer::{Body, Datum, Layer};
 use super::picture::TILE;
-use crate::base::fault::Result;
-use crate::base::{Fault, Where, package};
+use crate::base::error::Result;
+use crate::base::{Error, Where, package};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -64,7 +64,7 @@ impl Taken<'_> {
             (None, None) => {
                 let bytes = package::read(&file).map_err(|error| {
                     let what = format!("the package is to hold {}, which cannot be read: {error}", file.display());
-                    Fault::new(Where::file(at), what)
+                    Error::new(Where::file(at), what)
                 })?;
                 let entry = self.free(path);
                 self.entries.push((entry.clone(), bytes));

@@ -10,8 +10,8 @@ use super::layer::{Datum, Layer, Prim, Property, Specifier};
 use super::name::Siblings;
 use super::picture::Pictures;
 use super::{light, material, mesh, optics};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::scene::assembly::{Assembly, LightSource, Node};
 use glam::{DAffine3, DMat3};
 use std::collections::HashMap;
@@ -34,9 +34,9 @@ pub(super) struct Writing<'a> {
 }
 
 impl Writing<'_> {
-    pub fn fault(&self, at: &Where, what: impl Into<String>) -> Box<Fault> {
+    pub fn fault(&self, at: &Where, what: impl Into<String>) -> Box<Error> {
         let at = if *at == Where::Nowhere { Where::file(&self.assembly.file) } else { at.clone() };
-        Fault::new(at, what)
+        Error::new(at, what)
     }
 }
 
@@ -61,7 +61,7 @@ pub(super) fn layer(assembly: &Assembly, stem: &str, folder: &Path, pictures: &m
             Some(parent) if parent < index => children[parent].push(index),
             Some(parent) => {
                 let what = format!("node {index} lies below node {parent}, which stands after it");
-                return Err(Fault::new(node.at.clone(), what));
+                return Err(Error::new(node.at.clone(), what));
             }
         }
     }
@@ -89,7 +89,7 @@ pub(super) fn layer(assembly: &Assembly, stem: &str, folder: &Path, pictures: &m
     let mut uses = vec![0usize; assembly.meshes.len()];
     for node in &assembly.nodes {
         if let Some(mesh) = node.mesh {
-            *uses.get_mut(mesh).ok_or_else(|| Fault::new(node.at.clone(), format!("there is no mesh {mesh}")))? += 1;
+            *uses.get_mut(mesh).ok_or_else(|| Error::new(node.at.clone(), format!("there is no mesh {mesh}")))? += 1;
         }
     }
     let prototypes = assembly.meshes.iter().zip(&uses).map(|(source, uses)| {
@@ -143,7 +143,7 @@ pub(super) fn up(assembly: &Assembly) -> Result<&'static str> {
     } else if assembly.axes == turned {
         Ok("Z")
     } else {
-        Err(Fault::new(Where::file(&assembly.file), "the asset's world is turned in a way that USD cannot say")
+        Err(Error::new(Where::file(&assembly.file), "the asset's world is turned in a way that USD cannot say")
             .expected("+y or +z up"))
     }
 }

@@ -3,7 +3,7 @@
 use super::race::{Budget, Ready, race};
 use super::reference::{Source, references};
 use super::{AssetReport, Report, csv, json, svg, table};
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::bench::clock::{cpu_seconds, processor};
 use crate::estimate::ShouldStop;
 use crate::import::{ImportOptions, Set, import};
@@ -34,7 +34,7 @@ pub fn open(path: &Path, task: &Task) -> Result<(Scene, f64)> {
     }
     if scene.eye.resolution.contains(&0) {
         return Err(
-            Fault::new(Where::file(path), "the picture has no pixels").expected("a resolution of 1 × 1 or more")
+            Error::new(Where::file(path), "the picture has no pixels").expected("a resolution of 1 × 1 or more")
         );
     }
     Ok((scene, cpu_seconds() - start))

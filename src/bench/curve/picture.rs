@@ -2,7 +2,7 @@
 
 use super::cells::{Batches, Grid};
 use crate::base::colour::ColourSpace;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::estimate::run::Films;
 use crate::output::exr::read_exr;
 use std::path::Path;
@@ -52,7 +52,7 @@ impl Picture {
     /// Errors: no EXR, another size, no default image, values that are no numbers.
     pub fn of_file(path: &Path, [width, height]: [usize; 2]) -> Result<Picture> {
         let frame = read_exr(path)?;
-        let fault = |what: String| Fault::new(Where::file(path), what);
+        let fault = |what: String| Error::new(Where::file(path), what);
         if (frame.width, frame.height) != (width, height) {
             return Err(fault(format!("is {} × {} pixels", frame.width, frame.height))
                 .expected(format!("{width} × {height}, the size of the asset's picture; see --resolution")));

@@ -3,8 +3,8 @@
 
 use super::sent;
 use crate::base::chain::Chain;
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::walk::{Meeting, Met, Vertex, Walker};
 use crate::film::specular_chain::{Lens, SpecularChain};
@@ -104,13 +104,13 @@ impl Subject {
         }
         let Some(((kind, part, face, _), hits)) = best else {
             let at = target.map_or(Where::Nowhere, Where::part);
-            return Err(Fault::new(at, "is not seen from the middle of the eyebox: there is nothing to scan").expected(
+            return Err(Error::new(at, "is not seen from the middle of the eyebox: there is nothing to scan").expected(
                 "a slide, a lamp or a scatterer in the eye's field of view, with or without specular faces before it",
             ));
         };
         let path = scene.parts.get(part as usize).map_or("", |part| part.path.as_str());
         let face_fault =
-            |what: &str| Fault::new(Where::Part { path: path.to_owned(), face: Some(face as usize) }, what);
+            |what: &str| Error::new(Where::Part { path: path.to_owned(), face: Some(face as usize) }, what);
         let Some(first) = hits.first() else { return Err(face_fault("is not seen")) };
         let normal = first.normal;
         let (corner, sides) = match slide_of(scene, world, part, face) {
@@ -196,7 +196,7 @@ fn part_of(scene: &Scene, path: &str) -> Result<u32> {
     let names = || scene.parts.iter().map(|part| part.path.as_str());
     let found = scene.parts.iter().position(|part| part.path == path || part.name == path);
     found.and_then(|index| u32::try_from(index).ok()).ok_or_else(|| {
-        Fault::new(Where::Option(format!("--target {path}")), "no such part")
+        Error::new(Where::Option(format!("--target {path}")), "no such part")
             .expected("the path or the name of a part")
             .nearest(path, names().chain(scene.parts.iter().map(|part| part.name.as_str())))
     })

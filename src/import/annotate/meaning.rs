@@ -4,8 +4,8 @@
 use super::super::asset_attributes::AssetAttributes;
 use super::super::binding_slots::{Rank, Slot, Slots};
 use super::super::optics;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault};
+use crate::base::error::Result;
+use crate::base::{Code, Error};
 use crate::scene::Finish;
 use crate::scene::value::{Data, Value};
 
@@ -68,7 +68,7 @@ pub fn acts(slots: &Slots) -> Result<bool> {
         return Ok(true);
     }
     if coating.rank >= finish.rank && coating.rank > Rank::Mapped {
-        return Err(Fault::new(coating.entry.at.clone(), "a coating acts on polished faces, and this face is not one")
+        return Err(Error::new(coating.entry.at.clone(), "a coating acts on polished faces, and this face is not one")
             .expected("finish = \"polished\" there, or no coating")
             .code(Code::CoatingNotPolished));
     }

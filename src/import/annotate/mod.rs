@@ -16,8 +16,8 @@ use super::bind::bind;
 use super::binding_slots::{PartBound, Rank, Slot};
 use super::optics;
 use super::select::{Candidate, candidates};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::scene::annotation::Annotation;
 use crate::scene::assembly::Assembly;
 use crate::scene::value::Value;
@@ -63,7 +63,7 @@ pub fn annotate(assembly: &Assembly, sidecar: Option<&Value>, out: &Path) -> Res
             let path = parts.get(part).map_or_else(String::new, |part| part.path.clone());
             let what = format!("the {slot:?} that the sidecar binds can't be said by the asset itself");
             return Err(
-                Fault::new(Where::Part { path, face }, what.to_lowercase()).expected("a sidecar beside the asset")
+                Error::new(Where::Part { path, face }, what.to_lowercase()).expected("a sidecar beside the asset")
             );
         }
     }

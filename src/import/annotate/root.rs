@@ -3,8 +3,8 @@
 use super::super::asset_attributes::{AssetAttributes, Library};
 use super::super::binding_slots::{Slot, Won};
 use super::super::optics;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::value::{Data, Value};
 
 /// The arrays of the root while it is written: the asset's own first, so that its indices stay.
@@ -63,7 +63,7 @@ impl<'a> Root<'a> {
                 None if slot == Slot::Coating => return Err(optics::unknown_coating(name, value, library.names())),
                 None => {
                     let what = format!("unknown {} `{name}`", library.noun);
-                    return Err(Fault::new(value.at.clone(), what)
+                    return Err(Error::new(value.at.clone(), what)
                         .nearest(name, library.names())
                         .code(Code::NameUnknown));
                 }

@@ -4,7 +4,7 @@ use super::super::binding_slots::{PartBound, Rank, Slot, Slots, Won};
 use super::meaning;
 use super::root::{Root, Row, row};
 use crate::base::Where;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::scene::assembly::Node;
 use crate::scene::value::{Data, Value};
 use std::collections::BTreeSet;

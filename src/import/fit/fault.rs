@@ -1,7 +1,7 @@
 //! Why a face could not be recovered, in words for people.
 
 use super::Kind;
-use crate::base::{Code, Fault, Where};
+use crate::base::{Code, Error, Where};
 use std::fmt;
 
 /// Lengths are in mesh units.
@@ -27,7 +27,7 @@ impl fmt::Display for Kind {
 
 impl FitError {
     /// The error as a fault at `at`, lengths in µm; `metres_per_unit` is the mesh unit.
-    pub fn fault(&self, at: Where, metres_per_unit: f64) -> Box<Fault> {
+    pub fn fault(&self, at: Where, metres_per_unit: f64) -> Box<Error> {
         let text = |x: f64| format!("{} µm", three(x * metres_per_unit * 1e6));
         let code = match self {
             FitError::NotFinite { .. } => Some(Code::DataNotFinite),
@@ -36,7 +36,7 @@ impl FitError {
             }
             FitError::BadIndex { .. } => None,
         };
-        let fault = Fault::new(at, self.what(text)).code(code);
+        let fault = Error::new(at, self.what(text)).code(code);
         match self {
             FitError::Misses { tolerance, .. } => fault.expected(format!("at most {}", text(*tolerance))),
             FitError::TooFew { need, .. } => fault.expected(format!("at least {need}")),

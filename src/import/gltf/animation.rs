@@ -8,8 +8,8 @@ use super::notes::Ledger;
 use super::pose::Moved;
 use super::sampler::{self, Checked, Kind};
 use super::transform::unit_rotation;
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::import::ReadOptions;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
@@ -55,7 +55,7 @@ fn needs_frame(options: &ReadOptions) -> Result<()> {
     for (option, is_there) in [("--animation", options.animation.is_some()), ("--fps", options.fps.is_some())] {
         if is_there {
             let what = "says nothing without a frame";
-            return Err(Fault::new(Where::Option(option.to_owned()), what).expected("`--frame`, too"));
+            return Err(Error::new(Where::Option(option.to_owned()), what).expected("`--frame`, too"));
         }
     }
     Ok(())
@@ -81,7 +81,7 @@ fn chosen<'d, 'a>(animations: &'d [At<'a>], options: &ReadOptions) -> Result<Opt
         count => format!("one of the names, or 0 to {}", count - 1),
     };
     let at = Where::Option(format!("--animation {asked}"));
-    Err(Fault::new(at, "the asset has no such animation").expected(expected).nearest(asked, names))
+    Err(Error::new(at, "the asset has no such animation").expected(expected).nearest(asked, names))
 }
 
 /// What of a node is animated.

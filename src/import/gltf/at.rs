@@ -2,7 +2,7 @@
 //! fault at its exact place.
 
 use super::notes::Budget;
-use crate::base::{Fault, Where, fault::Result};
+use crate::base::{Error, Where, error::Result};
 use crate::import::{json, value::Value};
 use serde_json::Value as Json;
 use std::path::Path;
@@ -22,10 +22,10 @@ impl<'a> At<'a> {
     pub fn place(&self) -> Where {
         Where::Pointer { file: self.file.to_owned(), pointer: self.pointer.clone() }
     }
-    pub fn fault(&self, what: impl Into<String>) -> Box<Fault> {
-        Fault::new(self.place(), what)
+    pub fn fault(&self, what: impl Into<String>) -> Box<Error> {
+        Error::new(self.place(), what)
     }
-    fn wrong(&self, expected: &str) -> Box<Fault> {
+    fn wrong(&self, expected: &str) -> Box<Error> {
         let given = match self.json {
             Json::Null => "null".to_owned(),
             Json::Bool(flag) => flag.to_string(),

@@ -2,7 +2,7 @@
 
 use super::at::At;
 use crate::base::Code;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::Read;

@@ -2,7 +2,7 @@
 //! of them JSON, the second (if any) the first buffer (glTF 2.0, section 4.4). Told apart by their first bytes.
 
 use super::notes::Notes;
-use crate::base::{Fault, Where, fault::Result};
+use crate::base::{Error, Where, error::Result};
 use crate::scene::Severity;
 use serde_json::Value as Json;
 use std::path::Path;
@@ -25,7 +25,7 @@ const BYTE_ORDER_MARK: &[u8] = &[0xEF, 0xBB, 0xBF];
 /// A `.glb` that is cut short, of another container version, or without a JSON chunk; text that is not JSON.
 pub(super) fn open<'a>(file: &Path, bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>> {
     if bytes.is_empty() {
-        return Err(Fault::new(Where::file(file), "the file is empty").expected("a glTF 2.0 file"));
+        return Err(Error::new(Where::file(file), "the file is empty").expected("a glTF 2.0 file"));
     }
     let (text, bin, is_glb) = match bytes.strip_prefix(MAGIC) {
         Some(_) => {
@@ -45,7 +45,7 @@ pub(super) fn open<'a>(file: &Path, bytes: &'a [u8], notes: &mut Notes) -> Resul
         let file = file.to_owned();
         let at = if is_glb { Where::File(file) } else { Where::Line { file, line: error.line() } };
         let what = if is_glb { "the JSON chunk is not valid JSON" } else { "not valid JSON (nor a .glb)" };
-        Fault::new(at, format!("{what}: {error}")).expected("a glTF 2.0 file")
+        Error::new(at, format!("{what}: {error}")).expected("a glTF 2.0 file")
     })?;
     Ok(Container { json, bin })
 }
@@ -57,7 +57,7 @@ fn word(bytes: &[u8], offset: usize) -> Option<u32> {
 
 /// The JSON text and the binary chunk of a `.glb`.
 fn chunks<'a>(file: &Path, bytes: &'a [u8], notes: &mut Notes) -> Result<(&'a [u8], Option<&'a [u8]>)> {
-    let fault = |what: String| Fault::new(Where::file(file), what);
+    let fault = |what: String| Error::new(Where::file(file), what);
     let short = || fault(format!("the .glb ends inside its header, after {} bytes", bytes.len()));
     let version = word(bytes, 4).ok_or_else(short)?;
     if version != 2 {

@@ -8,7 +8,7 @@ use super::primitive::FaceMesh;
 use super::skin::Bones;
 use super::{morph, skin};
 use crate::base::Code;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::skinning;
 use glam::DVec3;
 

@@ -4,8 +4,8 @@ use super::at::At;
 use super::buffers::{data_scheme, resolve};
 use super::container;
 use super::notes::{Budget, Notes};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::import::deps::{Dependency, named, profile};
 use serde_json::Value as Json;
 use std::path::Path;
@@ -16,7 +16,7 @@ use std::path::Path;
 /// The file cannot be read or is no glTF; a URI that leads nowhere.
 pub fn dependencies(path: &Path, all: &mut Vec<Dependency>) -> Result<()> {
     let failed = |error: std::io::Error| {
-        Fault::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
+        Error::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
     };
     let bytes = std::fs::read(path).map_err(failed)?;
     let container = container::open(path, &bytes, &mut Notes::default())?;

@@ -4,7 +4,7 @@ use super::at::At;
 use super::buffers::Buffers;
 use super::compressed::Array;
 use super::notes::Ledger;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use draco_core::{DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
 
 /// The possible lanes of an attribute; none for one that is not read.

@@ -2,7 +2,7 @@
 
 use super::at::At;
 use super::notes::Notes;
-use crate::base::{Code, Where, fault::Result, fault::nearest_name};
+use crate::base::{Code, Where, error::Result, error::nearest_name};
 use crate::import::json::step;
 use crate::scene::{Note, Severity};
 use serde_json::Value as Json;

@@ -2,7 +2,7 @@
 
 use super::accessor::Document;
 use super::at::At;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 
 #[derive(Debug)]
 pub(super) struct Tree<'a> {

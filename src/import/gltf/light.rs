@@ -4,7 +4,7 @@ use super::accessor::Document;
 use super::at::At;
 use super::buffers;
 use super::notes::Ledger;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::{LightForm, LightProfile, LightSource, ProfileSource};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::sync::Arc;

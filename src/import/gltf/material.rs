@@ -4,7 +4,7 @@ use super::at::At;
 use super::notes::Ledger;
 use super::surface;
 use crate::base::Code;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::units::luminance;
 use crate::import::assembly::Material;
 use crate::import::value::{Data, Value};

@@ -5,7 +5,7 @@ use super::at::At;
 use super::deform::Deform;
 use super::notes::Ledger;
 use super::primitive::{self, FaceMesh, FaceName};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::MeshSource;
 use crate::scene::{FaceRange, Mesh};
 

@@ -5,14 +5,14 @@ use super::at::At;
 use super::buffers::Buffers;
 use super::compressed::Block;
 use super::notes::Budget;
-use crate::base::fault;
+use crate::base::error;
 use meshoptimizer_rs::{Error, Workspace, codec};
 
 /// Decodes the view whose extension object is `at`.
 ///
 /// # Errors
 /// Sizes that the extension does not allow, bytes outside of the buffer, a broken stream, an unknown mode or filter.
-pub(super) fn decode(at: &At<'_>, buffers: &Buffers<'_>, budget: &mut Budget) -> fault::Result<Block> {
+pub(super) fn decode(at: &At<'_>, buffers: &Buffers<'_>, budget: &mut Budget) -> error::Result<Block> {
     let buffer = at.want("buffer")?;
     let index = buffer.index(buffers.data.len(), "buffer")?;
     let Some(Some(slice)) = buffers.data.get(index) else {

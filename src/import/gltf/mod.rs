@@ -44,7 +44,7 @@ pub use deps::dependencies;
 
 use super::ReadOptions;
 use super::assembly::Assembly;
-use crate::base::{Code, Fault, Where, fault::Result};
+use crate::base::{Code, Error, Where, error::Result};
 use crate::scene::Note;
 use accessor::Document;
 use at::At;
@@ -64,10 +64,10 @@ use std::path::Path;
 /// more memory than a small multiple of the file.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Assembly> {
     let failed = |error: std::io::Error| {
-        Fault::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
+        Error::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
     };
     if std::fs::metadata(path).map_err(failed)?.is_dir() {
-        return Err(Fault::new(Where::file(path), "this is a folder").expected("a .gltf or .glb file"));
+        return Err(Error::new(Where::file(path), "this is a folder").expected("a .gltf or .glb file"));
     }
     read_bytes(path, &std::fs::read(path).map_err(failed)?, options)
 }

@@ -6,7 +6,7 @@ use super::deform::{Bent, Target};
 use super::notes::Ledger;
 use super::primitive::{check_type, open, same_count};
 use crate::base::Code;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use glam::DVec3;
 
 /// How many targets the mesh `at` has, as its first primitive says.

@@ -8,7 +8,7 @@ use super::pose::Pose;
 use super::shapes::Shapes;
 use super::{animation, features, light, transform, world};
 use crate::base::Code;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::ReadOptions;
 use crate::import::assembly::{Assembly, Camera, Node};
 use glam::{DAffine3, DQuat};

@@ -1,7 +1,7 @@
 //! What a reader has to say, once per kind with a count and the first place; and how much memory it may still use.
 
 use super::at::At;
-use crate::base::{Code, Fault, Where, fault::Result};
+use crate::base::{Code, Error, Where, error::Result};
 use crate::scene::{Note, Severity};
 use std::collections::HashMap;
 
@@ -73,7 +73,7 @@ impl Budget {
     /// Takes `count` things of `size` bytes each.
     pub fn charge(&mut self, at: &At<'_>, count: usize, size: usize) -> Result<()> {
         let left = count.checked_mul(size).and_then(|bytes| self.left.checked_sub(bytes));
-        self.left = left.ok_or_else(|| -> Box<Fault> {
+        self.left = left.ok_or_else(|| -> Box<Error> {
             at.fault("the file repeats itself into more memory than it can honestly need")
                 .expected(format!("at most {} bytes per byte of the file", Self::BYTES_PER_BYTE))
         })?;

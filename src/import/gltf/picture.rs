@@ -5,7 +5,7 @@ use super::at::At;
 use super::buffers;
 use super::notes::Ledger;
 use crate::base::Shared;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::scene::texture::{Channel, Encoding, Filter, PictureSource, Texels, Wrap};
 use crate::scene::{Texture, TextureInput};
 use std::collections::HashMap;

@@ -7,7 +7,7 @@ use super::deform::{self, Deform, Target};
 use super::normals;
 use super::notes::Ledger;
 use crate::base::Code;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::normals::repair;
 use crate::scene::Note;
 

@@ -8,7 +8,7 @@ use super::notes::Ledger;
 use super::pose::Pose;
 use super::skin::Bones;
 use super::{mesh, morph};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::MeshSource;
 use glam::DAffine3;
 use std::collections::HashMap;

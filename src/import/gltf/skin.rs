@@ -7,7 +7,7 @@ use super::deform::{Bent, Target};
 use super::notes::Ledger;
 use super::pose::Pose;
 use super::primitive::{open, same_count};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::skinning::{self, Blend};
 use glam::{DAffine3, DMat3, DVec3};
 

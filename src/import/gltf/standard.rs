@@ -5,7 +5,7 @@ use super::accessor::Document;
 use super::at::At;
 use super::notes::Ledger;
 use super::picture::{self, Pictures};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::scene::texture::{Channel, Encoding};
 use crate::scene::{
     Anisotropy, AnisotropyLaw, CoatNormal, Colour, Film, Opacity, Scalar, StandardSurface, TextureInput,

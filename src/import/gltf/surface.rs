@@ -2,7 +2,7 @@
 
 use super::at::At;
 use super::notes::Ledger;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::value::{Data, Value};
 
 type Row = (String, Value);

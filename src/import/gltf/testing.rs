@@ -1,6 +1,6 @@
 //! Small glTF assets made by hand, for tests of this reader and of whatever reads its assemblies.
 
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::{Assembly, ReadOptions};
 use serde_json::{Value as Json, json};
 

@@ -4,7 +4,7 @@ use super::at::At;
 use super::notes::Notes;
 use super::pose::Moved;
 use crate::base::Code;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 /// The local transform of a node: a matrix, or translation · rotation · scale, where what an animation moves takes the place

@@ -2,8 +2,8 @@
 
 use super::fields::{Fields, one_of, union};
 use super::medium;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault};
+use crate::base::error::Result;
+use crate::base::{Code, Error};
 use crate::import::value::Value;
 use crate::scene::attribute::{self, Noun};
 use crate::scene::coating::SpectralAngular;
@@ -27,12 +27,12 @@ pub fn coating(value: &Value, name: &str, notes: &mut Vec<Note>) -> Result<Optio
 fn stack(fields: &Fields<'_>) -> Result<Vec<FilmLayer>> {
     let Some(stack) = fields.value("stack") else { return Err(fields.missing("stack")) };
     let films = stack.list().ok_or_else(|| {
-        Fault::new(stack.at.clone(), format!("`stack` is {} ({stack})", stack.kind()))
+        Error::new(stack.at.clone(), format!("`stack` is {} ({stack})", stack.kind()))
             .expected("a list of films, e.g. [{ n = 1.38, thickness_nm = 99.6 }]")
     })?;
     if films.is_empty() {
         return Err(
-            Fault::new(stack.at.clone(), "`stack` is empty").expected("at least one film, or coating = \"none\"")
+            Error::new(stack.at.clone(), "`stack` is empty").expected("at least one film, or coating = \"none\"")
         );
     }
     films.iter().map(film).collect()
@@ -44,7 +44,7 @@ const ROUNDED: f64 = 1e-9;
 fn ideal(fields: &Fields<'_>, notes: &mut Vec<Note>) -> Result<CoatingLaw> {
     let (r, t) = (fields.number_or("R", 0.0, notes)?, fields.number_or("T", 0.0, notes)?);
     if r + t > 1.0 + ROUNDED {
-        return Err(Fault::new(fields.at().clone(), format!("R {r} + T {t} of an ideal coating is above 1"))
+        return Err(Error::new(fields.at().clone(), format!("R {r} + T {t} of an ideal coating is above 1"))
             .expected("shares that together are at most 1")
             .code(Code::CoatingGainsEnergy));
     }
@@ -55,7 +55,7 @@ fn ideal(fields: &Fields<'_>, notes: &mut Vec<Note>) -> Result<CoatingLaw> {
 fn table(fields: &Fields<'_>) -> Result<CoatingTable> {
     let Some(value) = fields.value("table") else { return Err(fields.missing("table")) };
     let lines = value.list().filter(|lines| !lines.is_empty()).ok_or_else(|| {
-        Fault::new(value.at.clone(), format!("`table` is {} ({value})", value.kind()))
+        Error::new(value.at.clone(), format!("`table` is {} ({value})", value.kind()))
             .expected("a list of { wavelength_nm, angle_deg, R_s, R_p, T_s, T_p }")
     })?;
     let (mut outside, mut inside) = (Vec::new(), Vec::new());
@@ -69,21 +69,21 @@ fn table(fields: &Fields<'_>) -> Result<CoatingTable> {
                 if let Some((name, sum)) = [("s", r_s + t_s), ("p", r_p + t_p)].iter().find(|(_, x)| *x > 1.0 + ROUNDED)
                 {
                     let what = format!("R_{name} + T_{name} is {sum} in line {index} of `table`");
-                    return Err(Fault::new(line.at.clone(), what).expected("at most 1").code(Code::CoatingGainsEnergy));
+                    return Err(Error::new(line.at.clone(), what).expected("at most 1").code(Code::CoatingGainsEnergy));
                 }
                 outside.push((nm, angle, [r_s, r_p, t_s, t_p]));
             }
             Some("inside") => inside.push((nm, angle, [r_s, r_p])),
             Some(other) => {
                 let at = own.value("side").map_or(&line.at, |value| &value.at);
-                return Err(Fault::new(at.clone(), format!("`side` is \"{other}\""))
+                return Err(Error::new(at.clone(), format!("`side` is \"{other}\""))
                     .expected("\"outside\" or \"inside\"")
                     .nearest(other, ["outside", "inside"]));
             }
         }
     }
     let wrong = |side: &str, why: String| {
-        Fault::new(value.at.clone(), format!("`table` of a coating, {side}: {why}"))
+        Error::new(value.at.clone(), format!("`table` of a coating, {side}: {why}"))
             .expected("one line for every pair of a wavelength and an angle")
     };
     Ok(CoatingTable {
@@ -107,7 +107,7 @@ fn film(value: &Value) -> Result<FilmLayer> {
         }
         (None, None, Some(name)) => medium::catalogue(name, &value.at)?.1,
         (None, Some(_), _) | (Some(_), _, Some(_)) | (None, None, None) => {
-            return Err(Fault::new(value.at.clone(), "a film has an index or is of a material")
+            return Err(Error::new(value.at.clone(), "a film has an index or is of a material")
                 .expected("`n` (with `k` if it absorbs), or `material`"));
         }
     };
@@ -115,10 +115,10 @@ fn film(value: &Value) -> Result<FilmLayer> {
 }
 
 /// The fault of a coating name that nobody defined.
-pub fn unknown<'a>(name: &str, value: &Value, defined: impl Iterator<Item = &'a str> + Clone) -> Box<Fault> {
+pub fn unknown<'a>(name: &str, value: &Value, defined: impl Iterator<Item = &'a str> + Clone) -> Box<Error> {
     let kinds = attribute::kinds("coating").filter(|kind| kind.rendered && kind.parameters.is_empty());
     let valid: Vec<&str> = defined.chain(kinds.map(|kind| kind.name)).collect();
-    Fault::new(value.at.clone(), format!("unknown coating `{name}`"))
+    Error::new(value.at.clone(), format!("unknown coating `{name}`"))
         .expected(one_of(valid.iter().copied()))
         .nearest(name, valid.iter().copied())
         .code(Code::NameUnknown)

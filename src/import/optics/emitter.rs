@@ -2,8 +2,8 @@
 
 use super::fields::{Fields, union};
 use super::spectrum::{SpectrumSpec, spectrum};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
 use crate::scene::{Note, Photometry};
@@ -80,7 +80,7 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
         [] if matches!(angular, Spreading::Profile { .. }) => Strength::Said(Photometry::AsMeasured),
         ["illuminance_lx"] => {
             let at = fields.value("illuminance_lx").map_or(&value.at, |value| &value.at);
-            return Err(Fault::new(at.clone(), "`illuminance_lx` is of a distant source, and a face is none")
+            return Err(Error::new(at.clone(), "`illuminance_lx` is of a distant source, and a face is none")
                 .expected("flux_lm, luminance_cd_m2 or intensity_cd here, or a [sun] with illuminance_lx"));
         }
         several => {
@@ -89,7 +89,7 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
             } else {
                 (Code::StrengthTwice, format!("the emitter has {}", several.join(" and ")))
             };
-            return Err(Fault::new(value.at.clone(), what)
+            return Err(Error::new(value.at.clone(), what)
                 .expected("one of flux_lm, luminance_cd_m2, intensity_cd, radiant_flux_w")
                 .code(code));
         }
@@ -131,7 +131,7 @@ pub fn group_name(name: &str, at: &Where) -> Result<String> {
     if first && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
         return Ok(name.to_owned());
     }
-    Err(Fault::new(at.clone(), format!("group `{name}` can't be part of a layer name"))
+    Err(Error::new(at.clone(), format!("group `{name}` can't be part of a layer name"))
         .expected("letters, digits and _, a letter first")
         .code(Code::GroupUnusable))
 }

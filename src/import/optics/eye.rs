@@ -2,8 +2,8 @@
 
 use super::fields::{Fields, not_yet};
 use super::slide::ORTHOGONAL;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::import::value::Value;
 use crate::scene::Note;
 use crate::scene::attribute::Noun;
@@ -55,7 +55,7 @@ pub fn eye(value: &Value, lens: Lens, notes: &mut Vec<Note>) -> Result<EyeSpec> 
             // No −0 for people.
             let [x, y, z] = across.to_array().map(|x| if x.abs() < 5e-7 { 0.0 } else { x });
             let how = if parallel { "parallel" } else { "not orthogonal" };
-            return Err(Fault::new(at.clone(), format!("`up` of eye is {how} to `look`"))
+            return Err(Error::new(at.clone(), format!("`up` of eye is {how} to `look`"))
                 .expected(format!("a right angle, e.g. up = [{x:.6}, {y:.6}, {z:.6}]"))
                 .code(Code::EyeImpossible));
         }
@@ -82,7 +82,7 @@ pub fn eye(value: &Value, lens: Lens, notes: &mut Vec<Note>) -> Result<EyeSpec> 
         Some(pixels) if pixels.iter().all(|pixels| pixels.fract() == 0.0) => Some(pixels.map(|pixels| pixels as usize)),
         Some([w, h]) => {
             let at = fields.value("resolution").map_or(&value.at, |value| &value.at);
-            return Err(Fault::new(at.clone(), format!("`resolution` is {w} x {h}"))
+            return Err(Error::new(at.clone(), format!("`resolution` is {w} x {h}"))
                 .expected("whole numbers of pixels")
                 .code(Code::EyeImpossible));
         }

@@ -1,9 +1,9 @@
 //! Checked access to a table of attributes: unknown names, wrong forms and numbers out of range become faults with the
 //! row's range and the nearest name.
 
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::units::parse_length_m;
-use crate::base::{Code, Fault, Where};
+use crate::base::{Code, Error, Where};
 use crate::import::value::{Data, Value};
 use crate::scene::Note;
 use crate::scene::attribute::union::split;
@@ -25,7 +25,7 @@ impl<'a> Fields<'a> {
     /// Faults: not a table, unknown or not yet rendered attributes.
     pub fn of(noun: Noun, what: &str, value: &'a Value, allowed: &[&str]) -> Result<Self> {
         let Some(entries) = value.table() else {
-            return Err(Fault::new(value.at.clone(), format!("{what} is {} ({value})", value.kind()))
+            return Err(Error::new(value.at.clone(), format!("{what} is {} ({value})", value.kind()))
                 .expected(format!("a table, e.g. {{ {} = … }}", allowed.first().copied().unwrap_or("name"))));
         };
         Self::from_entries(noun, what, &value.at, entries.iter().map(|(k, v)| (k.as_str(), v)).collect(), allowed)
@@ -46,7 +46,7 @@ impl<'a> Fields<'a> {
                 if let Some(fault) = stray(key, value, noun, what, &mut valid()) {
                     return Err(fault);
                 }
-                return Err(Fault::new(value.at.clone(), format!("unknown attribute `{key}` of {what}"))
+                return Err(Error::new(value.at.clone(), format!("unknown attribute `{key}` of {what}"))
                     .expected(one_of(valid()))
                     .nearest(key, valid())
                     .code(Code::AttributeUnknown));
@@ -69,11 +69,11 @@ impl<'a> Fields<'a> {
     }
     fn row(&self, name: &str) -> Result<&'static Row> {
         attribute::row(self.noun, name)
-            .ok_or_else(|| Fault::new(self.at.clone(), format!("`{name}` is no attribute of {}", self.what)))
+            .ok_or_else(|| Error::new(self.at.clone(), format!("`{name}` is no attribute of {}", self.what)))
     }
     /// A fault that `name` is missing.
-    pub fn missing(&self, name: &str) -> Box<Fault> {
-        let fault = Fault::new(self.at.clone(), format!("{} has no `{name}`", self.what));
+    pub fn missing(&self, name: &str) -> Box<Error> {
+        let fault = Error::new(self.at.clone(), format!("{} has no `{name}`", self.what));
         match attribute::row(self.noun, name) {
             Some(row) => fault.expected(row.expected()).code(code(row)),
             None => fault,
@@ -134,7 +134,7 @@ impl<'a> Fields<'a> {
         let scaled = DVec3::new(x, y, z) / largest;
         match scaled.try_normalize() {
             Some(unit) if largest > 0.0 => Ok(Some(unit)),
-            Some(_) | None => Err(Fault::new(at.clone(), format!("`{name}` of {} is the zero vector", self.what))
+            Some(_) | None => Err(Error::new(at.clone(), format!("`{name}` of {} is the zero vector", self.what))
                 .expected("a direction")
                 .code(attribute::row(self.noun, name).and_then(code))),
         }
@@ -149,7 +149,7 @@ impl<'a> Fields<'a> {
             if row.range.holds(metres) {
                 return Ok(metres);
             }
-            Err(Fault::new(value.at.clone(), format!("`{name}` is {value}"))
+            Err(Error::new(value.at.clone(), format!("`{name}` is {value}"))
                 .expected(format!("a length with its unit: {}", row.range))
                 .code(code(row)))
         })
@@ -178,7 +178,7 @@ pub fn number(value: &Value, row: &Row) -> Result<f64> {
         return Ok(number);
     }
     let unit = if row.unit.is_empty() { String::new() } else { format!(" in {}", row.unit) };
-    Err(Fault::new(value.at.clone(), format!("`{}` is {number}", row.name))
+    Err(Error::new(value.at.clone(), format!("`{}` is {number}", row.name))
         .expected(format!("{}{unit}", row.range))
         .code(code(row)))
 }
@@ -198,7 +198,7 @@ fn coefficients(value: &Value, row: &Row) -> Result<Vec<f64>> {
     if let Form::Coefficients { least, most } = row.form
         && !(least..=most).contains(&list.len())
     {
-        return Err(Fault::new(value.at.clone(), format!("`{}` has {} numbers", row.name, list.len()))
+        return Err(Error::new(value.at.clone(), format!("`{}` has {} numbers", row.name, list.len()))
             .expected(format!("{least} to {most} numbers")));
     }
     list.iter().map(|item| number(item, row)).collect()
@@ -213,11 +213,11 @@ pub fn rows<const N: usize>(value: &Value, row: &Row) -> Result<Vec<[f64; N]>> {
 fn length(value: &Value, row: &Row) -> Result<f64> {
     match &value.data {
         Data::Text(text) => parse_length_m(text).map_err(|why| {
-            Fault::new(value.at.clone(), format!("`{}`: {why}", row.name)).expected(row.expected()).code(code(row))
+            Error::new(value.at.clone(), format!("`{}`: {why}", row.name)).expected(row.expected()).code(code(row))
         }),
         // Zero is the same in every unit, and so is infinity.
         Data::Number(number) if *number == 0.0 || *number == f64::INFINITY => Ok(*number),
-        Data::Number(number) => Err(Fault::new(value.at.clone(), format!("`{}` is {number} without a unit", row.name))
+        Data::Number(number) => Err(Error::new(value.at.clone(), format!("`{}` is {number} without a unit", row.name))
             .expected(row.expected())
             .code(code(row))),
         Data::Bool(_) | Data::List(_) | Data::Table(_) => Err(wrong(value, row)),
@@ -225,8 +225,8 @@ fn length(value: &Value, row: &Row) -> Result<f64> {
 }
 
 /// The fault of a value of the wrong form.
-fn wrong(value: &Value, row: &Row) -> Box<Fault> {
-    Fault::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind()))
+fn wrong(value: &Value, row: &Row) -> Box<Error> {
+    Error::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind()))
         .expected(row.expected())
         .code(code(row))
 }
@@ -250,12 +250,12 @@ pub fn stray(
     noun: Noun,
     what: &str,
     attributes: &mut dyn Iterator<Item = &str>,
-) -> Option<Box<Fault>> {
+) -> Option<Box<Error>> {
     let row = attribute::row(noun, key)?;
     let attributes: Vec<&str> = attributes.collect();
     if let Some(holder) = attribute::holder(row).filter(|holder| attributes.contains(&holder.name)) {
         let text = format!("`{key}` stands in {what}: it is an entry of {}", holder.name);
-        return Some(Fault::new(value.at.clone(), text).expected(format!("{} = {{ {key} = … }}", holder.name)));
+        return Some(Error::new(value.at.clone(), text).expected(format!("{} = {{ {key} = … }}", holder.name)));
     }
     let takes = |kind: &&Kind| attributes.contains(&kind.attribute) && kind.parameters.contains(&key);
     let kinds: Vec<&Kind> = attribute::KINDS.iter().filter(takes).collect();
@@ -264,13 +264,13 @@ pub fn stray(
     if !kinds.iter().any(|kind| kind.rendered) {
         return Some(not_yet(&value.at, &format!("`{key}` of {what}: {attribute} `{name}`")));
     }
-    let fault = Fault::new(value.at.clone(), format!("`{key}` stands in {what}: it is a parameter of {attribute}"));
+    let fault = Error::new(value.at.clone(), format!("`{key}` stands in {what}: it is a parameter of {attribute}"));
     Some(fault.expected(format!("{attribute} = {{ kind = \"{name}\", {key} = … }}")))
 }
 
 /// The fault of something that would change the picture and can't be rendered yet.
-pub fn not_yet(at: &Where, what: &str) -> Box<Fault> {
-    Fault::new(at.clone(), format!("{what} is not rendered by this version yet"))
+pub fn not_yet(at: &Where, what: &str) -> Box<Error> {
+    Error::new(at.clone(), format!("{what} is not rendered by this version yet"))
 }
 
 pub(super) fn one_of<'a>(names: impl Iterator<Item = &'a str>) -> String {
@@ -294,7 +294,7 @@ pub fn union<'a>(noun: Noun, attribute: &str, value: &'a Value) -> Result<Union<
     }
     let what = format!("{attribute} `{}`", kind.name);
     if let (true, Some((key, value))) = (kind.parameters.is_empty(), read.parameters.first()) {
-        return Err(Fault::new(value.at.clone(), format!("{what} takes no `{key}`")).code(Code::AttributeUnknown));
+        return Err(Error::new(value.at.clone(), format!("{what} takes no `{key}`")).code(Code::AttributeUnknown));
     }
     Ok(Union { kind, fields: Fields::from_entries(noun, &what, &value.at, read.parameters, kind.parameters)? })
 }

@@ -1,8 +1,8 @@
 //! `finish`: what a face does with light.
 
 use super::fields::union;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
 use crate::scene::{Finish, Note, StandardSurface};
@@ -32,7 +32,7 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
             (fields.number_or("reflectance", 0.0, notes)?, fields.number_or("transmittance", 0.0, notes)?);
         if reflectance + transmittance > 1.0 {
             let what = format!("reflectance {reflectance} + transmittance {transmittance} is above 1");
-            return Err(Fault::new(value.at.clone(), what)
+            return Err(Error::new(value.at.clone(), what)
                 .expected("shares that together are at most 1")
                 .code(Code::ScatterGainsEnergy));
         }
@@ -61,7 +61,7 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
             (Some(reflectance), None, None) => Finish::MirrorIdeal { reflectance },
             (None, Some(n), Some(k)) => Finish::MirrorMetal { n, k },
             (Some(_), _, _) | (None, _, _) => {
-                return Err(Fault::new(value.at.clone(), "a mirror is a metal or a reflectance")
+                return Err(Error::new(value.at.clone(), "a mirror is a metal or a reflectance")
                     .expected("both `n` and `k`, or `reflectance` alone"));
             }
         },

@@ -1,8 +1,8 @@
 //! The attributes of a medium: its index in one of several laws, absorption, priority.
 
 use super::fields::{Fields, code, number};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::import::agf::Reference;
 use crate::import::value::{Data, Value};
 use crate::scene::attribute::{self, Noun, Range, Row};
@@ -16,7 +16,7 @@ pub(super) fn catalogue(name: &str, at: &Where) -> Result<(String, Dispersion)> 
     }
     match glass::find(name) {
         Some(found) => Ok((found.name.to_owned(), found.dispersion.clone())),
-        None => Err(Fault::new(at.clone(), format!("unknown glass `{name}`"))
+        None => Err(Error::new(at.clone(), format!("unknown glass `{name}`"))
             .expected("a name of the catalogue")
             .nearest(name, glass::names())
             .code(Code::NameUnknown)),
@@ -38,7 +38,7 @@ pub fn possible(key: &str, value: &Value, law: &Dispersion, nm: f64) -> Result<(
         return Ok(());
     }
     let what = format!("impossible index: `{key}` gives n = {} at {nm} nm", at_nm.re);
-    Err(Fault::new(value.at.clone(), what).expected("n from 1 to 10 and k >= 0").code(Code::IndexImpossible))
+    Err(Error::new(value.at.clone(), what).expected("n from 1 to 10 and k >= 0").code(Code::IndexImpossible))
 }
 
 /// The law of the index that the attribute `key` (`ior`, `glass`, …) gives, with a name for the medium.
@@ -61,7 +61,7 @@ pub fn law(key: &str, value: &Value) -> Result<(String, Dispersion)> {
             };
             if let Some((key, odd)) = value.table().and_then(|t| t.iter().find(|(key, _)| key != "b" && key != "c_um2"))
             {
-                return Err(Fault::new(odd.at.clone(), format!("unknown attribute `{key}` of sellmeier"))
+                return Err(Error::new(odd.at.clone(), format!("unknown attribute `{key}` of sellmeier"))
                     .expected("b and c_um2")
                     .nearest(key, ["b", "c_um2"])
                     .code(Code::AttributeUnknown));
@@ -85,10 +85,10 @@ pub fn law(key: &str, value: &Value) -> Result<(String, Dispersion)> {
             let rows = table(value, row, columns)?;
             ("index table".to_owned(), Dispersion::Table(rows.into_iter().map(|[nm, n, k]| (nm, n, k)).collect()))
         }
-        _ => return Err(Fault::new(value.at.clone(), format!("`{key}` gives no index")).code(Code::IndexImpossible)),
+        _ => return Err(Error::new(value.at.clone(), format!("`{key}` gives no index")).code(Code::IndexImpossible)),
     };
     if let Some(problem) = law.problem() {
-        return Err(Fault::new(value.at.clone(), format!("`{key}`: {problem}")).expected(row.expected()));
+        return Err(Error::new(value.at.clone(), format!("`{key}`: {problem}")).expected(row.expected()));
     }
     Ok((name, law))
 }
@@ -113,11 +113,11 @@ pub fn absorption(value: &Value, nm: f64) -> Result<Absorption> {
     let lines = table(value, row, [("λ", Range::Positive, "nm"), ("absorption", Range::AtLeast(0.0), "1/m")])?;
     if let Some(pair) = lines.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
         let what = format!("the wavelengths of `absorption_per_m` do not rise at {} nm", pair[1][0]);
-        return Err(Fault::new(value.at.clone(), what).expected(row.expected()));
+        return Err(Error::new(value.at.clone(), what).expected(row.expected()));
     }
     let covered = lines.first().is_some_and(|first| first[0] <= nm) && lines.last().is_some_and(|last| nm <= last[0]);
     if !covered {
-        return Err(Fault::new(value.at.clone(), format!("`absorption_per_m` does not cover {nm} nm"))
+        return Err(Error::new(value.at.clone(), format!("`absorption_per_m` does not cover {nm} nm"))
             .expected("rows on both sides of it")
             .code(Code::TableTooShort));
     }
@@ -134,12 +134,12 @@ pub fn priority(value: &Value) -> Result<i32> {
 
 fn row(key: &str, value: &Value) -> Result<&'static Row> {
     attribute::row(Noun::Medium, key).ok_or_else(|| {
-        Fault::new(value.at.clone(), format!("unknown attribute `{key}` of a medium")).code(Code::AttributeUnknown)
+        Error::new(value.at.clone(), format!("unknown attribute `{key}` of a medium")).code(Code::AttributeUnknown)
     })
 }
 
-fn form(value: &Value, row: &Row) -> Box<Fault> {
-    Fault::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind()))
+fn form(value: &Value, row: &Row) -> Box<Error> {
+    Error::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind()))
         .expected(row.expected())
         .code(code(row))
 }
@@ -163,7 +163,7 @@ fn table<const N: usize>(value: &Value, row: &Row, columns: [Column; N]) -> Resu
         Data::Number(number) if range.holds(number) => Ok(number),
         Data::Number(number) => {
             let unit = if unit.is_empty() { String::new() } else { format!(" in {unit}") };
-            Err(Fault::new(item.at.clone(), format!("{name} is {number} in row {index} of `{}`", row.name))
+            Err(Error::new(item.at.clone(), format!("{name} is {number} in row {index} of `{}`", row.name))
                 .expected(format!("{range}{unit}")))
         }
         Data::Bool(_) | Data::Text(_) | Data::List(_) | Data::Table(_) => Err(form(item, row)),

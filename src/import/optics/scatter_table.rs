@@ -2,8 +2,8 @@
 //! (1/sr), separated by commas; the lines of a side make a whole grid, in any order. `#` starts a comment, a first line of
 //! names is allowed.
 
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::ScatterTable;
 use crate::scene::scatter_table::{Flaw, Measurement};
 use std::path::Path;
@@ -30,12 +30,12 @@ pub fn scatter_table(bytes: &[u8], file: &Path, at: &Where) -> Result<ScatterTab
             Some("T" | "t") => 1,
             other => {
                 let what = format!("`{}` is no side", other.unwrap_or(""));
-                return Err(Fault::new(here(), what).expected("R or T, then four numbers"));
+                return Err(Error::new(here(), what).expected("R or T, then four numbers"));
             }
         };
         let numbers: Vec<f64> = cells.map_while(|cell| cell.parse().ok()).collect();
         let (Ok(row), 5) = (<[f64; 4]>::try_from(numbers), line.split(',').count()) else {
-            return Err(Fault::new(here(), format!("`{line}` has not four numbers")).expected(COLUMNS));
+            return Err(Error::new(here(), format!("`{line}` has not four numbers")).expected(COLUMNS));
         };
         let ranges = [(0.0, 90.0), (0.0, 90.0), (0.0, 180.0), (0.0, 1e12)];
         let odd = row
@@ -44,11 +44,11 @@ pub fn scatter_table(bytes: &[u8], file: &Path, at: &Where) -> Result<ScatterTab
             .zip(COLUMNS.split(',').skip(1))
             .find(|((x, (low, high)), _)| !(low..=high).contains(x));
         if let Some(((x, (low, high)), name)) = odd {
-            return Err(Fault::new(here(), format!("{name} is {x}")).expected(format!("a number from {low} to {high}")));
+            return Err(Error::new(here(), format!("{name} is {x}")).expected(format!("a number from {low} to {high}")));
         }
         sides[side].push(row);
     }
-    let wrong = |why: String| Fault::new(at.clone(), format!("measured scattering {}: {why}", file.display()));
+    let wrong = |why: String| Error::new(at.clone(), format!("measured scattering {}: {why}", file.display()));
     if sides.iter().all(Vec::is_empty) {
         return Err(wrong("it has no lines".to_owned()).expected(COLUMNS));
     }

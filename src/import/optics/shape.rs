@@ -1,8 +1,8 @@
 //! `shape`: the exact surface of a face.
 
 use super::fields::{Fields, union};
-use crate::base::Fault;
-use crate::base::fault::Result;
+use crate::base::Error;
+use crate::base::error::Result;
 use crate::import::fit::Kind as Surface;
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
@@ -76,7 +76,7 @@ pub fn shape(value: &Value, notes: &mut Vec<Note>) -> Result<ShapeSpec> {
                 None => None,
                 Some(word) => Some(Surface::named(word).ok_or_else(|| {
                     let names = Surface::ALL.map(Surface::name);
-                    Fault::new(fields.at().clone(), format!("can't fit the surface `{word}`"))
+                    Error::new(fields.at().clone(), format!("can't fit the surface `{word}`"))
                         .expected(super::fields::one_of(names.into_iter()))
                         .nearest(word, names)
                 })?),
@@ -104,7 +104,7 @@ fn across(fields: &Fields, notes: &mut Vec<Note>) -> Result<DVec3> {
     // Within what f32 files round, x along the axis has no direction across it.
     if across.length() <= 1e-6 {
         let at = fields.value("x").map_or(fields.at(), |value| &value.at);
-        return Err(Fault::new(at.clone(), "`x` of shape is along its axis").expected("a direction across the axis"));
+        return Err(Error::new(at.clone(), "`x` of shape is along its axis").expected("a direction across the axis"));
     }
     Ok(across.normalize())
 }

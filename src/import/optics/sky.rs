@@ -2,8 +2,8 @@
 
 use super::emitter::group_name;
 use super::fields::Fields;
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::import::value::Value;
 use crate::scene::Note;
 use crate::scene::attribute::{Noun, SKIES, SUN_SKY, own_rows};
@@ -84,7 +84,7 @@ pub fn sky(value: &Value, notes: &mut Vec<Note>) -> Result<SkySpec> {
         "luminance_cd_m2" => {
             let rgb = fields.numbers::<3>("rgb")?;
             if rgb == Some([0.0; 3]) {
-                return Err(Fault::new(place(&fields, "rgb").clone(), "`rgb` of sky is black")
+                return Err(Error::new(place(&fields, "rgb").clone(), "`rgb` of sky is black")
                     .expected("a number above 0 among its three; a sky without light has luminance_cd_m2 = 0"));
             }
             SkyKind::Uniform { luminance_cd_m2: fields.need_number(name)?, rgb }
@@ -100,7 +100,7 @@ pub fn sky(value: &Value, notes: &mut Vec<Note>) -> Result<SkySpec> {
         Some("z") => Some(Up::Z),
         Some(other) => {
             return Err(
-                Fault::new(place(&fields, "up").clone(), format!("`up` of sky is \"{other}\"")).expected("one of y, z")
+                Error::new(place(&fields, "up").clone(), format!("`up` of sky is \"{other}\"")).expected("one of y, z")
             );
         }
     };
@@ -118,13 +118,13 @@ fn kind(fields: &Fields<'_>) -> Result<&'static str> {
             [first, second, ..] => (place(fields, second), format!("the sky has {first} and {second}")),
             [] | [_] => (fields.at(), "the sky does not say what it is".to_owned()),
         };
-        return Err(Fault::new(at.clone(), what).expected(one_of()));
+        return Err(Error::new(at.clone(), what).expected(one_of()));
     };
     let kind = kinds.into_iter().find(|own| own == kind).unwrap_or("image");
     for row in own_rows(Noun::Sky) {
         let Some(value) = fields.value(row.name).filter(|_| !goes_with(kind, row.name)) else { continue };
         let others: Vec<&str> = kinds.into_iter().filter(|other| goes_with(other, row.name)).collect();
-        return Err(Fault::new(value.at.clone(), format!("`{}` means nothing to a sky of {kind}", row.name))
+        return Err(Error::new(value.at.clone(), format!("`{}` means nothing to a sky of {kind}", row.name))
             .expected(format!("it beside {}", others.join(" or "))));
     }
     Ok(kind)

@@ -1,8 +1,8 @@
 //! `slide`: a thin transmissive picture on a face.
 
 use super::fields::Fields;
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
 use crate::scene::{Note, Polarisation};
@@ -33,7 +33,7 @@ pub fn slide(value: &Value, notes: &mut Vec<Note>) -> Result<SlideSpec> {
     let (u, v) = (fields.need_direction("u")?, fields.need_direction("v")?);
     if u.dot(v).abs() > ORTHOGONAL {
         let at = fields.value("v").map_or(&value.at, |value| &value.at);
-        return Err(Fault::new(at.clone(), "`u` and `v` of slide are not orthogonal")
+        return Err(Error::new(at.clone(), "`u` and `v` of slide are not orthogonal")
             .expected(format!("a right angle; it is {:.3}°", u.angle_between(v).to_degrees())));
     }
     Ok(SlideSpec {

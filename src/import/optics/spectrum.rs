@@ -1,8 +1,8 @@
 //! `spectrum`: the colour of an emitter's light.
 
 use super::fields::{not_yet, union};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
 use crate::scene::{Led, Spectrum};
@@ -47,7 +47,7 @@ pub fn spectrum(value: &Value) -> Result<SpectrumSpec> {
 fn checked(spectrum: Spectrum, at: &Where) -> Result<Spectrum> {
     match spectrum.problem() {
         None => Ok(spectrum),
-        Some(problem) => Err(Fault::new(at.clone(), format!("`spectrum`: {problem}"))
+        Some(problem) => Err(Error::new(at.clone(), format!("`spectrum`: {problem}"))
             .expected("power at some wavelength from 360 to 830 nm")
             .code(Code::SpectrumUnusable)),
     }
@@ -63,7 +63,7 @@ const MOST_ROWS: usize = 1 << 20;
 /// Faults: lines without two numbers, wavelengths that do not rise, negative powers, no visible light.
 pub fn spectrum_table(bytes: &[u8], file: &Path, named: &Where) -> Result<Spectrum> {
     let text = std::str::from_utf8(bytes).map_err(|_| {
-        Fault::new(named.clone(), format!("the spectrum {} is not a text", file.display()))
+        Error::new(named.clone(), format!("the spectrum {} is not a text", file.display()))
             .expected("lines of a wavelength in nm and a power")
             .code(Code::SpectrumUnusable)
     })?;
@@ -84,7 +84,7 @@ pub fn spectrum_table(bytes: &[u8], file: &Path, named: &Where) -> Result<Spectr
             (None, _) if rows.is_empty() && !headed => headed = true,
             (Some(_) | None, Some(_) | None) => {
                 let shown: String = line.chars().take(60).collect();
-                return Err(Fault::new(at(), format!("`{shown}` is no line of a spectrum"))
+                return Err(Error::new(at(), format!("`{shown}` is no line of a spectrum"))
                     .expected("a wavelength in nm and a power >= 0")
                     .code(Code::SpectrumUnusable));
             }
@@ -92,12 +92,12 @@ pub fn spectrum_table(bytes: &[u8], file: &Path, named: &Where) -> Result<Spectr
         if let [.., (before, _), (nm, _)] = rows.as_slice()
             && before >= nm
         {
-            return Err(Fault::new(at(), format!("the wavelength {nm} nm does not rise"))
+            return Err(Error::new(at(), format!("the wavelength {nm} nm does not rise"))
                 .expected("rising wavelengths")
                 .code(Code::SpectrumUnusable));
         }
         if rows.len() > MOST_ROWS {
-            return Err(Fault::new(at(), "the spectrum has too many lines")
+            return Err(Error::new(at(), "the spectrum has too many lines")
                 .expected(format!("{MOST_ROWS} at most"))
                 .code(Code::SpectrumUnusable));
         }

@@ -4,7 +4,7 @@ use super::emitter::group_name;
 use super::fields::Fields;
 use super::sky::frame;
 use crate::base::Where;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::value::Value;
 use crate::scene::Note;
 use crate::scene::attribute::Noun;

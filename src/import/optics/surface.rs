@@ -1,8 +1,8 @@
 //! `finish = { kind = "surface" }`: an ordinary material, each parameter a number or a colour, a picture, or their product.
 
 use super::fields::Fields;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Shared};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Shared};
 use crate::import::files;
 use crate::scene::texture::{Channel, Encoding, Filter, PictureSource, Texels, Wrap};
 use crate::scene::{
@@ -73,7 +73,7 @@ pub fn coloured_lambert(fields: &Fields<'_>, [back, through]: [f64; 2]) -> Resul
     let most = back * color.factor.into_iter().fold(0.0, f64::max);
     if most + through > 1.0 {
         let what = format!("reflectance × color {most} + transmittance {through} is above 1");
-        let fault = Fault::new(fields.at().clone(), what).expected("shares that together are at most 1");
+        let fault = Error::new(fields.at().clone(), what).expected("shares that together are at most 1");
         return Err(fault.code(Code::ScatterGainsEnergy));
     }
     // The body shares what it scatters between its sides; both colours are then at most `most` + `through`.

@@ -1,8 +1,8 @@
 //! The attributes of the whole asset: wavelengths, unit, version of the vocabulary.
 
 use super::fields::{not_yet, number, union};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::{self, Noun};
 use crate::scene::{Note, Wavelengths};
@@ -26,24 +26,24 @@ pub fn wavelengths(value: Option<&Value>, notes: &mut Vec<Note>) -> Result<Wavel
 pub fn unit(value: &Value) -> Result<f64> {
     match attribute::row(Noun::Asset, "unit") {
         Some(row) => number(value, row),
-        None => Err(Fault::new(value.at.clone(), "there is no attribute `unit`")),
+        None => Err(Error::new(value.at.clone(), "there is no attribute `unit`")),
     }
 }
 
 /// Checks the version `name` (`schema` of a sidecar, `version` of an asset's root).
 pub fn version(table: &Value, name: &str) -> Result<()> {
     let Some(value) = table.get(name) else {
-        return Err(Fault::new(table.at.clone(), format!("`{name}` is missing")).expected(format!("{name} = 1")));
+        return Err(Error::new(table.at.clone(), format!("`{name}` is missing")).expected(format!("{name} = 1")));
     };
     match value.number() {
         Some(1.0) => Ok(()),
         Some(newer) if newer > 1.0 => {
-            Err(Fault::new(value.at.clone(), format!("{name} {newer} is newer than this program"))
+            Err(Error::new(value.at.clone(), format!("{name} {newer} is newer than this program"))
                 .expected(format!("{name} = 1"))
                 .code(Code::SchemaNewer))
         }
         Some(_) | None => {
-            Err(Fault::new(value.at.clone(), format!("`{name}` is {value}")).expected(format!("{name} = 1")))
+            Err(Error::new(value.at.clone(), format!("`{name}` is {value}")).expected(format!("{name} = 1")))
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::planes::{Symmetry, expand};
 use super::text::{self, Lines, Numbers, shown};
 use super::{Files, grid};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::{Code, Where};
 use crate::scene::Note;
 use crate::scene::profile::{LuminousProfile, ProfileFacts};

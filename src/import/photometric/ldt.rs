@@ -3,8 +3,8 @@
 use super::grid;
 use super::planes::{Symmetry, expand};
 use super::text::{Lines, parse, shown};
-use crate::base::Fault;
-use crate::base::fault::Result;
+use crate::base::Error;
+use crate::base::error::Result;
 use crate::scene::profile::{LuminousProfile, ProfileFacts};
 use std::path::Path;
 
@@ -16,7 +16,7 @@ struct Reader<'a, I> {
 }
 
 impl<'a, I: Iterator<Item = (usize, &'a str)> + Clone> Reader<'a, I> {
-    fn fault(&self, what: impl Into<String>) -> Box<Fault> {
+    fn fault(&self, what: impl Into<String>) -> Box<Error> {
         self.lines.fault(self.line.max(1), what)
     }
 

@@ -10,8 +10,8 @@ mod planes;
 mod tests;
 mod text;
 
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::import::files;
 use crate::scene::Note;
 use crate::scene::profile::{LuminousProfile, ProfileFacts};
@@ -57,7 +57,7 @@ pub fn tilt_file(file: &Path) -> Option<PathBuf> {
 fn small(file: &Path, at: &Where) -> Result<Vec<u8>> {
     if let Ok(facts) = std::fs::metadata(file) {
         let what = |why: String| {
-            Fault::new(at.clone(), format!("can't read the light profile {}: {why}", file.display()))
+            Error::new(at.clone(), format!("can't read the light profile {}: {why}", file.display()))
                 .code(Code::ProfileMissing)
         };
         if !facts.is_file() {

@@ -1,7 +1,7 @@
 //! The text of photometric files: lines of bytes in whatever encoding, and numbers with their lines.
 
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -43,8 +43,8 @@ impl<'a> Lines<'a> {
         })
     }
 
-    pub fn fault(&self, line: usize, what: impl Into<String>) -> Box<Fault> {
-        Fault::new(Where::Line { file: self.file.to_owned(), line }, what).code(Code::ProfileMalformed)
+    pub fn fault(&self, line: usize, what: impl Into<String>) -> Box<Error> {
+        Error::new(Where::Line { file: self.file.to_owned(), line }, what).code(Code::ProfileMalformed)
     }
 }
 
@@ -87,7 +87,7 @@ impl<'a, I: Iterator<Item = (usize, &'a str)> + Clone> Numbers<'a, I> {
         }
     }
 
-    pub fn fault(&self, what: impl Into<String>) -> Box<Fault> {
+    pub fn fault(&self, what: impl Into<String>) -> Box<Error> {
         self.lines.fault(self.line, what)
     }
 

@@ -15,8 +15,8 @@ mod tests;
 mod zmx;
 
 use super::{Assembly, files, text};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::scene::Note;
 use std::path::Path;
 
@@ -112,7 +112,7 @@ pub fn read(path: &Path) -> Result<Prescription> {
     match super::extension(path).as_str() {
         "zmx" => zmx::read(&text, path),
         "seq" => seq::read(&text, path),
-        other => Err(Fault::new(Where::file(path), format!("prescriptions in .{other} are not read"))
+        other => Err(Error::new(Where::file(path), format!("prescriptions in .{other} are not read"))
             .expected("a lens file of Zemax OpticStudio (.zmx) or CODE V (.seq)")),
     }
 }

@@ -5,8 +5,8 @@ mod words;
 
 use super::profile::Form;
 use super::{After, Prescription, Profile, Surface, Turn};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::scene::Note;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -83,12 +83,12 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
                 Some(Ok(number)) if number.is_finite() => Ok(number),
                 None => Ok(0.0),
                 Some(_) => {
-                    Err(Fault::new(at(), format!("`{command}` is no command of {key}")).expected("numbers after it"))
+                    Err(Error::new(at(), format!("`{command}` is no command of {key}")).expected("numbers after it"))
                 }
             }
         };
         if REFUSED.contains(&key.as_str()) {
-            return Err(Fault::new(at(), format!("surfaces of kind {key} are not read"))
+            return Err(Error::new(at(), format!("surfaces of kind {key} are not read"))
                 .expected("spheres, conics and aspheres"));
         }
         match key.as_str() {
@@ -98,7 +98,7 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
                     Some("C" | "CM") => 1e-2,
                     Some("I" | "IN") => 0.0254,
                     Some(other) => {
-                        return Err(Fault::new(at(), format!("unknown unit `{other}`")).expected("M, C or I"));
+                        return Err(Error::new(at(), format!("unknown unit `{other}`")).expected("M, C or I"));
                     }
                 }
             }
@@ -186,7 +186,7 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
         }
     }
     if raws.len() < 3 {
-        return Err(Fault::new(Where::file(path), "holds no lens").expected("SO, S and SI commands"));
+        return Err(Error::new(Where::file(path), "holds no lens").expected("SO, S and SI commands"));
     }
     if zoomed {
         out.notes.push(Note::info(Where::file(path), "the first zoom position counts"));

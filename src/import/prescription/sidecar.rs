@@ -2,8 +2,8 @@
 
 use super::solids::{Design, Kind, LensPart};
 use super::{After, Prescription};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::glass;
 use glam::{DAffine3, DVec3};
 use std::fmt::Write;
@@ -112,7 +112,7 @@ fn medium(prescription: &Prescription, surface: usize, path: &Path) -> Result<St
                 Ok(format!("abbe = [{n}, {v}]                    # {name}, which no catalogue here has\n"))
             }
             (None, None) => {
-                Err(Fault::new(Where::Line { file: path.to_owned(), line }, format!("unknown glass `{name}`"))
+                Err(Error::new(Where::Line { file: path.to_owned(), line }, format!("unknown glass `{name}`"))
                     .expected("a name that `eyebox glass` knows")
                     .nearest(name, glass::names())
                     .code(Code::NameUnknown))

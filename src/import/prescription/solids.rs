@@ -2,8 +2,8 @@
 
 use super::mesh::{around, cap, reaches, rim, shrunk};
 use super::{After, Prescription, Surface};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::scene::assembly::{MeshSource, Node};
 use crate::scene::{Mesh, Note, assembly::Assembly};
 use glam::{DAffine3, DVec3};
@@ -49,7 +49,7 @@ struct Met<'p> {
 pub(super) fn design(prescription: &Prescription, frames: &[DAffine3], path: &Path) -> Result<Design> {
     let met = met(prescription);
     let [_, .., image] = met.as_slice() else {
-        return Err(Fault::new(Where::file(path), "holds no lens").expected("surfaces between object and image"));
+        return Err(Error::new(Where::file(path), "holds no lens").expected("surfaces between object and image"));
     };
     let optical = |met: &&Met<'_>| met.glass.is_some() || met.surface.after == After::Mirror;
     let first = met.iter().find(optical).unwrap_or(image).index;
@@ -102,7 +102,7 @@ pub(super) fn design(prescription: &Prescription, frames: &[DAffine3], path: &Pa
     };
     let Maker { mut assembly, parts, .. } = maker;
     if parts.is_empty() {
-        return Err(Fault::new(Where::file(path), "holds no lens and no mirror").expected("a glass or MIRROR"));
+        return Err(Error::new(Where::file(path), "holds no lens and no mirror").expected("a glass or MIRROR"));
     }
     assembly.file = path.to_owned();
     Ok(Design { assembly, parts, notes, eye_at })
@@ -139,8 +139,8 @@ struct Maker<'p> {
 }
 
 impl Maker<'_> {
-    fn fault(&self, surface: &Surface, what: &str) -> Box<Fault> {
-        Fault::new(Where::Line { file: self.path.to_owned(), line: surface.line }, what)
+    fn fault(&self, surface: &Surface, what: &str) -> Box<Error> {
+        Error::new(Where::Line { file: self.path.to_owned(), line: surface.line }, what)
     }
 
     fn radius(&self, surface: &Surface) -> Result<f64> {

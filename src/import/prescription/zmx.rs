@@ -2,8 +2,8 @@
 
 use super::profile::Form;
 use super::{After, Prescription, Profile, Surface, Turn};
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::scene::Note;
 use std::path::Path;
 
@@ -40,12 +40,12 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
         let need = |i: usize| match value(i) {
             Some(number) if number.is_finite() => Ok(number),
             Some(_) | None => {
-                Err(Fault::new(at(), format!("`{}` is no line of {key}", line.trim())).expected("numbers after it"))
+                Err(Error::new(at(), format!("`{}` is no line of {key}", line.trim())).expected("numbers after it"))
             }
         };
         match key {
             "MODE" if words.first() != Some(&"SEQ") => {
-                return Err(Fault::new(at(), "this design is not sequential").expected("MODE SEQ"));
+                return Err(Error::new(at(), "this design is not sequential").expected("MODE SEQ"));
             }
             "UNIT" => {
                 out.unit_m = match words.first().copied() {
@@ -54,7 +54,7 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
                     Some("IN") => 0.0254,
                     Some("METER" | "M") => 1.0,
                     Some(other) => {
-                        return Err(Fault::new(at(), format!("unknown unit `{other}`")).expected("MM, CM, IN or METER"));
+                        return Err(Error::new(at(), format!("unknown unit `{other}`")).expected("MM, CM, IN or METER"));
                     }
                 }
             }
@@ -97,7 +97,7 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
         }
     }
     if raws.len() < 3 {
-        return Err(Fault::new(Where::file(path), "holds no lens").expected("SURF lines of object, surfaces and image"));
+        return Err(Error::new(Where::file(path), "holds no lens").expected("SURF lines of object, surfaces and image"));
     }
     let (first, last) = (1, raws.len() - 1);
     for (index, raw) in raws.into_iter().enumerate() {
@@ -119,7 +119,7 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
         let end = list.iter().filter(|(_, value)| *value != 0.0).map(|(number, _)| *number + 1).max().unwrap_or(from);
         (from..end.min(from + 1000)).map(|number| of(list, number)).collect()
     };
-    let refuse = |what: String| Err(Fault::new(at.clone(), what).expected("a surface of another type"));
+    let refuse = |what: String| Err(Error::new(at.clone(), what).expected("a surface of another type"));
     let mut turn = None;
     let form = match raw.kind.as_str() {
         "STANDARD" => Form::Conic,
@@ -158,7 +158,7 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
         Some((name, _)) if name == "MIRROR" => After::Mirror,
         Some((name, model)) if name == "___BLANK" => match model {
             [n, v] if n >= 1.0 && v > 0.0 => After::Model(model),
-            [..] => return Err(Fault::new(at, "a model glass without n_d and V_d").expected("numbers of it")),
+            [..] => return Err(Error::new(at, "a model glass without n_d and V_d").expected("numbers of it")),
         },
         // The file's own numbers are the program's stand-ins unless they are those of a glass.
         Some((name, model)) => {
@@ -167,7 +167,7 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
         }
     };
     if !last && !raw.thickness.is_finite() && raw.line > 0 && turn.is_some() {
-        return Err(Fault::new(at, "a coordinate break at infinity").expected("a finite DISZ"));
+        return Err(Error::new(at, "a coordinate break at infinity").expected("a finite DISZ"));
     }
     let semi_diameter = if raw.clear > 0.0 { raw.clear.max(raw.semi_diameter) } else { raw.semi_diameter };
     Ok(Surface {

@@ -2,7 +2,7 @@
 
 use super::TOLERANCE_UM;
 use super::guess::{Role, role};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::Assembly;
 use crate::import::fit::{Fit, FitError, Fitted, fit};
 use crate::import::frames::uniform_scale;

@@ -2,7 +2,7 @@
 //! read the same after it went through JSON or through USD.
 
 use crate::base::Where;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::{json, optics};
 use crate::scene::attribute::arbitrary::{every, named_rows, of, some};
 use crate::scene::attribute::usd::{flatten, gather};

@@ -2,8 +2,8 @@
 
 use super::notes::Ledger;
 use super::value;
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, ResolveInfoSource, TimeCode};
 use std::path::{Path, PathBuf};
@@ -20,11 +20,11 @@ impl Moment {
     pub fn at(&self, path: &sdf::Path) -> Where {
         Where::Prim { file: self.file.clone(), prim: path.as_str().to_owned() }
     }
-    pub fn fault(&self, path: &sdf::Path, what: impl Into<String>) -> Box<Fault> {
-        Fault::new(self.at(path), what)
+    pub fn fault(&self, path: &sdf::Path, what: impl Into<String>) -> Box<Error> {
+        Error::new(self.at(path), what)
     }
     /// A failure inside the USD library while reading at `path`.
-    pub fn failed(&self, path: &sdf::Path, error: impl std::fmt::Display) -> Box<Fault> {
+    pub fn failed(&self, path: &sdf::Path, error: impl std::fmt::Display) -> Box<Error> {
         self.fault(path, format!("cannot be read: {}", one_line(&error.to_string())))
     }
 }
@@ -71,11 +71,11 @@ impl PrimView {
     pub fn at_property(&self, name: &str) -> Where {
         Where::Prim { file: self.moment.file.clone(), prim: format!("{}.{name}", self.path().as_str()) }
     }
-    pub fn fault(&self, what: impl Into<String>) -> Box<Fault> {
+    pub fn fault(&self, what: impl Into<String>) -> Box<Error> {
         self.moment.fault(self.path(), what)
     }
-    pub fn fault_in(&self, name: &str, what: impl Into<String>) -> Box<Fault> {
-        Fault::new(self.at_property(name), what)
+    pub fn fault_in(&self, name: &str, what: impl Into<String>) -> Box<Error> {
+        Error::new(self.at_property(name), what)
     }
 
     /// The composed type name; empty if there is none.
@@ -99,7 +99,7 @@ impl PrimView {
             return Ok(None);
         }
         let attribute = self.prim.attribute(name);
-        let failed = |error| Fault::new(self.at_property(name), one_line(&format!("cannot be read: {error}")));
+        let failed = |error| Error::new(self.at_property(name), one_line(&format!("cannot be read: {error}")));
         let authored = |time: Option<TimeCode>| {
             let found = attribute.get_at::<Value>(time).map_err(failed)?;
             // The library decodes a value once more to say where it comes from. It is asked only where the schema may

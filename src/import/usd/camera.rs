@@ -3,7 +3,7 @@
 use super::attribute::PrimView;
 use super::notes::Ledger;
 use super::round_trip::{RoundTrip, refined};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::Camera;
 use glam::DAffine3;
 

@@ -10,8 +10,8 @@ use super::arcs::{self, Arc, Stack};
 use super::attribute::Moment;
 use super::resolver::{Normalising, Opened};
 use super::sublayers;
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use openusd::ar::Resolver;
 use openusd::sdf::{self, Path, Value};
 use openusd::usd::Stage;
@@ -123,7 +123,7 @@ impl CompositionBudget {
         }
         self.charged.insert(path.clone());
         let refuse = |what: String, expected: String| {
-            Fault::new(Where::Prim { file: moment.file.clone(), prim: path.as_str().to_owned() }, what)
+            Error::new(Where::Prim { file: moment.file.clone(), prim: path.as_str().to_owned() }, what)
                 .expected(expected)
         };
         let work = self.work((0, path.clone())).map_err(|(what, most)| refuse(what, most))?;

@@ -8,7 +8,7 @@ use super::round_trip::{Fold, RoundTrip};
 use super::xform::{self, Local};
 use super::{binding, camera, implicit, instancer, light, material, mesh, optics, skel};
 use crate::base::Where;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::Node;
 use openusd::sdf::{self, Specifier};
 use openusd::usd::Prim;

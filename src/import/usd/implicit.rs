@@ -7,7 +7,7 @@ use super::mesh::Made;
 use super::reader::Reader;
 use super::{binding, mesh, tessellate};
 use crate::base::Where;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::MeshSource;
 use crate::import::frames::uniform_scale;
 use crate::import::value::{Data, Value};

@@ -6,7 +6,7 @@ use super::network;
 use super::reader::Reader;
 use super::reads::{Coordinates, OfVertices, Reads};
 use super::shader::{self, End};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::scene::texture::Channel;
 use crate::scene::{Colour, Scalar, TextureInput};
 

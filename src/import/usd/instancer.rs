@@ -7,7 +7,7 @@ use super::reader::Reader;
 use super::skel;
 use super::value;
 use super::xform::{self, Local};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use glam::{DAffine3, DQuat, DVec3};
 use openusd::sdf;
 use std::collections::HashSet;

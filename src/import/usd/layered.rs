@@ -3,7 +3,7 @@
 use super::standard;
 use super::surface::{Inputs, Surface, attenuation, color_row, row, shines};
 use crate::base::Where;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::value::{Data, Value};
 
 /// The names of the two layered models.

@@ -5,7 +5,7 @@ use super::attribute::{PrimView, resolved};
 use super::reader::Reader;
 use super::round_trip::{RoundTrip, refined};
 use super::{normalise, shape, value};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::units::luminance;
 use crate::import::assembly::{LightForm, LightSource, Node};
 use crate::import::value::{Data, Value};

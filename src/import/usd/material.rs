@@ -9,7 +9,7 @@ use super::shader::{self, End};
 use super::surface::{self, Row};
 use super::{hierarchy, light, network, optics, texture};
 use crate::base::Where;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::Material;
 use crate::import::value::{Data, Value};
 use crate::scene::{Colour, Opacity, Scalar, StandardSurface};

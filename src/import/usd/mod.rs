@@ -55,8 +55,8 @@ mod tests;
 
 use super::ReadOptions;
 use super::assembly::Assembly;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::Note;
 use reader::Reader;
 use std::path::Path;
@@ -73,17 +73,17 @@ const STACK_BYTES: usize = 256 << 20;
 /// A hostile file gives a fault, too: no panic, no hang, and no more memory than the file can honestly need.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Assembly> {
     let failed = |error: std::io::Error| {
-        Fault::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
+        Error::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
     };
     if std::fs::metadata(path).map_err(failed)?.is_dir() {
-        return Err(Fault::new(Where::file(path), "this is a folder").expected("a .usda, .usdc or .usdz file"));
+        return Err(Error::new(Where::file(path), "this is a folder").expected("a .usda, .usdc or .usdz file"));
     }
     std::thread::scope(|scope| {
         let builder = std::thread::Builder::new().name("usd".to_owned()).stack_size(STACK_BYTES);
         let reading = builder.spawn_scoped(scope, || Reader::open(path, options.frame)?.run()).map_err(failed)?;
         // A panic in the crate is a defect of it, but ends here all the same.
         reading.join().unwrap_or_else(|_| {
-            Err(Fault::new(Where::file(path), "the USD library failed on this file (a defect in it)"))
+            Err(Error::new(Where::file(path), "the USD library failed on this file (a defect in it)"))
         })
     })
     .map(|mut assembly| {

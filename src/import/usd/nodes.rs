@@ -3,7 +3,7 @@
 
 use super::fold::{Folded, Lanes};
 use super::network::{Node, lane, lanes, number, text};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::units::luminance;
 
 impl Node<'_> {

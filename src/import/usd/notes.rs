@@ -1,7 +1,7 @@
 //! What a reader has to say, and how much work and memory the files may still ask for.
 
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::import::gltf::notes::Notes;
 use crate::scene::{Note, Severity};
 
@@ -37,7 +37,7 @@ impl Ledger {
         if self.memory <= most {
             return Ok(());
         }
-        Err(Fault::new(at(), "the asset repeats itself into more memory than it can honestly need")
+        Err(Error::new(at(), "the asset repeats itself into more memory than it can honestly need")
             .expected(format!("at most {most} bytes for {read} bytes of files")))
     }
 
@@ -53,7 +53,7 @@ impl Ledger {
             return Ok(());
         }
         let most = Self::MOST_AGAIN;
-        Err(Fault::new(at(), format!("the asset repeats {} bytes of meshes that are the same", self.again))
+        Err(Error::new(at(), format!("the asset repeats {} bytes of meshes that are the same", self.again))
             .expected(format!("at most {most}; `instanceable = true` on what repeats reads them once")))
     }
 
@@ -64,7 +64,7 @@ impl Ledger {
         if self.prims <= most {
             return Ok(());
         }
-        Err(Fault::new(at(), "the asset repeats itself into more prims than it can honestly need")
+        Err(Error::new(at(), "the asset repeats itself into more prims than it can honestly need")
             .expected(format!("at most {most} prims for {read} bytes of files")))
     }
 

@@ -2,7 +2,7 @@
 
 use super::attribute::PrimView;
 use super::reader::Reader;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::relative_path::{folder_of, relative, slashed};
 use crate::import::value::{Data, Value};
 use crate::scene::attribute::usd::{NAMESPACE, UsdProperty, UsdValue, gather};

@@ -4,7 +4,7 @@
 use super::attribute::PrimView;
 use super::notes::Ledger;
 use super::primvar::{self, Sizes};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::scene::Mesh;
 
 /// What prims hand down, in bits: meshes that have different ones are different.

@@ -4,7 +4,7 @@ use super::attribute::PrimView;
 use super::mesh::Corners;
 use super::notes::Ledger;
 use super::value;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use openusd::sdf::Value;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use super::notes::Ledger;
 use super::reads::Folding;
 use super::resolver::Opened;
 use super::{hierarchy, implicit, material, mesh, optics, render, round_trip, skel, stage};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::{Code, Where};
 use crate::import::assembly::Assembly;
 use openusd::sdf;

@@ -4,7 +4,7 @@ use super::attribute::PrimView;
 use super::reader::Reader;
 use super::value;
 use crate::base::Where;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::RequestedLayer;
 use openusd::sdf;
 

@@ -3,7 +3,7 @@
 
 use super::attribute::PrimView;
 use super::value;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::Assembly;
 use glam::DAffine3;
 use openusd::sdf::{Dictionary, Value};

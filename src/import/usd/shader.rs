@@ -3,7 +3,7 @@
 use super::attribute::{PrimView, one_line};
 use super::reader::Reader;
 use crate::base::Where;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use openusd::sdf::Value;
 
 /// Connections in a row; a cycle ends here.

@@ -4,7 +4,7 @@ use super::attribute::PrimView;
 use super::light::{file, flag};
 use super::reader::Reader;
 use super::round_trip::{RoundTrip, refined};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::{LightForm, LightProfile, ProfileSource};
 
 /// (inner, outer) half angle of a cone, if one is said: full inside angle · (1 − softness), nothing outside of angle

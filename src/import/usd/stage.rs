@@ -4,8 +4,8 @@ use super::attribute::{Moment, one_line};
 use super::notes::Ledger;
 use super::resolver::{Normalising, Opened};
 use super::{sublayers, value};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::import::assembly::{Assembly, StageFacts};
 use crate::scene::Note;
 use glam::{DMat3, DVec3};
@@ -18,17 +18,17 @@ use std::path::{Path, PathBuf};
 pub(super) fn open(file: &Path, opened: &Opened) -> Result<Stage> {
     let name = file
         .to_str()
-        .ok_or_else(|| Fault::new(Where::file(file), "the file's name is not valid UTF-8").expected("a UTF-8 name"))?;
+        .ok_or_else(|| Error::new(Where::file(file), "the file's name is not valid UTF-8").expected("a UTF-8 name"))?;
     let resolver = Normalising::new(opened.clone());
     sublayers::gather(&resolver, &resolver.create_identifier(name, None))
-        .map_err(|what| Fault::new(Where::file(file), what))?;
+        .map_err(|what| Error::new(Where::file(file), what))?;
     let stage = Stage::builder().schema_registry(openusd_schemas::schema_registry()).resolver(resolver).open(name);
     stage.map_err(|error| {
         let at = match parse_line(&error) {
             Some(line) => Where::Line { file: file.to_owned(), line },
             None => Where::file(file),
         };
-        Fault::new(at, format!("cannot be opened as USD: {}", one_line(&error.to_string())))
+        Error::new(at, format!("cannot be opened as USD: {}", one_line(&error.to_string())))
     })
 }
 
@@ -76,7 +76,7 @@ pub(super) fn measures(stage: &Stage, moment: &Moment, assembly: &mut Assembly, 
     assembly.unit_m = match metadata("metersPerUnit")? {
         Some(found) => match value::number(&found) {
             Some(unit) if unit.is_finite() && unit > 0.0 => unit,
-            _ => return Err(Fault::new(file(), "`metersPerUnit` is no length").expected("a finite number > 0")),
+            _ => return Err(Error::new(file(), "`metersPerUnit` is no length").expected("a finite number > 0")),
         },
         None => {
             ledger.notes.add(Note::info(file(), "no `metersPerUnit`: 0.01, as USD says").code(Code::UnitUnsaid), 1);

@@ -7,7 +7,7 @@
 use super::attribute::PrimView;
 use super::inputs::Shader;
 use super::reader::Reader;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::scene::{Anisotropy, AnisotropyLaw, CoatNormal, Colour, Film, Opacity, Scalar, StandardSurface};
 
 /// A UsdPreviewSurface; what is not said has the values of its specification.

@@ -8,7 +8,7 @@ use super::reader::Reader;
 use super::shader::{self, End};
 use super::{network, standard, value};
 use crate::base::Where;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::units::luminance;
 use crate::import::value::{Data, Value};
 use crate::scene::StandardSurface;

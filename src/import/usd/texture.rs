@@ -7,7 +7,7 @@ use super::light::located;
 use super::network;
 use super::reader::Reader;
 use super::shader::{self, End};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::{Shared, package};
 use crate::scene::texture::{Channel, Encoding, Filter, PictureSource, Texels, Wrap};
 use crate::scene::{Texture, TextureInput};

@@ -4,7 +4,7 @@ use super::attribute::PrimView;
 use super::notes::Ledger;
 use super::value;
 use crate::base::Code;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::gltf::transform::is_singular;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use openusd::sdf::Value;

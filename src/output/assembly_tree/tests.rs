@@ -207,7 +207,7 @@ fn cosine_powers_and_the_three_photometries_agree() {
 
 #[test]
 fn without_optics_and_with_broken_tables_nothing_panics() {
-    let fault = Fault::new(Where::Nowhere, "nothing binds part LENS");
+    let fault = Error::new(Where::Nowhere, "nothing binds part LENS");
     let text = AssemblyTree::without_optics(&scene(), &fault).text();
     assert!(text.contains("can't be used: nothing binds part LENS") && text.contains("LENS: 2 x 1 x 0 mm"), "{text}");
     assert!(text.contains("2 faces") && !text.contains("emits") && !text.contains("eye\n"), "{text}");

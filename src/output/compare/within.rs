@@ -2,7 +2,7 @@
 
 use super::header;
 use super::names::{belongs, common, is_data, is_light};
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::frame::Frame;
 use crate::film::names::is_error;
 
@@ -102,14 +102,14 @@ pub fn weighted_sum(frames: &[Frame], weights: &[f64]) -> Result<Frame> {
     let at = || Where::Option("--weights".to_owned());
     let Some(first) = frames.first().filter(|_| frames.len() == weights.len()) else {
         let what = format!("{} weights for {} frames", weights.len(), frames.len());
-        return Err(Fault::new(at(), what).expected("one for each frame after the first"));
+        return Err(Error::new(at(), what).expected("one for each frame after the first"));
     };
     if let Some(bad) = weights.iter().find(|weight| !weight.is_finite()) {
-        return Err(Fault::new(at(), format!("{bad} is no weight")).expected("a finite number"));
+        return Err(Error::new(at(), format!("{bad} is no weight")).expected("a finite number"));
     }
     for (number, frame) in frames.iter().enumerate().skip(1) {
         if let Some(why) = header::incomparable(first, frame).into_iter().next() {
-            return Err(Fault::new(at(), format!("frame {} cannot be added to the first: {why}", number + 1)));
+            return Err(Error::new(at(), format!("frame {} cannot be added to the first: {why}", number + 1)));
         }
     }
     let mut out = Frame::new(first.width, first.height);

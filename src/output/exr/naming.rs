@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use super::super::compare::is_data;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::cryptomatte::Matte;
 use crate::film::exr::{LAYER_PREFIX, is_matte_name, is_word};
 use crate::film::frame::{Frame, Meta, split_name};
@@ -53,7 +53,7 @@ pub fn parts<'f>(frame: &'f Frame, at: &dyn Fn() -> Where) -> Result<Vec<Part<'f
     if !prefix.is_empty()
         && let Err(what) = parse_prefix(prefix)
     {
-        return Err(Fault::new(at(), what));
+        return Err(Error::new(at(), what));
     }
     let several = frame.integer(MULTI_PART).is_some_and(|parts| parts != 0);
     let mut parts: BTreeMap<String, Part> = BTreeMap::new();

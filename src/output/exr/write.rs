@@ -21,7 +21,7 @@ use super::{
 };
 use crate::base::atomic::write_atomic_by;
 use crate::base::colour::ColourSpace;
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use crate::film::crop::Window;
 use crate::film::exr::is_word;
 use crate::film::frame::{Frame, Meta, split_name};
@@ -112,35 +112,35 @@ pub fn warnings(frame: &Frame) -> Vec<String> {
 
 fn check_channels(frame: &Frame, parts: &[Part], at: &dyn Fn() -> Where) -> Result<()> {
     let pixels = frame.width.checked_mul(frame.height).filter(|pixels| *pixels > 0).ok_or_else(|| {
-        Fault::new(at(), format!("a frame of {} × {} pixels cannot be written", frame.width, frame.height))
+        Error::new(at(), format!("a frame of {} × {} pixels cannot be written", frame.width, frame.height))
             .expected("at least one pixel")
     })?;
     if let (Some(packing), [Part { name: None, .. }]) = (packing_of(frame), parts) {
-        packing.spares_data(false).map_err(|text| Fault::new(at(), text).expected("--multi-part with it"))?;
+        packing.spares_data(false).map_err(|text| Error::new(at(), text).expected("--multi-part with it"))?;
     }
     if parts.is_empty() {
-        return Err(Fault::new(at(), "the frame has no channel").expected("at least one"));
+        return Err(Error::new(at(), "the frame has no channel").expected("at least one"));
     }
     for part in parts {
         for pair in part.channels.windows(2) {
             if let [first, second] = pair
                 && first.name == second.name
             {
-                return Err(Fault::new(at(), format!("channel `{}` is there twice", first.name)));
+                return Err(Error::new(at(), format!("channel `{}` is there twice", first.name)));
             }
         }
     }
     for Stored { name, data, .. } in parts.iter().flat_map(|part| &part.channels) {
         check_name(name, at)?;
         if data.len() != pixels {
-            return Err(Fault::new(at(), format!("channel `{name}` has {} values", data.len()))
+            return Err(Error::new(at(), format!("channel `{name}` has {} values", data.len()))
                 .expected(format!("{} × {} = {pixels}", frame.width, frame.height)));
         }
         let layer = own_layer(frame, name);
         let bad = |(_, value): &(usize, &f32)| !names::may_hold(layer, **value);
         if let Some((index, value)) = data.iter().enumerate().find(bad) {
             let (x, y) = (index % frame.width, index / frame.width);
-            return Err(Fault::new(at(), format!("channel `{name}` is {value} at pixel ({x}, {y})"))
+            return Err(Error::new(at(), format!("channel `{name}` is {value} at pixel ({x}, {y})"))
                 .expected("a finite value (0 where a ray hits nothing)"));
         }
     }
@@ -168,7 +168,7 @@ fn check_name(name: &str, at: &dyn Fn() -> Where) -> Result<()> {
     if good && name.len() <= LONGEST_NAME {
         return Ok(());
     }
-    Err(Fault::new(at(), format!("`{name}` cannot name a channel")).expected(format!(
+    Err(Error::new(at(), format!("`{name}` cannot name a channel")).expected(format!(
         "`layer.component` or `component`, each a letter and then letters, digits or `_`, at most {LONGEST_NAME} in all"
     )))
 }
@@ -180,14 +180,14 @@ fn attributes(frame: &Frame, at: &dyn Fn() -> Where) -> Result<HashMap<String, A
         if key == WHITE_LUMINANCE {
             // A typed field of the header, see `encode`.
             if frame.number(key).is_none_or(|number| !(number > 0.0 && number.is_finite())) {
-                return Err(Fault::new(at(), format!("`{key}` is {value:?}")).expected("a positive number, cd/m²"));
+                return Err(Error::new(at(), format!("`{key}` is {value:?}")).expected("a positive number, cd/m²"));
             }
             continue;
         }
         let own_name = key == COLOR_INTEROP_ID || key.starts_with(cryptomatte::KEYS);
         let name = if own_name { key.clone() } else { format!("{PREFIX}{key}") };
         if key.is_empty() || name.len() > LONGEST_NAME || !name.bytes().all(|byte| byte.is_ascii_graphic()) {
-            return Err(Fault::new(at(), format!("`{key}` cannot name an attribute"))
+            return Err(Error::new(at(), format!("`{key}` cannot name an attribute"))
                 .expected(format!("1 to {} visible ASCII characters without spaces", LONGEST_NAME - PREFIX.len())));
         }
         let value = match &naming::stored_meta(frame, key, value) {

@@ -1,6 +1,6 @@
 //! Planes of numbers inside the page: each a PNG in base64, which holds the first three bytes of every value.
 
-use crate::base::fault::{Fault, Result, Where};
+use crate::base::error::{Error, Result, Where};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use std::collections::HashMap;
@@ -103,7 +103,7 @@ pub fn three_bytes(value: f32) -> [u8; 3] {
 
 /// One grey byte a pixel, three pictures below each other; not filtered, so that a page can read it with little code.
 fn png(values: &[f32], width: usize, height: usize) -> Result<Vec<u8>> {
-    let too_large = |why: String| Fault::new(Where::Nowhere, format!("cannot be put into a page: {why}"));
+    let too_large = |why: String| Error::new(Where::Nowhere, format!("cannot be put into a page: {why}"));
     let sides = (u32::try_from(width), u32::try_from(height.saturating_mul(3)));
     let (Ok(wide), Ok(high)) = sides else { return Err(too_large(format!("{width} × {height} pixels"))) };
     let split: Vec<[u8; 3]> = values.iter().map(|value| three_bytes(*value)).collect();

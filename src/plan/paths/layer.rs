@@ -5,7 +5,7 @@ use super::lamp_paths::{Split, Way};
 use super::start_side::Sides;
 use super::{DEEPER, How, Row, Runs, Table, find};
 use crate::base::ids::GroupId;
-use crate::base::{Fault, Result, Where};
+use crate::base::{Error, Result, Where};
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
 use crate::world::World;
@@ -26,15 +26,15 @@ pub struct Wanted {
 fn named(text: &str) -> Result<(&str, &str)> {
     let at = || Where::Option(format!("--chain {text}"));
     let Some((name, what)) = text.split_once('=') else {
-        return Err(Fault::new(at(), "has no `=`").expected("NAME=N or NAME=PART:HOW,…"));
+        return Err(Error::new(at(), "has no `=`").expected("NAME=N or NAME=PART:HOW,…"));
     };
     let (name, what) = (name.trim(), what.trim());
     let first = name.chars().next().is_some_and(|c| c.is_ascii_alphabetic());
     if !first || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-        return Err(Fault::new(at(), format!("`{name}` is no name of a layer")).expected("[A-Za-z][A-Za-z0-9_]*"));
+        return Err(Error::new(at(), format!("`{name}` is no name of a layer")).expected("[A-Za-z][A-Za-z0-9_]*"));
     }
     if what.is_empty() || what.split(',').any(|term| term.trim().is_empty()) {
-        return Err(Fault::new(at(), "does not say which light").expected("NAME=N or NAME=PART:HOW,…"));
+        return Err(Error::new(at(), "does not say which light").expected("NAME=N or NAME=PART:HOW,…"));
     }
     Ok((name, what))
 }
@@ -53,14 +53,14 @@ pub fn wanted(table: &Table, text: &str) -> Result<Wanted> {
         Ok(number) => table.rows.iter().filter(|row| row.number == number).collect(),
         Err(_) => {
             for term in what.split(',') {
-                known(table, term).map_err(|fault| Box::new(Fault { at: at(), ..*fault }))?;
+                known(table, term).map_err(|fault| Box::new(Error { at: at(), ..*fault }))?;
             }
             table.rows.iter().filter(|row| what.split(',').all(|term| fits(row, term))).collect()
         }
     };
     let share = rows.iter().map(|row| row.share).fold(f64::INFINITY, f64::min);
     if rows.is_empty() {
-        return Err(Fault::new(at(), "no row of the path table has all of that")
+        return Err(Error::new(at(), "no row of the path table has all of that")
             .expected(format!("1 to {}, or parts as `eyebox paths` names them", table.rows.len())));
     }
     let paths = rows.iter().map(|row| row.path.clone()).collect();
@@ -84,7 +84,7 @@ fn known(table: &Table, text: &str) -> Result<()> {
     if let Some(how) = how
         && !words().any(|word| word == how)
     {
-        return Err(Fault::new(Where::Nowhere, format!("`{how}` is not what happens at a part"))
+        return Err(Error::new(Where::Nowhere, format!("`{how}` is not what happens at a part"))
             .expected(words().collect::<Vec<_>>().join(", "))
             .nearest(how, words()));
     }
@@ -92,7 +92,7 @@ fn known(table: &Table, text: &str) -> Result<()> {
     if names().any(|name| matches(part, name)) {
         return Ok(());
     }
-    Err(Fault::new(Where::Nowhere, format!("no row of the path table has a part `{part}`")).nearest(part, names()))
+    Err(Error::new(Where::Nowhere, format!("no row of the path table has a part `{part}`")).nearest(part, names()))
 }
 
 fn fits(row: &Row, text: &str) -> bool {

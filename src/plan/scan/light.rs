@@ -3,7 +3,7 @@
 
 use super::places::{Places, looking_at};
 use crate::base::colour::ColourSpace;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::check::check;
 use crate::estimate::ShouldStop;
 use crate::estimate::picture::{add_meta, picture};

@@ -6,8 +6,8 @@ pub mod lines;
 pub mod places;
 pub mod table;
 
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::estimate::ShouldStop;
 use crate::estimate::virtual_image::aim::{Sight, aim};
 use crate::estimate::virtual_image::image::{Disparity, Distortion, Vergence, arcmin, disparity, distortion, vergence};
@@ -215,26 +215,26 @@ fn checked(scene: &Scene, asked: &ScanAsked) -> Result<[f64; 2]> {
     let product = |[a, b]: [usize; 2]| a.saturating_mul(b);
     if !(1..=MOST_POSITIONS).contains(&product(asked.positions)) {
         let [columns, rows] = asked.positions;
-        return Err(Fault::new(option("--eyebox"), format!("{columns} × {rows} eye positions"))
+        return Err(Error::new(option("--eyebox"), format!("{columns} × {rows} eye positions"))
             .expected(format!("1 to {MOST_POSITIONS} in all")));
     }
     if asked.points.iter().any(|n| *n < 3) || product(asked.points) > MOST_POINTS {
         let [columns, rows] = asked.points;
-        return Err(Fault::new(option("--points"), format!("{columns} × {rows} points of the picture"))
+        return Err(Error::new(option("--points"), format!("{columns} × {rows} points of the picture"))
             .expected(format!("at least 3 each way and at most {MOST_POINTS} in all")));
     }
     if !(asked.ipd_m > 0.0 && asked.ipd_m.is_finite()) {
-        return Err(Fault::new(option("--ipd"), format!("{} m between the eyes", asked.ipd_m)).expected("above 0"));
+        return Err(Error::new(option("--ipd"), format!("{} m between the eyes", asked.ipd_m)).expected("above 0"));
     }
     let mut size = [0.0; 2];
     for (axis, name) in ["--width", "--height"].into_iter().enumerate() {
         let default = 2.0 * scene.eye.pupil_diameter_m;
         size[axis] = asked.size_m[axis].unwrap_or(default);
         if !(size[axis] >= 0.0 && size[axis].is_finite()) {
-            return Err(Fault::new(option(name), format!("{} m", size[axis])).expected("0 or more"));
+            return Err(Error::new(option(name), format!("{} m", size[axis])).expected("0 or more"));
         }
         if asked.positions[axis] > 1 && size[axis] == 0.0 {
-            return Err(Fault::new(option(name), "all eye positions would be one")
+            return Err(Error::new(option(name), "all eye positions would be one")
                 .expected("a size above 0 (the default is two pupil diameters, and this pupil is a point)"));
         }
     }

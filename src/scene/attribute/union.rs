@@ -1,8 +1,8 @@
 //! Values that are one of several kinds: every way of writing them, as kind and parameters.
 
 use super::{Kind, kinds};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::value::{Data, Value};
 
 /// A value of an attribute with kinds, taken apart.
@@ -44,12 +44,12 @@ pub fn split<'a>(attribute: &str, value: &'a Value) -> Result<Split<'a>> {
                         }
                     },
                     (Some((one, _)), Some((two, at))) => {
-                        return Err(Fault::new(at.at.clone(), format!("{attribute} is both `{one}` and `{two}`"))
+                        return Err(Error::new(at.at.clone(), format!("{attribute} is both `{one}` and `{two}`"))
                             .expected("one of them"));
                     }
                     (None, _) => {
                         let first = table.first().map_or("", |(key, _)| key.as_str());
-                        return Err(Fault::new(value.at.clone(), format!("{attribute} {value} has no kind"))
+                        return Err(Error::new(value.at.clone(), format!("{attribute} {value} has no kind"))
                             .expected(rendered(attribute))
                             .nearest(first, kinds(attribute).map(|kind| kind.name)));
                     }
@@ -57,7 +57,7 @@ pub fn split<'a>(attribute: &str, value: &'a Value) -> Result<Split<'a>> {
             }
         }
         Data::Bool(_) | Data::Number(_) | Data::List(_) => {
-            return Err(Fault::new(value.at.clone(), format!("{attribute} is {} ({value})", value.kind()))
+            return Err(Error::new(value.at.clone(), format!("{attribute} is {} ({value})", value.kind()))
                 .expected(rendered(attribute)));
         }
     };
@@ -65,10 +65,10 @@ pub fn split<'a>(attribute: &str, value: &'a Value) -> Result<Split<'a>> {
 }
 
 /// The fault of a kind that `attribute` doesn't have.
-pub fn unknown(attribute: &str, name: &str, at: &Where) -> Box<Fault> {
+pub fn unknown(attribute: &str, name: &str, at: &Where) -> Box<Error> {
     // Coatings and spectra go by names, the others by words of the vocabulary.
     let code = if matches!(attribute, "coating" | "spectrum") { Code::NameUnknown } else { Code::AttributeUnknown };
-    Fault::new(at.clone(), format!("unknown {attribute} `{name}`"))
+    Error::new(at.clone(), format!("unknown {attribute} `{name}`"))
         .expected(rendered(attribute))
         .nearest(name, kinds(attribute).map(|kind| kind.name))
         .code(code)

@@ -6,8 +6,8 @@ use super::local_ray::{LocalRay, Touch};
 use super::prepare::Traced;
 use super::solid::Solid;
 use super::{Hit, Ray, Site};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::{Part, Shape};
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -42,7 +42,7 @@ pub fn check(part: &Part, faces: &[Traced]) -> Result<()> {
     let inverse = m.inverse();
     if !m.is_finite() || !inverse.is_finite() || m.matrix3.determinant() == 0.0 {
         let what = format!("its transform is not finite or flattens it: {:?}", m.to_cols_array());
-        return Err(Fault::new(Where::part(&part.path), what).code(Code::PartFlattened));
+        return Err(Error::new(Where::part(&part.path), what).code(Code::PartFlattened));
     }
     let is_exact = |face: &Traced| match face {
         None | Some(Shape::Mesh) => false,
@@ -66,7 +66,7 @@ pub fn check(part: &Part, faces: &[Traced]) -> Result<()> {
     if !(largest - smallest <= UNEVEN * largest && lean <= UNEVEN) {
         let at = Where::Part { path: part.path.clone(), face: Some(face) };
         let what = format!("its exact shape would be distorted: the part's axes have lengths {lengths:?} m");
-        return Err(Fault::new(at, what).expected("a uniform scale, or shape mesh").code(Code::UnevenScale));
+        return Err(Error::new(at, what).expected("a uniform scale, or shape mesh").code(Code::UnevenScale));
     }
     Ok(())
 }

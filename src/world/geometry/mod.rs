@@ -36,8 +36,8 @@ pub(crate) mod scenes;
 #[cfg(test)]
 mod tests;
 
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::{Mesh, Part, Scene};
 use bound::Bounds;
 use bvh::top::Top;
@@ -122,7 +122,7 @@ fn place<T>(
     let mut known: HashMap<Vec<u64>, Option<usize>> = HashMap::new();
     let mut placed: Vec<(u32, usize)> = Vec::new();
     for (index, part) in scene.parts.iter().enumerate() {
-        let fault = |what: String| Fault::new(Where::part(&part.path), what);
+        let fault = |what: String| Error::new(Where::part(&part.path), what);
         let mesh = scene.meshes.get(part.mesh.index());
         let mesh = mesh.ok_or_else(|| fault(format!("mesh {} of {}", part.mesh.0, scene.meshes.len())))?;
         if part.faces.len() != mesh.faces.len() {
@@ -145,20 +145,20 @@ fn place<T>(
         placed.extend(own.map(|own| (index as u32, own)));
     }
     if placed.is_empty() {
-        return Err(Fault::new(Where::Nowhere, "nothing in the scene has a surface that light meets")
+        return Err(Error::new(Where::Nowhere, "nothing in the scene has a surface that light meets")
             .expected("at least one face with a finish, an emitter or a slide")
             .code(Code::NothingToTrace));
     }
     if !scene.eye.position.is_finite() {
         return Err(
-            Fault::new(Where::Nowhere, format!("the eye is at {}", scene.eye.position)).code(Code::EyeImpossible)
+            Error::new(Where::Nowhere, format!("the eye is at {}", scene.eye.position)).code(Code::EyeImpossible)
         );
     }
     let spread = placed.iter().fold(Bounds::of([scene.eye.position]), |all, (part, own)| {
         all.join(bounds(&made[*own]).map(&scene.parts[*part as usize].to_world))
     });
     if !spread.is_finite() || !spread.half().is_finite() {
-        return Err(Fault::new(Where::Nowhere, "the scene is too large to be traced"));
+        return Err(Error::new(Where::Nowhere, "the scene is too large to be traced"));
     }
     Ok(Placed { made, placed, spread })
 }
@@ -188,7 +188,7 @@ impl Geometry {
             })
             .collect();
         let boxes: Vec<Bounds> = instances.iter().map(|i| i.bounds).collect();
-        let many = || Fault::new(Where::Nowhere, "the scene has too many parts").expected("less than 2^32");
+        let many = || Error::new(Where::Nowhere, "the scene has too many parts").expected("less than 2^32");
         let (top, order) = Top::build(&boxes).ok_or_else(many)?;
         instances = order.iter().filter_map(|i| instances.get(*i as usize).cloned()).collect();
         let mut slots = vec![u32::MAX; scene.parts.len()];

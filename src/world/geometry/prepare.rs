@@ -11,8 +11,8 @@ use super::grid::Grid;
 use super::patch::{Projection, vertex};
 use super::solid::Solid;
 use super::surface::{Sheet, Surface, Triangle, winding};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::{FaceRange, Finish, Mesh, Part, Shape};
 use glam::DVec3;
 use std::ops::Range;
@@ -88,8 +88,8 @@ pub fn check(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Bounds
         let at = || Where::Part { path: part.path.clone(), face: Some(index) };
         let Some(shape) = shape else { continue };
         if *shape == Shape::Mesh {
-            for corners in corners_of(mesh, *range).map_err(|what| Fault::new(at(), what))? {
-                let (_, positions) = corners.map_err(|what| Fault::new(at(), what))?;
+            for corners in corners_of(mesh, *range).map_err(|what| Error::new(at(), what))? {
+                let (_, positions) = corners.map_err(|what| Error::new(at(), what))?;
                 if has_area(&positions) {
                     bounds = bounds.join(triangle_box(&positions));
                     any = true;
@@ -98,7 +98,7 @@ pub fn check(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Bounds
         } else {
             triangles.clear();
             normals.clear();
-            gather(mesh, *range, index as u32, &mut triangles, &mut normals).map_err(|what| Fault::new(at(), what))?;
+            gather(mesh, *range, index as u32, &mut triangles, &mut normals).map_err(|what| Error::new(at(), what))?;
             refused_shape(exact(shape, &triangles), at)?;
             bounds = triangles.iter().fold(bounds, |all, t| all.join(triangle_box(&t.corners)));
             any |= !triangles.is_empty();
@@ -110,7 +110,7 @@ pub fn check(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Bounds
 /// The fault of a face that is not of its shape.
 fn refused_shape(made: Result<Surface, String>, at: impl Fn() -> Where) -> Result<Surface> {
     made.map_err(|what| {
-        Fault::new(at(), what).expected("the shape of this face in mesh units, or shape mesh").code(Code::ShapeOffMesh)
+        Error::new(at(), what).expected("the shape of this face in mesh units, or shape mesh").code(Code::ShapeOffMesh)
     })
 }
 
@@ -128,7 +128,7 @@ pub fn solid(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Solid>
             continue;
         };
         let first = triangles.len();
-        gather(mesh, *range, face, &mut triangles, &mut normals).map_err(|what| Fault::new(at(), what))?;
+        gather(mesh, *range, face, &mut triangles, &mut normals).map_err(|what| Error::new(at(), what))?;
         let own = &triangles[first..];
         let surface = match shape {
             Shape::Mesh => triangles_alone(own),
@@ -162,10 +162,10 @@ pub fn solid(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Solid>
     }
     let bounds = boxes.iter().fold(Bounds::EMPTY, |all, b| all.join(*b));
     if !bounds.is_finite() {
-        return Err(Fault::new(Where::part(&part.path), "its surfaces have no finite bounds"));
+        return Err(Error::new(Where::part(&part.path), "its surfaces have no finite bounds"));
     }
     let (order, tree, grids) = arrange(&triangles, &boxes, &sheets)
-        .ok_or_else(|| Fault::new(Where::part(&part.path), "it has too many triangles").expected("less than 2^32"))?;
+        .ok_or_else(|| Error::new(Where::part(&part.path), "it has too many triangles").expected("less than 2^32"))?;
     let triangles: Vec<Triangle> = order.iter().filter_map(|i| triangles.get(*i as usize).copied()).collect();
     let of_leaf = |leaf: &Leaf| triangles.get(leaf.first as usize..)?.get(..leaf.count as usize);
     let plain = |t: &Triangle| matches!(sheets[t.face as usize].surface, Surface::Flat | Surface::Faceted);

@@ -1,15 +1,15 @@
 //! Broken and hostile files: always a fault with its place, never a panic, a hang or a flood of memory.
 
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::base::rng::{Rng, Stream};
-use crate::base::{Fault, Where};
+use crate::base::{Error, Where};
 use crate::import::ReadOptions;
 use crate::import::gltf::read_bytes;
 use crate::import::gltf::testing::Builder;
 use serde_json::{Value as Json, json};
 use std::path::Path;
 
-fn refused(builder: &Builder) -> Box<Fault> {
+fn refused(builder: &Builder) -> Box<Error> {
     builder.read().err().unwrap_or_else(|| panic!("accepted: {}", builder.json))
 }
 

@@ -1,6 +1,6 @@
 //! Lights, films and looks.
 
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::Assembly;
 use crate::import::assembly::LightForm;
 use crate::import::assembly::{LightProfile, ProfileSource};

@@ -1,7 +1,7 @@
 //! Commands of a sequence and the words that are in them.
 
-use crate::base::fault::Result;
-use crate::base::{Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::import::prescription::After;
 use std::collections::BTreeMap;
 
@@ -73,7 +73,7 @@ pub(super) fn glass(word: &str, known: &BTreeMap<String, Vec<[f64; 2]>>, at: &Wh
         return match (digits(n, "1", 0), digits(v, "", 2)) {
             (Some(n), Some(v)) if v > 0.0 => Ok(After::Model([n, v])),
             (_, _) => {
-                Err(Fault::new(at.clone(), format!("`{word}` is no glass")).expected("a name, or digits like 517.642"))
+                Err(Error::new(at.clone(), format!("`{word}` is no glass")).expected("a name, or digits like 517.642"))
             }
         };
     }

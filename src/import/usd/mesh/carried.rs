@@ -6,7 +6,7 @@ use super::super::notes::Ledger;
 use super::super::paint::Painted;
 use super::super::primvar::{self, Primvar, Sizes};
 use super::super::reads::{Coordinates, OfVertices, Reads, Set};
-use crate::base::fault::{Result, nearest_name};
+use crate::base::error::{Result, nearest_name};
 use std::collections::HashMap;
 use std::rc::Rc;
 

@@ -3,7 +3,7 @@
 use super::super::attribute::PrimView;
 use super::super::hierarchy::{self, Above, Handed};
 use super::super::reader::Reader;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::MeshSource;
 use crate::import::value::Value;
 use crate::scene::Mesh;

@@ -16,7 +16,7 @@ use super::hierarchy::Above;
 use super::reader::Reader;
 use super::{binding, faces, optics, paint, primvar, skel, subdivide};
 use crate::base::Code;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::assembly::MeshSource;
 use crate::import::gltf::mesh::append;
 use crate::import::gltf::normals::{Settled, are_sound, flat_shaded, settle};

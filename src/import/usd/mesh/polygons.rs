@@ -4,8 +4,8 @@ use super::super::attribute::PrimView;
 use super::super::primvar::Sizes;
 use super::super::reader::Reader;
 use super::super::value;
-use crate::base::fault::Result;
-use crate::base::{Code, Fault};
+use crate::base::error::Result;
+use crate::base::{Code, Error};
 use crate::scene::Severity;
 
 /// Polygons as the file has them, checked.
@@ -38,7 +38,7 @@ pub(in crate::import::usd) enum Wrong {
 }
 
 impl Wrong {
-    fn fault(self, view: &PrimView) -> Box<Fault> {
+    fn fault(self, view: &PrimView) -> Box<Error> {
         match self {
             Wrong::Negative { polygon, count } => view
                 .fault_in("faceVertexCounts", format!("polygon {polygon} has {count} corners"))

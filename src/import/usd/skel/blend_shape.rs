@@ -5,7 +5,7 @@ use super::super::reader::Reader;
 use super::super::value;
 use super::skeleton::Skeleton;
 use super::{Bound, Inherited, name_of, saying, view_at};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use glam::DVec3;
 
 const INBETWEEN: &str = "inbetweens:";

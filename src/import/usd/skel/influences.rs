@@ -5,7 +5,7 @@ use super::super::reader::Reader;
 use super::super::value;
 use super::skeleton::{Skeleton, affine};
 use super::{Bound, Inherited, name_of, saying};
-use crate::base::fault::{Result, nearest_name};
+use crate::base::error::{Result, nearest_name};
 use glam::DAffine3;
 
 /// Of all points of a mesh.

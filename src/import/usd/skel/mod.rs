@@ -14,7 +14,7 @@ use super::primvar::Primvar;
 use super::reader::Reader;
 use super::xform;
 use crate::base::Code;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use crate::import::gltf::transform::is_singular;
 use crate::import::skinning::{self, Blend};
 use glam::{DAffine3, DVec3};

@@ -5,7 +5,7 @@ use super::super::reader::Reader;
 use super::super::value;
 use super::super::xform;
 use super::{Bound, Inherited, target};
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use glam::{DAffine3, DMat3, DVec3};
 use openusd::sdf::Value;
 use std::collections::HashMap;

@@ -12,7 +12,7 @@ use super::attribute::PrimView;
 use super::mesh::{Corners, Data, Polygons};
 use super::primvar::Primvar;
 use super::reader::Reader;
-use crate::base::fault::Result;
+use crate::base::error::Result;
 use cage::Cage;
 
 /// How a cage is subdivided.

@@ -1,8 +1,8 @@
 //! Attributes → USD properties.
 
 use super::{Entry, Level, NAMESPACE, UNSAID, UsdProperty, UsdValue, entry, keys, whole};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault};
+use crate::base::error::Result;
+use crate::base::{Code, Error};
 use crate::scene::attribute::{self, Form, Noun, Row, union};
 use crate::scene::value::{Data, Value};
 
@@ -20,7 +20,7 @@ pub fn flatten(attributes: &Value) -> Result<Vec<UsdProperty>> {
 fn level(level: Level, prefix: &str, table: &Value, out: &mut Vec<UsdProperty>) -> Result<()> {
     for (key, value) in entries(table, "attributes")? {
         let Some(entry) = entry(level, key) else {
-            return Err(Fault::new(value.at.clone(), format!("unknown attribute `{key}`"))
+            return Err(Error::new(value.at.clone(), format!("unknown attribute `{key}`"))
                 .expected(format!("one of {}", keys(level).join(", ")))
                 .nearest(key, keys(level))
                 .code(Code::AttributeUnknown));
@@ -174,7 +174,7 @@ fn lines(row: &Row, columns: usize, value: &Value) -> Result<UsdValue> {
 
 fn field(noun: Noun, fields: &[&str], key: &str, value: &Value) -> Result<&'static Row> {
     attribute::row(noun, key).filter(|_| fields.contains(&key)).ok_or_else(|| {
-        Fault::new(value.at.clone(), format!("unknown attribute `{key}` of {noun}"))
+        Error::new(value.at.clone(), format!("unknown attribute `{key}` of {noun}"))
             .expected(format!("one of {}", fields.join(", ")))
             .nearest(key, fields.iter().copied())
             .code(Code::AttributeUnknown)
@@ -187,17 +187,17 @@ fn numbers<const N: usize>(value: &Value, row: &Row) -> Result<[f64; N]> {
     all.try_into().map_err(|_| wrong(value, row))
 }
 
-fn wrong(value: &Value, row: &Row) -> Box<Fault> {
-    Fault::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind())).expected(row.expected())
+fn wrong(value: &Value, row: &Row) -> Box<Error> {
+    Error::new(value.at.clone(), format!("`{}` is {} ({value})", row.name, value.kind())).expected(row.expected())
 }
 
-fn index(value: &Value, name: &str) -> Box<Fault> {
-    Fault::new(value.at.clone(), format!("{name} {value} is an index, and USD has no list of {name}s"))
+fn index(value: &Value, name: &str) -> Box<Error> {
+    Error::new(value.at.clone(), format!("{name} {value} is an index, and USD has no list of {name}s"))
         .expected("what it refers to, or a name")
 }
 
-fn not(value: &Value, name: &str, expected: &str) -> Box<Fault> {
-    Fault::new(value.at.clone(), format!("`{name}` is {} ({value})", value.kind())).expected(expected)
+fn not(value: &Value, name: &str, expected: &str) -> Box<Error> {
+    Error::new(value.at.clone(), format!("`{name}` is {} ({value})", value.kind())).expected(expected)
 }
 
 fn entries<'a>(value: &'a Value, name: &str) -> Result<&'a [(String, Value)]> {

@@ -1,8 +1,8 @@
 //! USD properties → attributes.
 
 use super::{Entry, Level, NAMESPACE, UNSAID, UsdProperty, UsdType, UsdValue, entry, keys, layout, whole};
-use crate::base::fault::Result;
-use crate::base::{Code, Fault, Where};
+use crate::base::error::Result;
+use crate::base::{Code, Error, Where};
 use crate::scene::attribute::{self, Form, Noun, Row, kinds};
 use crate::scene::value::{Data, Value};
 use std::cell::Cell;
@@ -42,7 +42,7 @@ impl<'a> Pool<'a> {
         Some(property)
     }
 
-    /// Fault: something was left.
+    /// Error: something was left.
     fn settled(&self, table: &[(String, Value)]) -> Result<()> {
         let Some((name, (property, _))) = self.all.iter().find(|(_, (_, taken))| !taken.get()) else { return Ok(()) };
         let known = layout::known();
@@ -51,14 +51,14 @@ impl<'a> Pool<'a> {
         if known.iter().any(|own| own == bare) {
             let head = bare.split(':').next().unwrap_or(bare);
             let beside = table.iter().find(|(key, _)| key == head).map(|(_, value)| format!("{head} = {value}"));
-            return Err(Fault::new(at, format!("`{}` means nothing here", property.name)).expected(match beside {
+            return Err(Error::new(at, format!("`{}` means nothing here", property.name)).expected(match beside {
                 Some(beside) => format!("a parameter of {beside}"),
                 None => format!("`{NAMESPACE}{head}` beside it, of a kind that takes it"),
             }));
         }
         let prefix = name.strip_suffix(bare).unwrap_or("");
-        let nearest = crate::base::fault::nearest_name(bare, known.iter().map(String::as_str));
-        let mut fault = Fault::new(at, format!("unknown property `{}`", property.name)).code(Code::AttributeUnknown);
+        let nearest = crate::base::error::nearest_name(bare, known.iter().map(String::as_str));
+        let mut fault = Error::new(at, format!("unknown property `{}`", property.name)).code(Code::AttributeUnknown);
         fault.nearest = nearest.map(|name| format!("{NAMESPACE}{prefix}{name}"));
         Err(fault)
     }
@@ -127,7 +127,7 @@ fn pull(row: &Row, name: &str, pool: &Pool) -> Result<Option<Value>> {
             return match (reference, table) {
                 (Some(reference), Some(table)) => {
                     let what = format!("`{NAMESPACE}{name}` is {reference} and yet says what it is");
-                    Err(Fault::new(table.at, what).expected("one of them"))
+                    Err(Error::new(table.at, what).expected("one of them"))
                 }
                 (reference, table) => Ok(reference.or(table)),
             };
@@ -136,7 +136,7 @@ fn pull(row: &Row, name: &str, pool: &Pool) -> Result<Option<Value>> {
             let below = format!("{name}:table");
             if let Some(table) = pool.take(&below) {
                 if pool.all.contains_key(name) {
-                    return Err(Fault::new(
+                    return Err(Error::new(
                         table.at.clone(),
                         format!("both `{NAMESPACE}{name}` and `{NAMESPACE}{below}`"),
                     )
@@ -234,7 +234,7 @@ fn records(row: &Row, fields: &[&str], name: &str, pool: &Pool) -> Result<Option
         if tables.len() != cells.len() {
             let what =
                 format!("`{}` has {} entries and `{}` has {}", first.name, tables.len(), property.name, cells.len());
-            return Err(Fault::new(at.clone(), what).expected("arrays of one length, an entry for each"));
+            return Err(Error::new(at.clone(), what).expected("arrays of one length, an entry for each"));
         }
         for (table, cell) in tables.iter_mut().zip(cells) {
             table.extend(cell.map(|data| ((*field).to_owned(), Value::new(data, at.clone()))));
@@ -254,7 +254,7 @@ fn lines<const N: usize>(rows: &[[f64; N]], at: &Where) -> Value {
     Value::new(Data::List(rows.iter().map(|row| list(*row, at)).collect()), at.clone())
 }
 
-fn wrong(property: &UsdProperty, want: UsdType) -> Box<Fault> {
+fn wrong(property: &UsdProperty, want: UsdType) -> Box<Error> {
     let what = format!("`{}` is of type {}", property.name, property.value.ty().name());
-    Fault::new(property.at.clone(), what).expected(want.name())
+    Error::new(property.at.clone(), what).expected(want.name())
 }

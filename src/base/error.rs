@@ -50,7 +50,7 @@ impl fmt::Display for Where {
 
 /// A fault in the user's material or in what was asked: it ends the command with exit code 2.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-pub struct Fault {
+pub struct Error {
     /// What is wrong, with the offending value, in plain words.
     pub what: String,
     pub at: Where,
@@ -63,11 +63,11 @@ pub struct Fault {
     pub code: Option<Code>,
 }
 
-pub type Result<T, E = Box<Fault>> = std::result::Result<T, E>;
+pub type Result<T, E = Box<Error>> = std::result::Result<T, E>;
 
-impl Fault {
+impl Error {
     pub fn new(at: Where, what: impl Into<String>) -> Box<Self> {
-        Box::new(Fault { what: what.into(), at, expected: None, nearest: None, code: None })
+        Box::new(Error { what: what.into(), at, expected: None, nearest: None, code: None })
     }
     pub fn expected(mut self: Box<Self>, range: impl Into<String>) -> Box<Self> {
         self.expected = Some(range.into());
@@ -85,7 +85,7 @@ impl Fault {
     }
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let at = self.at.to_string();
         if !at.is_empty() {
@@ -102,7 +102,7 @@ impl fmt::Display for Fault {
     }
 }
 
-impl std::error::Error for Fault {}
+impl std::error::Error for Error {}
 
 /// The name in `valid` nearest to `given` by Jaro–Winkler similarity, if it is at least 0.75 similar. That alone would take
 /// `forward_led_open` for a misspelling of `foo`: one has to begin the other, or more than half of the letters must fit.
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn one_line_with_place_range_and_nearest_name() {
         let at = Where::Line { file: "hud.optics.toml".into(), line: 12 };
-        let fault = Fault::new(at, "unknown attribute `flux_lum`")
+        let fault = Error::new(at, "unknown attribute `flux_lum`")
             .expected("an emitter attribute")
             .nearest("flux_lum", ["flux_lm", "luminance_cd_m2"]);
         assert_eq!(
