@@ -18,6 +18,7 @@ mod oracle_slabs;
 mod oracle_thinfilm;
 
 // Light.
+mod displays;
 mod doublet;
 mod generated;
 mod hud;
@@ -32,6 +33,7 @@ mod witness;
 
 // Layers.
 mod aov;
+mod crop;
 mod cryptomatte;
 mod layer_errors;
 mod mix;
@@ -40,6 +42,7 @@ mod mix;
 mod author;
 mod examples;
 mod hostile;
+mod prescriptions;
 mod usd_out;
 mod usd_survive;
 

@@ -83,9 +83,9 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
     }
     let faces = || scene.parts.iter().flat_map(|part| &part.faces);
     let facts = Facts {
-        scatters: faces().any(|f| f.slide.is_none() && scatters(f.finish)),
+        scatters: faces().any(|f| !f.is_slide() && scatters(f.finish)),
         specular: faces().any(|f| {
-            f.slide.is_some()
+            f.is_slide()
                 || matches!(
                     f.finish,
                     Finish::Polished

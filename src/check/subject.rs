@@ -76,7 +76,7 @@ impl Subject<'_> {
 
 /// Whether light is bent or mirrored by the exact normal of a face: where a facet shows.
 pub fn is_specular(face: &Face) -> bool {
-    if face.slide.is_some() {
+    if face.is_slide() {
         return false;
     }
     match face.finish {

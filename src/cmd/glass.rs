@@ -2,26 +2,40 @@
 
 use super::{Format, print};
 use crate::base::error::{Error, Result, Where};
+use crate::import::agf;
 use crate::scene::glass::{FDC_NM, Glass, all, find, names};
 use serde_json::{Value, json};
+use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::process::ExitCode;
 
-/// List the glasses and films that are known by name, with their indices.
+/// List the glasses, films and metals that are known by name, with their indices.
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "\
 A body is what `glass` of an attribute names, a film or metal what `material` of a coating's layer does. n_d and V_d are of \
 the lines F, d and C (486.1327, 587.5618, 656.2725 nm); `-` stands where the law was not made for them. An index beyond the \
 wavelengths of its law is printed and said to be extrapolated, as a render does.
 
+Without NAME and --like the table is that of chosen materials. Behind it is the whole refractiveindex.info database (public \
+domain, CC0; air counts as 1, as in the rest of the program): `SCHOTT N-LAK9` with its maker, `N-LAK9` without (of makers with \
+the same name the one that the database lists first), `main/Ag/Johnson` by shelf, book and page, `Ag Johnson` by book and page. \
+A name of the table means its row: `N-BK7` has no absorption, `SCHOTT N-BK7` the one of its data sheet. FILE.agf#NAME is a glass \
+of a catalogue file.
+
 Examples:
   eyebox glass
   eyebox glass N-BK7 PMMA --nm 450,550,650
+  eyebox glass \"OHARA S-LAH79\" \"Ag Johnson\" vendor.agf#K8
+  eyebox glass --like lah
   eyebox glass --format json")]
 pub struct GlassArgs {
     /// The ones to show with their indices; upper and lower case, `-`, `_` and spaces make no difference [default: all,
     /// as a table]
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,
+    /// Those whose names hold this text, of the table and of the whole database
+    #[arg(long, value_name = "TEXT", conflicts_with = "names")]
+    pub like: Option<String>,
     /// Indices at these wavelengths, nm [default with NAME: the lines F, d, C]
     #[arg(long, value_name = "NM,…", value_delimiter = ',', value_parser = parse_nm)]
     pub nm: Vec<f64>,
@@ -48,21 +62,40 @@ pub fn run(args: &GlassArgs) -> Result<ExitCode> {
 }
 
 /// The rows that are asked for, and the wavelengths at which their indices are.
-fn asked(args: &GlassArgs) -> Result<(Vec<&'static Glass>, Vec<f64>)> {
-    let row = |name: &String| {
-        find(name).ok_or_else(|| {
+fn asked(args: &GlassArgs) -> Result<(Vec<Cow<'static, Glass>>, Vec<f64>)> {
+    let row = |name: &String| -> Result<Cow<'static, Glass>> {
+        if let Some(from) = agf::Reference::of(name) {
+            return Ok(Cow::Owned(from.read(&Where::Nowhere)?));
+        }
+        find(name).map(Cow::Borrowed).ok_or_else(|| {
             Error::new(Where::Nowhere, format!("unknown glass `{name}`"))
                 .expected("a name of the catalogue, which `eyebox glass` lists")
                 .nearest(name, names())
         })
     };
-    let rows = if args.names.is_empty() {
-        all().iter().collect()
-    } else {
-        args.names.iter().map(row).collect::<Result<Vec<_>>>()?
+    let rows = match &args.like {
+        Some(text) => like(text)?,
+        None if args.names.is_empty() => all().iter().map(Cow::Borrowed).collect(),
+        None => args.names.iter().map(row).collect::<Result<Vec<_>>>()?,
     };
     let nm = if args.nm.is_empty() && !args.names.is_empty() { FDC_NM.to_vec() } else { args.nm.clone() };
     Ok((rows, nm))
+}
+
+/// The rows and entries with a name that holds `text`, each once.
+fn like(text: &str) -> Result<Vec<Cow<'static, Glass>>> {
+    let wanted = text.to_lowercase();
+    let mut rows: Vec<&'static Glass> = Vec::new();
+    let mut known = BTreeSet::new();
+    for glass in names().filter(|name| name.to_lowercase().contains(&wanted)).filter_map(find) {
+        if known.insert(glass.name) {
+            rows.push(glass);
+        }
+    }
+    if rows.is_empty() {
+        return Err(Error::new(Where::Nowhere, format!("no glass has `{text}` in its name")).nearest(text, names()));
+    }
+    Ok(rows.into_iter().map(Cow::Borrowed).collect())
 }
 
 /// A number with `digits` decimals; `-` where there is none.
@@ -75,9 +108,9 @@ fn range([low, high]: [f64; 2]) -> String {
 }
 
 /// One line a row, in columns.
-fn table(rows: &[&Glass]) -> String {
+fn table(rows: &[Cow<'static, Glass>]) -> String {
     const HEAD: [&str; 7] = ["name", "other names", "n_d", "V_d", "nm", "kind", "source"];
-    let cells = |glass: &&Glass| {
+    let cells = |glass: &Cow<'static, Glass>| {
         let also = if glass.also.is_empty() { "-".to_owned() } else { glass.also.join(", ") };
         let (n_d, v_d) = (number(glass.index_d().map(|index| index.re), 5), number(glass.abbe(), 2));
         let [name, kind, source] = [glass.name, glass.kind().name(), glass.source].map(str::to_owned);
@@ -101,19 +134,23 @@ fn block(glass: &Glass, nm: &[f64]) -> String {
     let head = format!("{}{also}: n_d {n_d}, V_d {v_d}, {range} nm, {kind}; {}", glass.name, glass.source);
     let line = |nm: &f64| {
         let index = glass.dispersion.index(*nm);
-        let k = if index.im == 0.0 { String::new() } else { format!("  k {:.6}", index.im) };
+        let k = match index.im {
+            0.0 => String::new(),
+            k if k < 1e-3 => format!("  k {k:.4e}"),
+            k => format!("  k {k:.6}"),
+        };
         let beyond = if glass.beyond([*nm; 2]).is_some() { "  extrapolated" } else { "" };
         format!("  {nm} nm  n {:.6}{k}{beyond}", index.re)
     };
     std::iter::once(head).chain(nm.iter().map(line)).collect::<Vec<_>>().join("\n")
 }
 
-fn document(rows: &[&Glass], nm: &[f64]) -> Value {
+fn document(rows: &[Cow<'static, Glass>], nm: &[f64]) -> Value {
     let index = |glass: &Glass, nm: f64| {
         let index = glass.dispersion.index(nm);
         json!({ "nm": nm, "n": index.re, "k": index.im, "extrapolated": glass.beyond([nm; 2]).is_some() })
     };
-    let row = |glass: &&Glass| {
+    let row = |glass: &Cow<'static, Glass>| {
         json!({
             "name": glass.name,
             "also": glass.also,
@@ -138,7 +175,7 @@ mod tests {
         command.try_get_matches_from(words).map(|matches| GlassArgs::from_arg_matches(&matches).unwrap())
     }
 
-    fn asked_for(words: &[&str]) -> Result<(Vec<&'static Glass>, Vec<f64>)> {
+    fn asked_for(words: &[&str]) -> Result<(Vec<Cow<'static, Glass>>, Vec<f64>)> {
         asked(&parse(&[&["glass"], words].concat()).unwrap())
     }
 
@@ -179,6 +216,33 @@ mod tests {
         let flags = [0, 1].map(|i| said["glasses"][0]["indices"][i]["extrapolated"].as_bool().unwrap());
         assert_eq!(flags, [true, false]);
         assert!(said["glasses"][1]["v_d"].is_null());
+    }
+
+    #[test]
+    fn the_database_is_behind_the_table() {
+        let (rows, nm) = asked_for(&["SCHOTT N-BK7", "Ag Johnson"]).unwrap();
+        let text = rows.iter().map(|row| block(row, &nm)).collect::<Vec<_>>().join("\n");
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(
+            lines[0].starts_with("SCHOTT N-BK7: n_d 1.51680, V_d 64.17, 300–2500 nm, body; SCHOTT Zemax"),
+            "{text}"
+        );
+        assert!(
+            lines[1].starts_with("  486.1327 nm  n 1.522") && lines[1].contains("  k 9.") && lines[1].ends_with("e-9"),
+            "{text}"
+        );
+        assert!(
+            lines[4].starts_with("main/Ag/Johnson: ") && lines[4].contains("metal; Johnson and Christy 1972"),
+            "{text}"
+        );
+        let (rows, _) = asked_for(&["--like", "n-lak9"]).unwrap();
+        assert_eq!(rows.iter().map(|row| row.name).collect::<Vec<_>>(), ["SCHOTT N-LAK9"]);
+        assert!(
+            asked_for(&["--like", "unheard of"])
+                .unwrap_err()
+                .to_string()
+                .starts_with("no glass has `unheard of` in its name")
+        );
     }
 
     #[test]

@@ -56,6 +56,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
         add_sharpness(&mut frame, &sharpness);
     }
     finishing.wanted.keep(&mut frame);
+    finishing.wanted.cut(&mut frame);
     let error = merged.films.relative_error();
     let (judgement, films) = (merged.films.judgement(), &merged.films);
     let name = |group: GroupId| finishing.groups.get(group.index()).map_or(String::new(), |group| group.name.clone());

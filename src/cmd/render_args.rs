@@ -15,6 +15,7 @@ use crate::estimate::render_vars::Named;
 use crate::estimate::run::Limits;
 use crate::estimate::shard::{self, Head};
 use crate::film::aov::Aov;
+use crate::film::crop::Crop;
 use crate::film::error_detail::ErrorDetail;
 use crate::film::plan::Estimator;
 use crate::output::exr::{Packing, parse_prefix};
@@ -89,6 +90,11 @@ pub struct RenderArgs {
     /// Width and height in pixels, instead of the eye's.
     #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
     pub resolution: Option<[usize; 2]>,
+    /// Trace and write only this part: column and row of its top left pixel, from 0, width and height. Every pixel has the light,
+    /// to the bit, that it has in the whole picture of as many passes; stated errors are pooled over what is traced.
+    /// The EXR's data window is the part, its display window the picture. No witness looks beside it.
+    #[arg(long, value_name = "X,Y,WxH", value_parser = Crop::parse, conflicts_with = "diffraction")]
+    pub crop: Option<Crop>,
     /// Write only these layers (and the default image), not those that the asset asks for: direct, caustic_led, stderr, Z, …
     #[arg(long, value_name = "LAYER,…", value_delimiter = ',')]
     pub layers: Vec<String>,
@@ -316,6 +322,7 @@ impl RenderArgs {
             multi_part: self.multi_part,
             half: self.half,
             compression: self.compression.map(|packing| packing.name().to_owned()),
+            crop: self.crop,
         }
     }
 
@@ -359,6 +366,9 @@ impl RenderArgs {
         }
         if head.seed != self.seed_of_passes() {
             return differs("the seed");
+        }
+        if head.finishing.wanted.crop != self.crop {
+            return differs("the crop");
         }
         if head.of != self.shard || (self.shard.is_some() && head.total != self.limits().passes) {
             return differs("the shard");

@@ -90,7 +90,7 @@ impl Emission {
         }
     }
 
-    /// Starts one path of a pass. None if there is no lamp.
+    /// Starts one path of a pass. None if there is no lamp, or where a display is dark around its picture.
     fn start<'w, M: Mode>(
         &self,
         (world, optics): (&'w World, &'w Optics<M>),
@@ -143,6 +143,9 @@ impl Emission {
             && let Some(light) = world.lamps.all()[index].polarisation
         {
             walker.beam = walker.beam.polarised(light, dir, false);
+        }
+        if let Some((lamp, place, _)) = origin.face {
+            walker.beam = walker.beam.shown((world, optics), &world.lamps.all()[lamp], place)?;
         }
         Some(Started { walker, origin, lamp: drawn.lamp, x: drawn.x, density: drawn.density })
     }

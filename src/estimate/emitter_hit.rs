@@ -1,9 +1,13 @@
 //! Light that a path from the eye picks up where it is.
 
+use super::throughput::Throughput;
 use super::walk::{Vertex, Walker};
 use crate::film::accumulate::Light;
+use crate::world::World;
 use crate::world::lamp::Lamp;
 use crate::world::mode::{Mode, lanes};
+use crate::world::optics::Optics;
+use glam::DVec3;
 
 /// A lamp that a path from the eye has met.
 pub struct EmitterHit<'w> {
@@ -16,6 +20,19 @@ pub struct EmitterHit<'w> {
     pub luminance: f64,
     /// What the place has of it, if not all alike.
     pub glow: Option<[f64; 3]>,
+    /// The place, recentred world.
+    place: DVec3,
+}
+
+impl<M: Mode> Throughput<M> {
+    /// With the picture that a lamp shows at a place; none where the display is dark, around its picture.
+    pub fn shown(mut self, (world, optics): (&World, &Optics<M>), lamp: &Lamp, place: DVec3) -> Option<Self> {
+        if let Some(shown) = &lamp.shown {
+            let slide = &world.slides[shown.slide];
+            self.show(slide, &optics.slide(slide, shown.local(place))?);
+        }
+        Some(self)
+    }
 }
 
 impl<'w, M: Mode> Walker<'w, M> {
@@ -23,7 +40,8 @@ impl<'w, M: Mode> Walker<'w, M> {
     ///
     /// Radiance over index squared is what such a path carries, so the factor (n_eye/n_here)² is applied here, once.
     pub fn pick_up(&self, out: &mut [Light], amounts: &M::Lanes<f64>) {
-        self.pick_up_in(&self.index_here(), out, amounts);
+        let index = self.index_here();
+        self.beam.deposit(self.optics, out, &lanes::<M, _>(|lane| amounts[lane] / (index[lane] * index[lane])));
     }
 
     /// Adds the light of a lamp that the path has met, `factor` times.
@@ -31,10 +49,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         let tint = self.optics.lamp_at(seen.index, seen.glow);
         let index = self.index_here();
         let amounts = lanes::<M, _>(|lane| seen.luminance * factor * tint[lane] / (index[lane] * index[lane]));
-        match seen.lamp.polarisation {
-            None => self.beam.deposit(self.optics, out, &amounts),
-            Some(light) => self.beam.polarised(light, self.ray.dir, true).deposit(self.optics, out, &amounts),
-        }
+        self.beam_of(seen).deposit(self.optics, out, &amounts);
     }
 
     /// The light of a lamp that the path has met, as it arrives at the path's start: luminance per lane; whether the first
@@ -42,25 +57,20 @@ impl<'w, M: Mode> Walker<'w, M> {
     pub fn seen(&self, seen: &EmitterHit<'_>) -> (M::Lanes<Light>, bool) {
         let tint = self.optics.lamp_at(seen.index, seen.glow);
         let index = self.index_here();
-        let beam = match seen.lamp.polarisation {
-            None => self.beam,
-            Some(light) => self.beam.polarised(light, self.ray.dir, true),
-        };
+        let beam = self.beam_of(seen);
         let (light, alone) = beam.stored();
         let factor = |lane: usize| seen.luminance * tint[lane] / (index[lane] * index[lane]);
         (lanes::<M, _>(|lane| light[lane].scaled(factor(lane))), alone)
     }
 
-    /// [`Walker::pick_up`] in a medium of this index.
-    pub fn pick_up_in(&self, index: &M::Lanes<f64>, out: &mut [Light], amounts: &M::Lanes<f64>) {
-        self.beam.deposit(self.optics, out, &lanes::<M, _>(|lane| amounts[lane] / (index[lane] * index[lane])));
-    }
-
-    /// [`Walker::pick_up_in`], of the first lane alone, which stands for all.
-    pub fn pick_up_alone(&self, index: &M::Lanes<f64>, out: &mut [Light], amounts: &M::Lanes<f64>) {
-        let mut beam = self.beam;
-        beam.part();
-        beam.deposit(self.optics, out, &lanes::<M, _>(|lane| amounts[lane] / (index[lane] * index[lane])));
+    /// What the path carries of a lamp's light: as it is polarised there, through the picture that it shows.
+    fn beam_of(&self, seen: &EmitterHit<'_>) -> Throughput<M> {
+        let beam = match seen.lamp.polarisation {
+            None => self.beam,
+            Some(light) => self.beam.polarised(light, self.ray.dir, true),
+        };
+        // What is met is in the picture (`lamp_at`).
+        beam.shown((self.world, self.optics), seen.lamp, seen.place).unwrap_or(beam)
     }
 
     /// The lamp at `vertex` that shines along the path towards the eye.
@@ -75,9 +85,11 @@ impl<'w, M: Mode> Walker<'w, M> {
         let lamp = &world.lamps.all()[index];
         let cos = -self.ray.dir.dot(normal);
         let luminance = lamp.luminance_along(normal, -self.ray.dir);
-        (luminance > 0.0).then(|| {
-            let glow = lamp.glow(site.triangle, vertex.hit.point);
-            EmitterHit { lamp, index, cos, luminance, glow }
+        let place = vertex.hit.point;
+        let dark = || lamp.shown.is_some_and(|shown| world.slides[shown.slide].s(shown.local(place)).is_none());
+        (luminance > 0.0 && !dark()).then(|| {
+            let glow = lamp.glow(site.triangle, place);
+            EmitterHit { lamp, index, cos, luminance, glow, place }
         })
     }
 }

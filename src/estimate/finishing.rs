@@ -9,6 +9,7 @@ use crate::base::colour::ColourSpace;
 use crate::base::{Error, Result, Where};
 use crate::film::accumulate::Film;
 use crate::film::aov::Aov;
+use crate::film::crop::Crop;
 use crate::film::diffraction::Diffraction;
 use crate::film::finish::{Finished, GroupInfo, finish_through};
 use crate::film::frame::{Channel, Frame, Meta};
@@ -50,6 +51,9 @@ pub struct Wanted {
     /// The name of a [`Packing`](crate::output::exr::Packing), if another than the usual.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compression: Option<String>,
+    /// The part of the picture that is traced and written; all of it without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crop: Option<Crop>,
 }
 
 impl Finishing {
@@ -78,6 +82,13 @@ impl Wanted {
     /// Whether a channel of a complete frame is made of films.
     pub fn is_light(&self, channel: &Channel) -> bool {
         is_light(channel) || self.aovs.iter().flat_map(Aov::layers).any(|layer| layer == channel.layer())
+    }
+
+    /// Leaves the part of the picture that is wanted, the last thing that is done to it.
+    pub fn cut(&self, frame: &mut Frame) {
+        if let Some(crop) = &self.crop {
+            crop.cut(frame);
+        }
     }
 
     /// Makes of a complete frame the one that was asked for.

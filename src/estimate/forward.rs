@@ -172,7 +172,8 @@ impl<M: Mode> Visitor<M> for Arrivals<'_, M> {
             return;
         }
         let share = self.route.from_lamp(from.group, walker.trail);
-        if let (Some(pixel), Some(share)) = (arrival.pixel, share) {
+        let pixel = arrival.pixel.filter(|pixel| walker.world.eye.wants_index(*pixel));
+        if let (Some(pixel), Some(share)) = (pixel, share) {
             let plane = self.route.plane(share, |sieve| sieve.takes(sieve.eye(), walker.told));
             let mut light = [Light::default(); 3];
             let each = lanes::<M, _>(|_| arrival.luminance_per_lumen);

@@ -131,6 +131,11 @@ impl<M: Mode> Throughput<M> {
             let to = across.unwrap_or_else(|| dir.any_orthonormal_vector());
             *self = self.polarised((to, slide.polarisation_degree()), dir, from_eye);
         }
+        self.show(slide, s);
+    }
+
+    /// Light of a display that shows a slide, where the picture has the values `s` per lane: what the slide lets through of it.
+    pub fn show(&mut self, slide: &SlideMap, s: &M::Lanes<f64>) {
         for lane in 0..M::LANES {
             self.slides[lane].cross(slide.t_white(), slide.transmittance(s[lane]), s[lane]);
         }

@@ -17,6 +17,7 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::{Vec2, f16};
 use rayon::prelude::*;
 
+use super::crop::Window;
 use super::cryptomatte;
 use super::frame::{Channel, Frame, Meta, split_name};
 use crate::base::colour::Chromaticities;
@@ -72,6 +73,17 @@ pub struct About {
     pub chromaticities: Option<Chromaticities>,
 }
 
+impl About {
+    /// Where a frame of this size lies, if it is not the whole picture.
+    fn window(&self, size: [usize; 2]) -> Option<Window> {
+        let [left, top, width, height] = self.display;
+        let [Ok(width), Ok(height)] = [width, height].map(usize::try_from) else { return None };
+        let [Ok(x), Ok(y)] = [left, top].map(|at| i32::try_from(at.saturating_neg())) else { return None };
+        let whole = [x, y] == [0, 0] && [width, height] == size;
+        (!whole).then_some(Window { corner: [x, y], picture: [width, height] })
+    }
+}
+
 /// The frame in these bytes, or what is wrong with them.
 pub fn decode(bytes: &[u8]) -> Result<Frame, String> {
     decode_all(bytes).map(|(frame, _)| frame)
@@ -110,6 +122,7 @@ fn decode_trusting(bytes: &[u8]) -> Result<(Frame, About), String> {
     let size = check_sizes(reader.headers(), bytes.len())?;
     let mut frame = Frame::new(size.0, size.1);
     let about = reader.headers().first().map(about).unwrap_or_default();
+    frame.window = about.window([size.0, size.1]);
     let channels = reader.headers().iter().flat_map(|header| &header.channels.list);
     let half = channels.into_iter().any(|channel| channel.sample_type == SampleType::F16);
     frame.half = half || reader.headers().iter().any(|header| header.compression.may_loose_data());

@@ -1,5 +1,6 @@
 //! A finished picture: named channels of one size, and what is to be known about them.
 
+use super::crop::Window;
 use std::collections::{BTreeMap, HashSet};
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
@@ -103,6 +104,8 @@ pub struct Frame {
     pub height: usize,
     pub channels: Vec<Channel>,
     pub meta: BTreeMap<String, Meta>,
+    /// Where it lies in the picture that it is a part of; the whole picture without one.
+    pub window: Option<Window>,
     /// Read from half floats, or from what was compressed with loss: values have 11 bits, so that sums of layers are not the stored sums to more than that.
     pub half: bool,
 }

@@ -2,6 +2,7 @@
 
 pub mod accumulate;
 pub mod aov; // layers that a user defines
+pub mod crop; // a part of a picture
 pub mod cryptomatte; // Cryptomatte
 pub mod diffraction;
 pub mod error_detail;

@@ -1,5 +1,6 @@
 //! Every file that an asset needs, without reading more of it than the names: a missing one is listed, too.
 
+use super::agf::Reference;
 use super::value::{Data, Value};
 use super::{Assembly, ReadOptions, extension, files, gltf, photometric, toml};
 use crate::base::error::Result;
@@ -119,7 +120,12 @@ pub(super) fn profile(file: PathBuf, role: &str, at: Where, all: &mut Vec<Depend
 /// Files that attributes name: the entries whose row in the vocabulary is a file, as a text or as `{ uri = … }`.
 pub(super) fn named(value: &Value, all: &mut Vec<Dependency>) {
     match &value.data {
-        Data::Bool(_) | Data::Number(_) | Data::Text(_) => {}
+        Data::Text(text) => {
+            let catalogue =
+                |from: Reference| Dependency::new(from.path(&value.at), "catalogue of glasses", value.at.clone());
+            all.extend(Reference::of(text).map(catalogue));
+        }
+        Data::Bool(_) | Data::Number(_) => {}
         Data::List(items) => items.iter().for_each(|item| named(item, all)),
         Data::Table(entries) => {
             for (key, inner) in entries {

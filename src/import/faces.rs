@@ -1,5 +1,6 @@
 //! What attributes make of a part: its medium, and of each of its faces finish, coating, shape, emitter and slide.
 
+use super::agf::Reference;
 use super::binding_slots::{PartBound, Rank, Slot, Slots};
 use super::build::{Builder, intern};
 use super::files;
@@ -116,7 +117,14 @@ impl Builder<'_> {
                     Wavelengths::Mono { nm } => [nm; 2],
                     Wavelengths::Visible => [400.0, 700.0],
                 };
-                let Some(text) = glass::find(name).and_then(|glass| glass.beyond(traced)) else { return };
+                let beyond = match Reference::of(name) {
+                    Some(from) => {
+                        self.catalogue_file(from, &value.at);
+                        from.read(&value.at).ok().and_then(|glass| glass.beyond(traced))
+                    }
+                    None => glass::find(name).and_then(|glass| glass.beyond(traced)),
+                };
+                let Some(text) = beyond else { return };
                 let note = Note::warning(value.at.clone(), text).code(Code::IndexExtrapolated);
                 if !self.notes.contains(&note) {
                     self.notes.push(note);
@@ -131,7 +139,19 @@ impl Builder<'_> {
         }
     }
 
+    /// A catalogue file is one of the scene's, and what it says of heat is not used.
+    fn catalogue_file(&mut self, from: Reference, at: &Where) {
+        let file = from.path(at);
+        let text =
+            format!("{}: what it says of heat is not used; indices are at the temperature of its data", file.display());
+        if !self.files.contains(&file) {
+            self.files.push(file);
+            self.notes.push(Note::info(at.clone(), text));
+        }
+    }
+
     fn face(&mut self, part: &Candidate, number: usize, slots: &Slots, to_world: &DAffine3) -> Result<Face> {
+        let shines = slots.get(Slot::Emitter).is_some_and(|won| won.entry.value.text() != Some("none"));
         let said = slots.finish();
         let finish = match said {
             Some((entry, _)) => match optics::finish(&entry.value, &mut self.notes)? {
@@ -140,7 +160,7 @@ impl Builder<'_> {
                 FinishSpec::Measured { file, at } => self.measured_finish(&file, &at)?,
                 FinishSpec::Surface { surface, at } => Finish::Surface { surface: self.given_surface(*surface, &at)? },
             },
-            None if slots.get(Slot::Slide).is_some() => Finish::None,
+            None if slots.get(Slot::Slide).is_some() && !shines => Finish::None,
             None => Finish::Surface { surface: self.own_surface(part, number)? },
         };
         let shape = match slots.get(Slot::Shape) {

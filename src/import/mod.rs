@@ -1,6 +1,7 @@
 //! Floor 2: from files to a [`Scene`](crate::scene::Scene). A format reader fills an [`Assembly`]; the attribute
 //! vocabulary, the sidecar and the binding rules turn it into a scene, the same for every format.
 
+pub mod agf; // catalogues of glasses from files
 pub mod annotate; // a sidecar as rows of the asset itself
 pub mod asset_attributes; // what is said about the asset as a whole
 mod asset_rows; // what the asset says of itself
@@ -28,6 +29,7 @@ pub mod optics; // readers of the attribute vocabulary
 mod outline; // the geometry alone
 mod patch; // changing a value in place
 pub mod photometric; // IES LM-63 and EULUMDAT
+pub mod prescription; // lens files of design programs
 mod scene_images; // slides and panoramas
 pub mod select; // which parts and faces a selector means
 pub mod set; // --set
@@ -39,6 +41,7 @@ pub mod template; // a sidecar to start from
 pub mod testing;
 #[cfg(test)]
 mod tests;
+pub(crate) mod text; // text in any encoding
 mod texture_file; // the files of those pictures
 mod tiles; // pictures in tiles, put together
 pub mod toml; // sidecars

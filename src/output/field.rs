@@ -1,5 +1,6 @@
 //! Where a frame's pixels look: the eye's grid of tangents, from the header (`eyebox.eye`).
 
+use crate::film::crop::Window;
 use crate::film::frame::Frame;
 use glam::DVec3;
 
@@ -9,6 +10,9 @@ pub struct Field {
     /// Half width and half height in tangents.
     half: [f64; 2],
     size: [f64; 2],
+    /// Of the frame's top left pixel in the picture that it is a part of, and the frame's own size.
+    corner: [f64; 2],
+    own: [f64; 2],
     /// Years.
     pub age: f64,
 }
@@ -31,15 +35,25 @@ impl Field {
         let eye: EyeRecord = serde_json::from_str(frame.text("eye")?).ok()?;
         let valid = eye.fov_deg > 0.0 && eye.fov_deg < 180.0 && frame.width > 0 && frame.height > 0;
         let half = (eye.fov_deg.to_radians() / 2.0).tan();
-        let size = [frame.width as f64, frame.height as f64];
-        valid.then_some(Field { half: [half, half * size[1] / size[0]], size, age: eye.age })
+        let own = [frame.width as f64, frame.height as f64];
+        let (corner, size) = match frame.window {
+            Some(Window { corner, picture }) => (corner.map(f64::from), picture.map(|n| n as f64)),
+            None => ([0.0; 2], own),
+        };
+        let valid = valid && size.iter().all(|n| *n > 0.0);
+        valid.then_some(Field { half: [half, half * size[1] / size[0]], size, corner, own, age: eye.age })
     }
 
     /// Unit direction of a place: x to the right, y up, z along the line of sight.
-    pub fn direction(&self, [x, y]: [f64; 2]) -> DVec3 {
-        let right = self.half[0] * (2.0 * x / self.size[0] - 1.0);
-        let up = self.half[1] * (1.0 - 2.0 * y / self.size[1]);
+    pub fn direction(&self, place: [f64; 2]) -> DVec3 {
+        let [right, up] = self.tangents(place);
         DVec3::new(right, up, 1.0).normalize()
+    }
+
+    fn tangents(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let right = self.half[0] * (2.0 * (x + self.corner[0]) / self.size[0] - 1.0);
+        let up = self.half[1] * (1.0 - 2.0 * (y + self.corner[1]) / self.size[1]);
+        [right, up]
     }
 
     /// Degrees between two places.
@@ -50,7 +64,8 @@ impl Field {
 
     /// Full width and height, degrees.
     pub fn extent_deg(&self) -> [f64; 2] {
-        self.half.map(|half| 2.0 * half.atan().to_degrees())
+        let ([left, top], [right, bottom]) = (self.tangents([0.0; 2]), self.tangents(self.own));
+        [right.atan() - left.atan(), top.atan() - bottom.atan()].map(f64::to_degrees)
     }
 
     /// Degrees to the right and up of the line of sight.

@@ -1,5 +1,9 @@
 //! The refractive index of a medium as a function of wavelength.
 
+mod formula;
+
+pub use formula::{Formula, FormulaKind};
+
 use crate::base::Complex;
 
 /// A dispersion law. Wavelengths are in nm at the surface, in µm inside the formulas; air counts as 1.
@@ -24,6 +28,8 @@ pub enum Dispersion {
     Abbe { n_d: f64, v_d: f64 },
     /// Rows (λ nm, n, k) by rising λ, k ≥ 0 absorbs: linear in λ between them, constant beyond them.
     Table(Vec<(f64, f64, f64)>),
+    /// A formula of the refractiveindex.info database or of a maker's catalogue.
+    Formula(Formula),
 }
 
 impl Dispersion {
@@ -51,6 +57,7 @@ impl Dispersion {
                 Complex::real((n_d + slope * (523_655.0 / (wavelength_nm * wavelength_nm) - 1.5168)).max(1.0))
             }
             Dispersion::Table(rows) => interpolate(rows, wavelength_nm),
+            Dispersion::Formula(formula) => formula.index(wavelength_nm),
         }
     }
 
@@ -87,6 +94,7 @@ impl Dispersion {
                     let i = rows.windows(2).position(|pair| pair[0].0 >= pair[1].0)?;
                     Some(format!("the wavelengths of the index table do not rise after row {i}"))
                 }),
+            Dispersion::Formula(formula) => formula.problem(),
             Dispersion::Constant(_)
             | Dispersion::Sellmeier { .. }
             | Dispersion::Sellmeier4 { .. }

@@ -1,9 +1,12 @@
-//! A small catalogue of optical glasses, plastics, liquids and film materials by name, each row with its source.
+//! Optical glasses, plastics, liquids and film materials by name, each with its source: a small catalogue of chosen rows, and
+//! behind it the refractiveindex.info database ([`database`]).
 //!
 //! Two families of coefficients look alike and are not: formula 1 of refractiveindex.info prints resonance wavelengths,
 //! which it squares; formula 2 (SCHOTT's) prints their squares. Formula 3 is a polynomial of n² in powers of λ.
 
-use super::dispersion::Dispersion;
+pub mod database;
+
+use super::dispersion::{Dispersion, Formula, FormulaKind};
 use crate::base::Complex;
 use std::sync::LazyLock;
 
@@ -11,7 +14,7 @@ use std::sync::LazyLock;
 pub const FDC_NM: [f64; 3] = [486.1327, 587.5618, 656.2725];
 
 /// A catalogue row.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Glass {
     pub name: &'static str,
     /// Other names that find it.
@@ -54,7 +57,7 @@ impl Glass {
         let d = self.dispersion.index(FDC_NM[1]);
         match self.dispersion {
             _ if self.solid => Kind::Body,
-            Dispersion::Gas { .. } => Kind::Gas,
+            Dispersion::Gas { .. } | Dispersion::Formula(Formula { kind: FormulaKind::Gases, .. }) => Kind::Gas,
             _ if d.im > d.re => Kind::Metal,
             _ => Kind::Film,
         }
@@ -181,8 +184,14 @@ static GLASSES: LazyLock<Vec<Glass>> = LazyLock::new(|| vec![
     film("Cr", "Johnson, Christy, Phys. Rev. B 9, 5056 (1974)"),
 ]);
 
-/// The row called `name`; upper and lower case, `-`, `_` and spaces make no difference (`nbk7` finds `N-BK7`).
+/// The row called `name`, or the entry of the database; upper and lower case, `-`, `_` and spaces make no difference (`nbk7`
+/// finds `N-BK7`). A row of the catalogue goes before an entry of the same name.
 pub fn find(name: &str) -> Option<&'static Glass> {
+    row(name).or_else(|| database::find(name))
+}
+
+/// The row of the catalogue, without the database.
+fn row(name: &str) -> Option<&'static Glass> {
     GLASSES.iter().find(|glass| known(glass).any(|own| letters(own).eq(letters(name))))
 }
 
@@ -190,14 +199,26 @@ fn known(glass: &Glass) -> impl Iterator<Item = &'static str> {
     std::iter::once(glass.name).chain(glass.also.iter().copied())
 }
 
-/// Every row, in the order of the catalogue.
+/// Every row, in the order of the catalogue; the database has its own [`database::names`].
 pub fn all() -> &'static [Glass] {
     &GLASSES
 }
 
-/// The names as the catalogue writes them, second names among them.
+/// The names as catalogue and database write them, second names among them.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    GLASSES.iter().flat_map(known)
+    GLASSES.iter().flat_map(known).chain(database::names())
+}
+
+/// A body that a word of a part's name may mean. Short names of the database are words as well (`PC3`, `K7`), so that they
+/// count where `sure`: another word has said that the part is of glass.
+pub fn body_in_words(word: &str, sure: bool) -> Option<&'static Glass> {
+    let telling = || {
+        word.len() > 2
+            && word.contains(|c: char| c.is_ascii_digit())
+            && word.contains(|c: char| c.is_ascii_alphabetic())
+    };
+    let entry = || if sure && telling() { database::find(word) } else { None };
+    row(word).or_else(entry).filter(|glass| glass.solid)
 }
 
 fn letters(name: &str) -> impl Iterator<Item = char> {
@@ -222,13 +243,15 @@ mod tests {
         }
         // Different glasses, not spellings.
         for missing in ["BK7", "SF6", "N-F2", "", "N-BK77", "air"] {
-            assert_eq!(find(missing), None, "{missing}");
+            assert_eq!(row(missing), None, "{missing}");
         }
+        // A row goes before an entry, which its maker's name finds.
+        assert_eq!([find("F2"), find("SCHOTT F2")].map(|glass| glass.unwrap().name), ["F2", "SCHOTT F2"]);
     }
 
     #[test]
     fn every_name_finds_its_own_row() {
-        for name in names() {
+        for name in GLASSES.iter().flat_map(known) {
             let glass = find(name).unwrap();
             assert!(known(glass).any(|own| own == name));
             assert!(!glass.source.is_empty() && glass.dispersion.problem().is_none(), "{name}");

@@ -27,7 +27,7 @@ pub mod value;
 
 pub use abg::AbgLaw;
 pub use coating::{Coating, CoatingLaw, CoatingTable, FilmLayer};
-pub use dispersion::Dispersion;
+pub use dispersion::{Dispersion, Formula, FormulaKind};
 
 pub use eye::Eye;
 pub use finish::Finish;

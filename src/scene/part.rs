@@ -112,8 +112,16 @@ pub struct Face {
     /// Share of the light that gets through a polished face, linear Rec.709, beside what Fresnel's equations or the coating say:
     /// stained glass. None: all.
     pub tint: Option<[f64; 3]>,
-    /// A face with a slide transmits straight through, weighted by the picture, whatever its finish.
+    /// A face with a slide transmits straight through, weighted by the picture, whatever its finish. One that emits is a display:
+    /// it shines through the picture, and light that meets it finds its finish.
     pub slide: Option<SlideId>,
+}
+
+impl Face {
+    /// Whether light goes through it, weighted by a picture.
+    pub fn is_slide(&self) -> bool {
+        self.slide.is_some() && self.emitter.is_none()
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where, warp};
+use crate::film::crop::Crop;
 use crate::scene::Eye;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -22,6 +23,8 @@ pub struct EyeLens {
     per_focus: f64,
     half: DVec2,
     size: [usize; 2],
+    /// The part of the picture that is wanted; all of it without one.
+    pub crop: Option<Crop>,
 }
 
 /// Light that crossed the pupil.
@@ -74,7 +77,7 @@ impl EyeLens {
         let half = DVec2::from_array(eye.half_tangents());
         let right = look.cross(up);
         let (radius, per_focus) = (0.5 * eye.pupil_diameter_m, 1.0 / eye.focus_distance_m);
-        Ok(EyeLens { position, look, up, right, radius, per_focus, half, size: eye.resolution })
+        Ok(EyeLens { position, look, up, right, radius, per_focus, half, size: eye.resolution, crop: None })
     }
 
     /// Area of the pupil, m².
@@ -87,6 +90,15 @@ impl EyeLens {
     }
     pub fn look(&self) -> DVec3 {
         self.look
+    }
+    /// Whether a pixel is wanted. What is not wanted is not looked at; everything else is as it is in the whole picture.
+    pub fn wants(&self, [x, y]: [usize; 2]) -> bool {
+        self.crop.is_none_or(|crop| crop.holds([x, y]))
+    }
+    /// The same of a pixel's number.
+    pub fn wants_index(&self, pixel: usize) -> bool {
+        let width = self.size[0];
+        self.wants([pixel % width, pixel / width])
     }
     /// Width and height in pixels.
     pub fn size(&self) -> [usize; 2] {

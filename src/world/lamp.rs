@@ -35,6 +35,8 @@ pub struct Lamp {
     unit_cd: f64,
     /// Direction of the electric field (world) and polarised share of its light.
     pub polarisation: Option<(DVec3, f64)>,
+    /// The slide that it shines through, if it is a display that shows a picture: flux, intensity and luminance are white's.
+    pub shown: Option<Shown>,
     /// The texture that it shines through, if any: flux, intensity and luminance are the mean's.
     glow: Option<Box<Glow>>,
     triangles: Vec<Triangle>,
@@ -42,6 +44,22 @@ pub struct Lamp {
     /// Sphere about the face: centre, and radius squared.
     centre: DVec3,
     radius2: f64,
+}
+
+/// The picture of a display.
+#[derive(Debug, Clone, Copy)]
+pub struct Shown {
+    /// Index among the world's slides.
+    pub slide: usize,
+    /// From the recentred world to the slide's own mesh units.
+    to_local: DAffine3,
+}
+
+impl Shown {
+    /// A point of the display, where the slide's picture is asked.
+    pub fn local(&self, position: DVec3) -> DVec3 {
+        self.to_local.transform_point3(position)
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -150,6 +168,16 @@ impl Lamp {
         let centre = 0.5 * (low + high);
         let radius2 = corners().map(|corner| corner.distance_squared(centre)).fold(0.0, f64::max);
         let group = emitter.group;
+        let slide = owner.faces.get(face).and_then(|face| face.slide);
+        let shown = slide.map(|slide| Shown { slide: slide.index(), to_local: to_world.inverse() });
+        // A slide that says how its light is polarised says it of the display.
+        let by_slide = slide.and_then(|slide| {
+            let slide = scene.slide(slide);
+            let polarisation = slide.polarisation?;
+            let (sin, cos) = polarisation.angle_deg.to_radians().sin_cos();
+            Some((slide.u * cos + slide.v * sin, polarisation.degree))
+        });
+        let own = || emitter.polarisation.map(|light| (light.axis, light.degree));
         Ok(Lamp {
             part,
             face,
@@ -160,7 +188,8 @@ impl Lamp {
             intensity_cd,
             beam,
             unit_cd,
-            polarisation: emitter.polarisation.map(|light| (to_world.transform_vector3(light.axis), light.degree)),
+            polarisation: by_slide.or_else(own).map(|(axis, degree)| (to_world.transform_vector3(axis), degree)),
+            shown,
             glow,
             triangles,
             by_area,
@@ -197,7 +226,7 @@ impl Lamp {
 
     /// Whether it shines alike from all of its places.
     pub fn is_even(&self) -> bool {
-        self.glow.is_none()
+        self.glow.is_none() && self.shown.is_none()
     }
 
     /// [`Lamp::luminance_along`] a direction at `cos_theta` to the normal; for a profile, the one in its plane C0.

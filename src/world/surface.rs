@@ -172,7 +172,9 @@ fn coating(scene: &Scene, face: &Face, at: impl Fn() -> Where) -> Result<usize> 
 fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Result<FaceOptics> {
     let face = &part.faces[index];
     let at = || Where::Part { path: part.path.clone(), face: Some(index) };
-    let surface = match (face.slide, face.finish) {
+    // A display shines through its picture; light that meets it finds what it is made of.
+    let slide = face.slide.filter(|_| face.emitter.is_none());
+    let surface = match (slide, face.finish) {
         (Some(slide), _) => Surface::Slide(slide.index()),
         (None, Finish::None) => Surface::Absent,
         (None, Finish::Absorber) => Surface::Absorber,

@@ -31,6 +31,7 @@ impl Run<'_> {
         if let Some(resolution) = args.resolution {
             scene.eye.resolution = resolution;
         }
+        self.check_crop(scene.eye.resolution)?;
         check(&scene)?;
         check_layers(&args.layers, &scene.groups)?;
         let world = World::freeze(&scene)?;
@@ -39,6 +40,17 @@ impl Run<'_> {
         let wishes = if args.layers.is_empty() { layers } else { Vec::new() };
         let later = args.motion.then(|| self.later(scene.eye.resolution)).transpose()?;
         Ok(Opened { scene, world, own, wishes, asked, later })
+    }
+
+    fn check_crop(&self, [width, height]: [usize; 2]) -> Result<()> {
+        match self.args.crop {
+            Some(crop) if !crop.fits([width, height]) => {
+                let at = Where::Option(format!("--crop {crop}"));
+                Err(Error::new(at, "reaches out of the picture")
+                    .expected(format!("a part of {width} x {height} pixels")))
+            }
+            Some(_) | None => Ok(()),
+        }
     }
 
     fn later(&self, resolution: [usize; 2]) -> Result<Scene> {

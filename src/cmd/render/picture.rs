@@ -46,7 +46,12 @@ impl Run<'_> {
         frame.meta.insert("planHash".to_owned(), Meta::Text(frozen.hash.clone()));
         add_meta(&mut frame, scene, plan, &traced.outcome, args.seed_of_passes(), &finished.splits);
         add_sharpness(&mut frame, sharpness);
-        add_witness(&mut frame, traced.judgement.as_ref(), !args.no_witness, &traced.ending.lines);
+        add_witness(
+            &mut frame,
+            traced.judgement.as_ref(),
+            !args.no_witness && args.crop.is_none(),
+            &traced.ending.lines,
+        );
         if args.convergence {
             let errors = serde_json::json!(traced.errors).to_string();
             frame.meta.insert("convergence".to_owned(), Meta::Text(errors));
@@ -68,6 +73,7 @@ impl Run<'_> {
             if self.pool.install(chains).is_none() {
                 frame.meta.insert("chainsMissing".to_owned(), Meta::Text("stopped before they were traced".to_owned()));
             }
+            head.finishing.wanted.cut(&mut frame);
             write_exr(&args.output, &frame)?
         };
         traced.ending.warnings.splice(0..0, traced.again.drain(..));

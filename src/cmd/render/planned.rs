@@ -69,6 +69,8 @@ impl Run<'_> {
         scene.notes.extend(ungranted.into_iter().chain(refused));
         world.sieve = sieve;
         plan.errors = args.errors(&named_layers);
+        // Only now: plan and pilots are those of the whole picture, so that the part has its bits.
+        world.eye.crop = args.crop;
         let mut finishing = Finishing::new(scene, &plan, args.color.space(), diffraction);
         finishing.wanted = args.wanted(named_layers, aovs);
         let head = args.head(scene, &frozen, finishing);

@@ -55,7 +55,8 @@ impl Run<'_> {
             groups: scene.groups.len(),
             size: scene.eye.resolution,
             seed: args.seed_of_passes(),
-            watch: (!args.no_witness).then_some(planned.guide.take()),
+            // What naive paths find is about the whole picture.
+            watch: (!args.no_witness && args.crop.is_none()).then_some(planned.guide.take()),
             may_change: ours && args.shard.is_none() && args.checkpoint.is_none(),
         };
         let name = |group: GroupId| scene.group(group).name.clone();

@@ -13,6 +13,7 @@ use crate::world::geometry::{Ray, Site};
 use crate::world::light::Strength;
 use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
 use crate::world::scatter::Scatter;
+use crate::world::slide::SlideMap;
 use glam::DVec3;
 
 /// Where a path from the eye has met a scatterer.
@@ -24,7 +25,7 @@ pub(super) struct Here<'a, 'w, M: Mode> {
 }
 
 /// Light that a lamp sends to a scatterer.
-struct Sent<M: Mode> {
+struct Sent<'a, M: Mode> {
     /// Unit direction to the lamp.
     dir: DVec3,
     distance: f64,
@@ -37,6 +38,8 @@ struct Sent<M: Mode> {
     by_chance: bool,
     group: GroupId,
     source: Source,
+    /// The picture that it comes through, and its values there.
+    shown: Option<(&'a SlideMap, M::Lanes<f64>)>,
 }
 
 /// What a ray finds that leaves the scene.
@@ -78,7 +81,16 @@ impl<M: Mode> Backward<'_, M> {
         let tint = here.walker.optics.lamp_at(index, lamp.glow(site.triangle, on_lamp));
         let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
         let (group, source) = (lamp.group, Source::Face);
-        self.connect(here, &Sent { dir, distance, target, luminance, pdf, by_chance: true, group, source }, out);
+        let shown = match &lamp.shown {
+            None => None,
+            Some(shown) => {
+                let slide = &self.world.slides[shown.slide];
+                let Some(s) = here.walker.optics.slide(slide, shown.local(on_lamp)) else { return };
+                Some((slide, s))
+            }
+        };
+        let by_chance = true;
+        self.connect(here, &Sent { dir, distance, target, luminance, pdf, by_chance, group, source, shown }, out);
     }
 
     /// `scratch`: what is booked of directions that are followed through panes; its work counts.
@@ -97,7 +109,7 @@ impl<M: Mode> Backward<'_, M> {
         if pdf > 0.0 {
             let luminance = here.walker.optics.sky(sky, dir);
             let (distance, target, group, source) = (f64::INFINITY, None, sky.group, Source::Sky);
-            let sent = Sent { dir, distance, target, luminance, pdf, by_chance: true, group, source };
+            let sent = Sent { dir, distance, target, luminance, pdf, by_chance: true, group, source, shown: None };
             if !self.connect(here, &sent, out) {
                 self.through_panes(here, &sent, Beyond::Sky, out, scratch);
             }
@@ -129,7 +141,7 @@ impl<M: Mode> Backward<'_, M> {
         let tint = here.walker.optics.light(index);
         let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
         let (dir, distance, source) = (toward.dir, toward.distance, Source::Light);
-        let sent = Sent { dir, distance, target: None, luminance, pdf, by_chance, group, source };
+        let sent = Sent { dir, distance, target: None, luminance, pdf, by_chance, group, source, shown: None };
         if !self.connect(here, &sent, out) {
             if by_chance {
                 self.through_panes(here, &sent, Beyond::Disc(index), out, scratch);
@@ -152,9 +164,9 @@ impl<M: Mode> Backward<'_, M> {
     }
 
     /// Adds the light that comes from a lamp, if nothing is in between; false if something is.
-    fn connect(&self, here: &Here<'_, '_, M>, sent: &Sent<M>, out: &mut [Light]) -> bool {
+    fn connect(&self, here: &Here<'_, '_, M>, sent: &Sent<'_, M>, out: &mut [Light]) -> bool {
         let Here { walker, vertex, scatter, frame } = *here;
-        let Sent { dir, distance, target, luminance, pdf, by_chance, group, source } = *sent;
+        let Sent { dir, distance, target, luminance, pdf, by_chance, group, source, shown } = *sent;
         let (d_in, d_out) = (frame.to_local(walker.ray.dir), frame.to_local(dir));
         let sides = walker.sides(vertex, scatter);
         let (values, alone) = sides.eval(scatter, d_in, d_out);
@@ -180,16 +192,20 @@ impl<M: Mode> Backward<'_, M> {
         let weight = if by_chance { pdf / (pdf + scatter.pdf(d_in, d_out, sides.of(0))) } else { 1.0 };
         let factor = d_out.z.abs() / pdf * weight;
         let arriving = lanes::<M, _>(|lane| luminance[lane] * (values[lane] * factor) * transmittance[lane]);
+        let mut beam = walker.beam;
         if alone {
-            walker.pick_up_alone(&index, out, &arriving);
-        } else {
-            walker.pick_up_in(&index, out, &arriving);
+            beam.part();
         }
+        if let Some((slide, s)) = &shown {
+            beam.show(slide, s);
+        }
+        let amounts = lanes::<M, _>(|lane| arriving[lane] / (index[lane] * index[lane]));
+        beam.deposit(walker.optics, out, &amounts);
         true
     }
 
     /// Adds the light of a point or of a direction that comes through cut-out materials, which no scattered ray finds.
-    fn through_cutouts(&self, here: &Here<'_, '_, M>, sent: &Sent<M>, out: &mut [Light], scratch: &mut Ledger) {
+    fn through_cutouts(&self, here: &Here<'_, '_, M>, sent: &Sent<'_, M>, out: &mut [Light], scratch: &mut Ledger) {
         let Some(share) = self.share_of(here, sent.group) else { return };
         let Here { walker, vertex, scatter, frame } = *here;
         let mut walker = walker.clone();
@@ -207,7 +223,7 @@ impl<M: Mode> Backward<'_, M> {
     fn through_panes(
         &self,
         here: &Here<'_, '_, M>,
-        sent: &Sent<M>,
+        sent: &Sent<'_, M>,
         beyond: Beyond,
         out: &mut [Light],
         scratch: &mut Ledger,

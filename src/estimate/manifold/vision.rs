@@ -104,7 +104,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
                 let mut roots = Vec::new();
                 for (pass, optics) in &optics {
                     let (mut ledger, before) = (Ledger::new(parts), scratch.work);
-                    for x in 0..width {
+                    for x in (0..width).filter(|x| self.world.eye.wants([*x, *y])) {
                         light.fill(Light::default());
                         let pixel = Pixel::new((x, *y), width, *pass);
                         let times = self.rims.times(pixel.index);

@@ -130,7 +130,7 @@ impl<M: Mode> PhotonMapper<'_, M> {
             let light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
             let mut gathered = Gathered { light, beyond: 0.0, components };
             let mut ledger = Ledger::new(self.world.solids.len());
-            for x in 0..width {
+            for x in (0..width).filter(|x| self.world.eye.wants([*x, *y])) {
                 gathered.clear();
                 let mut shoot = |stream: Stream, number: u64| {
                     let pixel = Pixel::new((x, *y), width, number);

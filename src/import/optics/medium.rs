@@ -3,12 +3,17 @@
 use super::fields::{Fields, code, number};
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
+use crate::import::agf::Reference;
 use crate::import::value::{Data, Value};
 use crate::scene::attribute::{self, Noun, Range, Row};
 use crate::scene::{Absorption, Dispersion, glass};
 
-/// A glass of the catalogue: its name there and its law.
+/// A glass of the catalogue or of a catalogue file: its name there and its law.
 pub(super) fn catalogue(name: &str, at: &Where) -> Result<(String, Dispersion)> {
+    if let Some(from) = Reference::of(name) {
+        let found = from.read(at)?;
+        return Ok((found.name.to_owned(), found.dispersion));
+    }
     match glass::find(name) {
         Some(found) => Ok((found.name.to_owned(), found.dispersion.clone())),
         None => Err(Error::new(at.clone(), format!("unknown glass `{name}`"))

@@ -37,7 +37,7 @@ pub fn role(name: &str) -> Role {
             list.contains(&stem) || stem.strip_suffix('S').is_some_and(|one| list.contains(&one))
         })
     };
-    let glass = glass_in(&words);
+    let glass = glass_in(&words, any(&LENS) || any(&PLATE));
     if any(&MECHANICS) {
         Role::Mechanics
     } else if any(&LAMP) {
@@ -58,11 +58,11 @@ pub fn role(name: &str) -> Role {
 }
 
 /// A catalogue glass among the words, or spelt by two that follow each other (`N_BK7`).
-fn glass_in(words: &[&str]) -> Option<&'static str> {
+fn glass_in(words: &[&str], sure: bool) -> Option<&'static str> {
     let pairs = words.windows(2).map(|pair| pair.concat());
     let singles = words.iter().map(|word| (*word).to_owned());
     // Pairs first: `N_F2` is no F2.
-    let solid = |word: String| glass::find(&word).filter(|glass| glass.solid);
+    let solid = |word: String| glass::body_in_words(&word, sure);
     pairs.chain(singles).find_map(solid).map(|glass| glass.name)
 }
 
@@ -77,6 +77,8 @@ mod tests {
             ("LENS_04_F2", Role::Lens(Some("F2"))),
             ("lens 3 n-bk7", Role::Lens(Some("N-BK7"))),
             ("lens_n_sk16", Role::Lens(Some("N-SK16"))),
+            ("lens_N-LAK9", Role::Lens(Some("SCHOTT N-LAK9"))),
+            ("bracket N-LAK9", Role::Mechanics),
             ("Lens1", Role::Lens(None)),
             ("COMBINER_PLATE_NBK7", Role::Plate(Some("N-BK7"))),
             ("LED_DIE_3", Role::Lamp),

@@ -52,8 +52,8 @@ pub fn face(face: &FaceReport, traced_nm: f64) -> String {
     if let Some(slide) = &face.slide {
         all.push(self::slide(slide));
     }
-    // A face with a slide transmits straight through, whatever its finish.
-    if face.slide.is_none() {
+    // A face with a slide transmits straight through, whatever its finish, unless it is a display that shows it.
+    if face.slide.is_none() || face.emitter.is_some() {
         all.push(face.look.as_ref().map_or_else(|| finish(face.finish), LookReport::text));
     }
     if let Some(tint) = face.tint {

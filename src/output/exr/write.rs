@@ -22,6 +22,7 @@ use super::{
 use crate::base::atomic::write_atomic_by;
 use crate::base::colour::ColourSpace;
 use crate::base::error::{Error, Result, Where};
+use crate::film::crop::Window;
 use crate::film::exr::is_word;
 use crate::film::frame::{Frame, Meta, split_name};
 use crate::film::{cryptomatte, names};
@@ -237,11 +238,13 @@ fn encode(
             layer_name: part.name.as_deref().map(text),
             white_luminance: Some(frame.number(WHITE_LUMINANCE).unwrap_or(1.0) as f32).filter(|_| !part.data),
             other,
+            layer_position: frame.window.map_or(Vec2(0, 0), |Window { corner: [x, y], .. }| Vec2(x, y)),
             ..LayerAttributes::default()
         };
         let space = ColourSpace::from_interop_id(frame.text(COLOR_INTEROP_ID));
         let [red, green, blue, white] = space.chromaticities().map(|[x, y]| Vec2(x as f32, y as f32));
-        let mut shared = ImageAttributes::new(IntegerBounds::from_dimensions(size));
+        let picture = frame.window.map_or(size, |Window { picture: [width, height], .. }| Vec2(width, height));
+        let mut shared = ImageAttributes::new(IntegerBounds::from_dimensions(picture));
         shared.chromaticities = Some(Chromaticities { red, green, blue, white });
         Header {
             shared_attributes: shared,

@@ -27,13 +27,13 @@ pub(in crate::plan) fn rows(checked: &Checked, world: &World, choice: Choice) ->
     groups.flat_map(|group| Class::ALL.map(|class| row(group, class))).collect()
 }
 
-/// What remains of a verdict for a group of lamps with emission textures: the tables of connection take a lamp to shine alike
-/// from all of its places.
+/// What remains of a verdict for a group of lamps with emission textures or displays: the tables of connection take a lamp to
+/// shine alike from all of its places.
 fn uneven(world: &World, group: GroupId, verdict: Verdict) -> Verdict {
     let even = world.lamps.all().iter().filter(|lamp| lamp.group == group).all(|lamp| lamp.is_even());
     match verdict {
         Verdict::Connect { rest, because } if !even => {
-            own(rest, format!("{because}; a lamp has an emission texture, which connection does not know"))
+            own(rest, format!("{because}; a lamp has a picture, which connection does not know"))
         }
         Verdict::Own { .. } | Verdict::Connect { .. } | Verdict::Skip { .. } => verdict,
     }

@@ -1,0 +1,133 @@
+//! Prescriptions: sequential lens files of design programs, as surfaces one after the other.
+//!
+//! A reader ([`zmx`], [`seq`]) fills a [`Prescription`]; [`frames`] says where its surfaces stand, [`solids`] makes parts of the spaces
+//! between them, and [`sidecar`] the text that says what those are.
+
+mod frames;
+mod mesh;
+mod profile;
+mod seq;
+mod sidecar;
+mod sizes;
+mod solids;
+#[cfg(test)]
+mod tests;
+mod zmx;
+
+use super::{Assembly, files, text};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
+use crate::scene::Note;
+use std::path::Path;
+
+pub use profile::Profile;
+
+/// A sequential design, in the order in which light meets its surfaces; the first is the object, the last the image.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Prescription {
+    /// Metres per unit.
+    pub unit_m: f64,
+    pub surfaces: Vec<Surface>,
+    /// Diameter of the entrance pupil, if the file says it.
+    pub pupil: Option<f64>,
+    /// Focal length over the diameter of the pupil, if the file says that instead.
+    pub f_number: Option<f64>,
+    /// Largest field in x and y, degrees, if the file says it in angles.
+    pub field_deg: Option<[f64; 2]>,
+    /// nm
+    pub wavelength_nm: Option<f64>,
+    /// Makers whose glasses it names, the first first.
+    pub catalogues: Vec<String>,
+    pub notes: Vec<Note>,
+}
+
+/// A surface, and what comes after it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// Line of the file.
+    pub line: usize,
+    pub comment: String,
+    /// Turns and shifts the axes for itself and for all surfaces after it; such a surface is not met.
+    pub turn: Option<Turn>,
+    pub profile: Profile,
+    /// To the next surface along z.
+    pub thickness: f64,
+    pub after: After,
+    /// Half of the diameter that light uses; 0 if the file does not say.
+    pub semi_diameter: f64,
+    pub stop: bool,
+}
+
+/// What is behind a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub enum After {
+    Air,
+    /// It reflects; the medium goes on.
+    Mirror,
+    /// A glass by its name, with n_d and V_d if the file says them.
+    Glass {
+        name: String,
+        model: Option<[f64; 2]>,
+    },
+    /// n_d and V_d alone.
+    Model([f64; 2]),
+    /// A glass that the file itself defines: rows of nm and n, rising.
+    Private(Vec<[f64; 2]>),
+}
+
+/// Axes turned and shifted.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Turn {
+    pub shift: [f64; 3],
+    /// About x, y, z.
+    pub tilt_deg: [f64; 3],
+    /// Tilts about z, y, x come before the shift, instead of the shift before those about x, y, z.
+    pub tilts_first: bool,
+    /// Undoes all of that.
+    pub inverse: bool,
+}
+
+/// What a prescription becomes.
+#[derive(Debug, Clone)]
+pub struct Made {
+    /// Solids, mirrors and the image as meshes.
+    pub assembly: Assembly,
+    /// The sidecar that says what they are; the asset is called as asked.
+    pub text: String,
+    pub notes: Vec<Note>,
+}
+
+/// Whether a file is called as prescriptions are.
+pub fn is_prescription(path: &Path) -> bool {
+    matches!(super::extension(path).as_str(), "zmx" | "seq")
+}
+
+/// Reads the prescription at `path`.
+///
+/// # Errors
+/// It can't be read, or has what can't be traced: one line, with the line of the file.
+pub fn read(path: &Path) -> Result<Prescription> {
+    let bytes = files::read(path, &Where::Nowhere, "prescription")?;
+    let text = text::decoded(&bytes);
+    match super::extension(path).as_str() {
+        "zmx" => zmx::read(&text, path),
+        "seq" => seq::read(&text, path),
+        other => Err(Error::new(Where::file(path), format!("prescriptions in .{other} are not read"))
+            .expected("a lens file of Zemax OpticStudio (.zmx) or CODE V (.seq)")),
+    }
+}
+
+/// Parts and sidecar of the prescription at `path`; `asset` is what the sidecar calls the asset.
+///
+/// # Errors
+/// Those of [`read`]; surfaces that do not make up solids.
+pub fn make(path: &Path, asset: &str) -> Result<Made> {
+    let mut prescription = read(path)?;
+    sizes::fill(&mut prescription, path);
+    let frames = frames::frames(&prescription);
+    let design = solids::design(&prescription, &frames, path)?;
+    let text = sidecar::write(&prescription, &design, &frames, (path, asset))?;
+    let mut notes = prescription.notes;
+    notes.extend(design.notes);
+    Ok(Made { assembly: design.assembly, text, notes })
+}

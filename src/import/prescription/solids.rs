@@ -1,0 +1,255 @@
+//! Parts of a prescription: a solid for each space of glass, a sheet for each mirror, a disc for stop and image.
+
+use super::mesh::{around, cap, reaches, rim, shrunk};
+use super::{After, Prescription, Surface};
+use crate::base::error::Result;
+use crate::base::{Error, Where};
+use crate::scene::assembly::{MeshSource, Node};
+use crate::scene::{Mesh, Note, assembly::Assembly};
+use glam::{DAffine3, DVec3};
+use std::path::Path;
+
+/// A part, and what its faces are: indices of surfaces, or none of what is black.
+#[derive(Debug, Clone)]
+pub(super) struct LensPart {
+    pub name: String,
+    pub kind: Kind,
+    /// Per face: the surface that it is, or none for the rim.
+    pub faces: Vec<Option<usize>>,
+    /// The surface whose axes are the part's.
+    pub frame: usize,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Kind {
+    /// The surface that the glass is behind of.
+    Glass(usize),
+    Mirror,
+    /// Light that misses the hole ends here.
+    Stop,
+    Image,
+}
+
+pub(super) struct Design {
+    pub assembly: Assembly,
+    pub parts: Vec<LensPart>,
+    pub notes: Vec<Note>,
+    /// Where the eye stands: at the stop if light meets it first, else this far before the first surface.
+    pub eye_at: DVec3,
+}
+
+/// A surface that light meets, and what is behind it: none for air.
+struct Met<'p> {
+    index: usize,
+    surface: &'p Surface,
+    /// The surface that names the glass behind it.
+    glass: Option<usize>,
+}
+
+pub(super) fn design(prescription: &Prescription, frames: &[DAffine3], path: &Path) -> Result<Design> {
+    let met = met(prescription);
+    let [_, .., image] = met.as_slice() else {
+        return Err(Error::new(Where::file(path), "holds no lens").expected("surfaces between object and image"));
+    };
+    let optical = |met: &&Met<'_>| met.glass.is_some() || met.surface.after == After::Mirror;
+    let first = met.iter().find(optical).unwrap_or(image).index;
+    let stop = met.iter().find(|met| met.surface.stop).map(|met| met.index);
+    let mut notes = Vec::new();
+    let mut maker = Maker { frames, path, assembly: Assembly::default(), parts: Vec::new() };
+    let mut known: Vec<(DVec3, DVec3)> = Vec::new();
+    for pair in met.windows(2) {
+        let [front, back] = pair else { continue };
+        if front.glass.is_some() {
+            let ends = [front, back].map(|met| frames[met.index].translation);
+            // Light that comes back through a solid meets it again.
+            let near = |a: DVec3, b: DVec3| a.distance(b) <= 1e-9 * (1.0 + ends[0].distance(ends[1]));
+            let again = |(a, b): &(DVec3, DVec3)| {
+                near(*a, ends[1]) && near(*b, ends[0]) || near(*a, ends[0]) && near(*b, ends[1])
+            };
+            if !known.iter().any(again) {
+                known.push((ends[0], ends[1]));
+                maker.solid(front, back, &met)?;
+            }
+        }
+    }
+    for (place, mirror) in met.iter().enumerate().filter(|(_, met)| met.surface.after == After::Mirror) {
+        let before = place.checked_sub(1).and_then(|before| met.get(before));
+        if before.is_none_or(|before| before.glass.is_none()) && mirror.glass.is_none() {
+            maker.sheet(mirror, Kind::Mirror, [0.0, maker.radius(mirror.surface)?])?;
+        }
+    }
+    if let Some(stop) = met.iter().find(|met| Some(met.index) == stop && met.index > first && met.index != image.index)
+        && stop.glass.is_none()
+        && stop.surface.after == After::Air
+        && stop.surface.semi_diameter > 0.0
+        && !touches_glass(&met, stop.index)
+    {
+        let hole = stop.surface.semi_diameter;
+        maker.sheet(stop, Kind::Stop, [hole, 2.0 * hole])?;
+    }
+    if image.surface.semi_diameter > 0.0 {
+        maker.sheet(image, Kind::Image, [0.0, image.surface.semi_diameter])?;
+    } else {
+        let text = "the image has no size: nothing shines there".to_owned();
+        notes.push(Note::info(Where::Line { file: path.to_owned(), line: image.surface.line }, text));
+    }
+    let eye_at = match stop.filter(|stop| *stop < first) {
+        Some(stop) => frames[stop].translation,
+        None => {
+            let back = prescription.surfaces[first].semi_diameter.max(prescription.pupil.unwrap_or(0.0));
+            frames[first].transform_point3(DVec3::NEG_Z * 2.0 * back)
+        }
+    };
+    let Maker { mut assembly, parts, .. } = maker;
+    if parts.is_empty() {
+        return Err(Error::new(Where::file(path), "holds no lens and no mirror").expected("a glass or MIRROR"));
+    }
+    assembly.file = path.to_owned();
+    Ok(Design { assembly, parts, notes, eye_at })
+}
+
+/// Surfaces but the object and coordinate breaks, which are not met.
+fn met(prescription: &Prescription) -> Vec<Met<'_>> {
+    let mut medium = None;
+    let mut out = Vec::new();
+    for (index, surface) in prescription.surfaces.iter().enumerate().skip(1).filter(|(_, s)| s.turn.is_none()) {
+        match surface.after {
+            After::Air => medium = None,
+            After::Glass { .. } | After::Model(_) | After::Private(_) => medium = Some(index),
+            After::Mirror => {}
+        }
+        out.push(Met { index, surface, glass: medium });
+    }
+    if let Some(last) = out.last_mut() {
+        last.glass = None;
+    }
+    out
+}
+
+fn touches_glass(met: &[Met<'_>], index: usize) -> bool {
+    let place = met.iter().position(|met| met.index == index).unwrap_or(0);
+    met[place].glass.is_some() || place.checked_sub(1).is_some_and(|before| met[before].glass.is_some())
+}
+
+struct Maker<'p> {
+    frames: &'p [DAffine3],
+    path: &'p Path,
+    assembly: Assembly,
+    parts: Vec<LensPart>,
+}
+
+impl Maker<'_> {
+    fn fault(&self, surface: &Surface, what: &str) -> Box<Error> {
+        Error::new(Where::Line { file: self.path.to_owned(), line: surface.line }, what)
+    }
+
+    fn radius(&self, surface: &Surface) -> Result<f64> {
+        if surface.semi_diameter > 0.0 {
+            return Ok(surface.semi_diameter);
+        }
+        Err(self.fault(surface, "the surface has no size").expected("a semi-diameter (DIAM, CLAP or FLAP)"))
+    }
+
+    /// The solid between two surfaces: front, rim, back. Both end at the larger of their sizes, or where they meet.
+    fn solid(&mut self, front: &Met<'_>, back: &Met<'_>, met: &[Met<'_>]) -> Result<()> {
+        let to_front = self.frames[front.index].inverse() * self.frames[back.index];
+        // Cemented ones have one rim.
+        let place = met.iter().position(|met| met.index == front.index).unwrap_or(0);
+        let from = (0..place).rev().take_while(|i| met[*i].glass.is_some()).last().unwrap_or(place);
+        let to = (place..met.len()).take_while(|i| met[*i].glass.is_some()).last().unwrap_or(place) + 1;
+        let chain = met.get(from..=to).unwrap_or(&[]).iter();
+        let wanted = chain.map(|met| met.surface.semi_diameter).fold(0.0, f64::max);
+        let own = front.surface.semi_diameter.max(back.surface.semi_diameter);
+        if wanted <= 0.0 {
+            return Err(self
+                .fault(front.surface, "the glass has no size")
+                .expected("a semi-diameter (DIAM, CLAP or FLAP)"));
+        }
+        let ends = [&front.surface.profile, &back.surface.profile];
+        let thickness = to_front.translation.z;
+        let side = if thickness < 0.0 { -1.0 } else { 1.0 };
+        // What is between the faces at a radius, all around; none where one of them does not reach.
+        let open = |radius: f64| {
+            around(radius).all(|[x, y]| {
+                let [a, b] = ends.map(|profile| profile.sag(x, y));
+                let (Some(a), Some(b)) = (a, b) else { return false };
+                let [a, b] = [DVec3::new(x, y, a), to_front.transform_point3(DVec3::new(x, y, b))];
+                side * (b.z - a.z) > 0.0
+            })
+        };
+        let radius = [wanted, own].into_iter().find(|radius| open(*radius)).or_else(|| shrunk(own, open));
+        let Some(radius) = radius else {
+            return Err(self
+                .fault(front.surface, "the faces of this glass cross on the axis")
+                .expected("a thickness that keeps them apart"));
+        };
+        let name = named(
+            front.surface,
+            &format!("L{}", self.parts.iter().filter(|p| matches!(p.kind, Kind::Glass(_))).count() + 1),
+        );
+        let mut mesh = Mesh { name: name.clone(), ..Mesh::default() };
+        // Outwards is against the light at the front, with it at the back.
+        cap(&mut mesh, ends[0], &DAffine3::IDENTITY, [0.0, radius], -side);
+        let rims = [(ends[0], DAffine3::IDENTITY), (ends[1], to_front)];
+        rim(&mut mesh, &rims, radius, side);
+        cap(&mut mesh, ends[1], &to_front, [0.0, radius], side);
+        let faces = vec![Some(front.index), None, Some(back.index)];
+        let glass = front.glass.unwrap_or(front.index);
+        self.add(mesh, LensPart { name, kind: Kind::Glass(glass), faces, frame: front.index });
+        Ok(())
+    }
+
+    /// A surface by itself, between two radii; it looks towards the light.
+    fn sheet(&mut self, at: &Met<'_>, kind: Kind, range: [f64; 2]) -> Result<()> {
+        let base = match kind {
+            Kind::Mirror => format!("M{}", self.parts.iter().filter(|part| part.kind == Kind::Mirror).count() + 1),
+            Kind::Stop => "STOP".to_owned(),
+            Kind::Image => "IMAGE".to_owned(),
+            Kind::Glass(_) => "L".to_owned(),
+        };
+        let name = named(at.surface, &base);
+        let mut mesh = Mesh { name: name.clone(), ..Mesh::default() };
+        let Some(outer) = Some(range[1])
+            .filter(|r| reaches(&at.surface.profile, *r))
+            .or_else(|| shrunk(range[1], |r| reaches(&at.surface.profile, r)))
+        else {
+            return Err(self.fault(at.surface, "the surface does not exist off its axis").expected("a finite curve"));
+        };
+        // Light arrives along the way from the surface before.
+        let before = self.frames[..at.index].iter().rev().map(|frame| frame.translation);
+        let here = &self.frames[at.index];
+        let way = before.map(|from| here.translation - from).find(|way| way.length() > 0.0).unwrap_or(DVec3::Z);
+        let side = if here.matrix3.z_axis.dot(way) < 0.0 { 1.0 } else { -1.0 };
+        cap(&mut mesh, &at.surface.profile, &DAffine3::IDENTITY, [range[0].min(outer), outer], side);
+        self.add(mesh, LensPart { name, kind, faces: vec![Some(at.index)], frame: at.index });
+        Ok(())
+    }
+
+    fn add(&mut self, mesh: Mesh, part: LensPart) {
+        let at = Where::Part { path: part.name.clone(), face: None };
+        let count = mesh.faces.len();
+        self.assembly.nodes.push(Node {
+            name: part.name.clone(),
+            path: part.name.clone(),
+            parent: None,
+            local: self.frames[part.frame],
+            to_world: self.frames[part.frame],
+            mesh: Some(self.assembly.meshes.len()),
+            attributes: None,
+            at: at.clone(),
+        });
+        let (materials, attributes) = (vec![None; count], vec![None; count]);
+        self.assembly.meshes.push(MeshSource { mesh: mesh.into(), materials, attributes, at });
+        self.parts.push(part);
+    }
+}
+
+/// The part's name: what the file says of its surface behind a number of its own, so that no two are alike.
+fn named(surface: &Surface, base: &str) -> String {
+    let words: Vec<&str> = surface
+        .comment
+        .split(|c: char| !c.is_ascii_alphanumeric() && c != '-')
+        .filter(|word| !word.is_empty())
+        .collect();
+    if words.is_empty() { base.to_owned() } else { format!("{base}_{}", words.join("_")) }
+}
