@@ -40,9 +40,10 @@ impl Outline {
     /// edge is within `reach`, m.
     pub fn nearest(&self, place: DVec2, reach: f64) -> Option<(DVec2, DVec2)> {
         let mut nearest: Option<([f64; 2], DVec2, DVec2)> = None;
-        self.rim.near(place.extend(0.0), reach, |Edge([a, b])| {
+        let mut within = reach;
+        self.rim.nearer(place.extend(0.0), reach, |Edge([a, b])| {
             let (a, b) = (a.truncate(), b.truncate());
-            let Some(along) = (b - a).try_normalize() else { return };
+            let Some(along) = (b - a).try_normalize() else { return within };
             let off = place - a;
             let end = off - along * off.dot(along).clamp(0.0, a.distance(b));
             let inwards = along.perp();
@@ -50,7 +51,10 @@ impl Outline {
             let order = [end.length_squared(), -off.dot(inwards).abs()];
             if order[0] <= reach * reach && nearest.is_none_or(|(known, ..)| order < known) {
                 nearest = Some((order, a, inwards));
+                // Rounding must not part the two edges of a corner.
+                within = reach.min(end.length() * (1.0 + 1e-9));
             }
+            within
         });
         nearest.map(|(_, a, inwards)| (a, inwards))
     }

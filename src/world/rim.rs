@@ -218,12 +218,22 @@ impl Rim {
 
     /// Visits the edges whose boxes come within `radius` of a point, in a fixed order.
     pub fn near(&self, point: DVec3, radius: f64, mut visit: impl FnMut(Edge)) {
+        self.nearer(point, radius, |edge| {
+            visit(edge);
+            radius
+        });
+    }
+
+    /// The same where each visit says how near the next ones have to come.
+    pub fn nearer(&self, point: DVec3, mut radius: f64, mut visit: impl FnMut(Edge) -> f64) {
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
             let out = (node.lo - point).max(point - node.hi).max(DVec3::ZERO);
             let is_near = out.length_squared() <= radius * radius;
             if is_near && node.leaf {
-                self.edges[node.first as usize..node.end as usize].iter().for_each(|edge| visit(*edge));
+                for edge in &self.edges[node.first as usize..node.end as usize] {
+                    radius = visit(*edge);
+                }
             }
             at = if is_near && !node.leaf { at + 1 } else { node.next as usize };
         }

@@ -13,7 +13,6 @@ mod over_pixel;
 
 use super::film_grid::FilmGrid;
 use super::receiver::{Crossing, SLIDES};
-use super::seeds::MOST_SHEETS;
 use super::seeds::connections::Connections;
 use super::solver::bicubic::Spot;
 use crate::base::lpe::LpeState;
@@ -107,14 +106,22 @@ impl<M: Mode> FilmTables<M> {
         self.tables.get(entry).map_or(1.0, |table| table.uses[spot.cell].share)
     }
 
-    /// What the branches of an entry bring to a pixel whose middle is there. `off`: place on the lamp from its middle, m; `size`:
-    /// of the lamp, m.
-    pub(super) fn read(&self, world: &World, entry: usize, spot: &Spot, (off, size): (DVec2, f64)) -> Read<M> {
-        let mut read = Read { branches: ArrayVec::new(), at_rim: false };
-        let Some(table) = self.tables.get(entry) else { return read };
+    /// Adds what the branches of an entry bring to a pixel whose middle is there: for one point of the lamp, and for all of them
+    /// where what is seen changes much from one to the other. Returns whether that is at the rim of a slide's picture, of the
+    /// pupil, or of a face of the train. `off`: place on the lamp from its middle, m; `size`: of the lamp, m.
+    pub(super) fn read(
+        &self,
+        world: &World,
+        entry: usize,
+        spot: &Spot,
+        (off, size): (DVec2, f64),
+        branches: &mut Vec<(OverPixel<M>, Option<Box<OverLamp<M>>>)>,
+    ) -> bool {
+        let mut at_rim = false;
+        let Some(table) = self.tables.get(entry) else { return at_rim };
         let Use { aside, rim, pupil_rim, mask_reach, .. } = table.uses[spot.cell];
         let radius = world.eye.pupil_radius_m();
-        let Some(spot) = self.over.nodes.aside(*spot, aside) else { return read };
+        let Some(spot) = self.over.nodes.aside(*spot, aside) else { return at_rim };
         let cells = self.over.by_pixel(world);
         for nodes in &table.branches {
             let mut edges = ArrayVec::new();
@@ -127,25 +134,14 @@ impl<M: Mode> FilmTables<M> {
             let at = |off: DVec2| OverPixel::read(nodes, &spot, cells, off);
             let Some(mut over) = at(off) else { continue };
             over.edges = edges.iter().map(|edge| edge.at(off)).collect();
-            read.at_rim |= !edges.is_empty();
-            read.at_rim |= (over.pupil.length() - radius).abs() <= pupil_rim * radius + over.pupil_reach;
-            read.at_rim |=
-                over.footprints.iter().any(|footprint| footprint.to_rim(&world.slides[footprint.slide]) <= rim);
-            let over_lamp = if edges.is_empty() { None } else { OverLamp::read(at, edges, size) };
-            if read.branches.try_push((over, over_lamp)).is_err() {
-                break;
-            }
+            at_rim |= !edges.is_empty();
+            at_rim |= (over.pupil.length() - radius).abs() <= pupil_rim * radius + over.pupil_reach;
+            at_rim |= over.footprints.iter().any(|footprint| footprint.to_rim(&world.slides[footprint.slide]) <= rim);
+            let over_lamp = if edges.is_empty() { None } else { OverLamp::read(at, edges, size).map(Box::new) };
+            branches.push((over, over_lamp));
         }
-        read
+        at_rim
     }
-}
-
-/// What a table says of a pixel.
-pub(super) struct Read<M: Mode> {
-    /// For one point of the lamp; and for all, where what is seen of it changes much from one to the other.
-    pub(super) branches: ArrayVec<(OverPixel<M>, Option<OverLamp<M>>), MOST_SHEETS>,
-    /// Whether that is at the rim of a slide's picture, of the pupil, or of a face of the train.
-    pub(super) at_rim: bool,
 }
 
 type Places = ArrayVec<(usize, DVec3), SLIDES>;

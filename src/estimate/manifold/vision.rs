@@ -8,7 +8,7 @@
 
 use super::eye_subpath;
 use super::eye_table::EyeTable;
-use super::film_table::{FilmTables, OverPixel};
+use super::film_table::{FilmTables, OverLamp, OverPixel};
 use super::receiver::Receivers;
 use super::seeds::MOST_SHEETS;
 use super::seeds::bands::Bands;
@@ -53,6 +53,9 @@ pub struct Manifold<'w, M: Mode> {
     edges: Vec<bool>,
     pub(super) seed: u64,
 }
+
+/// What a pixel fills anew for every lamp and train.
+type Scratch<M> = (Vec<Root>, Vec<(OverPixel<M>, Option<Box<OverLamp<M>>>)>);
 
 impl<'w, M: Mode> Manifold<'w, M> {
     pub fn new(
@@ -101,7 +104,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
                 let mut total = Ledger::new(parts);
                 let mut scratch = Ledger::new(parts);
                 let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
-                let mut roots = Vec::new();
+                let mut scratches = (Vec::new(), Vec::new());
                 for (pass, optics) in &optics {
                     let (mut ledger, before) = (Ledger::new(parts), scratch.work);
                     for x in (0..width).filter(|x| self.world.eye.wants([*x, *y])) {
@@ -111,7 +114,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
                         for k in 0..times {
                             let once = Pixel { pass: pass.wrapping_mul(times).wrapping_add(k), ..pixel };
                             let books = (&mut ledger, &mut scratch);
-                            self.pixel(optics, (once, times as f64), &mut light, &mut roots, books);
+                            self.pixel(optics, (once, times as f64), &mut light, &mut scratches, books);
                         }
                         if !screens.is_empty() {
                             eye_subpath::look(self, (optics, screens), pixel, &mut light, (&mut ledger, &mut scratch));
@@ -136,7 +139,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         optics: &Optics<M>,
         (pixel, times): (Pixel, f64),
         out: &mut [Light],
-        roots: &mut Vec<Root>,
+        (roots, branches): &mut Scratch<M>,
         (ledger, scratch): (&mut Ledger, &mut Ledger),
     ) {
         let at: [f64; 4] = pixel.start(self.seed, Stream::Connection, pixel.pass);
@@ -157,13 +160,16 @@ impl<'w, M: Mode> Manifold<'w, M> {
             let middle = entry.starts.middle();
             let off = middle.local(point.position - middle.point);
             // Where a table is of no use it need not be read.
-            let read = spot.as_ref().filter(|_| share < 1.0 && all_of_pixel.has(index));
-            let read = read.map(|(tables, spot)| tables.read(self.world, index, spot, (off, entry.starts.size())));
+            branches.clear();
+            let useful = spot.as_ref().filter(|_| share < 1.0 && all_of_pixel.has(index));
+            let size = entry.starts.size();
+            let at_rim =
+                useful.is_some_and(|(tables, spot)| tables.read(self.world, index, spot, (off, size), branches));
             // What the table says of all of the pixel. Where that is more than one piece of a picture the solver is always asked:
             // at an edge it differs most from the table.
-            let mut share = if read.as_ref().is_some_and(|read| read.at_rim) { 1.0 } else { share };
+            let mut share = if at_rim { 1.0 } else { share };
             let mut means: ArrayVec<M::Lanes<Light>, MOST_SHEETS> = ArrayVec::new();
-            for (over, over_lamp) in read.iter().flat_map(|read| &read.branches) {
+            for (over, over_lamp) in branches.iter() {
                 let mut mean = lanes::<M, _>(|_| Light::default());
                 match over_lamp {
                     None => {
@@ -183,14 +189,15 @@ impl<'w, M: Mode> Manifold<'w, M> {
                         }
                     }
                 }
-                means.push(mean);
+                // There are no more branches than that.
+                let _ = means.try_push(mean);
             }
             let chance = connections.chance(entry) * share;
             let solved = chance >= 1.0 || choices.uniform() < chance;
             ledger.work += cost::READ;
             // Less what it says of this place where the solver is asked about it.
             let less = if solved { weight / chance } else { 0.0 };
-            for ((over, _), mut light) in read.iter().flat_map(|read| &read.branches).zip(means) {
+            for ((over, _), mut light) in branches.iter().zip(means) {
                 let Some(share) = self.route.from_eye(lamp.group, over.trail) else { continue };
                 let plane = self.route.plane_from_eye(share, over.told, lamp.group, Source::Face);
                 let inside = less != 0.0 && over.pupil.length() <= self.world.eye.pupil_radius_m();
