@@ -4,6 +4,7 @@
 use crate::common::*;
 use eyebox::base::Complex;
 use eyebox::base::colour::{self, XYZ_TO_REC709, apply};
+use eyebox::base::ids::SlideId;
 use eyebox::base::stats::Moments;
 use eyebox::check::check;
 use eyebox::estimate::run::{Limits, run};
@@ -94,6 +95,28 @@ fn through(spectrum: &Spectrum, transmittance: impl Fn(f64) -> f64) -> [f64; 3] 
 }
 
 const LED: Spectrum = Spectrum::Led(Led::B3);
+
+/// A display shows each primary of its picture at its share of white's.
+#[test]
+fn displays_have_the_colours_of_their_pictures() {
+    let mut s = visible();
+    panel(&mut s, Spectrum::D65);
+    let rgb = [0.8f32, 0.3, 0.1];
+    let pixels = 4;
+    s.slides.push(Slide {
+        width: 2,
+        height: 2,
+        pixels: vec![0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; pixels].into(),
+        rgb: Some(vec![rgb; pixels].into()),
+        size: [4.0, 4.0],
+        transmittance: 0.5,
+        ..mottled_slide(20.0)
+    });
+    s.parts[0].faces[0].slide = Some(SlideId::from_index(0));
+    let white = through(&Spectrum::D65, |_| 1.0);
+    let want: [f64; 3] = std::array::from_fn(|c| white[c] * 0.5 * (0.05 + 0.95 * f64::from(rgb[c])));
+    assert_colour("display", colour_of(&s, BACKWARD, &spectral(Spectral::Rgb), 16), want, 2e-3);
+}
 
 /// A lamp seen directly has its colour, whatever the mode.
 #[test]
