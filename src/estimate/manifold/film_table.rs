@@ -24,6 +24,7 @@ use arrayvec::ArrayVec;
 use glam::{DMat2, DVec2, DVec3};
 use make::Maker;
 use masks::{Hidden, MASKS};
+use over_pixel::Crossed;
 pub(super) use over_pixel::{OverLamp, OverPixel};
 use rayon::prelude::*;
 
@@ -124,6 +125,12 @@ impl<M: Mode> FilmTables<M> {
         let Some(spot) = self.over.nodes.aside(*spot, aside) else { return at_rim };
         let cells = self.over.by_pixel(world);
         for nodes in &table.branches {
+            let Some(crossed) = Crossed::read(nodes, &spot, cells) else { continue };
+            // Most lamps are seen beside the pupil.
+            let beside = (1.0 + pupil_rim) * radius + crossed.reach();
+            if crossed.middle().length() > beside + crossed.spread(size) {
+                continue;
+            }
             let mut edges = ArrayVec::new();
             if mask_reach != [0.0; MASKS] {
                 match masks::cut(world, (nodes, &table.masks), (&spot, cells), size, &mask_reach) {
@@ -131,11 +138,14 @@ impl<M: Mode> FilmTables<M> {
                     Some(Hidden::Beyond(cut)) => edges = cut,
                 }
             }
-            let at = |off: DVec2| OverPixel::read(nodes, &spot, cells, off);
+            if edges.is_empty() && crossed.at(off).length() > beside {
+                continue;
+            }
+            let at = |off: DVec2| OverPixel::read(nodes, &crossed, (&spot, cells), off);
             let Some(mut over) = at(off) else { continue };
             over.edges = edges.iter().map(|edge| edge.at(off)).collect();
             at_rim |= !edges.is_empty();
-            at_rim |= (over.pupil.length() - radius).abs() <= pupil_rim * radius + over.pupil_reach;
+            at_rim |= (over.pupil.length() - radius).abs() <= pupil_rim * radius + crossed.reach();
             at_rim |= over.footprints.iter().any(|footprint| footprint.to_rim(&world.slides[footprint.slide]) <= rim);
             let over_lamp = if edges.is_empty() { None } else { OverLamp::read(at, edges, size).map(Box::new) };
             branches.push((over, over_lamp));

@@ -217,7 +217,7 @@ impl<M: Mode> Maker<'_, M> {
             let whole = lit.iter().all(|nodes| spot.nodes().all(|(node, _)| nodes[node].is_some()));
             whole.then_some((aside, spot))
         });
-        let (mask_reach, unsure) = self.mask_reach(tables, &lit, masks, &corners);
+        let (mask_reach, unsure) = self.mask_reach(tables, entry.starts.size(), (&lit, masks), &corners);
         let edges = (masks, unsure);
         let off =
             known.and_then(|(aside, spot)| Some((aside, self.error(tables.over.film(at), entry, &lit, &spot, edges)?)));
@@ -245,19 +245,26 @@ impl<M: Mode> Maker<'_, M> {
     fn mask_reach(
         &self,
         tables: &FilmTables<M>,
-        branches: &[&Nodes<M>],
-        masks: &[(u32, u32)],
+        size: f64,
+        (branches, masks): (&[&Nodes<M>], &[(u32, u32)]),
         corners: &[usize],
     ) -> ([f64; MASKS], f64) {
         let (mut reach, mut unsure) = ([0.0; MASKS], 0.0f64);
         for (k, mask) in masks.iter().enumerate() {
             for nodes in branches {
-                let place = |node: &usize| nodes[*node].as_ref().and_then(|node| Some(node.masks.get(k)?.local));
-                let known: Vec<DVec3> = corners.iter().filter_map(place).collect();
-                let apart = known.iter().flat_map(|a| known.iter().map(|b| a.distance(*b))).fold(0.0, f64::max);
-                let near = |place: &DVec3| masks::inside(self.world, &[*mask], &[*place], 2.0 * apart).is_some();
-                if apart > 0.0 && known.iter().any(near) {
-                    reach[k] = f64::max(reach[k], 4.0 * apart);
+                let crossing = |node: &usize| nodes[*node].as_ref()?.masks.get(k);
+                let known: Vec<&Crossing> = corners.iter().filter_map(crossing).collect();
+                let places = || known.iter().map(|crossing| crossing.local);
+                let apart = places().flat_map(|a| places().map(move |b| a.distance(b))).fold(0.0, f64::max);
+                let blur = |crossing: &&Crossing| size * crossing.by_lamp.iter().map(|by| by.length()).sum::<f64>();
+                let blur = known.iter().map(blur).fold(0.0, f64::max);
+                // No place of the cell is farther from a corner than half of its diagonal.
+                let inside = |place: DVec3, reach: f64| masks::inside(self.world, &[*mask], &[place], reach);
+                let hidden = places().any(|place| inside(place, 0.0).is_some_and(|inside| inside < 0.0));
+                let near = places().any(|place| inside(place, 0.75 * apart + blur).is_some());
+                if apart > 0.0 && (hidden || near) {
+                    let cells = if hidden { 2.0 + BEYOND as f64 } else { 1.5 };
+                    reach[k] = f64::max(reach[k], cells * apart + blur);
                     unsure = unsure.max(MASK_PIXELS * apart / tables.over.pixels);
                 }
             }

@@ -11,13 +11,12 @@ use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
 use crate::world::slide::footprint::{Brightness, Edge, Footprint};
 use arrayvec::ArrayVec;
-use glam::{DVec2, DVec3};
+use glam::{DMat2, DVec2, DVec3};
 
 /// A branch over a pixel; places within it are from its middle, in pixels to the right and down.
 pub(in crate::estimate::manifold) struct OverPixel<M: Mode> {
-    /// Place in the pupil of the light that comes to the middle, m; and how far from there others of the pixel may lie.
+    /// Place in the pupil of the light that comes to the middle, m.
     pub(in crate::estimate::manifold) pupil: DVec2,
-    pub(super) pupil_reach: f64,
     /// cd/m², with the slides open.
     pub(in crate::estimate::manifold) brightness: Brightness<M>,
     pub(in crate::estimate::manifold) footprints: ArrayVec<Footprint, SLIDES>,
@@ -28,11 +27,58 @@ pub(in crate::estimate::manifold) struct OverPixel<M: Mode> {
     pub(in crate::estimate::manifold) told: LpeState,
 }
 
+/// Where light that comes to a pixel crosses the pupil, m, and how that moves.
+pub(super) struct Crossed {
+    middle: DVec2,
+    by_lamp: DMat2,
+    by_pixel: [DVec2; 2],
+}
+
+impl Crossed {
+    /// None where a node is missing. `cells`: from one pixel to the next.
+    pub(super) fn read<M: Mode>(nodes: &[Option<Node<M>>], spot: &Spot, cells: DVec2) -> Option<Crossed> {
+        let (mut middle, mut by_lamp, mut by_pixel) = (DVec2::ZERO, DMat2::ZERO, [DVec2::ZERO; 2]);
+        for (node, weight, slope) in spot.nodes_with_slopes() {
+            let node = nodes[node].as_ref()?;
+            let by = slope * cells;
+            middle += weight * node.pupil;
+            by_lamp += weight * node.pupil_by;
+            by_pixel[0] += by.x * node.pupil;
+            by_pixel[1] += by.y * node.pupil;
+        }
+        Some(Crossed { middle, by_lamp, by_pixel })
+    }
+
+    /// For the middle of the lamp.
+    pub(super) fn middle(&self) -> DVec2 {
+        self.middle
+    }
+
+    /// For a point of the lamp.
+    pub(super) fn at(&self, off: DVec2) -> DVec2 {
+        self.middle + self.by_lamp * off
+    }
+
+    /// How far from there that of other places of the pixel may lie.
+    pub(super) fn reach(&self) -> f64 {
+        0.5 * (self.by_pixel[0].length() + self.by_pixel[1].length())
+    }
+
+    /// How far from the middle that of any point of the lamp may lie.
+    pub(super) fn spread(&self, size_m: f64) -> f64 {
+        size_m * (self.by_lamp.x_axis.length() + self.by_lamp.y_axis.length())
+    }
+}
+
 impl<M: Mode> OverPixel<M> {
     /// None where a node is missing or they do not cross the same slides. `cells`: from one pixel to the next.
-    pub(super) fn read(nodes: &[Option<Node<M>>], spot: &Spot, cells: DVec2, off: DVec2) -> Option<OverPixel<M>> {
+    pub(super) fn read(
+        nodes: &[Option<Node<M>>],
+        crossed: &Crossed,
+        (spot, cells): (&Spot, DVec2),
+        off: DVec2,
+    ) -> Option<OverPixel<M>> {
         let near = nodes[spot.cell].as_ref()?;
-        let (mut pupil, mut pupil_by) = (DVec2::ZERO, [DVec2::ZERO; 2]);
         let none = lanes::<M, _>(|_| 0.0);
         let mut brightness = Brightness::<M> { middle: none, by: [none; 2] };
         let flat = |slide| Footprint { slide, at: DVec3::ZERO, by: [DVec3::ZERO; 2] };
@@ -43,10 +89,6 @@ impl<M: Mode> OverPixel<M> {
                 return None;
             }
             let by = slope * cells;
-            let place = node.pupil + node.pupil_by * off;
-            pupil += weight * place;
-            pupil_by[0] += by.x * place;
-            pupil_by[1] += by.y * place;
             for lane in 0..M::LANES {
                 let [by_x, by_y] = node.strength_by.map(|by| by[lane]);
                 let strength = node.strength[lane] + by_x * off.x + by_y * off.y;
@@ -61,9 +103,9 @@ impl<M: Mode> OverPixel<M> {
                 footprint.by[1] += by.y * at;
             }
         }
-        let pupil_reach = 0.5 * (pupil_by[0].length() + pupil_by[1].length());
+        let pupil = crossed.at(off);
         let (alone, trail, told) = (near.alone, near.trail, near.told);
-        Some(OverPixel { pupil, pupil_reach, brightness, footprints, edges: ArrayVec::new(), alone, trail, told })
+        Some(OverPixel { pupil, brightness, footprints, edges: ArrayVec::new(), alone, trail, told })
     }
 
     /// What comes to a place within the pixel; none beside a slide's picture.
@@ -124,7 +166,6 @@ impl<M: Mode> OverLamp<M> {
         };
         OverPixel {
             pupil: (1.0 - x - y) * middle.pupil + x * a.pupil + y * b.pupil,
-            pupil_reach: middle.pupil_reach,
             brightness,
             footprints: (0..middle.footprints.len()).map(footprint).collect(),
             edges: edges.iter().map(|edge| edge.at(off)).collect(),
