@@ -23,7 +23,7 @@ use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
 use glam::{DMat2, DVec2, DVec3};
 use make::Maker;
-use masks::{Hidden, MASKS};
+use masks::{Hidden, MASKS, Mask};
 use over_pixel::Crossed;
 pub(super) use over_pixel::{OverLamp, OverPixel};
 use rayon::prelude::*;
@@ -49,7 +49,7 @@ struct Node<M: Mode> {
 #[derive(Debug)]
 pub struct FilmTable<M: Mode> {
     /// Faces of the train that the picture ends at.
-    masks: ArrayVec<(u32, u32), MASKS>,
+    masks: ArrayVec<Mask, MASKS>,
     /// Nodes of each branch.
     branches: Vec<Vec<Option<Node<M>>>>,
     /// Per cell.
@@ -116,7 +116,7 @@ impl<M: Mode> FilmTables<M> {
         entry: usize,
         spot: &Spot,
         (off, size): (DVec2, f64),
-        branches: &mut Vec<(OverPixel<M>, Option<Box<OverLamp<M>>>)>,
+        branches: &mut Vec<Branch<M>>,
     ) -> bool {
         let mut at_rim = false;
         let Some(table) = self.tables.get(entry) else { return at_rim };
@@ -133,7 +133,7 @@ impl<M: Mode> FilmTables<M> {
             }
             let mut edges = ArrayVec::new();
             if mask_reach != [0.0; MASKS] {
-                match masks::cut(world, (nodes, &table.masks), (&spot, cells), size, &mask_reach) {
+                match masks::cut(world, nodes, (&table.masks, &mask_reach), (&spot, cells), size) {
                     None | Some(Hidden::All) => continue,
                     Some(Hidden::Beyond(cut)) => edges = cut,
                 }
@@ -153,6 +153,9 @@ impl<M: Mode> FilmTables<M> {
         at_rim
     }
 }
+
+/// A branch over a pixel for one point of the lamp, and for all where what is seen of it changes much from one to the other.
+pub(super) type Branch<M> = (OverPixel<M>, Option<Box<OverLamp<M>>>);
 
 type Places = ArrayVec<(usize, DVec3), SLIDES>;
 

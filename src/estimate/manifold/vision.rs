@@ -8,7 +8,7 @@
 
 use super::eye_subpath;
 use super::eye_table::EyeTable;
-use super::film_table::{FilmTables, OverLamp, OverPixel};
+use super::film_table::{Branch, FilmTables, OverPixel};
 use super::receiver::Receivers;
 use super::seeds::MOST_SHEETS;
 use super::seeds::bands::Bands;
@@ -37,7 +37,7 @@ use std::sync::Arc;
 /// The sides of a pixel, within it: on the line itself rounding would say that it reaches into the next cell.
 const INSIDE: [f64; 2] = [1e-9, 1.0 - 1e-9];
 /// Points of a lamp that tables are asked about in a pass where what is seen of it changes much from one to the other.
-const POINTS: u64 = 64;
+const POINTS: u64 = 16;
 
 /// The estimator, ready to run passes.
 pub struct Manifold<'w, M: Mode> {
@@ -55,7 +55,7 @@ pub struct Manifold<'w, M: Mode> {
 }
 
 /// What a pixel fills anew for every lamp and train.
-type Scratch<M> = (Vec<Root>, Vec<(OverPixel<M>, Option<Box<OverLamp<M>>>)>);
+type Scratch<M> = (Vec<Root>, Vec<Branch<M>>);
 
 impl<'w, M: Mode> Manifold<'w, M> {
     pub fn new(

@@ -1,6 +1,6 @@
 //! How the tables are filled: node by node from the solver's starts, and cell by cell on trial.
 
-use super::masks::{self, MASKS};
+use super::masks::{self, MASKS, Mask};
 use super::{FilmTable, FilmTables, Node, Places, Use, blend, through_slides};
 use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
@@ -58,6 +58,9 @@ struct Found<M: Mode> {
 /// A branch's nodes over the picture.
 type Nodes<M> = Vec<Option<Node<M>>>;
 
+/// A node, and where it meets the faces of the train.
+type Met<M> = Option<(Node<M>, Vec<Crossing>)>;
+
 pub(super) struct Maker<'m, M: Mode> {
     pub(super) world: &'m World,
     pub(super) optics: &'m Optics<M>,
@@ -72,11 +75,11 @@ impl<M: Mode> Maker<'_, M> {
         };
         let over = &tables.over.nodes;
         let of_branch = |branch: usize| (0..over.number()).map(|at| node(branch, at)).collect();
-        let found: Vec<Vec<Option<(Node<M>, Vec<Crossing>)>>> = (0..entry.starts.branches()).map(of_branch).collect();
+        let found: Vec<Vec<Met<M>>> = (0..entry.starts.branches()).map(of_branch).collect();
         let train = &self.connections.trains[entry.train];
         let mut chosen = ArrayVec::<usize, MASKS>::new();
         for nodes in &found {
-            let places = |node: &Option<(Node<M>, Vec<Crossing>)>| {
+            let places = |node: &Met<M>| {
                 node.as_ref().map(|(_, met)| met.iter().map(|crossing| crossing.local).collect::<Vec<_>>())
             };
             let places: Vec<_> = nodes.iter().map(places).collect();
@@ -86,15 +89,14 @@ impl<M: Mode> Maker<'_, M> {
                 }
             }
         }
-        let masks: ArrayVec<(u32, u32), MASKS> =
+        let masks: ArrayVec<Mask, MASKS> =
             chosen.iter().map(|k| (train.0[*k].link.part, train.0[*k].link.face)).collect();
         let masked = |(mut node, met): (Node<M>, Vec<Crossing>)| {
             node.masks = chosen.iter().filter_map(|k| met.get(*k).cloned()).collect();
             (node.masks.len() == chosen.len()).then_some(node)
         };
-        let masked_all = |nodes: Vec<Option<(Node<M>, Vec<Crossing>)>>| -> Nodes<M> {
-            nodes.into_iter().map(|node| node.and_then(masked)).collect()
-        };
+        let masked_all =
+            |nodes: Vec<Met<M>>| -> Nodes<M> { nodes.into_iter().map(|node| node.and_then(masked)).collect() };
         let mut branches: Vec<Nodes<M>> = found.into_iter().map(masked_all).collect();
         let solved = |at: usize| branches.iter().any(|nodes: &Nodes<M>| nodes[at].is_some());
         let solved: Vec<bool> = (0..tables.over.nodes.number()).map(solved).collect();
@@ -182,7 +184,7 @@ impl<M: Mode> Maker<'_, M> {
 
     /// Adds nodes just beyond the edge of a slide's picture, or the outline of a face, by cubics through the four next to them along a row or a
     /// column: picture and outline themselves say where they end.
-    fn complete(&self, tables: &FilmTables<M>, nodes: &mut [Option<Node<M>>], masks: &[(u32, u32)]) {
+    fn complete(&self, tables: &FilmTables<M>, nodes: &mut [Option<Node<M>>], masks: &[Mask]) {
         let beyond = |at: usize| {
             let lines = tables.over.nodes.lines(at);
             let found = lines.into_iter().flatten().find_map(|line| {
@@ -205,7 +207,7 @@ impl<M: Mode> Maker<'_, M> {
         &self,
         tables: &FilmTables<M>,
         entry: &Entry,
-        (branches, masks, solved): (&[Nodes<M>], &[(u32, u32)], &[bool]),
+        (branches, masks, solved): (&[Nodes<M>], &[Mask], &[bool]),
         cell: usize,
     ) -> Use {
         let corners = tables.over.nodes.corners(cell);
@@ -246,7 +248,7 @@ impl<M: Mode> Maker<'_, M> {
         &self,
         tables: &FilmTables<M>,
         size: f64,
-        (branches, masks): (&[&Nodes<M>], &[(u32, u32)]),
+        (branches, masks): (&[&Nodes<M>], &[Mask]),
         corners: &[usize],
     ) -> ([f64; MASKS], f64) {
         let (mut reach, mut unsure) = ([0.0; MASKS], 0.0f64);
@@ -294,7 +296,7 @@ impl<M: Mode> Maker<'_, M> {
         entry: &Entry,
         branches: &[&Nodes<M>],
         spot: &Spot,
-        (masks, unsure): (&[(u32, u32)], f64),
+        (masks, unsure): (&[Mask], f64),
     ) -> Option<f64> {
         let size = entry.starts.size();
         let mut worst = 0f64;

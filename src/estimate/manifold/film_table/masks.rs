@@ -10,6 +10,9 @@ use crate::world::slide::footprint::Edge;
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
+/// A face whose outline ends the picture, as (part, face).
+pub(super) type Mask = (u32, u32);
+
 /// Most faces of a train whose outlines are kept.
 pub(super) const MASKS: usize = 2;
 /// An outline that is so near to a pixel, in the pixel's own extent, may cut it.
@@ -41,8 +44,8 @@ pub(super) fn of_train(
 }
 
 /// How far inside of all outlines places lie, m, and none where one is beyond `reach` of them: then it is far.
-pub(super) fn inside(world: &World, masks: &[(u32, u32)], places: &[DVec3], reach: f64) -> Option<f64> {
-    let of_mask = |((part, face), place): (&(u32, u32), &DVec3)| {
+pub(super) fn inside(world: &World, masks: &[Mask], places: &[DVec3], reach: f64) -> Option<f64> {
+    let of_mask = |((part, face), place): (&Mask, &DVec3)| {
         let outline = world.rims.outline(*part, *face)?;
         outline.inside(*place, if reach > 0.0 { reach } else { outline.size_m() })
     };
@@ -72,10 +75,10 @@ pub(super) enum Hidden {
 /// How the outlines of masks cut a pixel whose middle is at a spot. None where the nodes do not know.
 pub(super) fn cut<M: Mode>(
     world: &World,
-    (nodes, masks): (&[Option<Node<M>>], &[(u32, u32)]),
+    nodes: &[Option<Node<M>>],
+    (masks, reach): (&[Mask], &[f64; MASKS]),
     (spot, cells): (&Spot, DVec2),
     lamp_size: f64,
-    reach: &[f64; MASKS],
 ) -> Option<Hidden> {
     let mut edges = ArrayVec::new();
     for (k, (part, face)) in masks.iter().enumerate().filter(|(k, _)| reach[*k] > 0.0) {
