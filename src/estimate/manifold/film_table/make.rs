@@ -1,14 +1,13 @@
-//! How the tables are filled: node by node from the solver's starts, and cell by cell on trial.
+//! How the tables are filled, node by node from the solver's starts.
 
 use super::masks::{self, MASKS, Mask};
-use super::{FilmTable, FilmTables, Node, Places, Use, blend, through_slides};
+use super::{FilmTable, FilmTables, Node, Places, Use};
 use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::receiver::Crossing;
 use crate::estimate::manifold::seeds::connections::{Connections, Entry, index_of};
-use crate::estimate::manifold::solver::bicubic::{SIDES, Spot};
 use crate::estimate::manifold::solver::newton::{Family, Root, Target, newton};
 use crate::estimate::walk::{Travel, Walker};
 use crate::world::World;
@@ -20,43 +19,27 @@ use crate::world::surface::Surface;
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
-/// The difference from the solved connection is looked at with this probability where the table did well on trial (less
-/// would save little more, and make what no trial saw bright and rare),
-const LEAST: f64 = 1.0 / 8.0;
-/// and always where it was off by this share.
-const POOR: f64 = 0.01;
-/// A place on a slide that is off by a share of the slide's size counts so many times: pictures have edges.
-const SHARP: f64 = 100.0;
 /// How far from a lamp's middle tables are tried and differences taken, in radii: within a square lamp.
-const ASIDE: f64 = 0.6;
-/// So near to the rim of a slide's picture, in pixels, and in errors of the places that a trial has shown, tables are not used.
-const RIM_PIXELS: f64 = 0.25;
-const RIM_ERRORS: f64 = 4.0;
-/// The same of the pupil's rim, in its radii, at the least.
-const PUPIL_RIM: f64 = 0.01;
-/// So near to the outline of a face, in pixels, nodes and solver may differ on whether it is met.
-const MASK_PIXELS: f64 = 0.25;
-/// Where a cell at the end of the light is tried beside its middle, in cells from there.
-const QUARTERS: [[f64; 2]; 4] = [[-0.4, -0.4], [0.4, -0.4], [-0.4, 0.4], [0.4, 0.4]];
+pub(super) const ASIDE: f64 = 0.6;
 /// Nodes that are added beyond a slide's edge, so that the cells across it have all sixteen.
-const BEYOND: usize = 2;
+pub(super) const BEYOND: usize = 2;
 /// Solutions farther than this from the pupil's middle, in radii, are of no use to a table.
 const FAR: f64 = 3.0;
 
 /// A solution, followed.
-struct Found<M: Mode> {
-    root: Root,
-    strength: M::Lanes<f64>,
+pub(super) struct Found<M: Mode> {
+    pub(super) root: Root,
+    pub(super) strength: M::Lanes<f64>,
     trail: Trail,
     told: LpeState,
     alone: bool,
-    slides: Places,
+    pub(super) slides: Places,
     /// Where each face of the train is met, recentred world, m.
     met: Vec<DVec3>,
 }
 
 /// A branch's nodes over the picture.
-type Nodes<M> = Vec<Option<Node<M>>>;
+pub(super) type Nodes<M> = Vec<Option<Node<M>>>;
 
 /// A node, and where it meets the faces of the train.
 type Met<M> = Option<(Node<M>, Vec<Crossing>)>;
@@ -111,7 +94,7 @@ impl<M: Mode> Maker<'_, M> {
     }
 
     /// The solution near a start, followed; none where there is none, or something else stands in the way.
-    fn found(&self, entry: &Entry, film: DVec2, start: DVec2, off: DVec2) -> Option<Found<M>> {
+    pub(super) fn found(&self, entry: &Entry, film: DVec2, start: DVec2, off: DVec2) -> Option<Found<M>> {
         let (world, optics, middle) = (self.world, self.optics, entry.starts.middle());
         let target = Target { point: middle.point + middle.across[0] * off.x + middle.across[1] * off.y, ..*middle };
         let train = &self.connections.trains[entry.train];
@@ -199,138 +182,6 @@ impl<M: Mode> Maker<'_, M> {
         };
         let added: Vec<_> = (0..nodes.len()).filter(|at| nodes[*at].is_none()).filter_map(beyond).collect();
         added.into_iter().for_each(|(at, found)| nodes[at] = Some(found));
-    }
-
-    /// How a cell is to be used. Where no branch has a node at its corners the table says nothing, and little is expected.
-    /// `solved`: the nodes with a solution, none of those that were added beyond them.
-    fn use_of(
-        &self,
-        tables: &FilmTables<M>,
-        entry: &Entry,
-        (branches, masks, solved): (&[Nodes<M>], &[Mask], &[bool]),
-        cell: usize,
-    ) -> Use {
-        let corners = tables.over.nodes.corners(cell);
-        let lit = |nodes: &&Nodes<M>| corners.iter().any(|node| nodes[*node].is_some());
-        let lit: Vec<&Nodes<M>> = branches.iter().filter(lit).collect();
-        let at = tables.over.nodes.at_node(cell) + 0.5;
-        let known = SIDES.into_iter().find_map(|aside| {
-            let spot = tables.over.nodes.spot_by(at, aside)?;
-            let whole = lit.iter().all(|nodes| spot.nodes().all(|(node, _)| nodes[node].is_some()));
-            whole.then_some((aside, spot))
-        });
-        let (mask_reach, unsure) = self.mask_reach(tables, entry.starts.size(), (&lit, masks), &corners);
-        let edges = (masks, unsure);
-        let off =
-            known.and_then(|(aside, spot)| Some((aside, self.error(tables.over.film(at), entry, &lit, &spot, edges)?)));
-        // Where light ends near a cell it may end within it, beside its middle.
-        let off = off.filter(|(aside, _)| {
-            let inner = known.is_some_and(|(_, spot)| *aside == [0; 2] && spot.nodes().all(|(node, _)| solved[node]));
-            inner
-                || QUARTERS.into_iter().all(|[x, y]| {
-                    let spot = tables.over.nodes.spot_by(at + DVec2::new(x, y), *aside);
-                    let tried = |spot| self.error(tables.over.film(at + DVec2::new(x, y)), entry, &lit, &spot, edges);
-                    spot.and_then(tried).is_some()
-                })
-        });
-        off.map_or(Use::SOLVED, |(aside, off)| Use {
-            share: (off / POOR).clamp(LEAST, 1.0),
-            aside,
-            rim: (RIM_PIXELS * self.by_pixel(tables, &lit, &corners)).max(RIM_ERRORS * off / SHARP),
-            pupil_rim: (RIM_ERRORS * off).max(PUPIL_RIM),
-            mask_reach,
-        })
-    }
-
-    /// How far about the places of a cell the outlines of masks are looked for, m: 0 where all of them are far. And so near to an
-    /// outline nodes and solver need not agree.
-    fn mask_reach(
-        &self,
-        tables: &FilmTables<M>,
-        size: f64,
-        (branches, masks): (&[&Nodes<M>], &[Mask]),
-        corners: &[usize],
-    ) -> ([f64; MASKS], f64) {
-        let (mut reach, mut unsure) = ([0.0; MASKS], 0.0f64);
-        for (k, mask) in masks.iter().enumerate() {
-            for nodes in branches {
-                let crossing = |node: &usize| nodes[*node].as_ref()?.masks.get(k);
-                let known: Vec<&Crossing> = corners.iter().filter_map(crossing).collect();
-                let places = || known.iter().map(|crossing| crossing.local);
-                let apart = places().flat_map(|a| places().map(move |b| a.distance(b))).fold(0.0, f64::max);
-                let blur = |crossing: &&Crossing| size * crossing.by_lamp.iter().map(|by| by.length()).sum::<f64>();
-                let blur = known.iter().map(blur).fold(0.0, f64::max);
-                // No place of the cell is farther from a corner than half of its diagonal.
-                let inside = |place: DVec3, reach: f64| masks::inside(self.world, &[*mask], &[place], reach);
-                let hidden = places().any(|place| inside(place, 0.0).is_some_and(|inside| inside < 0.0));
-                let near = places().any(|place| inside(place, 0.75 * apart + blur).is_some());
-                if apart > 0.0 && (hidden || near) {
-                    let cells = if hidden { 2.0 + BEYOND as f64 } else { 1.5 };
-                    reach[k] = f64::max(reach[k], cells * apart + blur);
-                    unsure = unsure.max(MASK_PIXELS * apart / tables.over.pixels);
-                }
-            }
-        }
-        (reach, unsure)
-    }
-
-    /// How far places on slides are from one pixel to the next, as a share of the slide's size: the most of a cell.
-    fn by_pixel(&self, tables: &FilmTables<M>, branches: &[&Nodes<M>], corners: &[usize]) -> f64 {
-        let of_branch = |nodes: &&Nodes<M>| {
-            let known: Vec<&Node<M>> = corners.iter().filter_map(|node| nodes[*node].as_ref()).collect();
-            let pairs = known.iter().enumerate().flat_map(|(k, a)| known[..k].iter().map(move |b| (*a, *b)));
-            let apart = |(a, b): (&Node<M>, &Node<M>)| {
-                let both = a.slides.iter().zip(&b.slides).filter(|(a, b)| a.slide == b.slide);
-                both.map(|(a, b)| a.local.distance(b.local) / self.world.slides[a.slide].size()).fold(0.0, f64::max)
-            };
-            pairs.map(apart).fold(0.0, f64::max)
-        };
-        branches.iter().map(of_branch).fold(0.0, f64::max) / tables.over.pixels
-    }
-
-    /// By how much what these branches say of a place in the picture is off, by solutions for two points of the lamp; none
-    /// where one of both is missing.
-    fn error(
-        &self,
-        film: DVec2,
-        entry: &Entry,
-        branches: &[&Nodes<M>],
-        spot: &Spot,
-        (masks, unsure): (&[Mask], f64),
-    ) -> Option<f64> {
-        let size = entry.starts.size();
-        let mut worst = 0f64;
-        for nodes in branches {
-            for off in [DVec2::new(ASIDE, 0.5 * ASIDE) * size, DVec2::new(-0.5 * ASIDE, -ASIDE) * size] {
-                let blend = blend(nodes, spot, off)?;
-                let inside = masks::inside(self.world, masks, &blend.masks, 0.0);
-                // So near to an outline either may be right.
-                if inside.is_some_and(|inside| inside.abs() <= unsure) {
-                    continue;
-                }
-                let hidden = inside.is_some_and(|inside| inside < 0.0);
-                let Some(found) = self.found(entry, film, blend.pupil, off) else {
-                    // Beside a slide's picture, and beyond an outline, both know of nothing.
-                    if hidden || !through_slides(self.world, self.optics, &blend.slides) {
-                        continue;
-                    }
-                    return None;
-                };
-                if hidden {
-                    return None;
-                }
-                let of_lane = |lane: usize| (blend.strength[lane] / found.strength[lane] - 1.0).abs();
-                let strength = (0..M::LANES).map(of_lane).fold(0.0, f64::max);
-                let apart = |((slide, a), (_, b)): (&(usize, DVec3), &(usize, DVec3))| {
-                    SHARP * a.distance(*b) / self.world.slides[*slide].size()
-                };
-                let places = blend.slides.iter().zip(&found.slides).map(apart).fold(0.0, f64::max);
-                let pupil = blend.pupil.distance(found.root.u) / self.world.eye.pupil_radius_m();
-                let error = strength.max(places).max(pupil);
-                worst = worst.max(if error.is_nan() { 1.0 } else { error });
-            }
-        }
-        Some(worst)
     }
 }
 

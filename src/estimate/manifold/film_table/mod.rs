@@ -10,13 +10,14 @@
 mod make;
 mod masks;
 mod over_pixel;
+mod trial;
 
-use super::film_grid::FilmGrid;
 use super::receiver::{Crossing, SLIDES};
 use super::seeds::connections::Connections;
 use super::solver::bicubic::Spot;
 use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
+use crate::estimate::manifold::film_grid::FilmGrid;
 use crate::world::World;
 use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
