@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 const SIZE: [usize; 2] = [160, 80];
 /// Few, for Student's t: a pass of all rays takes a second.
-const PASSES: u64 = 12;
+const PASSES: u64 = 16;
 /// Blocks along both sides.
 const BLOCKS: [usize; 2] = [8, 4];
 
