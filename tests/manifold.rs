@@ -212,7 +212,9 @@ fn a_hair_is_seen(name: &str, pupil_m: Option<f64>, passes: [u64; 2]) {
         let pixels = image_of(&films, |estimator| estimator != Estimator::Photon);
         let followed = films.ledger(Estimator::Manifold).map_or(0, |ledger| ledger.paths);
         let followed = followed as f64 / (passes as usize * width * height) as f64;
-        let rows = height / 4..height - height / 4;
+        // The same part of pictures of both sizes.
+        let aside = times * (height / times / 10);
+        let rows = aside..height - aside;
         let count = (times * rows.len()) as f64;
         let mean = |column: usize| {
             let own =
