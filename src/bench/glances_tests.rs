@@ -24,7 +24,8 @@ const PASSES: u64 = 16;
 const BLOCKS: [usize; 2] = [8, 4];
 
 /// The diffuse HUD's picture has corners that its last lens darkens. With tables few rays are followed, there too, and block by
-/// block the picture is that of all rays followed: both take the same ones, so what is left of the difference is small.
+/// block the picture is that of all rays followed: both take the same ones, so what is left of the difference is small but at the
+/// slide's edges, which tables cut by the pixel's footprint and followed rays sample.
 #[test]
 fn tables_reach_to_where_the_display_ends() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/hud-diffuse/hud.optics.toml");
