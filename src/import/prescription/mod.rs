@@ -1,7 +1,7 @@
 //! Prescriptions: sequential lens files of design programs, as surfaces one after the other.
 //!
-//! A reader ([`zmx`], [`seq`]) fills a [`Prescription`]; [`frames`] says where its surfaces stand, [`solids`] makes parts of the spaces
-//! between them, and [`sidecar`] the text that says what those are.
+//! A reader (`zmx`, `seq`) fills a [`Prescription`]; `frames` says where its surfaces stand, `solids` makes parts of the spaces
+//! between them, and `sidecar` the text that says what those are.
 
 mod frames;
 mod mesh;
