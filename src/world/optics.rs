@@ -7,6 +7,7 @@ use super::films::Films;
 use super::mode::{LaneArray, Mode, Spectral, lanes};
 use super::sky::SkyLight;
 use super::slide::SlideMap;
+use crate::film::accumulate::Light;
 use crate::scene::Medium;
 use glam::DVec3;
 
@@ -155,7 +156,15 @@ impl<M: Mode> Optics<M> {
         Some(self.slide_at(slide, slide.pixel(local)?))
     }
 
-    /// The same of a pixel of the picture.
+    /// Takes light through a slide where its picture is `s` per lane.
+    #[inline]
+    pub fn cross_slide(&self, light: &mut M::Lanes<Light>, slide: &SlideMap, s: &M::Lanes<f64>) {
+        for lane in 0..M::LANES {
+            light[lane].cross(slide.t_white(), slide.transmittance(s[lane]), s[lane]);
+        }
+    }
+
+    /// The value of a pixel of the picture per lane.
     #[inline]
     pub fn slide_at(&self, slide: &SlideMap, pixel: usize) -> M::Lanes<f64> {
         if M::LANES == 1 || !slide.is_coloured() {

@@ -34,14 +34,16 @@ const AT_EDGES: f64 = 0.5;
 
 /// Which pixels see an edge of a slide's picture on a face that is joined with lamps, as tables have it.
 pub(super) fn edges<M: Mode>(
-    tracing: (&World, &Optics<M>),
+    world: &World,
+    seed: u64,
     screens: &Receivers<M>,
     glances: Option<&EyeTable<M>>,
 ) -> Vec<bool> {
     let Some(glances) = glances.filter(|_| screens.cross_slides()) else { return Vec::new() };
-    let [width, height] = tracing.0.eye.size();
+    let tracing = (world, &M::optics(world, seed, 0));
+    let [width, height] = world.eye.size();
     let at_edge = |index: usize| {
-        let film = tracing.0.eye.film_of(index % width, index / width, [0.5; 2]);
+        let film = world.eye.film_of(index % width, index / width, [0.5; 2]);
         glances.any(tracing, film, |vertex, span| screens.has_edge(tracing, (vertex.hit.point, vertex.hit.site), &span))
     };
     (0..width * height).into_par_iter().map(at_edge).collect()
@@ -68,7 +70,7 @@ pub(super) fn look<M: Mode>(
     {
         let film = world.eye.film_of(pixel.x, pixel.y, jitter);
         let pupil = DVec2::new(pupil.x, pupil.y);
-        let within = Some(DVec2::from_array(jitter) - 0.5).filter(|_| screens.cross_slides());
+        let within = Some(DVec2::from_array(jitter) - 0.5).filter(|_| manifold.cuts_slides());
         let read = |walker: &mut Walker<'_, M>, vertex: &Vertex, whole: f64, span: Option<Span>| {
             let Surface::Scatter(scatter) = &walker.face(vertex).surface else { return };
             // The nodes over picture and pupil, and one face to be met.

@@ -66,9 +66,19 @@ impl<'w, M: Mode> Manifold<'w, M> {
         seed: u64,
     ) -> Self {
         let rims = EdgeSampling::new(world, connections.middle());
-        let optics = M::optics(world, seed, 0);
-        let edges = eye_subpath::edges((world, &optics), &screens, glances.as_deref());
+        let edges = eye_subpath::edges(world, seed, &screens, glances.as_deref());
         Manifold { mode: PhantomData, world, route, connections, tables, rims, glances, screens, edges, seed }
+    }
+
+    /// The corners of a pixel, in tangents.
+    fn corners(&self, pixel: Pixel) -> [DVec2; 4] {
+        [[0, 0], [1, 0], [0, 1], [1, 1]]
+            .map(|corner| self.world.eye.film_of(pixel.x, pixel.y, corner.map(|k| INSIDE[k])))
+    }
+
+    /// Whether light crosses slides on the way to screens that tables lead to.
+    pub(super) fn cuts_slides(&self) -> bool {
+        !self.edges.is_empty()
     }
 
     /// Whether a pixel sees an edge of a slide's picture on a screen.
@@ -148,23 +158,21 @@ impl<'w, M: Mode> Manifold<'w, M> {
         let spot = self.tables.as_ref().and_then(|tables| Some((tables, tables.spot(self.world, (pixel.x, pixel.y))?)));
         let within = DVec2::new(at[0], at[1]) - 0.5;
         let connections = self.connections.of(optics);
-        let corner = |x: f64, y: f64| self.world.eye.film_of(pixel.x, pixel.y, [x, y]);
-        let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| corner(INSIDE[x], INSIDE[y]));
         // What is asked about a part of the pixel alone has no table over all of it.
-        let all_of_pixel = connections.at_all(film, corners);
+        let spot = spot.map(|(tables, spot)| (tables, spot, connections.at_all(film, self.corners(pixel))));
         for (index, entry) in connections.at(film) {
             let Some(lamp) = self.world.lamps.get(entry.starts.lamp) else { continue };
-            let share = spot.as_ref().map_or(1.0, |(tables, spot)| tables.share(index, spot));
+            let share = spot.as_ref().map_or(1.0, |(tables, spot, _)| tables.share(index, spot));
             let (point, density) = entry.starts.aim(lamp, film, self.world.eye.pupil_radius_m(), [at[2], at[3]]);
             let weight = 1.0 / (density * times);
             let middle = entry.starts.middle();
             let off = middle.local(point.position - middle.point);
             // Where a table is of no use it need not be read.
             branches.clear();
-            let useful = spot.as_ref().filter(|_| share < 1.0 && all_of_pixel.has(index));
+            let useful = spot.as_ref().filter(|(.., all_of_pixel)| share < 1.0 && all_of_pixel.has(index));
             let size = entry.starts.size();
             let at_rim =
-                useful.is_some_and(|(tables, spot)| tables.read(self.world, index, spot, (off, size), branches));
+                useful.is_some_and(|(tables, spot, _)| tables.read(self.world, index, spot, (off, size), branches));
             // What the table says of all of the pixel. Where that is more than one piece of a picture the solver is always asked:
             // at an edge it differs most from the table.
             let mut share = if at_rim { 1.0 } else { share };

@@ -97,9 +97,7 @@ impl<M: Mode> Sum<'_, M> {
         map.pieces(piece, footprint, &mut |piece, index| {
             let s = optics.slide_at(map, index);
             let mut light = light;
-            for lane in 0..M::LANES {
-                light[lane].cross(map.t_white(), map.transmittance(s[lane]), s[lane]);
-            }
+            optics.cross_slide(&mut light, map, &s);
             self.through(piece, rest, light)
         })
     }

@@ -122,9 +122,7 @@ impl<M: Mode> OverPixel<M> {
         for footprint in &self.footprints {
             let map = &world.slides[footprint.slide];
             let s = optics.slide(map, footprint.place(within))?;
-            for lane in 0..M::LANES {
-                light[lane].cross(map.t_white(), map.transmittance(s[lane]), s[lane]);
-            }
+            optics.cross_slide(&mut light, map, &s);
         }
         Some(light)
     }

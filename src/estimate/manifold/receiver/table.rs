@@ -193,9 +193,7 @@ impl<M: Mode> ReceiverTable<M> {
         for (slide, at) in blend.slides() {
             let map = &world.slides[slide];
             let s = optics.slide(map, at)?;
-            for lane in 0..M::LANES {
-                light[lane].cross(map.t_white(), map.transmittance(s[lane]), s[lane]);
-            }
+            optics.cross_slide(&mut light, map, &s);
         }
         Some(Incoming { lamp, letters: &[], dir: blend.dir().normalize(), light, alone: blend.alone() })
     }
