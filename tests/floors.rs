@@ -3,6 +3,7 @@
 
 #[path = "floors/rooms.rs"]
 mod rooms;
+mod tuning;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

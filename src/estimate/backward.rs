@@ -5,6 +5,7 @@ mod next_event;
 mod probe;
 mod sky_sampling;
 mod trial;
+mod tuning;
 
 use super::ShouldStop;
 use super::emitter_hit::EmitterHit;

@@ -4,6 +4,8 @@
 
 use super::kernel_bias::{Edges, radius_px};
 use super::ledger::Ledger;
+pub use super::tuning::data::FAR_M;
+use super::tuning::data::{ALIKE, BAND, FEW, MOSTLY, SIDE};
 use super::walk::{Met, Travel, Vertex, Walker};
 use crate::base::rng::{Rng, Stream};
 use crate::base::warp::Frame;
@@ -17,9 +19,6 @@ use crate::world::scatter::Principled;
 use crate::world::surface::Surface;
 use glam::DVec3;
 use rayon::prelude::*;
-
-/// Depth written where nothing is hit, m: what compositing programs take for the background.
-pub const FAR_M: f64 = 1e10;
 
 /// What a ray hits.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -136,12 +135,6 @@ pub struct Data {
     pub seethrough: Vec<f32>,
 }
 
-/// An ordinary material is there where it hides at least this share of what is behind it.
-const MOSTLY: f64 = 0.5;
-
-/// So many rows are looked at together.
-const BAND: usize = 32;
-
 pub fn data_layers(world: &World, width: usize, height: usize) -> Data {
     let optics = Mono::<f64>::optics(world, 0, 0);
     let at = |ledger: &mut Ledger, pixel: usize, (jitter, lens): ([f64; 2], [f64; 2])| {
@@ -203,14 +196,6 @@ pub(super) fn place(i: usize) -> ([f64; 2], [f64; 2]) {
     let lens = [((i * 5) % 16) as f64 + 0.5, ((i * 7 + 3) % 16) as f64 + 0.5].map(|l| l / 16.0);
     (jitter, lens)
 }
-
-/// The see-through share is looked for in so many rows and columns of a pixel,
-const SIDE: usize = 4;
-/// or only in these four of its places, of which no two share a row or a column,
-const FEW: [usize; 4] = [1, 7, 8, 14];
-/// where the shares differ by no more than this of the largest and the same surfaces are seen: what is linear in place
-/// and pupil is exact with four.
-const ALIKE: f64 = 0.05;
 
 impl PixelData {
     /// The surfaces seen first and behind specular faces.

@@ -1,6 +1,7 @@
 //! Paths that start on lamps: where they start, and the one walk that light tracing and photon mapping share.
 
 mod shots;
+mod tuning;
 mod visit;
 
 use super::ShouldStop;

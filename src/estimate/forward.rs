@@ -6,6 +6,7 @@ use super::ShouldStop;
 use super::emission::{Emission, Origin, Shots, Starts, Visitor};
 use super::ledger::Ledger;
 use super::ownership::Ownership;
+use super::tuning::forward::{SPLIT_AGAIN_FROM, SPLIT_FROM};
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -24,11 +25,6 @@ use crate::world::scatter::Scatter;
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::sync::Arc;
-
-/// A lamp path is split where reflection and transmission both carry this share: at combiners, not at lenses.
-const SPLIT_FROM: f64 = 0.1;
-/// Behind such a face the ghost from the next one counts too.
-const SPLIT_AGAIN_FROM: f64 = 0.005;
 
 /// The forward estimator, ready to run passes.
 pub struct Forward<'w, M: Mode> {

@@ -31,6 +31,7 @@ pub mod shard;
 pub mod specular_event;
 pub mod splitting;
 pub mod throughput;
+mod tuning;
 pub mod virtual_image;
 pub mod vision;
 pub mod walk;

@@ -1,6 +1,7 @@
 //! Shards whose light lies far from the others': a machine that computes wrongly makes a sound file.
 
 use super::run::Films;
+use super::tuning::outliers::{OF_MAPS, SIGMA, TOGETHER};
 use crate::base::stats::Moments;
 use std::path::Path;
 
@@ -11,14 +12,6 @@ pub struct PlaneLight {
     variance: f64,
     passes: f64,
 }
-
-/// Errors of near pixels may go together (photons are gathered over many), which their own variances do not tell: the
-/// root of how many do at most.
-const TOGETHER: f64 = 25.0;
-/// Deviations beyond this many standard errors are told.
-const SIGMA: f64 = 8.0;
-/// What maps of lit faces may err by, as a share of the light: later passes have finer ones.
-const OF_MAPS: f64 = 1e-3;
 
 /// The light of all planes of a shard. Estimators that share a plane count together: which of them has a path may depend on
 /// the pass (finer maps of lit faces come late).

@@ -6,6 +6,7 @@ pub mod final_gather;
 mod gather;
 mod gather_samples;
 mod record;
+mod tuning;
 pub mod visible_receivers;
 
 use super::ShouldStop;
@@ -34,10 +35,8 @@ use rayon::prelude::*;
 use record::PhotonRecord;
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
+use tuning::photon::{ALPHA, ENOUGH, ENOUGH_AT_LEAST};
 use visible_receivers::VisibleReceivers;
-
-/// The squared radius falls as (pass + 1)^(α − 1): bias and variance of the mean both vanish for 0 < α < 1.
-const ALPHA: f64 = 2.0 / 3.0;
 
 /// What kernels have in pass `pass` (from 0) of the area that they have in pass 0.
 fn area_of_pass(pass: u64) -> f64 {
@@ -48,11 +47,6 @@ fn area_of_pass(pass: u64) -> f64 {
 pub fn radii_of_pass(first: Radii, pass: u64) -> Radii {
     first.scaled(area_of_pass(pass).sqrt())
 }
-
-/// So many photons straight from specular faces in a box of twice the radius need no smaller kernels in pass 0.
-const ENOUGH: f64 = 32.0;
-/// In late passes, when radii have shrunk: fewer would make a crowd by chance.
-const ENOUGH_AT_LEAST: f64 = 8.0;
 
 fn asks_for_final_gather(surface: &Surface) -> bool {
     matches!(surface, Surface::Scatter(scatter) if scatter.asks_for_final_gather())

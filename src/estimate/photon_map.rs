@@ -2,6 +2,7 @@
 //! eight cells and always adds in the same order.
 
 pub mod adaptive_kernel;
+mod tuning;
 
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;

@@ -4,6 +4,7 @@
 //! the clock only decides after which pass to stop.
 
 mod engines;
+mod tuning;
 
 use super::ledger::Ledger;
 use crate::base::memory::give_back;
@@ -16,9 +17,8 @@ use crate::world::World;
 pub use engines::{begin, begin_trial};
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
+pub use tuning::run::LEEWAY;
 
-/// How much larger than [`Films::relative_error`] a true error may be.
-pub const LEEWAY: f64 = 1.2;
 /// The normal quantile of 49 in 50. Nine in ten runs are to be honest, and those that stop at what they state are more often those
 /// that state too little: with 19 in 20, 56 of 60 on A2 (`--error 0.1`) were.
 const Z_OF_98: f64 = 2.053_748_911;

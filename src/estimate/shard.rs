@@ -6,6 +6,7 @@
 use super::finishing::{Finishing, Wanted};
 use super::ledger::{Books, Ledger};
 use super::run::Films;
+use super::tuning::shard::MOST_PASSES;
 use crate::base::{Error, Result, Where};
 use crate::film::accumulate::Film;
 use crate::film::frame::{Channel, Frame};
@@ -43,9 +44,6 @@ pub struct Head {
     pub witness: Option<Witness>,
     pub finishing: Finishing,
 }
-
-/// More passes than any run makes.
-const MOST_PASSES: u64 = 1 << 53;
 
 /// Passes of shard `index` (from 1) of `count`: its first and how many.
 pub fn range([index, count]: [u64; 2], total: u64) -> (u64, u64) {

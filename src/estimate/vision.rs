@@ -9,6 +9,7 @@
 use super::ledger::Ledger;
 use super::ownership::Ownership;
 use super::pixel::Pixel;
+use super::tuning::vision::{LARGE, MOST_GLINTS, MOST_PIXELS, PATHS, PATHS_OF_A_GLINT, SPLIT_FROM};
 use super::walk::{Meeting, Met, Travel, Vertex, Walker};
 use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
@@ -31,19 +32,6 @@ use glam::DVec2;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// Paths per pixel and pass, and those about each image of a lamp in the pixel.
-const PATHS: u64 = 4;
-const PATHS_OF_A_GLINT: u64 = 64;
-/// Glints of more than so many pixels' area are left to the paths of each: there are pixels in the midst of such an image, which
-/// are exact without points about it.
-const LARGE: f64 = 4.0;
-/// And those that reach over more pixels than this.
-const MOST_PIXELS: usize = 64;
-/// Of more in a pixel the others are left to these points: work goes with their square.
-const MOST_GLINTS: usize = 32;
-/// A path is split where both ways on carry at least this share of what it started with; else chance decides.
-const SPLIT_FROM: f64 = 1.0 / 256.0;
 
 /// What a plan knows of where lamps are seen, and the sky.
 #[derive(Debug, Clone, Copy)]

@@ -3,6 +3,7 @@
 use super::ledger::{Ledger, cost};
 use super::specular_event::{Branch, SpecularEvent};
 use super::throughput::Throughput;
+pub use super::tuning::walk::SPLIT_FIRST_EVENTS;
 use crate::base::chain::{Chain, Link, Step};
 use crate::base::lpe::{Letter, LpeState};
 use crate::base::path::{Event, Trail};
@@ -20,10 +21,6 @@ use crate::world::scatter::{Point, Principled, Scatter};
 use crate::world::surface::{FaceOptics, Surface};
 use glam::DVec3;
 use std::sync::OnceLock;
-
-/// Paths from the eye are split at the first interfaces they meet: at both faces of a combiner, so that the image from
-/// its front and the ghost from its back are always both there.
-pub const SPLIT_FIRST_EVENTS: u32 = 2;
 
 /// Which end a path is walked from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

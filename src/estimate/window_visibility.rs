@@ -5,6 +5,7 @@
 
 use super::ledger::Ledger;
 use super::specular_event::Branch;
+use super::tuning::window_visibility::MOST_FACES;
 use super::walk::{Meeting, Met, Vertex, Walker};
 use crate::base::chain::Step;
 use crate::base::lpe::Letter;
@@ -13,9 +14,6 @@ use crate::world::mode::{LaneArray, Mode, lanes};
 use crate::world::scatter::Scatter;
 use crate::world::surface::Surface;
 use glam::DVec3;
-
-/// Faces that a chosen direction is followed through.
-const MOST_FACES: u32 = 8;
 
 /// The last scattering vertex: what the chance of having sampled a lamp from there was.
 #[derive(Debug, Clone, Copy)]

@@ -12,6 +12,7 @@ use super::ledger::Ledger;
 use super::ownership::Ownership;
 use super::photon::{Landing, PhotonMapper};
 use super::pixel::Pixel;
+use super::tuning::witness::{BEFORE, CHUNK, ENOUGH, MOST_TIMES, PHOTONS, ROUNDS, SELDOM, SHARE, TRIED};
 use super::vision::Hints;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -27,23 +28,6 @@ use crate::world::mode::{Mode, Mono, components};
 use crate::world::surface::Surface;
 use rayon::prelude::*;
 use std::sync::Arc;
-
-/// Counted work of the looks over that of the passes: below a twentieth, for what a look costs is known by a few of them.
-const SHARE: f64 = 0.042;
-/// How many times less often than by chance a guided path goes anywhere, at most: `film::guide` and `glow` keep shares for it.
-const SELDOM: f64 = 8.0;
-/// Looks that tell what one costs.
-const TRIED: u64 = 64;
-/// Photons that tell where light comes from are traced so many at a time, until so many have landed.
-const PHOTONS: u64 = 1 << 10;
-const ROUNDS: u64 = 8;
-const ENOUGH: usize = 1 << 10;
-/// Looks of a chunk: they share wavelengths.
-const CHUNK: u64 = 4;
-/// Times that a pass looks at a pixel, at most.
-const MOST_TIMES: u64 = 64;
-/// A pass of no run: that of the looks that tell the cost.
-const BEFORE: u64 = u64::MAX / 2;
 
 /// A witness, ready to look.
 pub struct Witness<'w, M: Mode> {

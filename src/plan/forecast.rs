@@ -3,6 +3,7 @@
 //! pixels of the whole picture have is foretold from a few passes of one in between.
 
 use super::pilots::pilot_resolution::PilotResolution;
+use super::tuning::forecast::{AIM, LARGER_SIDE, MOST_BY_PIXELS, PASSES, SIDE, WORK};
 use crate::base::Result;
 use crate::estimate::run::{Films, Tracing, begin};
 use crate::film::plan::Plan;
@@ -22,18 +23,6 @@ pub struct Forecast {
     /// Passes that the pilot made.
     pub pilot_passes: u64,
 }
-
-/// The relative error that is asked for.
-const AIM: f64 = 0.01;
-/// First passes of the pilot.
-const PASSES: u64 = 6;
-/// Counted work that the pilot may take, about a second's.
-const WORK: u64 = 50_000_000;
-/// Longer side of its picture, pixels, and of the one that tells how errors depend on the pixels' size.
-const SIDE: usize = 64;
-const LARGER_SIDE: usize = 128;
-/// The error goes as the number of pixels to a power of at least this: that of edges.
-const MOST_BY_PIXELS: f64 = -0.25;
 
 /// Runs the pilot for a plan of this scene, whose world it is. Errors: as [`World::seen_by`].
 pub fn forecast(scene: &Scene, world: &World, plan: &Plan) -> Result<Forecast> {

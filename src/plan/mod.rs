@@ -8,6 +8,7 @@ pub mod plan_file;
 mod planner;
 pub mod scan;
 pub mod selection;
+mod tuning;
 
 use crate::check::Checked;
 use crate::estimate::ShouldStop;

@@ -2,6 +2,7 @@
 //! they can, a pilot where they cannot.
 
 use super::Polarisation;
+use super::tuning::mode::{MATTERS, PROBES_NM};
 use crate::base::rng::{Rng, Stream};
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
@@ -14,9 +15,6 @@ use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, MonoStokes};
 use rayon::prelude::*;
-
-/// Wavelengths at which media are compared, nm: what is the same at all of them is taken to be achromatic.
-const PROBES_NM: [f64; 5] = [420.0, 480.0, 550.0, 620.0, 690.0];
 
 /// The mode of a scene, with reasons.
 pub fn decide(checked: &Checked, world: &World, asked: Polarisation, stop: &ShouldStop<'_>) -> PathMode {
@@ -120,9 +118,6 @@ fn chromatic(scene: &Scene, world: &World) -> Option<String> {
     }
     None
 }
-
-/// Share of what left the eye by which the light at some face must differ for Stokes vectors to be worth their cost.
-const MATTERS: f64 = 1e-3;
 
 fn polarised(checked: &Checked, world: &World, asked: Polarisation, stop: &ShouldStop<'_>) -> (bool, String) {
     let scene = checked.scene();

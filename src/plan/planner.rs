@@ -4,6 +4,7 @@
 use super::pilots::pilot_cache::PilotCache;
 use super::pilots::{chains, pupil_guide, reached, shared_faces, sky_guide, split_threshold};
 use super::selection::facts::{is_connected, own};
+use super::tuning::planner::{FEWEST_LOOKS, LOOKS, SELDOM, SELDOM_UNKNOWN, UNKNOWN};
 use super::{Asked, Choice, Guides, pilots};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -18,16 +19,6 @@ use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::mode::Mono;
 use std::collections::BTreeSet;
-
-/// Paths of the pilot that looks whether rays from the eye find anything, and how many pixels are looked at if not.
-const LOOKS: u64 = 2048;
-const SELDOM: f64 = 1.0 / 64.0;
-/// Looks per pixel and pass for lamps over trains that connection does not know, over their share of the light as far as a
-/// pilot has seen it.
-const UNKNOWN: f64 = 64.0;
-/// The least of it, and the fewest pixels of a pass.
-const SELDOM_UNKNOWN: f64 = 1.0 / 128.0;
-const FEWEST_LOOKS: f64 = 4.0;
 
 /// What the pilots are run with.
 pub(super) struct Planner<'m> {

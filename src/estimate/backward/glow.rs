@@ -3,27 +3,11 @@
 //! chance. Directions are weighed by the density of both ways to choose them, and a share of them is the scatterer's own
 //! choice, so none has density 0 (guiding by photons: H. W. Jensen, "Importance driven path tracing using the photon map", EGWR 1995).
 
+use super::tuning::glow::{BY_LIGHT, FEWEST, GUIDED, LEAF, LEAST_COS, NARROWEST, RIDGE, WIDER, WIDEST};
 use crate::base::warp::Frame;
 use crate::estimate::photon::Landing;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
-
-/// Most photons of a leaf.
-const LEAF: usize = 32;
-/// Fewer tell nothing.
-const FEWEST: usize = 64;
-/// Share of the directions that photons choose.
-const GUIDED: f64 = 0.75;
-/// Of a photon's weight in its leaf: what it has of the light, the rest in equal shares.
-const BY_LIGHT: f64 = 0.5;
-/// Cosine with the mean direction below which tangents are of no use.
-const LEAST_COS: f64 = 0.2;
-/// Share of the places' spread that is added to it.
-const RIDGE: f64 = 1e-4;
-/// Half angle of a photon's cone, in median angles between nearest photons, and its narrowest and widest, rad.
-const WIDER: f64 = 3.0;
-const NARROWEST: f64 = 1e-3;
-const WIDEST: f64 = 1.0;
 
 enum Node {
     Cut { axis: usize, at: f64, below: usize, above: usize },

@@ -1,6 +1,7 @@
 //! What a pilot sees of the sky: where its light gets in to the scatterers on some paths from the eye.
 
 use super::Backward;
+use super::tuning::probe::{MOST_EVENTS, MOST_SCATTERED};
 use crate::base::lattice::lattice;
 use crate::base::rng::{Rng, Stream};
 use crate::base::warp::Frame;
@@ -16,11 +17,6 @@ use crate::world::scatter::Scatter;
 use crate::world::sky::SkyLight;
 use glam::DVec3;
 use rayon::prelude::*;
-
-/// Scatterers on a path that are asked: what later ones bring is little.
-const MOST_SCATTERED: u32 = 3;
-/// Faces on the way to them.
-const MOST_EVENTS: u32 = 32;
 
 /// Light of the sky that a scatterer gets.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,13 +1,11 @@
 //! Which paths of a pass start, and the numbers that each starts with.
 
+use super::tuning::shots::CHUNK;
 use crate::base::rng::{Rng, Stream};
 use crate::base::sobol::Sobol;
 use crate::film::guide::Point;
 use crate::film::replicates::REPLICATES;
 use std::ops::Range;
-
-/// Lamp paths that one thread traces before it hands over what it found; the order of hand-overs is fixed.
-const CHUNK: u64 = 1 << 13;
 
 /// What the numbers are that a path starts with: its lamp, its place there and its direction. All later ones are random.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,6 +6,7 @@ use super::eye_table::first_scatterer::to_scatterer;
 use super::eye_table::{EyeTable, Glanced, Rest};
 use super::pixel_span::Span;
 use super::receiver::{Ask, Incoming, Receivers};
+use super::tuning::eye_subpath::{AT_EDGES, OF_PAIR};
 use super::vision::Manifold;
 use crate::base::lpe::{Letter, Source};
 use crate::base::path::{Event, Trail};
@@ -25,12 +26,6 @@ use crate::world::scatter::Scatter;
 use crate::world::surface::Surface;
 use glam::DVec2;
 use rayon::prelude::*;
-
-/// What each path of a pair starts with.
-const OF_PAIR: f64 = 0.5;
-
-/// Where a pixel sees an edge of a slide's picture a ray itself is followed so often at least: it differs most from tables there.
-const AT_EDGES: f64 = 0.5;
 
 /// Which pixels see an edge of a slide's picture on a face that is joined with lamps, as tables have it.
 pub(super) fn edges<M: Mode>(

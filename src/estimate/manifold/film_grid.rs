@@ -1,14 +1,9 @@
 //! Nodes over the picture, for tables of what changes little from pixel to pixel.
 
 use super::solver::bicubic::{Nodes, Spot};
+use super::tuning::film_grid::{CELLS, FEWEST, PIXELS};
 use crate::world::World;
 use glam::DVec2;
-
-/// Most cells along the picture's longer side.
-const CELLS: usize = 48;
-/// A cell should have so many pixels along its sides, or the table costs more than it saves; and a table so many cells.
-const PIXELS: usize = 15;
-const FEWEST: usize = 8;
 
 /// A grid over the picture.
 #[derive(Debug, Clone, Copy)]

@@ -8,4 +8,5 @@ pub mod pixel_span;
 pub mod receiver;
 pub mod seeds;
 pub mod solver;
+mod tuning;
 pub mod vision;

@@ -15,6 +15,7 @@ use super::seeds::bands::Bands;
 use super::seeds::connections::{Connections, Entry};
 use super::seeds::edge_sampling::EdgeSampling;
 use super::solver::newton::{Root, Target};
+use super::tuning::vision::{INSIDE, POINTS};
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::estimate::ledger::{Ledger, cost};
@@ -33,11 +34,6 @@ use glam::DVec2;
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::sync::Arc;
-
-/// The sides of a pixel, within it: on the line itself rounding would say that it reaches into the next cell.
-const INSIDE: [f64; 2] = [1e-9, 1.0 - 1e-9];
-/// Points of a lamp that tables are asked about in a pass where what is seen of it changes much from one to the other.
-const POINTS: u64 = 16;
 
 /// The estimator, ready to run passes.
 pub struct Manifold<'w, M: Mode> {

@@ -5,11 +5,8 @@
 //! second where the first asks for final gathering and there is a second. Photons tell: one that a broad scatterer has sent
 //! would be met again by the paths that go on, any other would not.
 
+use super::tuning::final_gather::COPIES;
 use crate::base::path::Trail;
-
-/// Paths that go on for one that brings all it started with. On seeds 4, 11, 18 and 32 of `eyebox bench --generate` four
-/// cost 0.32 to 0.39 of the variance × time of one, and eight 0.74 to 1.03 of that of four.
-const COPIES: f64 = 4.0;
 
 /// Whether a path from the eye goes on from a broad scatterer; `asks`: the face asks for final gathering.
 pub fn goes_on(eye: Trail, asks: bool) -> bool {

@@ -2,6 +2,7 @@
 //! second, where the first asks for [final gathering](super::final_gather).
 
 use super::gather_samples::{GatherSamples, MOST_RAYS};
+use super::tuning::gather::STRIDE;
 use super::{PhotonMapper, final_gather};
 use crate::base::lpe::Letter;
 use crate::base::path::{Event, Trail};
@@ -29,10 +30,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// By how much the first ray of a pass lies farther on in a pixel's lattice than that of the last. With 21, passes of 2, 8 and 16
-/// rays are even among each other: from 2 to 16 of them err by 0.35 to 0.67 of the variance that independent ones would have at
-/// edges in any direction. With 16, which is as many rays as there may be, a pass moves on by a tenth of a pixel, and it is up to 1.9.
-const STRIDE: u64 = 21;
 const _: () = assert!(STRIDE >= MOST_RAYS);
 
 /// The photons of a pass, and what of them is connected.

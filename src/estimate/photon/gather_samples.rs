@@ -2,6 +2,7 @@
 //! of many: the more crowded they are about what the middle of a pixel sees, the more rays it takes. Middles do not depend
 //! on where rays start, so that is no bias.
 
+pub(super) use super::tuning::gather_samples::MOST_RAYS;
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::photon::visible_receivers::{Place, follow};
 use crate::estimate::photon_map::{PhotonMap, adaptive_kernel};
@@ -15,7 +16,6 @@ use rayon::prelude::*;
 
 /// By how often the radius of photons about a middle is halved, begun ones counted.
 const RAYS: [u64; adaptive_kernel::HALVINGS + 1] = [1, 2, 8, MOST_RAYS];
-pub(super) const MOST_RAYS: u64 = 16;
 
 /// Where the ray through the middle of a pixel, or a branch of it, meets its first scatterer, if that is a broad one.
 #[derive(Debug, Clone, Copy, PartialEq)]

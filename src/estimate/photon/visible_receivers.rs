@@ -1,5 +1,6 @@
 //! What the eye sees of broad scatterers, as a pilot from the eye finds it: where photons are gathered.
 
+use super::tuning::visible_receivers::{MOST_EVENTS, RAYS};
 use super::{Landing, final_gather, on_side};
 use crate::base::path::Trail;
 use crate::base::rng::{Rng, Stream};
@@ -18,11 +19,6 @@ use crate::world::surface::Surface;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
-
-/// Rays from the eye.
-const RAYS: u64 = 1 << 11;
-/// Faces that a ray is followed for.
-const MOST_EVENTS: u32 = 64;
 
 /// By part, face and cell.
 type Cells = HashMap<(u32, u32, [i64; 3]), usize>;

@@ -7,14 +7,8 @@
 //! the light blurred by such kernels, each of which brings all that its photon has. Where kernels change from box to box
 //! light is missing on one side and too much on the other: they change little, and in each pass boxes lie elsewhere.
 
+pub use super::tuning::adaptive_kernel::{HALVINGS, MOST, STEPS};
 use glam::DVec3;
-
-/// Steps in which a radius is halved.
-pub const STEPS: usize = 8;
-/// How often it is halved at most: two pixels to a quarter of one, and no picture shows less.
-pub const HALVINGS: usize = 3;
-/// Steps at most.
-pub const MOST: usize = HALVINGS * STEPS;
 
 /// A radius after so many steps.
 pub fn radius(whole: f64, steps: usize) -> f64 {

@@ -3,6 +3,7 @@
 
 use super::sent;
 use super::subject::{Point, Subject};
+use super::tuning::aim::{FINE, MOST_STEPS, NEAR};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::solver::newton::{Family, Target, newton};
 use crate::estimate::walk::{Meeting, Met};
@@ -11,13 +12,6 @@ use crate::world::mode::Mono;
 use crate::world::optics::Optics;
 use glam::{DVec2, DVec3};
 use std::iter::once;
-
-/// Steps between two eyes over which a direction is carried where one step fails.
-const MOST_STEPS: u32 = 16;
-/// How near to its point a ray has to come, of the picture's size.
-const NEAR: f64 = 1e-6;
-/// The solver is told of a picture this much smaller, so that it goes on to the last digits.
-const FINE: f64 = 1e-3;
 
 /// A point as an eye sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]

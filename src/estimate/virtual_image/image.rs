@@ -1,10 +1,8 @@
 //! What directions say of the virtual image: distortion, distance, disparity of two eyes. Definitions and their sources
 //! are in `docs/scan.md`.
 
+use super::tuning::image::FEWEST;
 use glam::{DMat2, DMat3, DVec2, DVec3};
-
-/// Fewest points for a fit of six numbers to twelve.
-const FEWEST: usize = 6;
 
 /// Deviation from the best affine picture.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

@@ -4,6 +4,7 @@
 pub mod aim;
 pub mod image;
 pub mod subject;
+mod tuning;
 
 use crate::base::rng::{Rng, Stream};
 use crate::estimate::walk::{Travel, Walker};

@@ -2,6 +2,7 @@
 //! on it.
 
 use super::sent;
+use super::tuning::subject::{FLAT, INSET, LEAST, LOOKS, MOST_BRANCHES, MOST_FACES};
 use crate::base::chain::Chain;
 use crate::base::error::Result;
 use crate::base::{Error, Where};
@@ -15,19 +16,6 @@ use crate::world::optics::Optics;
 use crate::world::surface::Surface;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
-
-/// Rays per side of the field of view that look for the picture.
-const LOOKS: usize = 48;
-/// A way on is followed where it carries this share of what the ray started with.
-const LEAST: f64 = 1.0 / 256.0;
-/// Faces that one branch of a ray may meet.
-const MOST_FACES: usize = 256;
-/// Branches of one ray: between two mirrors there would be no end.
-const MOST_BRANCHES: usize = 64;
-/// How far from a plane the picture may be, of its size.
-const FLAT: f64 = 1e-4;
-/// How far inside the rim the outermost points are, of the picture's sides.
-const INSET: f64 = 0.005;
 
 /// What kind of face is looked at. A slide goes before a lamp or a screen that is seen through specular faces, and that
 /// before what is seen without any.

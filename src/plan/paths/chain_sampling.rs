@@ -4,6 +4,7 @@
 use super::discover::Start;
 use super::eye_paths;
 use super::lamp_paths::{self, Caught, Source, Way};
+use super::tuning::chain_sampling::{BRIGHT, ERROR, EYE, FIRST, GAIN, LONGER, PATHS, WILD};
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::base::rng::{Rng, Stream};
@@ -21,19 +22,6 @@ use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-
-/// Paths that learn where the light of a chain starts: first from both sides, then by longer and longer looks from the better
-/// one, as long as there are fewer than those that measure it and they bring something: paths whose spread falls by `GAIN`,
-/// or is above `WILD` anyway.
-const FIRST: u64 = 512;
-const LONGER: [u64; 4] = [1024, 2048, 4096, 8192];
-const GAIN: f64 = 0.8;
-const WILD: f64 = 8.0;
-/// Error that the paths along a chain aim at: of a chain with this share of its group's light or more, of a fainter one more by its root.
-const ERROR: f64 = 0.01;
-const BRIGHT: f64 = 1e-4;
-/// Paths along a chain.
-const PATHS: [f64; 2] = [512.0, 32_768.0];
 
 /// The chains with paths of their own.
 #[derive(Default)]
@@ -92,9 +80,6 @@ struct Whole {
 pub(super) fn weight(world: &World, lumens: f64, luminance: f64) -> f64 {
     if world.eye.pupil_radius_m() > 0.0 { lumens } else { luminance }
 }
-
-/// The eye as the one lamp of a guide.
-const EYE: [f64; 1] = [1.0];
 
 impl Side {
     fn flux(&self) -> &[f64] {

@@ -5,6 +5,9 @@ use super::chain_sampling::{All, Directed, weight};
 use super::eye_paths::EyePaths;
 use super::lamp_paths::{self, Split, Trace};
 use super::start_side::Lamps;
+use super::tuning::discover::{
+    ENOUGH, KEPT_CHAINS, KEPT_STARTS, LEAST_LOOKS, LOOKS, MOST, MOST_LOOKS, MOST_STARTS, WORTH,
+};
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::base::rng::{Rng, Stream};
@@ -21,20 +24,6 @@ use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Paths of a look from either side, and looks.
-const LOOKS: u64 = 1 << 11;
-const LEAST_LOOKS: u64 = 4;
-const MOST_LOOKS: u64 = 16;
-/// There are more looks until chains with this share of the light have been found this often.
-const WORTH: f64 = 1e-5;
-const ENOUGH: usize = 32;
-/// Chains that get paths of their own, and these times lamps; the light of all others is found by the survey.
-const MOST: usize = 384;
-const MOST_STARTS: usize = 1 << 18;
-/// What is kept of the looks: chains, and starts of each. Among a hundred plates of glass there would be no end.
-const KEPT_CHAINS: usize = 1 << 14;
-const KEPT_STARTS: usize = 1 << 12;
 
 /// What is needed to start paths.
 #[derive(Clone, Copy)]

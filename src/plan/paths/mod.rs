@@ -14,12 +14,14 @@ mod scattered;
 mod start_side;
 mod tally;
 mod text;
+mod tuning;
 
 pub use lamp_paths::{Source, Way};
 pub use layer::{Wanted, header, layer_name, pictures, wanted};
 pub use part_sequence::{How, Visit, Visits, part_name};
 pub use row::{Kind, Row};
 pub use tally::Footprint;
+use tuning::paths::{DEEPER, MOST_ROWS, PASSES, PHOTONS};
 
 use crate::base::ids::GroupId;
 use crate::check::Checked;
@@ -94,13 +96,6 @@ pub struct Table {
 
 /// Pilots have a seed of their own: the table is a function of the scene alone.
 const SEED: u64 = 0x7ab1e;
-/// Passes, over which wavelengths are spread.
-const PASSES: u64 = 16;
-/// Photons for each path from the eye that looks for them.
-const PHOTONS: u64 = 8;
-/// A path is followed both ways down to this share of what it started with, in units of the least share that is shown:
-/// the main image itself has lost light on the way.
-const DEEPER: f64 = 0.1;
 
 type Rows = BTreeMap<(GroupId, Way), Tally>;
 
@@ -243,9 +238,6 @@ fn ends<M: Mode>(looking: &EyePaths<'_, '_, M>, shots: Shots, stop: &ShouldStop<
     });
     found
 }
-
-/// Rows that are kept apart; what comes after is one row `…` of its group.
-const MOST_ROWS: usize = 1 << 14;
 
 /// Adds what the paths of a pass found: by luminance where no lumen gets in.
 fn add(rows: &mut Rows, pass: u64, found: Vec<Vec<Caught>>, (pinhole, even): (bool, bool)) {

@@ -1,5 +1,6 @@
 //! Some paths one by one, with every point where they turn, and what became of each: for "why is it black?".
 
+use super::tuning::rays::MOST_POINTS;
 use super::{Source, part_name, source_name};
 use crate::base::rng::{Rng, Stream};
 use crate::check::Checked;
@@ -35,9 +36,6 @@ pub struct Asked {
     pub counted: u64,
     pub seed: u64,
 }
-
-/// Points of a path that are kept.
-const MOST_POINTS: usize = 512;
 
 /// What one path left.
 struct Traced {

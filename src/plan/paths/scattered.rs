@@ -4,6 +4,7 @@
 use super::eye_paths::End;
 use super::lamp_paths::{Source, Way};
 use super::part_sequence::Visits;
+use super::tuning::scattered::SPLIT_FROM;
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::estimate::ShouldStop;
@@ -21,9 +22,6 @@ use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap};
-
-/// A path that splits at combiners alone: where both ways carry this share.
-const SPLIT_FROM: f64 = 0.1;
 
 struct Stored<M: Mode> {
     found: Vec<(Photon<M>, Chain)>,

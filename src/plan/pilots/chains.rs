@@ -2,6 +2,7 @@
 
 use super::eye_pilot;
 use super::reached::is_reached;
+use super::tuning::chains::{LEAST, LEAST_ON_FACE, MOST_SPLITS, PATHS, SCREEN_SEEDS, SEEDS, WORTH, WORTH_ON_FACE};
 use crate::base::chain::Chain;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -27,15 +28,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Pilots have a seed of their own: the plan is a function of the scene alone.
 pub(in crate::plan) const SEED: u64 = 0x77a1;
-const PATHS: u64 = 1 << 12;
-/// A path is followed both ways where each carries this share of what it started with.
-const LEAST: f64 = 1e-6;
-/// Trains with less of a group's light than this stay with the estimator that owns the rest.
-const WORTH: f64 = 1e-7;
-/// Seeds kept of a train and lamp.
-const SEEDS: usize = 6;
-/// Interfaces at which one path and all its branches may split.
-const MOST_SPLITS: u32 = 768;
 
 /// Light that arrived over one chain, and where.
 pub(in crate::plan) struct Arrived {
@@ -209,13 +201,6 @@ fn follow(
     });
     whole.then_some(train)
 }
-
-/// Trains with less of the light that a face gets from a group over specular faces are left to the photon map.
-const WORTH_ON_FACE: f64 = 1e-4;
-/// The same of what one path from the lamp carries, for the path to be followed both ways.
-const LEAST_ON_FACE: f64 = 1e-5;
-/// Seeds kept of a screen.
-const SCREEN_SEEDS: usize = 48;
 
 /// Light that met a scatterer over one chain.
 struct Struck {

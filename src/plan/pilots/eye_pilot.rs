@@ -2,6 +2,7 @@
 //! sight, and a pilot from the lamps alone would not know its light.
 
 use super::chains::{Arrived, SEED};
+use super::tuning::eye_pilot::{LEAST, MOST_MET, RAYS};
 use crate::base::rng::{Rng, Stream};
 use crate::base::warp::disk;
 use crate::estimate::ShouldStop;
@@ -16,12 +17,6 @@ use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// Rays, spread evenly over the picture.
-const RAYS: u64 = 1 << 10;
-/// A ray is followed both ways where each carries this share of what it started with.
-const LEAST: f64 = 1e-3;
-/// Faces that one ray and all its branches may meet.
-const MOST_MET: u32 = 256;
 /// What the fractional parts of multiples of the golden ratio are spread by.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 

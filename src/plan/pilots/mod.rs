@@ -16,6 +16,7 @@ pub(super) mod sky_guide;
 pub(super) mod split_threshold;
 #[cfg(test)]
 mod tests;
+mod tuning;
 
 use crate::base::ids::GroupId;
 use crate::estimate::ShouldStop;
@@ -32,24 +33,8 @@ pub(crate) use photons::photon;
 pub use photons::{by_light, is_strong, pixel_m};
 use std::cmp::Ordering;
 use std::sync::Arc;
+use tuning::pilots::{ENOUGH, ENOUGH_OF_REST, FEWEST, LAST, LEFT, LITTLE, MOST_WIDE, NARROW, OF_LIGHT, WIDE};
 
-/// Paths of the first look, which knows nothing; most of them if little is found; and of each look after it.
-const WIDE: u64 = 1 << 13;
-const MOST_WIDE: u64 = 1 << 16;
-const NARROW: [u64; 2] = [1 << 11, 3 << 11];
-/// Paths that have to count before a look can be guided by them, in all and of each group.
-const ENOUGH: [usize; 2] = [48, 4];
-/// Effective paths that have shown what connection leaves, before photons are guided by them.
-const ENOUGH_OF_REST: f64 = 24.0;
-/// Paths by which it is seen what connection leaves, of a pass that no look has.
-const LEFT: u64 = 1 << 11;
-const LAST: u64 = 1 << 20;
-/// Lamp paths per pixel for next to none of the light, and for most of it.
-const OF_LIGHT: [f64; 2] = [0.25, 4.0];
-/// Share of the light below which a small picture needs no more of them than others for its size; and the fewest in a
-/// pass, below it and above.
-const LITTLE: f64 = 0.03;
-const FEWEST: [u64; 2] = [1 << 7, 1 << 12];
 /// Pilots have a seed of their own: the plan is a function of the scene alone.
 pub const SEED: u64 = 0x9107;
 

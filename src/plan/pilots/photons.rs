@@ -1,6 +1,7 @@
 //! The photons' pilot: where they start, how many there are, and within which radii they are gathered.
 
 use super::pilot_cache::PilotCache;
+use super::tuning::photons::{FEWEST, FEWEST_GUIDED, MOST, PER_BLUR, PER_PIXEL, SHARP, SOFT, STRONG};
 use super::{LAST, LITTLE, Look, SEED, look};
 use crate::base::ids::GroupId;
 use crate::base::rng::{Rng, Stream};
@@ -52,20 +53,6 @@ pub struct PhotonPilot {
     pub part: bool,
     pub radii_m: Radii,
 }
-
-/// Photons per pixel by the share of the light that connection leaves to them, and their limits: the fewest, as work, and
-/// of those that part and whose guide has learned from the very light that is left.
-const PER_PIXEL: f64 = 8.0;
-const FEWEST: f64 = 0.125;
-const FEWEST_GUIDED: f64 = 0.0625;
-const MOST: f64 = 4.0;
-/// Photons to be gathered in the first pass, and the most of the radius in distances between what neighbouring pixels see.
-/// Scattered light is soft: on scene A1 twelve pixels blur it by less than 1 % (5e-5 of relMSE), and four pixels blur its
-/// caustic more than their noise would be.
-const SOFT: (f64, f64) = (64.0, 12.0);
-/// Pixels of the longer side for one of blur: what is soft in a large picture is not in a small one.
-const PER_BLUR: f64 = 20.0;
-const SHARP: (f64, f64) = (16.0, 2.0);
 
 /// Learns what photons the plan needs. `pixel_m`: the distance between what neighbouring pixels see; `seen`: at that.
 pub(crate) fn photon(
@@ -144,9 +131,6 @@ pub(crate) fn photon(
     let caustic = radius(&|sight| !sight.is_second(), &at_sharp, sharp);
     PhotonPilot { guide, photons, part, radii_m: Radii { caustic, secondary } }
 }
-
-/// Trains with less of a face's light than this are connected only where almost all else is.
-const STRONG: f64 = 2e-3;
 
 /// Whether a train has more.
 pub fn is_strong(screen: &Screen) -> bool {

@@ -2,6 +2,9 @@
 //! it meet a lamp in a curved mirror; but rays that pass near one say where Newton's iteration should start.
 
 use super::chains::{SEED, train};
+use super::tuning::pinhole_pilot::{
+    AT_A_TIME, CELLS, CLOSER, IN_VAIN, KEPT, LEAST, MARGIN, MOST_LAMPS, MOST_SEGMENTS, MOST_WAYS, RAYS, STARTS,
+};
 use crate::base::chain::Chain;
 use crate::base::lattice::lattice;
 use crate::base::rng::{Rng, Stream};
@@ -20,30 +23,6 @@ use crate::world::optics::Optics;
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Cells along each side of the picture; about one ray looks into each at first.
-const CELLS: usize = 64;
-const RAYS: u64 = (CELLS * CELLS) as u64;
-/// Rays there are for each cell in which one met a specular face, and for those beside it: with one in each of 64 × 64 it hangs
-/// on where they fall whether an image in a rim, or of one mirror in another, is found.
-const CLOSER: u64 = 8;
-/// Rays whose finds are held at a time.
-const AT_A_TIME: usize = 512;
-/// A ray is followed both ways where each carries this share of what it started with.
-const LEAST: f64 = 1e-3;
-/// Segments that one ray and all its branches may have.
-const MOST_SEGMENTS: u32 = 256;
-/// Lamps that a ray may lead to over a chain: those that it comes nearest.
-const MOST_LAMPS: usize = 64;
-/// Starts from a chain and lamp, and rays that are kept for them. Starts in an image that is known lead to no other; after so
-/// many that lead nowhere those about them are left out.
-const STARTS: usize = 6;
-const IN_VAIN: usize = 3;
-const KEPT: usize = 64;
-/// Chains and lamps that are started from: those that a ray came nearest over.
-const MOST_WAYS: usize = 1 << 11;
-/// How much wider than the image of a disc about the lamp, as its derivatives have it, a glint is taken to be.
-const MARGIN: f64 = 1.5;
 
 /// A ray that goes on towards a lamp.
 #[derive(Clone, Copy)]

@@ -1,5 +1,6 @@
 //! A pilot that finds where in the pupil the light of each group arrives: the sharpness that diffraction allows.
 
+use super::tuning::pupil::{OWN, PATHS, SPLIT_FROM};
 use super::{forward, pupil_guide::lit};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -23,11 +24,6 @@ use std::collections::BTreeMap;
 
 /// Pilots have a seed of their own: what they find is a function of the scene alone.
 const SEED: u64 = 0x9d1f;
-const PATHS: u64 = 1 << 13;
-/// A path is split where both ways carry this share: at combiners.
-const SPLIT_FROM: f64 = 0.1;
-/// Crossings that a lamp needs for a region of its own; the others of its group share one.
-const OWN: usize = 512;
 
 /// Crossings of the pupil by the light of one path.
 struct Arrivals<'r> {

@@ -2,6 +2,7 @@
 //! there. No ray from the eye tells, but light from the lamps does.
 
 use super::pupil;
+use super::tuning::pupil_guide::{LOOK, MOST_LAMPS, OF_LAMP, PATHS, WORTH};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::base::warp::disk_inverse;
@@ -12,15 +13,6 @@ use crate::plan::Planner;
 use crate::plan::selection::facts::{OPEN, connect, kind, lamps_over_eye, skip};
 use glam::DVec2;
 use std::collections::BTreeMap;
-
-/// Paths from the lamps, guided to the pupil: a first look, and what the guide is learned from.
-const LOOK: u64 = 1 << 11;
-/// For each lamp that is looked at by itself, as many lamps as are.
-const OF_LAMP: u64 = 96;
-const MOST_LAMPS: usize = 64;
-const PATHS: u64 = 1 << 13;
-/// How much denser the points must be where light crosses than if they were spread evenly: below that lamps fill the pupil.
-const WORTH: f64 = 1.5;
 
 /// What rays from the eye need to know to find the lamps that the plan leaves to them in rows that `asks` says true of. None
 /// if it leaves none to them, no light of theirs arrives, or it fills the pupil. `known`: a plan of other owners.

@@ -3,6 +3,7 @@
 
 use super::chains::{Arrived, SEED};
 use super::eye_pilot;
+use super::tuning::reached::{FEWEST_ARRIVED, SIGMAS};
 use crate::base::path::Class;
 use crate::estimate::ShouldStop;
 use crate::estimate::manifold::seeds::connections::Connections;
@@ -11,11 +12,6 @@ use crate::estimate::ownership::Ownership;
 use crate::film::plan::{Estimator, Plan};
 use crate::world::World;
 use crate::world::mode::{Mode, Mono};
-
-/// Paths from the lamps that have to arrive over a train before light tracing is trusted with what the solver does not return.
-const FEWEST_ARRIVED: usize = 8;
-/// Standard errors, of either, by which light tracing has to find less than rays from the eye to be taken for blind.
-const SIGMAS: f64 = 3.0;
 
 /// Whether paths from the lamps bring the light of a train that rays from the eye have `seen`: some arrived, and not
 /// surely less than was seen.

@@ -3,6 +3,7 @@
 
 use super::SEED;
 use super::eye_pilot::{self, sides_of};
+use super::tuning::shared_faces::{LEAST, MOST_SPLITS, PATHS, POINTS};
 use crate::base::lattice::lattice;
 use crate::base::path::Class;
 use crate::base::rng::Stream;
@@ -20,11 +21,6 @@ use crate::world::mode::{Mode, Mono};
 use crate::world::scatter::Scatter;
 use glam::DVec3;
 use std::collections::BTreeSet;
-
-/// Paths from the lamps, each both ways where either carries this share of it, at so many interfaces.
-const PATHS: u64 = 1 << 9;
-const LEAST: f64 = 1e-3;
-const MOST_SPLITS: u32 = 256;
 
 /// Faces that light goes on from unscattered.
 struct Faces {
@@ -47,9 +43,6 @@ impl Visitor<Mono> for Faces {
     fn pupil(&mut self, _: &Walker<'_, Mono>, _: Origin, _: &Arrival) {}
     fn scatterer(&mut self, _: &Walker<'_, Mono>, _: Origin, _: &Vertex, _: &Scatter) {}
 }
-
-/// Points of each lamp that are looked for in plain sight.
-const POINTS: u64 = 4;
 
 /// Whether a lamp may be in plain sight, through glass as well: small ones are missed by rays that aim at nothing. No where
 /// something that is not specular stands on the way from the middle of the pupil. Yes once `stop` says true.

@@ -2,6 +2,7 @@
 //! a wall. A few paths from the eye tell where it gets in, and the scatterers on all others aim there.
 
 use super::SEED;
+use super::tuning::sky_guide::{AIMED, LOOK, MOST_WIDE, NARROW, TILES, WIDE, WORTH};
 use crate::base::path::Class;
 use crate::estimate::backward::{Backward, Daylight};
 use crate::estimate::ownership::Ownership;
@@ -10,18 +11,6 @@ use crate::film::guide::{Entry, Portals};
 use crate::film::plan::{Estimator, Plan};
 use crate::plan::Planner;
 use crate::world::mode::Mono;
-
-/// Paths of the first look, which knows nothing, and most of them if little is found; and of each look after it.
-const WIDE: u64 = 1 << 9;
-const MOST_WIDE: u64 = 1 << 11;
-const NARROW: [u64; 2] = [1 << 9, 1 << 10];
-/// Part of the directions to the sky that a look aims, and those that a plan may.
-const LOOK: f64 = 0.5;
-const AIMED: [f64; 3] = [0.5, 0.75, 0.9];
-/// How many times less variance scatterers must have of aiming: below that the sky is open.
-const WORTH: f64 = 1.5;
-/// Tiles along either side of the picture: in each the same light matters relative to what it has.
-const TILES: usize = 4;
 
 /// What scatterers need to know to find the sky. None if the plan leaves
 /// no light of the sky that scatterers send to paths from the eye, or the sky is open.

@@ -3,28 +3,14 @@
 //! where chance chooses one way on, one path in a hundred brings all of that.
 
 use super::SEED;
+pub(in crate::plan) use super::tuning::split_threshold::MOST;
+use super::tuning::split_threshold::{FAINTEST, LITTLE, PASSES, PASSES_OF_SCALE, PLACES, WORTH};
 use crate::estimate::backward::Backward;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, Plan};
 use crate::plan::Planner;
 use crate::world::mode::Mono;
-
-/// Pixels that each trial looks at, by two paths.
-const PLACES: u64 = 256;
-/// Passes of the two paths of a trial, and of those that tell how bright pixels are: points that follow each other on a pixel's
-/// lattice are not alike.
-const PASSES: [u64; 2] = [0, 5];
-const PASSES_OF_SCALE: [u64; 2] = [2, 7];
-/// Shares of a path's light down to which its branches are followed for certain.
-const FAINTEST: [f64; 2] = [1.0 / 1024.0, 1.0 / 64.0];
-/// How many times less variance times work has to be to depart from what is simple.
-const WORTH: f64 = 1.25;
-/// Most paths per pixel and pass beside dearer estimators, which cost some tens of times as much as a short path and err more at
-/// edges.
-pub(in crate::plan) const MOST: u32 = 4;
-/// Relative variance of a pass that is little beside that of such an estimator at edges.
-const LITTLE: f64 = 1e-3;
 
 /// What a pilot found.
 #[derive(Debug, Clone, Copy)]

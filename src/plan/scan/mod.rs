@@ -5,6 +5,7 @@ pub mod light;
 pub mod lines;
 pub mod places;
 pub mod table;
+mod tuning;
 
 use crate::base::error::Result;
 use crate::base::{Error, Where};
@@ -19,12 +20,8 @@ use crate::world::optics::Optics;
 use glam::DVec3;
 use light::{LightAsked, White, white};
 use places::Places;
-
-/// Most positions, and most points of the picture.
-pub const MOST_POSITIONS: usize = 4096;
-pub const MOST_POINTS: usize = 4096;
-/// Diameter that a pinhole is taken to have for distances, m.
-const DEFAULT_PUPIL_M: f64 = 0.004;
+use tuning::scan::DEFAULT_PUPIL_M;
+pub use tuning::scan::{MOST_POINTS, MOST_POSITIONS};
 
 /// What is asked for.
 #[derive(Debug, Clone, PartialEq)]

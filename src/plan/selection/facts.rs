@@ -1,15 +1,12 @@
 //! What the facts of a scene say of each pair of light group and path class: who owns it, and why.
 
+pub(in crate::plan) use super::tuning::facts::OPEN;
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
 use crate::check::Checked;
 use crate::film::plan::{Estimator, Row, Verdict};
 use crate::plan::Choice;
 use crate::world::World;
-
-/// Ratios of the lamps' etendue to the eye's below which each point of the picture has few ways to a lamp, and above which
-/// rays from the eye can't miss them. Between them a pilot decides.
-pub(in crate::plan) const OPEN: [f64; 2] = [8.0, 1e5];
 
 /// What facts say of every pair of light group and class.
 pub(in crate::plan) fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row> {

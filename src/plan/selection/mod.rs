@@ -3,6 +3,7 @@
 
 pub(super) mod facts;
 mod pilot_run;
+mod tuning;
 mod verdict;
 
 use crate::base::path::Class;
@@ -12,13 +13,8 @@ use crate::plan::pilots::pupil_guide;
 use facts::{OPEN, connect, kind, lamps_over_eye, own};
 use pilot_run::{Trials, Tried};
 use std::collections::BTreeSet;
+use tuning::selection::{FILLED, SMALL};
 use verdict::{Compared, Misses};
-
-/// How many times denser the light of a lamp may be in the pupil than if it were spread evenly, for a place in the picture, for
-/// it to fill the pupil: the lamp is imaged far from it, and rays from the eye that go its way hardly miss.
-const FILLED: f64 = 2.0;
-/// Lamps that fill less than this of the scene's cross-section are too small for rays from the eye, wherever they look.
-const SMALL: f64 = 3e-4;
 
 /// By how much an estimator's work and variance are multiplied before they are compared: 1, but in tests that want to see
 /// the plan change.

@@ -1,6 +1,7 @@
 //! A few passes of a small picture by a plan, and what two of them say of their plans' variance × counted work.
 
 use super::Handicap;
+use super::tuning::pilot_run::{CLEAR, MARGINS, MOST_EVEN, MOST_WORK, PASSES, RUN, SIDES, SURE, TELL_EVEN, WORK};
 use super::verdict::{Compared, FLOOR, judge, smooth};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::run::{Films, begin_trial};
@@ -9,24 +10,6 @@ use crate::film::layer::Layer;
 use crate::film::plan::{Estimator, Plan};
 use crate::plan::pilots::pilot_resolution::PilotResolution;
 use crate::plan::{Planner, pilots};
-
-/// Longer sides of the pilot's pictures, pixels: a rough one, and a fine one for what that leaves open.
-const SIDES: [usize; 2] = [12, 32];
-/// Counted work after which a trial has seen enough (some 10 ms and 35 ms), and its fewest and most passes.
-const WORK: [u64; 2] = [1 << 18, 1 << 20];
-const PASSES: [u64; 2] = [2, 64];
-/// Passes from which on a second trial of as many tells what even points save; of a run for which it is taken, and most of it.
-const TELL_EVEN: u64 = 4;
-const RUN: f64 = 64.0;
-const MOST_EVEN: f64 = 0.125;
-/// Counted work that the fewest passes of a fine picture may be, or the rough one has to do.
-const MOST_WORK: f64 = 4.0 * WORK[1] as f64;
-/// How many times the variance × work has to differ in the rough picture for the fine one not to be asked.
-const CLEAR: f64 = 8.0;
-/// How much better a rival must be than what facts say, by a fine and by a rough picture: a pilot is not exact.
-const MARGINS: [f64; 2] = [1.25, 2.0];
-/// Standard errors in scattered light that rays are sure to find.
-const SURE: f64 = 3.0;
 
 /// What a plan's passes brought in both pictures; the fine one is not always asked.
 pub(super) struct Tried {

@@ -3,11 +3,8 @@
 
 use super::Handicap;
 use super::pilot_run::Trial;
-
-/// Standard errors, of either, by which a trial has to find less light than another to be taken for blind.
-const SIGMAS: f64 = 3.0;
-/// Share of the mean luminance that counts as full error where the picture is black, as in `eyebox bench`.
-pub(super) const FLOOR: f64 = 0.01;
+pub(super) use super::tuning::verdict::FLOOR;
+use super::tuning::verdict::SIGMAS;
 
 /// What a comparison of two plans says.
 #[derive(Debug)]

@@ -1,13 +1,12 @@
 //! Where rays from the eye land, at nodes over the picture and the pupil, and what lies between.
 
+pub(super) use super::tuning::eye_hit::OVER_PUPIL;
+use super::tuning::eye_hit::QUADS;
 use crate::estimate::manifold::solver::bicubic::Rows;
 use crate::estimate::manifold::solver::simd_nodes::{Quad, SimdNodes, filled};
 use crate::world::mode::{LaneArray, Mode, lanes};
 use glam::DVec3;
 use std::marker::PhantomData;
-
-/// Nodes over the pupil: three along both axes.
-pub(super) const OVER_PUPIL: usize = 9;
 
 /// Where a ray lands.
 #[derive(Debug, Clone, Copy)]
@@ -18,9 +17,6 @@ pub(super) struct EyeHit<M: Mode> {
     /// Of what the ray starts with, per lane.
     pub(super) weight: M::Lanes<f64>,
 }
-
-/// Most quads of a landing.
-const QUADS: usize = 3;
 
 impl<M: Mode> EyeHit<M> {
     /// So many hold its numbers.

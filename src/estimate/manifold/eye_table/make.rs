@@ -2,6 +2,7 @@
 
 use super::eye_hit::{EyeHit, EyeHits, OVER_PUPIL};
 use super::first_scatterer::to_scatterer;
+use super::tuning::make::{LEAST, LITTLE, LOOKS, MOST, POOR, SHARP, WORTH};
 use super::{EyeTable, Glance, OUTER, Use, follow};
 use crate::base::chain::{Chain, Link};
 use crate::base::rng::{Rng, Stream};
@@ -21,18 +22,6 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Rays from the eye that look for trains, along both axes of the picture.
-const LOOKS: usize = 12;
-/// Most trains, and the least light of one over that of the best.
-const MOST: usize = 8;
-const WORTH: f64 = 1e-6;
-/// Trains with less than this share are done without where they end, or can't be kept in a table.
-const LITTLE: f64 = 0.02;
-/// The ray itself is followed with this probability where the tables did well on trial, and always where they were off by
-/// this share. A place that is off by a pixel counts as this much.
-const LEAST: f64 = 1.0 / 32.0;
-const POOR: f64 = 0.02;
-const SHARP: f64 = 0.2;
 /// Where a cell is tried, in radii of the pupil.
 const TRIALS: [DVec2; 4] = [DVec2::new(0.6, 0.3), DVec2::new(-0.3, 0.6), DVec2::new(-0.6, -0.3), DVec2::new(0.3, -0.6)];
 

@@ -8,6 +8,7 @@
 mod eye_hit;
 pub mod first_scatterer;
 mod make;
+mod tuning;
 
 use crate::base::chain::Chain;
 use crate::base::lpe::LpeState;
@@ -28,20 +29,7 @@ use crate::world::optics::Optics;
 use eye_hit::{EyeHit, EyeHits, OVER_PUPIL};
 use glam::DVec2;
 use std::sync::OnceLock;
-
-/// The outer nodes over the pupil, in radii.
-const OUTER: f64 = 0.8;
-
-/// Rays with all their branches hardly ever find trains with less than this of what the best brings.
-const FAINT: f64 = 1e-3;
-/// Of the looks at a train by itself so many are by the ray itself.
-const SELDOM: f64 = 1.0 / 16.0;
-/// So much more seldom it is followed for light that is little.
-const SELDOM_OF_LITTLE: f64 = 1.0 / 4.0;
-/// Least share of the looks in which a train is looked at by itself, where its light is all that a pixel may have: a ghost of
-/// 10⁻⁵ of a symbol is some hundredths of the black beside it. By every fourth look the flat pixels of the diffuse HUD have 4.6e-5
-/// after a pass, by every eighth 5.2e-5 (eight seeds).
-const OFTEN: f64 = 1.0 / 8.0;
+use tuning::eye_table::{FAINT, OFTEN, OUTER, SELDOM, SELDOM_OF_LITTLE};
 
 /// A train from the eye to a lit face.
 struct Glance<M: Mode> {

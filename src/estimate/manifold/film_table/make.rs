@@ -1,6 +1,8 @@
 //! How the tables are filled, node by node from the solver's starts.
 
 use super::masks::{self, MASKS, Mask};
+use super::tuning::make::FAR;
+pub(super) use super::tuning::make::{ASIDE, BEYOND};
 use super::{FilmTable, FilmTables, Node, Places, Use};
 use crate::base::lpe::LpeState;
 use crate::base::path::Trail;
@@ -18,13 +20,6 @@ use crate::world::optics::Optics;
 use crate::world::surface::Surface;
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
-
-/// How far from a lamp's middle tables are tried and differences taken, in radii: within a square lamp.
-pub(super) const ASIDE: f64 = 0.6;
-/// Nodes that are added beyond a slide's edge, so that the cells across it have all sixteen.
-pub(super) const BEYOND: usize = 2;
-/// Solutions farther than this from the pupil's middle, in radii, are of no use to a table.
-const FAR: f64 = 3.0;
 
 /// A solution, followed.
 pub(super) struct Found<M: Mode> {

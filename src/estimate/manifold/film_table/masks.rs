@@ -1,6 +1,8 @@
 //! Where the picture ends at the outline of a face of the train: a lens's rim, the edge of a mirror. Tables know where the face
 //! is met, beyond its outline by what they know inside, so the outline cuts a pixel's footprint as the pixels of a slide do.
 
+pub(super) use super::tuning::masks::MASKS;
+use super::tuning::masks::NEAR;
 use super::{Node, Spot};
 use crate::film::specular_chain::SpecularChain;
 use crate::world::World;
@@ -12,11 +14,6 @@ use glam::{DVec2, DVec3};
 
 /// A face whose outline ends the picture, as (part, face).
 pub(super) type Mask = (u32, u32);
-
-/// Most faces of a train whose outlines are kept.
-pub(super) const MASKS: usize = 2;
-/// An outline that is so near to a pixel, in the pixel's own extent, may cut it.
-const NEAR: f64 = 0.25;
 
 /// Which faces of a train (by their number in it) the missing nodes lie beyond, by what their neighbours foretell. `places`:
 /// where nodes meet each face of the train; `lines`: of nodes beside a missing one.

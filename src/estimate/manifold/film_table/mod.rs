@@ -11,6 +11,7 @@ mod make;
 mod masks;
 mod over_pixel;
 mod trial;
+mod tuning;
 
 use super::receiver::{Crossing, SLIDES};
 use super::seeds::connections::Connections;

@@ -2,29 +2,13 @@
 
 use super::make::{ASIDE, BEYOND, Maker, Nodes};
 use super::masks::{self, MASKS, Mask};
+use super::tuning::trial::{LEAST, MASK_PIXELS, POOR, PUPIL_RIM, QUARTERS, RIM_ERRORS, RIM_PIXELS, SHARP};
 use super::{FilmTables, Node, Use, blend, through_slides};
 use crate::estimate::manifold::receiver::Crossing;
 use crate::estimate::manifold::seeds::connections::Entry;
 use crate::estimate::manifold::solver::bicubic::{SIDES, Spot};
 use crate::world::mode::Mode;
 use glam::{DVec2, DVec3};
-
-/// The difference from the solved connection is looked at with this probability where the table did well on trial (less
-/// would save little more, and make what no trial saw bright and rare),
-const LEAST: f64 = 1.0 / 8.0;
-/// and always where it was off by this share.
-const POOR: f64 = 0.01;
-/// A place on a slide that is off by a share of the slide's size counts so many times: pictures have edges.
-const SHARP: f64 = 100.0;
-/// So near to the rim of a slide's picture, in pixels, and in errors of the places that a trial has shown, tables are not used.
-const RIM_PIXELS: f64 = 0.25;
-const RIM_ERRORS: f64 = 4.0;
-/// The same of the pupil's rim, in its radii, at the least.
-const PUPIL_RIM: f64 = 0.01;
-/// So near to the outline of a face, in pixels, nodes and solver may differ on whether it is met.
-const MASK_PIXELS: f64 = 0.25;
-/// Where a cell at the end of the light is tried beside its middle, in cells from there.
-const QUARTERS: [[f64; 2]; 4] = [[-0.4, -0.4], [0.4, -0.4], [-0.4, 0.4], [0.4, 0.4]];
 
 impl<M: Mode> Maker<'_, M> {
     /// How a cell is to be used. Where no branch has a node at its corners the table says nothing, and little is expected.

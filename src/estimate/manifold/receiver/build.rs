@@ -4,6 +4,7 @@ use super::connect::{Connector, Entry, Solution, letter};
 use super::resolution::{Errs, slack};
 use super::surface_param::SurfaceParam;
 use super::table::{Cell, Crossing, Node, ReceiverTable, beyond};
+use super::tuning::build::{ASIDE, BESIDE, EVEN, UNEVEN};
 use super::{FORETOLD, MOST_SHEETS, SAME, TOLERANCE};
 use crate::estimate::manifold::solver::bicubic::Spot;
 use crate::estimate::manifold::solver::newton::Target;
@@ -17,15 +18,6 @@ use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::VecDeque;
-
-/// Largest difference of the mean over a lamp from its middle, as a share, that is let pass.
-const EVEN: f64 = 2e-3;
-/// The same of any of its points from its middle; beyond it photons do better.
-const UNEVEN: f64 = 0.25;
-/// Where a lamp's points are tried, of its radius: corners of a square are a little farther out.
-const ASIDE: f64 = 0.7;
-/// How far from there a ray may meet the lamp instead, of that.
-const BESIDE: f64 = 0.1;
 
 /// What filling a face's table has come to.
 pub(super) enum Filled<M: Mode> {

@@ -12,6 +12,7 @@ mod ownership;
 mod resolution;
 mod surface_param;
 mod table;
+mod tuning;
 
 use crate::base::lpe::Letter;
 use crate::base::rng::Rng;
@@ -33,25 +34,9 @@ use resolution::{COARSE, RUN, Resolution};
 use std::sync::Arc;
 use table::{Cell, ReceiverTable};
 pub(super) use table::{Crossing, SLIDES};
-
-/// Largest error of an interpolated strength or direction (radians) that is let pass, for a train that has all light of a
-/// face; one with less may err more, but no more than `MOST_SLACK` times as much.
-const TOLERANCE: f64 = 3e-4;
-const MOST_SLACK: f64 = 10.0;
-/// Directions nearer than this, in radians, are the same solution.
-const SAME: f64 = 1e-6;
-/// The same where one is interpolated for the same point of the lamp, in tolerances, and for another point.
-const NEARLY_SAME: f64 = 3.0;
-const ABOUT_SAME: f64 = 1e-2;
-/// How far a solution may lie from where it is foretold, in what the direction changes by over a cell: farther off it is another
-/// branch's.
-const FORETOLD: f64 = 0.5;
-/// What a train brings of a face's light, times what the eye sees of that, from which on every lamp is asked. Of less it
-/// is some of them, one at least, and what they bring stands for all.
-const WORTH_EVERY_LAMP: f64 = 2e-2;
-const FEWEST_LAMPS: f64 = 1.0 / 16.0;
-/// Sheets of one train and lamp.
-const MOST_SHEETS: usize = 4;
+use tuning::receiver::{
+    ABOUT_SAME, FEWEST_LAMPS, FORETOLD, MOST_SHEETS, MOST_SLACK, NEARLY_SAME, SAME, TOLERANCE, WORTH_EVERY_LAMP,
+};
 
 /// All of a plan, at the wavelengths of one pass.
 #[derive(Debug)]

@@ -5,6 +5,7 @@
 
 use super::connect::{Connector, Entry, Solution};
 use super::table::{Cell, ReceiverTable};
+use super::tuning::ownership::KNOWN;
 use super::{ABOUT_SAME, FORETOLD, MOST_SHEETS, Receivers, SAME};
 use crate::base::chain::Chain;
 use crate::estimate::ledger::cost;
@@ -16,9 +17,6 @@ use crate::world::mode::Mode;
 use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
 use glam::DVec3;
-
-/// Branches whose light about a point is known at once.
-const KNOWN: usize = 64;
 
 /// Branches of a train for one lamp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

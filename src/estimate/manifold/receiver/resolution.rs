@@ -5,24 +5,14 @@
 use super::build::Filled;
 use super::connect::Connector;
 use super::table::Cell;
+use super::tuning::resolution::{CELL, CELLS, ORDER};
+pub(super) use super::tuning::resolution::{COARSE, RUN};
 use super::{FEWEST_LAMPS, MOST_SLACK, WORTH_EVERY_LAMP};
 use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::mode::Mode;
 use crate::world::optics::Optics;
 use std::sync::{Arc, OnceLock};
-
-/// Cells along the longer side of a face's map.
-const CELLS: [usize; 4] = [16, 24, 32, 48];
-/// Of a pilot, and first of a train with little of the light.
-pub(super) const COARSE: usize = 8;
-/// What a cell costs to fill and to try, in connections that are solved for.
-const CELL: f64 = 2.0;
-/// Passes of a run, in each of which a pixel asks for a connection. What pays for so many is not far from the best for a
-/// half or twice of them.
-pub(super) const RUN: f64 = 32.0;
-/// How much is saved where what errs is interpolated between nodes half as far from each other: by cubics.
-const ORDER: i32 = 4;
 
 /// What the trial of a cell with solutions has shown.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,19 +1,11 @@
 //! Coordinates on a face that scatters: a grid of nodes over it.
 
+use super::tuning::surface_param::{BEYOND, INSIDE, RING};
 use crate::estimate::manifold::solver::bicubic::{Nodes, Spot};
 use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::geometry::{Ray, Site};
 use glam::{DVec2, DVec3};
-
-/// The box of what a pilot found is a little smaller than what is lit; the grid within the ring stays this share inside of it,
-/// so that its nodes have solutions.
-const INSIDE: f64 = 2e-3;
-/// Cells about that on each side, for what is lit there: there the tables tell where it ends.
-const RING: usize = 1;
-/// How far into the ring connections are tried where tables do not know where the light ends, cells: it is a sliver, and
-/// most of what is tried is dark.
-const BEYOND: f64 = 0.04;
 
 /// A grid over the lit part of a face: places are counted along two axes of a plane.
 #[derive(Debug, Clone)]

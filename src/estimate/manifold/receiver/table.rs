@@ -3,6 +3,8 @@
 use super::Incoming;
 use super::resolution::Errs;
 use super::surface_param::SurfaceParam;
+use super::tuning::table::QUADS;
+pub(in crate::estimate::manifold) use super::tuning::table::SLIDES;
 use crate::estimate::manifold::pixel_span::Span;
 use crate::estimate::manifold::solver::bicubic::{Rows, Spot};
 use crate::estimate::manifold::solver::simd_nodes::{Quad, SimdNodes, filled};
@@ -13,9 +15,6 @@ use crate::world::optics::Optics;
 use crate::world::slide::footprint::{self, Brightness, Footprint};
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
-
-/// Slides that a train may cross to be interpolated.
-pub(in crate::estimate::manifold) const SLIDES: usize = 2;
 
 /// A place on a slide, mesh units, and how it moves with the place on the lamp.
 #[derive(Debug, Clone, Copy)]
@@ -60,9 +59,6 @@ pub(super) enum Cell {
     /// Of the ring about what a pilot found, beside a cell with solutions, where no table tells how far the light reaches.
     Rim,
 }
-
-/// Most quads of a node's numbers that are blended with others: direction, strength per lane, places on slides.
-const QUADS: usize = 4;
 
 /// One branch of a train for one lamp.
 #[derive(Debug)]

@@ -2,6 +2,7 @@
 //! that were solved for at one wavelength lead the solver astray at others.
 
 use super::connections::{Connections, index_of};
+use super::tuning::bands::BANDS;
 use crate::base::colour::hero;
 use crate::film::specular_chain::Connection;
 use crate::world::World;
@@ -9,9 +10,6 @@ use crate::world::mode::{Mode, wavelengths_change};
 use crate::world::optics::Optics;
 use rayon::prelude::*;
 use std::sync::Arc;
-
-/// Bands that the range of wavelengths is parted into, with as many passes in each.
-const BANDS: usize = 12;
 
 /// The connections of a plan, by the wavelength that decides where paths go.
 #[derive(Debug, Clone)]

@@ -1,6 +1,7 @@
 //! All specular connections of a plan, ready to be asked: which solutions there are for a place in the picture and a
 //! point of a lamp, and whether a path is one of them.
 
+use super::tuning::connections::{BRIGHT, FULL, SELDOM};
 use super::{Builder, SAME, Seeds};
 use crate::base::chain::Chain;
 use crate::estimate::ledger::cost;
@@ -13,13 +14,6 @@ use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
 use glam::DVec2;
 use std::collections::HashMap;
-
-/// A train with this share of its group's light is followed in every pixel and pass, a fainter one with a probability in
-/// proportion, but not less than [`SELDOM`].
-const FULL: f64 = 1e-4;
-const SELDOM: f64 = 1.0 / 32.0;
-/// Of a train with this share light tracing knows where its light comes from, and finds it where connection has no start.
-const BRIGHT: f64 = 1e-2;
 
 /// A train with its starts for one lamp.
 #[derive(Debug)]

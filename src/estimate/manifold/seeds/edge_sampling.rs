@@ -3,22 +3,11 @@
 //! error is there.
 
 use super::connections::Connections;
+use super::tuning::edge_sampling::{DARK, MOST, UNSURE, USUAL};
 use crate::world::World;
 use crate::world::eye::EyeLens;
 use glam::DVec2;
 use rayon::prelude::*;
-
-/// Most times: what the other two allow is less.
-const MOST: f64 = 32.0;
-/// Relative variance of a pixel that sees its lamps whole: it holds edges of the slides' pictures.
-const USUAL: f64 = 0.1;
-/// A pixel with less than this share of the light that is there where all lamps are seen whole is dark: its error counts by
-/// that.
-const DARK: f64 = 0.01;
-
-/// Where lamps are seen is foretold roughly: as if a pixel were so many times as wide and high, too. One that is foretold to be
-/// dark may show a sliver of a lamp, a hundred times brighter than its mean.
-const UNSURE: f64 = 2.0;
 
 /// How often each pixel is joined.
 #[derive(Debug)]

@@ -1,16 +1,10 @@
 //! Lamps that a pilot found no path from: what a neighbour does over a train they do too, moved. A lamp at the rim of the
 //! picture is seen by a corner of it alone, through a part of the pupil, where few paths go.
 
+use super::tuning::extrapolate::{INSIDE, NEIGHBOURS, OUTSIDE, TRIES};
 use super::{Builder, Node, Seeds};
 use crate::world::eye::EyeLens;
 use glam::DVec2;
-
-/// Neighbours that a lamp is started from, and how many tries each gets.
-const NEIGHBOURS: usize = 8;
-const TRIES: usize = 16;
-/// How far into the pupil a solution is tried to be brought, and how far outside one may be, in its radii.
-const INSIDE: f64 = 0.7;
-const OUTSIDE: f64 = 1.5;
 
 /// Where the solver may start for another lamp.
 struct Start {

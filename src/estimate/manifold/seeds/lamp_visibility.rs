@@ -1,26 +1,13 @@
 //! Which points of a lamp to join with a place of the picture, where only some of them are seen through the pupil: at the
 //! rim of a lamp's picture most others would be solved for in vain, and the few that are not would be bright and rare.
 
+use super::tuning::lamp_visibility::{ALL, BOXES, ELSEWHERE, ENDS, MARGIN, SPENT_ELSEWHERE};
 use super::{Node, Seeds};
 use crate::base::warp::BELOW_ONE;
 use crate::world::eye::EyeLens;
 use crate::world::lamp::{Lamp, LampPoint};
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_1_SQRT_2;
-
-/// Boxes that a lamp's points are told apart by, along both of the numbers that they are drawn by. At the rim of seed 409 of
-/// `eyebox bench --generate` the variance for a place is 0.62 of that of even points, and 0.73 with 6 x 4 boxes.
-const BOXES: [usize; 2] = [8, 6];
-const ALL: usize = BOXES[0] * BOXES[1];
-/// A point that is not foretold to be seen is taken with at most this of the density of one that is; and at most so many of
-/// them, over the others.
-const ELSEWHERE: f64 = 0.1;
-const SPENT_ELSEWHERE: f64 = 0.25;
-/// How much farther than foretold light may reach, over the radius of the pupil and over the extent of what is foretold.
-const MARGIN: f64 = 0.02;
-/// How far from its middle a spread ends, in standard deviations: √3 for a side of the lamp or of the pixel, more for the
-/// corner of both.
-const ENDS: f64 = 2.8;
 
 /// A box's points of a lamp, on its plane from the middle, m.
 #[derive(Debug, Clone, Copy)]

@@ -6,6 +6,7 @@ pub mod connections;
 pub mod edge_sampling;
 mod extrapolate;
 mod lamp_visibility;
+mod tuning;
 
 use crate::estimate::manifold::solver::grid::Grid;
 use crate::estimate::manifold::solver::newton::{Family, Root, Target, newton, trace};
@@ -15,16 +16,9 @@ use crate::world::lamp::{Lamp, Lamps};
 use glam::{DMat2, DVec2};
 use lamp_visibility::Part;
 use std::collections::VecDeque;
-
-/// Sheets of one train and lamp; further branches stay with the estimator that owns the rest.
-pub(super) const MOST_SHEETS: usize = 4;
-/// How far from its middle, in radii of the pupil, the solver looks for solutions.
-const FAR: f64 = 1.05;
-/// A train with less of its group's light than this is joined with points from all over its lamps: to look where they are seen
-/// costs more than what its part of the error is worth.
-const AIMED: f64 = 1e-2;
-/// Roots nearer to each other than this share of the pupil's radius are one.
-pub const SAME: f64 = 1e-6;
+pub(super) use tuning::seeds::MOST_SHEETS;
+pub use tuning::seeds::SAME;
+use tuning::seeds::{AIMED, FAR};
 
 /// The solution at the middle of a cell.
 #[derive(Debug, Clone, Copy)]

@@ -1,13 +1,8 @@
 //! Cells over the picture, for what is looked up by a place in it.
 
+use super::tuning::grid::{CELLS, FEWEST, PIXELS};
 use crate::world::World;
 use glam::DVec2;
-
-/// Most cells of the grid along the picture's longer side, and fewest. A small picture is asked less often than a fine grid
-/// of its own costs: a cell has so many of its pixels along its sides.
-const CELLS: usize = 24;
-const FEWEST: usize = 8;
-const PIXELS: usize = 3;
 
 /// Cells over the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]

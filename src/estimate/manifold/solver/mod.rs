@@ -5,3 +5,4 @@ pub mod grid;
 pub mod newton;
 pub mod ray_differentials;
 pub mod simd_nodes;
+mod tuning;

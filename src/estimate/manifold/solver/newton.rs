@@ -5,6 +5,7 @@
 //! exact surfaces, so every iterate obeys Snell's law and two unknowns are all there is).
 
 use super::ray_differentials::RayDifferentials;
+use super::tuning::newton::{HALVINGS, STEPS};
 use crate::film::specular_chain::SpecularChain;
 use crate::world::World;
 use crate::world::eye::EyeLens;
@@ -127,10 +128,6 @@ pub struct Root {
     pub slope: DMat2,
     pub dir: DVec3,
 }
-
-/// Most steps of Newton's iteration, and most halvings of one.
-const STEPS: u32 = 16;
-const HALVINGS: u32 = 5;
 
 /// Newton's iteration from `start`. `size`: length of the lamp, m, against which closeness is measured. The result is a
 /// function of the arguments alone. None where it does not converge, or the map is singular.

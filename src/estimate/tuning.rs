@@ -1,0 +1,112 @@
+//! Numbers of this room that no formula gives, file by file. The commits that are named chose them: their messages tell on
+//! which scenes, and what was measured.
+
+/// `data.rs`
+/// - `FAR_M`, `SIDE`: `8fef686` (Estimators, plan and EXR)
+/// - `MOSTLY`: `9264798` (An asset looks as its materials say)
+/// - `BAND`: `f099d89` (A pixel takes 240 bytes, not 1200)
+/// - `FEW`: `1cb92fb` (Parts found through the wide tree)
+/// - `ALIKE`: `be4eada` (Photons of two radii that know where faces end)
+pub(super) mod data {
+    /// Depth written where nothing is hit, m: what compositing programs take for the background.
+    pub const FAR_M: f64 = 1e10;
+    /// An ordinary material is there where it hides at least this share of what is behind it.
+    pub const MOSTLY: f64 = 0.5;
+    /// So many rows are looked at together.
+    pub const BAND: usize = 32;
+    /// The see-through share is looked for in so many rows and columns of a pixel,
+    pub const SIDE: usize = 4;
+    /// or only in these four of its places, of which no two share a row or a column,
+    pub const FEW: [usize; 4] = [1, 7, 8, 14];
+    /// where the shares differ by no more than this of the largest and the same surfaces are seen: what is linear in place
+    /// and pupil is exact with four.
+    pub const ALIKE: f64 = 0.05;
+}
+
+/// `forward.rs`
+/// - `8fef686` (Estimators, plan and EXR)
+pub(super) mod forward {
+    /// A lamp path is split where reflection and transmission both carry this share: at combiners, not at lenses.
+    pub const SPLIT_FROM: f64 = 0.1;
+    /// Behind such a face the ghost from the next one counts too.
+    pub const SPLIT_AGAIN_FROM: f64 = 0.005;
+}
+
+/// `outliers.rs`
+/// - `TOGETHER`, `SIGMA`: `55c9cd2` (Shards, merge, checkpoints, jobs)
+/// - `OF_MAPS`: `9118adb` (Merge: finer maps that come late are no outlier)
+pub(super) mod outliers {
+    /// Errors of near pixels may go together (photons are gathered over many), which their own variances do not tell: the
+    /// root of how many do at most.
+    pub const TOGETHER: f64 = 25.0;
+    /// Deviations beyond this many standard errors are told.
+    pub const SIGMA: f64 = 8.0;
+    /// What maps of lit faces may err by, as a share of the light: later passes have finer ones.
+    pub const OF_MAPS: f64 = 1e-3;
+}
+
+/// `shard.rs`
+/// - `0009a8a` (Shards and checkpoints, read once more)
+pub(super) mod shard {
+    /// More passes than any run makes.
+    pub const MOST_PASSES: u64 = 1 << 53;
+}
+
+/// `vision.rs`
+/// - `PATHS`, `SPLIT_FROM`: `2cd4f12` (Backward: what lamps show through specular faces gets its own evenly spread, split
+///   paths)
+/// - `PATHS_OF_A_GLINT`, `MOST_PIXELS`: `465a217` (Pinholes: the places where lamps are seen over specular faces are solved
+///   for)
+/// - `LARGE`: `a605e5f` (Sound shards are told apart from wrong ones by passes that know their error)
+/// - `MOST_GLINTS`: `262b087` (What a fresh reader found in the glints)
+pub(super) mod vision {
+    /// Paths per pixel and pass, and those about each image of a lamp in the pixel.
+    pub const PATHS: u64 = 4;
+    pub const PATHS_OF_A_GLINT: u64 = 64;
+    /// Glints of more than so many pixels' area are left to the paths of each: there are pixels in the midst of such an image, which
+    /// are exact without points about it.
+    pub const LARGE: f64 = 4.0;
+    /// And those that reach over more pixels than this.
+    pub const MOST_PIXELS: usize = 64;
+    /// Of more in a pixel the others are left to these points: work goes with their square.
+    pub const MOST_GLINTS: usize = 32;
+    /// A path is split where both ways on carry at least this share of what it started with; else chance decides.
+    pub const SPLIT_FROM: f64 = 1.0 / 256.0;
+}
+
+/// `walk.rs`
+/// - `8fef686` (Estimators, plan and EXR)
+pub(super) mod walk {
+    /// Paths from the eye are split at the first interfaces they meet: at both faces of a combiner, so that the image from
+    /// its front and the ghost from its back are always both there.
+    pub const SPLIT_FIRST_EVENTS: u32 = 2;
+}
+
+/// `window_visibility.rs`
+/// - `abfe65d` (Backward: directions to the sky are followed through panes)
+pub(super) mod window_visibility {
+    /// Faces that a chosen direction is followed through.
+    pub const MOST_FACES: u32 = 8;
+}
+
+/// `witness.rs`
+/// - `SHARE`, `SELDOM`, `TRIED`, `CHUNK`, `MOST_TIMES`, `BEFORE`: `571fd77` (A witness beside every render)
+/// - `PHOTONS`, `ROUNDS`, `ENOUGH`: `63d295f` (A witness has as many photons as it takes to tell where light comes from)
+pub(super) mod witness {
+    /// Counted work of the looks over that of the passes: below a twentieth, for what a look costs is known by a few of them.
+    pub const SHARE: f64 = 0.042;
+    /// How many times less often than by chance a guided path goes anywhere, at most: `film::guide` and `glow` keep shares for it.
+    pub const SELDOM: f64 = 8.0;
+    /// Looks that tell what one costs.
+    pub const TRIED: u64 = 64;
+    /// Photons that tell where light comes from are traced so many at a time, until so many have landed.
+    pub const PHOTONS: u64 = 1 << 10;
+    pub const ROUNDS: u64 = 8;
+    pub const ENOUGH: usize = 1 << 10;
+    /// Looks of a chunk: they share wavelengths.
+    pub const CHUNK: u64 = 4;
+    /// Times that a pass looks at a pixel, at most.
+    pub const MOST_TIMES: u64 = 64;
+    /// A pass of no run: that of the looks that tell the cost.
+    pub const BEFORE: u64 = u64::MAX / 2;
+}
