@@ -7,7 +7,7 @@
 use super::field::Field;
 use crate::base::vision::glare_spread;
 use rustfft::num_complex::Complex;
-use rustfft::{FftDirection, FftPlanner};
+use rustfft::{FftDirection, FftPlannerScalar};
 use std::f64::consts::PI;
 
 /// Pigment of the iris where nobody says: brown eyes (CIE 135/1).
@@ -87,7 +87,7 @@ fn encircled(theta_deg: f64, age: f64, pigment: f64) -> f64 {
 }
 
 fn transform(field: &mut Vec<Complex<f64>>, [wide, high]: [usize; 2], direction: FftDirection) {
-    let mut planner = FftPlanner::new();
+    let mut planner = FftPlannerScalar::new();
     planner.plan_fft(wide, direction).process(field);
     let mut turned: Vec<Complex<f64>> = (0..wide * high).map(|i| field[(i % high) * wide + i / high]).collect();
     planner.plan_fft(high, direction).process(&mut turned);

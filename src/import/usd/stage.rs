@@ -22,7 +22,7 @@ pub(super) fn open(file: &Path, opened: &Opened) -> Result<Stage> {
     let resolver = Normalising::new(opened.clone());
     sublayers::gather(&resolver, &resolver.create_identifier(name, None))
         .map_err(|what| Error::new(Where::file(file), what))?;
-    let stage = Stage::builder().schema_registry(openusd_schemas::schema_registry()).resolver(resolver).open(name);
+    let stage = Stage::builder().resolver(resolver).open(name);
     stage.map_err(|error| {
         let at = match parse_line(&error) {
             Some(line) => Where::Line { file: file.to_owned(), line },

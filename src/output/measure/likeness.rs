@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 use rustfft::num_complex::Complex;
-use rustfft::{FftDirection, FftPlanner};
+use rustfft::{FftDirection, FftPlannerScalar};
 
 /// Edges are smoothed by a Gaussian of this many pixels: noise is shared by all frequencies, edges are not.
 const SMOOTH: f64 = 1.0;
@@ -184,7 +184,7 @@ fn facing_part(edge: DVec2, way: usize) -> f64 {
 }
 
 fn transform(field: &mut Vec<Complex<f64>>, [width, height]: [usize; 2], direction: FftDirection) {
-    let mut planner = FftPlanner::new();
+    let mut planner = FftPlannerScalar::new();
     planner.plan_fft(width, direction).process(field);
     let mut turned: Vec<Complex<f64>> = (0..width * height).map(|i| field[(i % height) * width + i / height]).collect();
     planner.plan_fft(height, direction).process(&mut turned);
