@@ -1,14 +1,15 @@
 //! `eyebox scan` against closed forms: a lamp in a plane mirror, the display behind a thick lens, what a lens lets through.
 
-use crate::common::{add_group, add_part, face, lamp, mesh, quad, scene};
+use crate::common::{add_group, add_part, cuboid, face, lamp, mesh, quad, scene};
+use eyebox::base::ids::MediumId;
 use eyebox::estimate::virtual_image::image::distortion;
 use eyebox::import::{ImportOptions, Set, import};
 use eyebox::plan::scan::light::LightAsked;
-use eyebox::plan::scan::table::{csv, lines};
+use eyebox::plan::scan::table::{csv, ghosts_csv, lines};
 use eyebox::plan::scan::{Scan, ScanAsked, scan};
 use eyebox::plan::{Asked, Choice, Guides, Polarisation};
-use eyebox::scene::{Finish, Scene};
-use glam::{DVec2, DVec3};
+use eyebox::scene::{Absorption, Dispersion, Finish, Medium, Scene};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 use std::path::Path;
 
 const IPD_M: f64 = 0.06;
@@ -217,4 +218,75 @@ fn the_display_behind_a_thick_lens() {
         // Eyes 60 mm apart: neither sees anything.
         assert!(middle.disparity.is_none());
     }
+}
+
+/// Fresnel's power reflectances of s and p from air onto glass (Born and Wolf, 1.5.2, (21a)).
+fn fresnel(theta: f64, n: f64) -> [f64; 2] {
+    let inside = (theta.sin() / n).asin();
+    let s = (theta - inside).sin() / (theta + inside).sin();
+    let p = (theta - inside).tan() / (theta + inside).tan();
+    [s * s, p * p]
+}
+
+/// A lamp in a plane-parallel plate at 45°: its back sends a second image. In the plane of incidence a ray at θ goes
+/// (h + h′) tan θ + 2t tan θ′ along the plate from the eye to the lamp, h and h′ above it; sin θ = n sin θ′. Of each
+/// polarisation the back has (1 − R)² R where the front has R.
+#[test]
+fn a_plate_shows_a_lamp_twice() {
+    let (n, thickness) = (1.52, 0.004);
+    let mut scene = mirrored(0.3);
+    let normal = DVec3::new(0.0, 1.0, 1.0).normalize();
+    let plate = mesh(&cuboid(DVec3::new(0.3, 0.3, 0.5 * thickness)));
+    scene.meshes[scene.parts[0].mesh.index()] = plate.into();
+    scene.media.push(Medium { name: "glass".into(), index: Dispersion::Constant(n), absorption: Absorption::NONE });
+    let part = &mut scene.parts[0];
+    part.medium = Some(MediumId::from_index(scene.media.len() - 1));
+    part.faces = vec![face(Finish::Polished); 6];
+    let front = DVec3::new(0.0, 0.0, -0.3);
+    let turn = DQuat::from_rotation_arc(DVec3::Z, normal);
+    part.to_world = DAffine3::from_rotation_translation(turn, front - 0.5 * thickness * normal);
+    let found = run(&scene, &asked([2, 1], [0.05, 0.0]));
+    assert_eq!(found.by, "mirror front");
+    let mut compared = 0;
+    for position in &found.positions {
+        let ghost = &position.ghosts[0];
+        assert_eq!((ghost.by.as_str(), ghost.points.len()), ("mirror back", 9));
+        assert!(position.ghosts.windows(2).all(|pair| pair[0].mean_ratio >= pair[1].mean_ratio));
+        let eye = DVec3::new(position.x_m, position.y_m, 0.0);
+        for point in &ghost.points {
+            let main = position.points.iter().find(|line| line.cell == point.cell).unwrap().direction_deg.unwrap();
+            let [x, y] = main.map(|angle| angle.to_radians().tan());
+            let dir = DVec3::new(x, y, -1.0).normalize();
+            // The point of the lamp, 0.5 m up, by reflection.
+            let on_plate = eye + dir * ((front - eye).dot(normal) / dir.dot(normal));
+            let sent = dir - 2.0 * dir.dot(normal) * normal;
+            let place = on_plate + sent * ((0.5 - on_plate.y) / sent.y);
+            let (to, heights) = (place - eye, (eye - front).dot(normal) + (place - front).dot(normal));
+            let tangent = (to - to.dot(normal) * normal).normalize();
+            let along = |theta: f64| heights * theta.tan() + 2.0 * thickness * (theta.sin() / n).asin().tan();
+            let (mut low, mut high) = (0.0, 1.5);
+            for _ in 0..200 {
+                let middle: f64 = 0.5 * (low + high);
+                if along(middle) < to.dot(tangent) { low = middle } else { high = middle }
+            }
+            let ghost_dir = low.sin() * tangent - low.cos() * normal;
+            let right = (DVec3::X - dir.x * dir).normalize();
+            let want = [ghost_dir.dot(right), ghost_dir.dot(right.cross(dir))]
+                .map(|side| side.atan2(ghost_dir.dot(dir)).to_degrees() * 60.0);
+            for axis in 0..2 {
+                let got = point.separation_arcmin[axis];
+                assert!((got - want[axis]).abs() < 1e-4, "{:?}: {got} {}", point.cell, want[axis]);
+            }
+            let own = fresnel((-dir.dot(normal)).acos(), n);
+            let second: f64 = fresnel(low, n).map(|r| (1.0 - r).powi(2) * r).iter().sum();
+            let ratio = second / (own[0] + own[1]);
+            assert!((point.ratio / ratio - 1.0).abs() < 1e-6, "{:?}: {} {ratio}", point.cell, point.ratio);
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 18);
+    let rows = ghosts_csv(&found);
+    let of_back = rows.lines().filter(|line| line.contains("\"mirror back\"")).count();
+    assert_eq!(of_back, 18);
+    assert!(lines(&found).iter().any(|line| line.ends_with("mirror back, 2 positions")));
 }

@@ -10,7 +10,7 @@ use crate::base::document::document;
 use crate::base::{Error, Result, Where};
 use crate::plan::Asked;
 use crate::plan::scan::light::LightAsked;
-use crate::plan::scan::table::{csv, lines};
+use crate::plan::scan::table::{csv, ghosts_csv, lines};
 use crate::plan::scan::{ScanAsked, scan};
 use crate::scene::{Note, Severity};
 use clap::Args;
@@ -30,7 +30,8 @@ cannot be seen from a position is said so; a picture without light from some pos
 Examples:
   eyebox scan hud.optics.toml --eyebox 5x3
   eyebox scan hud.optics.toml --eyebox 9x5 --width 130 --height 50 -o eyebox.csv
-  eyebox scan hud.optics.toml --eyebox 3x3 --no-luminance --format json --threads 4")]
+  eyebox scan hud.optics.toml --eyebox 3x3 --no-luminance --format json --threads 4
+  eyebox scan windshield.optics.toml --eyebox 3x3 --no-luminance --ghosts ghosts.csv")]
 pub struct ScanArgs {
     /// Columns and rows of eye positions.
     #[arg(long, value_name = "NxM", value_parser = parse_grid)]
@@ -73,6 +74,9 @@ pub struct ScanArgs {
     /// Write the table to this file: .csv (a line per position) or .json (with every point of the picture).
     #[arg(short, long, value_name = "OUT.csv|json")]
     output: Option<PathBuf>,
+    /// Write the ghosts to this file: a line per position, ghost and point of the picture.
+    #[arg(long, value_name = "OUT.csv")]
+    ghosts: Option<PathBuf>,
     /// No progress.
     #[arg(short, long)]
     quiet: bool,
@@ -92,6 +96,9 @@ pub fn run(args: &ScanArgs) -> Result<ExitCode> {
 
 fn traced(args: &ScanArgs) -> Result<ExitCode> {
     let written = args.output.as_deref().map(table_of).transpose()?;
+    if let Some(path) = &args.ghosts {
+        check_writable(path)?;
+    }
     let signals = Signals::install();
     let scene = args.source.import()?.scene;
     let polarisation = args.polarisation.asked();
@@ -129,6 +136,9 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
             Table::Json => document(json()) + "\n",
         };
         write_atomic(path, text.as_bytes())?;
+    }
+    if let Some(path) = &args.ghosts {
+        write_atomic(path, ghosts_csv(&found).as_bytes())?;
     }
     let told = warnings.iter().map(|note| format!("warning: {}: {}", note.at, note.text));
     print(args.format, || told.chain(lines(&found)).collect::<Vec<_>>().join("\n"), json)?;

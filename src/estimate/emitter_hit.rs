@@ -63,6 +63,11 @@ impl<'w, M: Mode> Walker<'w, M> {
         (lanes::<M, _>(|lane| light[lane].scaled(factor(lane))), alone)
     }
 
+    /// The share of a lamp's light at the place that the path has met, without its picture, which arrives at the path's start.
+    pub fn carried_of(&self, seen: &EmitterHit<'_>) -> f64 {
+        self.beam_of(seen).weight()
+    }
+
     /// What the path carries of a lamp's light: as it is polarised there, through the picture that it shows.
     fn beam_of(&self, seen: &EmitterHit<'_>) -> Throughput<M> {
         let beam = match seen.lamp.polarisation {

@@ -8,8 +8,9 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::solver::newton::{Family, Target, newton};
 use crate::estimate::walk::{Meeting, Met};
 use crate::world::World;
-use crate::world::mode::Mono;
+use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
+use crate::world::surface::Surface;
 use glam::{DVec2, DVec3};
 use std::iter::once;
 
@@ -52,8 +53,12 @@ pub fn aim(
 ) -> Sight {
     let mut steps = 1;
     while steps <= MOST_STEPS {
-        if let Some(dir) = carried(tracing, subject, point, known, eye, steps) {
-            return if is_clear(tracing, subject, point, eye, dir) { Sight::Seen(dir) } else { Sight::Hidden(dir) };
+        if let Some(dir) = transported(tracing, subject, point, known, eye, steps) {
+            return if carried_along(tracing, subject, point, eye, dir).is_some() {
+                Sight::Seen(dir)
+            } else {
+                Sight::Hidden(dir)
+            };
         }
         steps *= 2;
     }
@@ -61,7 +66,7 @@ pub fn aim(
 }
 
 /// Carries a direction from one eye to another.
-fn carried(
+fn transported(
     (world, optics): (&World, &Optics<Mono>),
     subject: &Subject,
     point: &Point,
@@ -83,29 +88,48 @@ fn carried(
     Some(dir)
 }
 
-/// Whether a ray meets the faces of the train one after the other, and then the point.
-fn is_clear(tracing: (&World, &Optics<Mono>), subject: &Subject, point: &Point, eye: DVec3, dir: DVec3) -> bool {
+/// The share of the light at the point, polarised as it leaves there where paths carry that, that a ray from the eye takes up
+/// after it has met the faces of the train one after the other. None where something is in the way. A slide's picture is left
+/// out.
+pub fn carried_along<M: Mode>(
+    tracing: (&World, &Optics<M>),
+    subject: &Subject,
+    point: &Point,
+    eye: DVec3,
+    dir: DVec3,
+) -> Option<f64> {
     let origin = tracing.0.geometry.origin();
     let mut ledger = Ledger::new(tracing.0.solids.len());
     let mut walker = sent(tracing, eye - origin, dir).recording();
     for lens in &subject.train.0 {
         if !walker.follow(once(lens.link), &mut ledger, |_, _, _| {}) {
-            return false;
+            return None;
         }
         // Chance takes nothing of a long train.
         walker.events = walker.events.min(1);
     }
     let links = subject.train.0.len();
     loop {
-        let Met::Face(vertex) = walker.advance(&mut ledger) else { return false };
+        let Met::Face(vertex) = walker.advance(&mut ledger) else { return None };
         if (vertex.hit.site.part, vertex.hit.site.face) == (subject.part, subject.face) {
             let size = subject.size[0].max(subject.size[1]);
-            return (vertex.hit.point + origin - point.place).length() <= NEAR * size;
+            let there = (vertex.hit.point + origin - point.place).length() <= NEAR * size;
+            if !there {
+                return None;
+            }
+            if let Some(lamp) = walker.lamp_at(&vertex) {
+                return Some(walker.carried_of(&lamp));
+            }
+            // A slide gives its light a polarisation.
+            if matches!(walker.face(&vertex).surface, Surface::Slide(_)) {
+                let _ = walker.meet(&vertex, &mut ledger);
+            }
+            return Some(walker.beam.weight());
         }
         let went = matches!(walker.meet(&vertex, &mut ledger), Meeting::Went);
         // Anything but a face that is not there is in the way.
         if !went || walker.chain().is_none_or(|chain| chain.0.len() != links) {
-            return false;
+            return None;
         }
     }
 }

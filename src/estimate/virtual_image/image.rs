@@ -15,7 +15,7 @@ pub struct Distortion {
 }
 
 /// Axes to the right, up and ahead of an eye that has turned to `ahead` with its head as it was.
-fn turned(ahead: DVec3, right: DVec3) -> Option<DMat3> {
+pub(super) fn turned(ahead: DVec3, right: DVec3) -> Option<DMat3> {
     let right = (right - ahead * ahead.dot(right)).try_normalize()?;
     Some(DMat3::from_cols(right, right.cross(ahead), ahead))
 }

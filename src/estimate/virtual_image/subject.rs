@@ -1,21 +1,16 @@
 //! Which face is the picture that an eye sees as a virtual image, over which train of specular faces, and a grid of points
 //! on it.
 
-use super::sent;
-use super::tuning::subject::{FLAT, INSET, LEAST, LOOKS, MOST_BRANCHES, MOST_FACES};
-use crate::base::chain::Chain;
+use super::look::{Found, Landed, Way, look_around};
+use super::tuning::subject::{FLAT, INSET, LEAST, LOOKS};
 use crate::base::error::Result;
 use crate::base::{Error, Where};
-use crate::estimate::ledger::Ledger;
-use crate::estimate::walk::{Meeting, Met, Vertex, Walker};
-use crate::film::specular_chain::{Lens, SpecularChain};
+use crate::film::specular_chain::SpecularChain;
 use crate::scene::Scene;
 use crate::world::World;
 use crate::world::mode::Mono;
 use crate::world::optics::Optics;
-use crate::world::surface::Surface;
 use glam::{DVec2, DVec3};
-use std::collections::BTreeMap;
 
 /// What kind of face is looked at. A slide goes before a lamp or a screen that is seen through specular faces, and that
 /// before what is seen without any.
@@ -59,17 +54,6 @@ pub struct Subject {
     pub from: DVec3,
 }
 
-/// Light from the eye that met a face.
-struct Landed {
-    /// Tangents.
-    film: DVec2,
-    place: DVec3,
-    normal: DVec3,
-    dir: DVec3,
-    carried: f64,
-    train: SpecularChain,
-}
-
 impl Subject {
     /// Finds the picture that the eye of `world` sees, and `cells` (columns, rows; at least 2 each) points on it. Of several
     /// trains the one that carries most light counts. `target`: path of the part to look at.
@@ -84,11 +68,11 @@ impl Subject {
         let wanted = target.map(|path| part_of(scene, path)).transpose()?;
         // Twice: over all of the field of view, and over the part of it that the picture fills.
         let (half, cell) = (world.eye.half(), world.eye.half() * (2.0 / LOOKS as f64));
-        let mut best = brightest(look_around(tracing, [-half, half], wanted));
+        let mut best = brightest(look_around(tracing, [-half, half], (wanted, LEAST)));
         if let Some((_, hits)) = &best {
             let low = hits.iter().map(|hit| hit.film).fold(half, DVec2::min) - cell;
             let high = hits.iter().map(|hit| hit.film).fold(-half, DVec2::max) + cell;
-            best = brightest(look_around(tracing, [low.max(-half), high.min(half)], wanted)).or(best);
+            best = brightest(look_around(tracing, [low.max(-half), high.min(half)], (wanted, LEAST))).or(best);
         }
         let Some(((kind, part, face, _), hits)) = best else {
             let at = target.map_or(Where::Nowhere, Where::part);
@@ -143,37 +127,6 @@ pub fn on_grid(share: f64, count: usize) -> f64 {
     (share - INSET) / (1.0 - 2.0 * INSET) * (count.max(2) - 1) as f64
 }
 
-/// What rays met, by kind, part, face and chain.
-type Found = BTreeMap<Way, Vec<Landed>>;
-
-/// Kind of the picture, part, face, and the chain that leads there.
-type Way = (Kind, u32, u32, Chain);
-
-/// Sends rays from the pupil's middle through the middles of cells between two corners of the field of view (tangents).
-fn look_around(tracing: (&World, &Optics<Mono>), [low, high]: [DVec2; 2], wanted: Option<u32>) -> Found {
-    let world = tracing.0;
-    let mut found = Found::new();
-    for look in 0..LOOKS * LOOKS {
-        let share = |i: usize| (i as f64 + 0.5) / LOOKS as f64;
-        let film = low + (high - low) * DVec2::new(share(look % LOOKS), share(look / LOOKS));
-        let (origin, (_, dir), ..) = world.eye.ray_of(film, DVec2::ZERO);
-        follow(tracing, (origin, dir), |kind, vertex, walker, train| {
-            let site = vertex.hit.site;
-            if wanted.is_none_or(|part| part == site.part) {
-                found.entry((kind, site.part, site.face, train.chain())).or_default().push(Landed {
-                    film,
-                    place: vertex.hit.point + world.geometry.origin(),
-                    normal: vertex.hit.normal,
-                    dir,
-                    carried: walker.beam.weight(),
-                    train: train.clone(),
-                });
-            }
-        });
-    }
-    found
-}
-
 /// The best kind, and of it what carries most light.
 fn brightest(found: Found) -> Option<(Way, Vec<Landed>)> {
     let light = |hits: &[Landed]| hits.iter().map(|hit| hit.carried).sum::<f64>();
@@ -211,65 +164,4 @@ fn bounds(hits: &[Landed], normal: DVec3, across: DVec3) -> (DVec3, [DVec3; 2]) 
         (low, high) = (low.min(at), high.max(at));
     }
     (origin + a * low.x + b * low.y, [a * (high.x - low.x), b * (high.y - low.y)])
-}
-
-/// Follows a ray and its branches to the faces that may be a picture.
-fn follow<'w>(
-    tracing: (&'w World, &'w Optics<Mono>),
-    (origin, dir): (DVec3, DVec3),
-    mut each: impl FnMut(Kind, &Vertex, &Walker<'w, Mono>, &SpecularChain),
-) {
-    let mut ledger = Ledger::new(tracing.0.solids.len());
-    let mut open = vec![(sent(tracing, origin, dir).recording(), SpecularChain::default())];
-    let mut branches = 1;
-    while let Some((mut walker, mut train)) = open.pop() {
-        for _ in 0..MOST_FACES {
-            let Met::Face(vertex) = walker.advance(&mut ledger) else { break };
-            let site = vertex.hit.site;
-            let picture = match &walker.face(&vertex).surface {
-                Surface::Slide(_) => Some(Kind::Slide),
-                Surface::Scatter(_) if train.0.is_empty() => Some(Kind::Object),
-                Surface::Scatter(_) => Some(Kind::Image),
-                Surface::Absorber
-                | Surface::Absent
-                | Surface::Sheet(_)
-                | Surface::Mirror(_)
-                | Surface::Interface(_) => None,
-            };
-            let lamp = || tracing.0.lamps.of_face(site.part as usize, site.face as usize);
-            let shines = || if train.0.is_empty() { Kind::Object } else { Kind::Image };
-            if let Some(kind) = picture.or_else(|| lamp().map(|_| shines())) {
-                each(kind, &vertex, &walker, &train);
-                break;
-            }
-            let before = walker.part_around();
-            let share = walker.beam.weight();
-            if branches < MOST_BRANCHES
-                && share > LEAST
-                && let Some(reflected) = walker.split(&vertex, LEAST / share, u8::MAX, &mut ledger)
-            {
-                branches += 1;
-                let mut other = train.clone();
-                linked(&mut other, &reflected, &vertex, before);
-                open.push((reflected, other));
-            }
-            if !matches!(walker.meet(&vertex, &mut ledger), Meeting::Went) {
-                break;
-            }
-            // Chance takes nothing: no branch is to be lost by it.
-            walker.events = walker.events.min(1);
-            linked(&mut train, &walker, &vertex, before);
-        }
-    }
-}
-
-/// Adds the face that a path has just met, unless it is one that is not there.
-fn linked(train: &mut SpecularChain, walker: &Walker<'_, Mono>, vertex: &Vertex, before: Option<u32>) {
-    let links = walker.chain().map_or(&[][..], |chain| &chain.0);
-    if links.len() > train.0.len()
-        && let Some(link) = links.last()
-    {
-        let after = walker.part_around();
-        train.0.push(Lens { link: *link, about: vertex.hit.local.to_array(), before, after });
-    }
 }

@@ -1,6 +1,7 @@
 //! The virtual image over an eyebox: from every position of a grid its luminance, distortion, distance, and what two eyes
 //! see of it. Definitions are in `docs/scan.md`.
 
+pub mod ghosts;
 pub mod light;
 pub mod lines;
 pub mod places;
@@ -17,6 +18,7 @@ use crate::scene::{Eye, Scene};
 use crate::world::World;
 use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
+use ghosts::Ghost;
 use glam::DVec3;
 use light::{LightAsked, White, white};
 use places::Places;
@@ -47,6 +49,8 @@ pub struct Scan {
     pub part: String,
     pub face: u32,
     pub kind: Kind,
+    /// The parts between it and the eye, as `eyebox paths` names them.
+    pub by: String,
     pub picture_m: [f64; 2],
     pub eyebox_m: [f64; 2],
     pub ipd_m: f64,
@@ -72,6 +76,8 @@ pub struct Position {
     pub distortion: Option<Distortion>,
     pub distance: Option<Distances>,
     pub disparity: Option<Disparities>,
+    /// Second images, those with most light first.
+    pub ghosts: Vec<Ghost>,
     pub points: Vec<Line>,
 }
 
@@ -130,6 +136,8 @@ pub fn scan(
     let world = World::freeze(&scene)?;
     let optics = Mono::<f64>::optics(&world, 0, 0);
     let subject = Subject::find(&scene, (&world, &optics), asked.target.as_deref(), asked.points)?;
+    let doubled = ghosts::trains(&scene, (&world, &optics), &subject);
+    let by = ghosts::name(&scene, &world, &subject);
     let (middle, [columns, rows]) = (scene.eye.position, asked.positions);
     let mut positions = Vec::with_capacity(columns * rows);
     for index in 0..columns * rows {
@@ -141,6 +149,7 @@ pub fn scan(
             Ok(world) => {
                 let optics = Mono::<f64>::optics(&world, 0, 0);
                 lines::fill(&mut position, (&world, &optics), &scene.eye, &subject, asked.ipd_m);
+                position.ghosts = ghosts::seen((&world, &optics), &subject, &doubled, &scene.eye);
                 let places = Places::new(&position.points, asked.points);
                 position.cut = places.cut(half);
                 if let Some(light) = &asked.light {
@@ -163,7 +172,7 @@ pub fn scan(
     }
     let part = scene.parts.get(subject.part as usize).map_or_else(String::new, |part| part.path.clone());
     let (face, kind, picture_m) = (subject.face, subject.kind, subject.size);
-    Ok(Some(Scan { part, face, kind, picture_m, eyebox_m, ipd_m: asked.ipd_m, positions }))
+    Ok(Some(Scan { part, face, kind, by, picture_m, eyebox_m, ipd_m: asked.ipd_m, positions }))
 }
 
 impl Position {
@@ -179,6 +188,7 @@ impl Position {
             distortion: None,
             distance: None,
             disparity: None,
+            ghosts: Vec::new(),
             points: Vec::new(),
         }
     }

@@ -1,5 +1,6 @@
 //! A scan as text and as CSV.
 
+use super::ghosts::Ghost;
 use super::light::Level;
 use super::{Position, Scan};
 
@@ -42,6 +43,50 @@ pub fn csv(scan: &Scan) -> String {
         out.push_str(&COLUMNS.iter().map(cell).collect::<Vec<_>>().join(","));
         out.push('\n');
     }
+    out
+}
+
+/// One line per position, ghost and point, after a line of names.
+pub fn ghosts_csv(scan: &Scan) -> String {
+    let mut out = "x_mm,y_mm,ghost,column,row,right_deg,up_deg,right_arcmin,up_arcmin,ratio\n".to_owned();
+    for position in &scan.positions {
+        for ghost in &position.ghosts {
+            for point in &ghost.points {
+                let main = position.points.iter().find(|line| line.cell == point.cell);
+                let Some([right, up]) = main.and_then(|line| line.direction_deg) else { continue };
+                let ([column, row], [to_right, to_up]) = (point.cell, point.separation_arcmin);
+                let (x, y) = (1e3 * position.x_m, 1e3 * position.y_m);
+                // Parts may have commas and quotes in their names.
+                let by = ghost.by.replace('"', "\"\"");
+                out.push_str(&format!(
+                    "{x:.9},{y:.9},\"{by}\",{column},{row},{right:.9},{up:.9},{to_right:.9},{to_up:.9},{:.9}\n",
+                    point.ratio
+                ));
+            }
+        }
+    }
+    out
+}
+
+/// Each second image over the whole eyebox, those with most light first.
+fn ghosts(scan: &Scan) -> Vec<String> {
+    let mut rows: Vec<(&str, Vec<&Ghost>)> = Vec::new();
+    for ghost in scan.positions.iter().flat_map(|position| &position.ghosts) {
+        match rows.iter_mut().find(|(by, _)| *by == ghost.by) {
+            Some((_, all)) => all.push(ghost),
+            None => rows.push((&ghost.by, vec![ghost])),
+        }
+    }
+    let most = |all: &[&Ghost], of: fn(&Ghost) -> f64| all.iter().map(|ghost| of(ghost)).fold(0.0, f64::max);
+    rows.sort_by(|a, b| most(&b.1, |g| g.most_ratio).total_cmp(&most(&a.1, |g| g.most_ratio)));
+    let mut out = vec![match rows.len() {
+        0 => "ghosts: none".to_owned(),
+        _ => format!("ghosts beside the image by {}:  luminance over its own, largest    arcmin, largest", scan.by),
+    }];
+    out.extend(rows.iter().map(|(by, all)| {
+        let (ratio, arcmin) = (most(all, |g| g.most_ratio), most(all, |g| g.most_arcmin));
+        format!("  {ratio:8.5} {arcmin:9.3}   {by}, {} positions", all.len())
+    }));
     out
 }
 
@@ -99,6 +144,7 @@ pub fn lines(scan: &Scan) -> Vec<String> {
         out.push(over("convergence, mean of the picture", "arcmin", &|p| Some(p.disparity?.mean_convergence_arcmin)));
         out.push(over("dipvergence, largest", "arcmin", &|p| Some(p.disparity?.dipvergence_arcmin)));
     }
+    out.extend(ghosts(scan));
     out.extend(scan.positions.iter().filter_map(|p| Some(format!("warning: {}", p.warning.as_ref()?))));
     out
 }

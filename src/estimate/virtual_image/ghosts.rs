@@ -1,0 +1,93 @@
+//! Second images of what is looked at: the same face over other trains of specular faces, and how they lie beside the main
+//! image.
+
+use super::aim::{Sight, aim, carried_along};
+use super::image::{arcmin, turned};
+use super::look::{Landed, look_around};
+use super::subject::{Point, Subject};
+use crate::world::World;
+use crate::world::mode::{Mono, MonoStokes};
+use crate::world::optics::Optics;
+use glam::{DVec2, DVec3};
+
+/// One point of a ghost beside the same point of the main image.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct GhostPoint {
+    /// Column and row.
+    pub cell: [usize; 2],
+    /// From the main image's point to the right and up as the eye sees it, minutes of arc.
+    pub separation_arcmin: [f64; 2],
+    /// Luminance over that of the main image. Both trains image one face into air, so that it is the ratio of the shares of
+    /// light that the two trains carry (radiance over n² is kept along a ray; Born and Wolf, 4.8.3).
+    pub ratio: f64,
+}
+
+/// The trains other than that of `main` over which the eye of `world` sees the same face with at least the share `least` of
+/// what a ray starts with, most light first.
+pub fn find(tracing: (&World, &Optics<Mono>), main: &Subject, least: f64) -> Vec<Subject> {
+    let half = tracing.0.eye.half();
+    let found = look_around(tracing, [-half, half], (Some(main.part), least));
+    let own = main.train.chain();
+    let mut ghosts: Vec<(f64, Subject)> = Vec::new();
+    for ((_, _, face, chain), hits) in found {
+        if face == main.face && chain != own {
+            let brightest = hits.iter().map(|hit| hit.carried).fold(0.0, f64::max);
+            ghosts.extend(over(main, &hits).map(|ghost| (brightest, ghost)));
+        }
+    }
+    // By name where two are alike, so that their order hangs on nothing else.
+    ghosts.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.train.chain().cmp(&b.1.train.chain())));
+    ghosts.into_iter().map(|(_, ghost)| ghost).collect()
+}
+
+/// The same picture over the train of these hits.
+fn over(main: &Subject, hits: &[Landed]) -> Option<Subject> {
+    let near = |place: DVec3| hits.iter().min_by(|a, b| a.place.distance(place).total_cmp(&b.place.distance(place)));
+    let points = main.points.iter().map(|point| Some(Point { near: near(point.place)?.dir, ..*point }));
+    Some(Subject { train: hits.first()?.train.clone(), points: points.collect::<Option<_>>()?, ..main.clone() })
+}
+
+/// What an eye at `eye` (world, m) sees of a ghost, at the points that it sees of both. Shares of light are those of polarised
+/// paths: what a face sends back of one polarisation it lacks behind it. `right`: the eye's, unit.
+pub fn beside(
+    tracing: (&World, &Optics<Mono>),
+    polarised: &Optics<MonoStokes>,
+    (main, ghost): (&Subject, &Subject),
+    (eye, right): (DVec3, DVec3),
+) -> Vec<GhostPoint> {
+    let seen = |subject: &Subject, point: &Point| {
+        let sight = aim(tracing, subject, point, (subject.from, point.near), eye);
+        let Sight::Seen(dir) = sight else { return None };
+        Some((dir, carried_along((tracing.0, polarised), subject, point, eye, dir)?))
+    };
+    let pairs = main.points.iter().zip(&ghost.points);
+    pairs
+        .filter_map(|(own, other)| {
+            let ((dir, light), (second, less)) = (seen(main, own)?, seen(ghost, other)?);
+            let separation = separation(dir, second, right)?;
+            let ratio = Some(less / light).filter(|ratio| ratio.is_finite())?;
+            Some(GhostPoint { cell: own.cell, separation_arcmin: separation.to_array(), ratio })
+        })
+        .collect()
+}
+
+/// Angle from one direction to another, arcmin to the right and up of an eye turned to the first. `right`: the head's. None where
+/// that eye looks along it.
+fn separation(dir: DVec3, other: DVec3, right: DVec3) -> Option<DVec2> {
+    let seen = turned(dir, right)?.transpose() * other;
+    Some(seen.truncate().map(|side| arcmin(side.atan2(seen.z))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ghost_to_the_right_and_up_has_positive_angles() {
+        let right = separation(DVec3::NEG_Z, DVec3::new(1e-3, 0.0, -1.0), DVec3::X).unwrap();
+        assert!((right - DVec2::new(arcmin(1e-3), 0.0)).length() < 1e-5, "{right}");
+        let up = separation(DVec3::NEG_Z, DVec3::new(0.0, 2e-3, -1.0), DVec3::X).unwrap();
+        assert!((up - DVec2::new(0.0, arcmin(2e-3))).length() < 1e-4, "{up}");
+        assert_eq!(separation(DVec3::X, DVec3::Z, DVec3::X), None);
+    }
+}

@@ -1,0 +1,124 @@
+//! Rays from the pupil's middle over the field of view, and what they and their branches meet that may be a picture.
+
+use super::sent;
+use super::subject::Kind;
+use super::tuning::subject::{LOOKS, MOST_BRANCHES, MOST_FACES};
+use crate::base::chain::Chain;
+use crate::estimate::ledger::Ledger;
+use crate::estimate::walk::{Meeting, Met, Vertex, Walker};
+use crate::film::specular_chain::{Lens, SpecularChain};
+use crate::world::World;
+use crate::world::mode::Mono;
+use crate::world::optics::Optics;
+use crate::world::surface::Surface;
+use glam::{DVec2, DVec3};
+use std::collections::BTreeMap;
+
+/// Light from the eye that met a face.
+pub(super) struct Landed {
+    /// Tangents.
+    pub film: DVec2,
+    pub place: DVec3,
+    pub normal: DVec3,
+    pub dir: DVec3,
+    pub carried: f64,
+    pub train: SpecularChain,
+}
+
+/// What rays met, by kind, part, face and chain.
+pub(super) type Found = BTreeMap<Way, Vec<Landed>>;
+
+/// Kind of the picture, part, face, and the chain that leads there.
+pub(super) type Way = (Kind, u32, u32, Chain);
+
+/// Sends rays from the pupil's middle through the middles of cells between two corners of the field of view (tangents).
+/// `wanted`: the part that is looked for, or any; `least`: ways on are followed with this share of what a ray started with.
+pub(super) fn look_around(
+    tracing: (&World, &Optics<Mono>),
+    [low, high]: [DVec2; 2],
+    (wanted, least): (Option<u32>, f64),
+) -> Found {
+    let world = tracing.0;
+    let mut found = Found::new();
+    for look in 0..LOOKS * LOOKS {
+        let share = |i: usize| (i as f64 + 0.5) / LOOKS as f64;
+        let film = low + (high - low) * DVec2::new(share(look % LOOKS), share(look / LOOKS));
+        let (origin, (_, dir), ..) = world.eye.ray_of(film, DVec2::ZERO);
+        follow(tracing, (origin, dir), least, |kind, vertex, walker, train| {
+            let site = vertex.hit.site;
+            if wanted.is_none_or(|part| part == site.part) {
+                found.entry((kind, site.part, site.face, train.chain())).or_default().push(Landed {
+                    film,
+                    place: vertex.hit.point + world.geometry.origin(),
+                    normal: vertex.hit.normal,
+                    dir,
+                    carried: walker.beam.weight(),
+                    train: train.clone(),
+                });
+            }
+        });
+    }
+    found
+}
+
+/// Follows a ray and its branches to the faces that may be a picture.
+fn follow<'w>(
+    tracing: (&'w World, &'w Optics<Mono>),
+    (origin, dir): (DVec3, DVec3),
+    least: f64,
+    mut each: impl FnMut(Kind, &Vertex, &Walker<'w, Mono>, &SpecularChain),
+) {
+    let mut ledger = Ledger::new(tracing.0.solids.len());
+    let mut open = vec![(sent(tracing, origin, dir).recording(), SpecularChain::default())];
+    let mut branches = 1;
+    while let Some((mut walker, mut train)) = open.pop() {
+        for _ in 0..MOST_FACES {
+            let Met::Face(vertex) = walker.advance(&mut ledger) else { break };
+            let site = vertex.hit.site;
+            let picture = match &walker.face(&vertex).surface {
+                Surface::Slide(_) => Some(Kind::Slide),
+                Surface::Scatter(_) if train.0.is_empty() => Some(Kind::Object),
+                Surface::Scatter(_) => Some(Kind::Image),
+                Surface::Absorber
+                | Surface::Absent
+                | Surface::Sheet(_)
+                | Surface::Mirror(_)
+                | Surface::Interface(_) => None,
+            };
+            let lamp = || tracing.0.lamps.of_face(site.part as usize, site.face as usize);
+            let shines = || if train.0.is_empty() { Kind::Object } else { Kind::Image };
+            if let Some(kind) = picture.or_else(|| lamp().map(|_| shines())) {
+                each(kind, &vertex, &walker, &train);
+                break;
+            }
+            let before = walker.part_around();
+            let share = walker.beam.weight();
+            if branches < MOST_BRANCHES
+                && share > least
+                && let Some(reflected) = walker.split(&vertex, least / share, u8::MAX, &mut ledger)
+            {
+                branches += 1;
+                let mut other = train.clone();
+                linked(&mut other, &reflected, &vertex, before);
+                open.push((reflected, other));
+            }
+            if !matches!(walker.meet(&vertex, &mut ledger), Meeting::Went) {
+                break;
+            }
+            // Chance takes nothing: no branch is to be lost by it.
+            walker.events = walker.events.min(1);
+            linked(&mut train, &walker, &vertex, before);
+        }
+    }
+}
+
+/// Adds the face that a path has just met, unless it is one that is not there.
+fn linked(train: &mut SpecularChain, walker: &Walker<'_, Mono>, vertex: &Vertex, before: Option<u32>) {
+    let links = walker.chain().map_or(&[][..], |chain| &chain.0);
+    if links.len() > train.0.len()
+        && let Some(link) = links.last()
+    {
+        let after = walker.part_around();
+        train.0.push(Lens { link: *link, about: vertex.hit.local.to_array(), before, after });
+    }
+}

@@ -1,0 +1,73 @@
+//! The picture's second images from one position, named by the parts that make them.
+
+use super::tuning::ghosts::{LEAST, MOST};
+use crate::estimate::virtual_image::ghosts::{GhostPoint, beside, find};
+use crate::estimate::virtual_image::subject::Subject;
+use crate::plan::paths::Visits;
+use crate::scene::{Eye, Scene};
+use crate::world::World;
+use crate::world::mode::{Mode, Mono, MonoStokes};
+use crate::world::optics::Optics;
+
+/// A second image of the picture, seen from one position.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Ghost {
+    /// The parts on its way from the picture to the eye, as `eyebox paths` names them.
+    pub by: String,
+    /// Over the points where it and the main image are seen.
+    pub mean_ratio: f64,
+    pub most_ratio: f64,
+    /// Largest distance from the main image, arcmin.
+    pub most_arcmin: f64,
+    pub points: Vec<GhostPoint>,
+}
+
+/// What may be seen twice: a train with its name.
+pub struct Named {
+    by: String,
+    subject: Subject,
+}
+
+/// The name of a train that leads from the eye to the picture.
+pub fn name(scene: &Scene, world: &World, subject: &Subject) -> String {
+    let solid = |part: u32| world.solids.get(part as usize).is_some_and(Option::is_some);
+    Visits::of(&subject.train.chain().reversed(), solid, |_| false).words(scene).join(", ")
+}
+
+/// The picture's other images from the middle of the eyebox, most light first.
+pub fn trains(scene: &Scene, tracing: (&World, &Optics<Mono>), main: &Subject) -> Vec<Named> {
+    let mut names: Vec<Named> = Vec::new();
+    for subject in find(tracing, main, LEAST).into_iter().take(MOST) {
+        let by = name(scene, tracing.0, &subject);
+        // Faces of one part are not told apart by its name.
+        let alike = names.iter().filter(|other| other.by == by || other.by.starts_with(&format!("{by} #"))).count();
+        let by = if alike == 0 { by } else { format!("{by} #{}", alike + 1) };
+        names.push(Named { by, subject });
+    }
+    names
+}
+
+/// All of them that are seen from `eye`, with their largest first.
+pub fn seen(tracing: (&World, &Optics<Mono>), main: &Subject, ghosts: &[Named], eye: &Eye) -> Vec<Ghost> {
+    let polarised = MonoStokes::optics(tracing.0, 0, 0);
+    let mut out: Vec<Ghost> = ghosts
+        .iter()
+        .filter_map(|ghost| {
+            let points = beside(tracing, &polarised, (main, &ghost.subject), (eye.position, eye.right()));
+            let count = points.len();
+            (count > 0).then(|| Ghost {
+                by: ghost.by.clone(),
+                mean_ratio: points.iter().map(|point| point.ratio).sum::<f64>() / count as f64,
+                most_ratio: points.iter().map(|point| point.ratio).fold(0.0, f64::max),
+                most_arcmin: points.iter().map(|point| length(point.separation_arcmin)).fold(0.0, f64::max),
+                points,
+            })
+        })
+        .collect();
+    out.sort_by(|a, b| b.mean_ratio.total_cmp(&a.mean_ratio));
+    out
+}
+
+fn length([right, up]: [f64; 2]) -> f64 {
+    right.hypot(up)
+}
