@@ -29,6 +29,7 @@ mod modes;
 mod peers;
 mod physics;
 mod stress;
+mod tolerance;
 mod witness;
 
 // Layers.

@@ -25,7 +25,7 @@ fn run(scene: &Scene, asked: &ScanAsked) -> Scan {
 }
 
 /// A lamp of 40 × 20 mm that faces down, seen in a mirror at 45° that is 300 mm away and `half` wide and high.
-fn mirrored(half: f64) -> Scene {
+pub fn mirrored(half: f64) -> Scene {
     let mut scene = scene();
     let along = DVec3::new(0.0, 1.0, -1.0).normalize();
     let glass = mesh(&[quad(DVec3::ZERO, DVec3::X * half, -along * half)]);
@@ -221,11 +221,28 @@ fn the_display_behind_a_thick_lens() {
 }
 
 /// Fresnel's power reflectances of s and p from air onto glass (Born and Wolf, 1.5.2, (21a)).
-fn fresnel(theta: f64, n: f64) -> [f64; 2] {
+pub fn fresnel(theta: f64, n: f64) -> [f64; 2] {
     let inside = (theta.sin() / n).asin();
     let s = (theta - inside).sin() / (theta + inside).sin();
     let p = (theta - inside).tan() / (theta + inside).tan();
     [s * s, p * p]
+}
+
+/// A lamp of 40 × 20 mm that faces down, 0.5 m over a plate at 45° whose front's middle is 300 mm before the eye. The plate's front
+/// is its face 0.
+pub fn plate(n: f64, thickness: f64) -> Scene {
+    let mut scene = mirrored(0.3);
+    let normal = DVec3::new(0.0, 1.0, 1.0).normalize();
+    let glass = mesh(&cuboid(DVec3::new(0.3, 0.3, 0.5 * thickness)));
+    scene.meshes[scene.parts[0].mesh.index()] = glass.into();
+    scene.media.push(Medium { name: "glass".into(), index: Dispersion::Constant(n), absorption: Absorption::NONE });
+    let part = &mut scene.parts[0];
+    part.medium = Some(MediumId::from_index(scene.media.len() - 1));
+    part.faces = vec![face(Finish::Polished); 6];
+    let turn = DQuat::from_rotation_arc(DVec3::Z, normal);
+    let front = DVec3::new(0.0, 0.0, -0.3);
+    part.to_world = DAffine3::from_rotation_translation(turn, front - 0.5 * thickness * normal);
+    scene
 }
 
 /// A lamp in a plane-parallel plate at 45°: its back sends a second image. In the plane of incidence a ray at θ goes
@@ -234,17 +251,8 @@ fn fresnel(theta: f64, n: f64) -> [f64; 2] {
 #[test]
 fn a_plate_shows_a_lamp_twice() {
     let (n, thickness) = (1.52, 0.004);
-    let mut scene = mirrored(0.3);
-    let normal = DVec3::new(0.0, 1.0, 1.0).normalize();
-    let plate = mesh(&cuboid(DVec3::new(0.3, 0.3, 0.5 * thickness)));
-    scene.meshes[scene.parts[0].mesh.index()] = plate.into();
-    scene.media.push(Medium { name: "glass".into(), index: Dispersion::Constant(n), absorption: Absorption::NONE });
-    let part = &mut scene.parts[0];
-    part.medium = Some(MediumId::from_index(scene.media.len() - 1));
-    part.faces = vec![face(Finish::Polished); 6];
-    let front = DVec3::new(0.0, 0.0, -0.3);
-    let turn = DQuat::from_rotation_arc(DVec3::Z, normal);
-    part.to_world = DAffine3::from_rotation_translation(turn, front - 0.5 * thickness * normal);
+    let scene = plate(n, thickness);
+    let (normal, front) = (DVec3::new(0.0, 1.0, 1.0).normalize(), DVec3::new(0.0, 0.0, -0.3));
     let found = run(&scene, &asked([2, 1], [0.05, 0.0]));
     assert_eq!(found.by, "mirror front");
     let mut compared = 0;

@@ -41,6 +41,8 @@ pub enum Stream {
     Frame,
     /// Of the lattice of points of a lamp that connection's tables are asked about.
     ConnectionLamp,
+    /// Of what is off in a design that is made.
+    Tolerance,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

@@ -42,6 +42,7 @@ mod scan;
 mod shards;
 mod source;
 mod threads;
+mod tolerance;
 mod validate;
 mod view;
 mod witnessed;
@@ -99,6 +100,7 @@ enum Command {
     Measure(measure::MeasureArgs),
     /// Look at the virtual image from a grid of eye positions.
     Scan(scan::ScanArgs),
+    Tolerance(tolerance::ToleranceArgs),
     /// Turn a layer of an EXR into a PNG for a display.
     View(view::ViewArgs),
     /// Make one page of a frame: pictures that recombine live, measurements, light paths, plan, convergence.
@@ -157,6 +159,7 @@ pub fn main() -> ExitCode {
         Command::Diff(args) => diff::run(args),
         Command::Measure(args) => measure::run(args),
         Command::Scan(args) => scan::run(args),
+        Command::Tolerance(args) => tolerance::run(args),
         Command::View(args) => view::run(args),
         Command::Validate(args) => validate::run(args),
         Command::Bench(args) => bench::run(args),

@@ -85,7 +85,7 @@ pub struct ScanArgs {
     format: Format,
 }
 
-fn parse_grid(text: &str) -> std::result::Result<[usize; 2], String> {
+pub(super) fn parse_grid(text: &str) -> std::result::Result<[usize; 2], String> {
     parse_resolution(text).map_err(|_| format!("`{text}` is no grid; write columns and rows, e.g. 5x3"))
 }
 

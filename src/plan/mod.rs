@@ -8,6 +8,7 @@ pub mod plan_file;
 mod planner;
 pub mod scan;
 pub mod selection;
+pub mod tolerance;
 mod tuning;
 
 use crate::check::Checked;

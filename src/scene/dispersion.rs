@@ -30,6 +30,8 @@ pub enum Dispersion {
     Table(Vec<(f64, f64, f64)>),
     /// A formula of the refractiveindex.info database or of a maker's catalogue.
     Formula(Formula),
+    /// Another law and a number added to n at all wavelengths: a melt that is off.
+    Offset { law: Box<Dispersion>, by: f64 },
 }
 
 impl Dispersion {
@@ -58,6 +60,10 @@ impl Dispersion {
             }
             Dispersion::Table(rows) => interpolate(rows, wavelength_nm),
             Dispersion::Formula(formula) => formula.index(wavelength_nm),
+            Dispersion::Offset { law, by } => {
+                let Complex { re, im } = law.index(wavelength_nm);
+                Complex::new(re + by, im)
+            }
         }
     }
 
@@ -95,6 +101,8 @@ impl Dispersion {
                     Some(format!("the wavelengths of the index table do not rise after row {i}"))
                 }),
             Dispersion::Formula(formula) => formula.problem(),
+            Dispersion::Offset { by, .. } if !by.is_finite() => Some(format!("{by} is added to the index")),
+            Dispersion::Offset { law, .. } => law.problem(),
             Dispersion::Constant(_)
             | Dispersion::Sellmeier { .. }
             | Dispersion::Sellmeier4 { .. }

@@ -1,6 +1,6 @@
 //! The exact surface that a meshed face approximates; the mesh says where it ends.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 /// Exact surface of a face, in mesh units.
 ///
@@ -80,5 +80,52 @@ impl Shape {
     pub fn default_x(axis: DVec3) -> DVec3 {
         let towards = if axis.x.abs() > 0.9 { DVec3::Y } else { DVec3::X };
         (towards - towards.dot(axis) * axis).normalize_or(towards)
+    }
+
+    /// The surface after a rigid motion of mesh units.
+    #[must_use]
+    pub fn moved(&self, motion: &DAffine3) -> Shape {
+        let mut out = self.clone();
+        match &mut out {
+            Shape::Mesh => {}
+            Shape::Plane { vertex, axis }
+            | Shape::Sphere { vertex, axis, .. }
+            | Shape::Conic { vertex, axis, .. }
+            | Shape::Asphere { vertex, axis, .. } => {
+                *vertex = motion.transform_point3(*vertex);
+                *axis = motion.transform_vector3(*axis).normalize_or(*axis);
+            }
+            Shape::Cylinder { vertex, axis, x, .. }
+            | Shape::Toroid { vertex, axis, x, .. }
+            | Shape::XyPoly { vertex, axis, x, .. }
+            | Shape::Zernike { vertex, axis, x, .. } => {
+                *vertex = motion.transform_point3(*vertex);
+                *axis = motion.transform_vector3(*axis).normalize_or(*axis);
+                let turned = motion.transform_vector3(*x);
+                // At right angles to the last digit.
+                *x = (turned - turned.dot(*axis) * *axis).normalize_or(*x);
+            }
+        }
+        out
+    }
+
+    /// The surface with all of its radii `factor` times as large, through the same vertex; none of what has no radius. The
+    /// polynomial over a conic stays what it is.
+    pub fn with_radius(&self, factor: f64) -> Option<Shape> {
+        let mut out = self.clone();
+        match &mut out {
+            Shape::Mesh | Shape::Plane { .. } => return None,
+            Shape::Sphere { radius, .. }
+            | Shape::Conic { radius, .. }
+            | Shape::Asphere { radius, .. }
+            | Shape::Cylinder { radius, .. }
+            | Shape::XyPoly { radius, .. }
+            | Shape::Zernike { radius, .. } => *radius *= factor,
+            Shape::Toroid { radius, tube_radius, .. } => {
+                *radius *= factor;
+                *tube_radius *= factor;
+            }
+        }
+        Some(out)
     }
 }

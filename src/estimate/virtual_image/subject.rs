@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::world::World;
 use crate::world::mode::Mono;
 use crate::world::optics::Optics;
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 /// What kind of face is looked at. A slide goes before a lamp or a screen that is seen through specular faces, and that
 /// before what is seen without any.
@@ -114,6 +114,21 @@ impl Subject {
         let train = nearest.map_or_else(|| first.train.clone(), |hit| hit.train.clone());
         let from = world.eye.position() + world.geometry.origin();
         Ok(Subject { kind, part, face, train, normal, size, points, from })
+    }
+}
+
+impl Subject {
+    /// The same picture after its part has moved (world, m). What is near it is seen about where it was.
+    #[must_use]
+    pub fn moved(&self, motion: &DAffine3) -> Subject {
+        let place = |point: &Point| Point { place: motion.transform_point3(point.place), ..*point };
+        let normal = motion.transform_vector3(self.normal).normalize_or(self.normal);
+        Subject { normal, points: self.points.iter().map(place).collect(), ..self.clone() }
+    }
+
+    /// The point nearest to the picture's middle.
+    pub fn middle(&self) -> Option<&Point> {
+        self.points.iter().min_by(|a, b| a.picture.length().total_cmp(&b.picture.length()))
     }
 }
 

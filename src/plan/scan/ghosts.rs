@@ -8,6 +8,7 @@ use crate::scene::{Eye, Scene};
 use crate::world::World;
 use crate::world::mode::{Mode, Mono, MonoStokes};
 use crate::world::optics::Optics;
+use glam::DAffine3;
 
 /// A second image of the picture, seen from one position.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -24,8 +25,16 @@ pub struct Ghost {
 
 /// What may be seen twice: a train with its name.
 pub struct Named {
-    by: String,
+    pub by: String,
     subject: Subject,
+}
+
+impl Named {
+    /// After the picture's part has moved (world, m).
+    #[must_use]
+    pub fn moved(&self, motion: &DAffine3) -> Named {
+        Named { by: self.by.clone(), subject: self.subject.moved(motion) }
+    }
 }
 
 /// The name of a train that leads from the eye to the picture.

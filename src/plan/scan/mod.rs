@@ -176,7 +176,8 @@ pub fn scan(
 }
 
 impl Position {
-    fn nowhere() -> Position {
+    /// One from which nothing was looked at yet.
+    pub fn nowhere() -> Position {
         Position {
             x_m: 0.0,
             y_m: 0.0,

@@ -1,0 +1,128 @@
+//! What is read off a design as it is made: figures of the virtual image from the scene's own eye.
+
+use crate::base::error::Result;
+use crate::estimate::virtual_image::aim::{Sight, aim, carried_along};
+use crate::estimate::virtual_image::subject::{Point, Subject};
+use crate::plan::scan::ghosts::{self, Named};
+use crate::plan::scan::{self, Position};
+use crate::scene::Scene;
+use crate::world::World;
+use crate::world::mode::{Mode, Mono, MonoStokes};
+use crate::world::optics::Optics;
+use glam::DAffine3;
+
+const LUMINANCE: &str = "luminance";
+
+/// A number that is read off each draw.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Figure {
+    pub name: String,
+    pub unit: &'static str,
+}
+
+/// What the nominal design shows, by which the others are looked at.
+pub struct Nominal {
+    subject: Subject,
+    ghosts: Vec<Named>,
+    /// Of the part that is looked at.
+    to_world: DAffine3,
+    ipd_m: f64,
+    pub figures: Vec<Figure>,
+    /// Of the design itself, in the order of `figures`.
+    pub values: Vec<f64>,
+    /// The parts between picture and eye, and the picture's own.
+    pub by: String,
+    pub part: String,
+    light: f64,
+}
+
+impl Nominal {
+    /// Finds what the scene's eye looks at. `points`: columns and rows; `target`: as for a scan.
+    /// Errors: nothing to look at, a scene that cannot be traced, a picture whose middle is not seen.
+    pub fn new(scene: &Scene, points: [usize; 2], target: Option<&str>, ipd_m: f64) -> Result<Nominal> {
+        let world = World::freeze(scene)?;
+        let optics = Mono::<f64>::optics(&world, 0, 0);
+        let subject = Subject::find(scene, (&world, &optics), target, points)?;
+        let ghosts = ghosts::trains(scene, (&world, &optics), &subject);
+        let by = ghosts::name(scene, &world, &subject);
+        let part = &scene.parts[subject.part as usize];
+        let figure = |name: &str, unit| Figure { name: name.to_owned(), unit };
+        let mut figures = vec![
+            figure("direction right", "arcmin"),
+            figure("direction up", "arcmin"),
+            figure("1/distance", "1/m"),
+            figure("astigmatism, largest", "1/m"),
+            figure("distortion, rms", "arcmin"),
+            figure("distortion, largest", "arcmin"),
+            figure("convergence, mean", "arcmin"),
+            figure("dipvergence, largest", "arcmin"),
+            figure(LUMINANCE, "of the design's"),
+            figure("seen", "of the picture"),
+        ];
+        for ghost in &ghosts {
+            figures.push(Figure { name: format!("ghost right: {}", ghost.by), unit: "arcmin" });
+            figures.push(Figure { name: format!("ghost up: {}", ghost.by), unit: "arcmin" });
+            figures.push(Figure { name: format!("ghost ratio: {}", ghost.by), unit: "of the main image" });
+        }
+        let (to_world, part) = (part.to_world, part.path.clone());
+        let mut nominal =
+            Nominal { subject, ghosts, to_world, ipd_m, figures, values: Vec::new(), by, part, light: 1.0 };
+        let values = nominal.of(scene)?;
+        let luminance = nominal.figures.iter().position(|figure| figure.name == LUMINANCE).unwrap_or(0);
+        let light = values.get(luminance).copied().filter(|light| *light > 0.0);
+        nominal.light = light.unwrap_or(1.0);
+        nominal.values = values;
+        if let (Some(light), Some(own)) = (light, nominal.values.get_mut(luminance)) {
+            *own /= light;
+        }
+        Ok(nominal)
+    }
+
+    /// The figures of a design that was changed; NaN where there is none, as of a ghost that is not seen.
+    /// Errors: a scene that cannot be traced.
+    pub fn of(&self, scene: &Scene) -> Result<Vec<f64>> {
+        let world = World::freeze(scene)?;
+        let optics = Mono::<f64>::optics(&world, 0, 0);
+        let motion = scene.parts[self.subject.part as usize].to_world * self.to_world.inverse();
+        let subject = self.subject.moved(&motion);
+        let mut position = Position::nowhere();
+        scan::lines::fill(&mut position, (&world, &optics), &scene.eye, &subject, self.ipd_m);
+        let middle = subject.middle();
+        let line = middle.and_then(|point| position.points.iter().find(|line| line.cell == point.cell));
+        let direction = line.and_then(|line| line.direction_deg);
+        let arcmin = |axis: usize| direction.map(|deg| 60.0 * deg[axis]);
+        let light = middle.and_then(|point| light(&world, scene, (&optics, &subject), point));
+        let mut out: Vec<f64> = [
+            arcmin(0),
+            arcmin(1),
+            line.and_then(|line| line.vergence).map(|v| v.mean_per_m()),
+            position.distance.map(|d| d.astigmatism_per_m),
+            position.distortion.map(|d| d.rms_arcmin),
+            position.distortion.map(|d| d.max_arcmin),
+            position.disparity.map(|d| d.mean_convergence_arcmin),
+            position.disparity.map(|d| d.dipvergence_arcmin),
+            light.map(|light| light / self.light),
+            Some(position.seen),
+        ]
+        .map(|value| value.unwrap_or(f64::NAN))
+        .to_vec();
+        let moved: Vec<Named> = self.ghosts.iter().map(|ghost| ghost.moved(&motion)).collect();
+        let seen = ghosts::seen((&world, &optics), &subject, &moved, &scene.eye);
+        for ghost in &self.ghosts {
+            let found = seen.iter().find(|other| other.by == ghost.by);
+            let point =
+                found.zip(middle).and_then(|(found, middle)| found.points.iter().find(|p| p.cell == middle.cell));
+            let [right, up] = point.map_or([f64::NAN; 2], |point| point.separation_arcmin);
+            out.extend([right, up, point.map_or(f64::NAN, |point| point.ratio)]);
+        }
+        Ok(out)
+    }
+}
+
+/// The share of the picture's light that a ray through the middle takes up.
+fn light(world: &World, scene: &Scene, (optics, subject): (&Optics<Mono>, &Subject), point: &Point) -> Option<f64> {
+    let eye = scene.eye.position;
+    let Sight::Seen(dir) = aim((world, optics), subject, point, (subject.from, point.near), eye) else { return None };
+    let polarised = MonoStokes::optics(world, 0, 0);
+    carried_along((world, &polarised), subject, point, eye, dir)
+}
