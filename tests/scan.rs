@@ -281,9 +281,8 @@ fn a_plate_shows_a_lamp_twice() {
             let right = (DVec3::X - dir.x * dir).normalize();
             let want = [ghost_dir.dot(right), ghost_dir.dot(right.cross(dir))]
                 .map(|side| side.atan2(ghost_dir.dot(dir)).to_degrees() * 60.0);
-            for axis in 0..2 {
-                let got = point.separation_arcmin[axis];
-                assert!((got - want[axis]).abs() < 1e-4, "{:?}: {got} {}", point.cell, want[axis]);
+            for (got, want) in point.separation_arcmin.into_iter().zip(want) {
+                assert!((got - want).abs() < 1e-4, "{:?}: {got} {want}", point.cell);
             }
             let own = fresnel((-dir.dot(normal)).acos(), n);
             let second: f64 = fresnel(low, n).map(|r| (1.0 - r).powi(2) * r).iter().sum();
