@@ -16,8 +16,9 @@ pub struct Moment {
     /// Which animation of a glTF asset, by its name or from 0; the first if not said.
     #[arg(long, value_name = "NAME|N")]
     pub animation: Option<String>,
-    /// Take this variant of a USD prim, e.g. /car{paint=red}; may be given several times.
-    #[arg(long = "variant", value_name = "PRIM{SET=NAME}", value_parser = VariantChoice::parse)]
+    /// Take this variant of a USD prim, e.g. /car{paint=red} (several may be given), or the variant of a glTF asset's materials with
+    /// this name.
+    #[arg(long = "variant", value_name = "PRIM{SET=NAME}|NAME", value_parser = VariantChoice::parse)]
     pub variants: Vec<VariantChoice>,
 }
 

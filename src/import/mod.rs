@@ -82,7 +82,7 @@ pub struct ReadOptions {
     pub fps: Option<f64>,
     /// The name or number of glTF's animation; the first if not said.
     pub animation: Option<String>,
-    /// Variants of a USD stage, taken in this order.
+    /// Variants of a USD stage, taken in this order, or of the materials of a glTF asset.
     pub variants: Vec<VariantChoice>,
 }
 

@@ -11,6 +11,8 @@ use crate::base::error::Result;
 pub(super) struct Document<'a> {
     pub root: At<'a>,
     pub buffers: Buffers<'a>,
+    /// The variant of `KHR_materials_variants` that materials are taken of.
+    pub variant: Option<usize>,
 }
 
 /// The bytes of a buffer view.

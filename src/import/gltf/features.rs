@@ -2,6 +2,7 @@
 
 use super::at::At;
 use super::notes::Notes;
+use super::variants;
 use crate::base::{Code, Where, error::Result, error::nearest_name};
 use crate::import::json::step;
 use crate::scene::{Note, Severity};
@@ -63,8 +64,7 @@ const KNOWN: [(&str, Standing); 38] = {
         ("EXT_mesh_features", NoBearing),
         ("EXT_mesh_manifold", NoBearing),
         ("EXT_structural_metadata", NoBearing),
-        // The default materials hold for who does not choose another variant.
-        ("KHR_materials_variants", NoBearing),
+        ("KHR_materials_variants", Applied),
         ("EXT_lights_image_based", Refused),
         ("KHR_materials_subsurface", Refused),
         ("KHR_materials_volume_scatter", Refused),
@@ -132,16 +132,20 @@ fn note_switched(root: &At<'_>, notes: &mut Notes) {
     }
 }
 
-/// One note per extension that is there and not used, with its count and its first place.
-pub(super) fn note_unused(root: &At<'_>, notes: &mut Notes) -> Result<()> {
+/// One note per extension that is there and not used, with its count and its first place. `varied`: a variant was asked for.
+pub(super) fn note_unused(root: &At<'_>, varied: bool, notes: &mut Notes) -> Result<()> {
     let mut found = Found::default();
     found.walk(root.json, &mut Vec::new());
     for (name, first, count) in found.list {
         let at = Where::Pointer { file: root.file.to_owned(), pointer: first };
         let text = if name == "EYEBOX_optics" {
             "`EYEBOX_optics` means nothing here: ignored".to_owned()
-        } else if name == "KHR_materials_variants" {
-            "`KHR_materials_variants`: the default materials are used".to_owned()
+        } else if name == "KHR_materials_variants" && !varied {
+            let names = variants::names(root)?;
+            format!(
+                "`KHR_materials_variants`: the default materials are used; --variant takes one of {}",
+                names.join(", ")
+            )
         } else {
             match standing(name) {
                 Some(Standing::Refused) => format!("`{name}` bears on what is seen but is not used"),

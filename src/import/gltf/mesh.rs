@@ -5,6 +5,7 @@ use super::at::At;
 use super::deform::Deform;
 use super::notes::Ledger;
 use super::primitive::{self, FaceMesh, FaceName};
+use super::variants;
 use crate::base::error::Result;
 use crate::import::assembly::MeshSource;
 use crate::scene::{FaceRange, Mesh};
@@ -27,13 +28,7 @@ pub(super) fn read(
         let name = FaceName { mesh: &mesh.name, face: number };
         let face = primitive::read(document, at, name, deform, ledger)?;
         append(&mut mesh, face).ok_or_else(|| at.fault("the mesh has more than 4294967295 vertices or triangles"))?;
-        materials.push(match at.get("material")? {
-            Some(reference) => {
-                document.find("materials", "material", &reference)?;
-                Some(reference.count()?)
-            }
-            None => None,
-        });
+        materials.push(variants::material(document, at)?);
         attributes.push(at.optics(&mut ledger.budget)?);
     }
     Ok(MeshSource { mesh: mesh.into(), materials, attributes, at: at.place() })

@@ -33,6 +33,7 @@ mod skin;
 mod standard;
 mod surface;
 pub(super) mod transform;
+mod variants;
 mod world;
 
 #[cfg(test)]
@@ -63,10 +64,6 @@ use std::path::Path;
 /// Whatever is wrong in the file, with its JSON pointer. A hostile file gives a fault, too: no panic, no hang, and no
 /// more memory than a small multiple of the file.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Assembly> {
-    if let Some(choice) = options.variants.first() {
-        let at = Where::Option(format!("--variant {choice}"));
-        return Err(Error::new(at, "is for prims of USD; a glTF asset shows its default materials"));
-    }
     let failed = |error: std::io::Error| {
         Error::new(Where::file(path), format!("cannot read the asset: {error}")).code(Code::of_reading(&error))
     };
@@ -87,7 +84,9 @@ pub fn read_bytes(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<As
     let budget = Budget::new(bytes.len().saturating_add(buffers.total()));
     let mut ledger = Ledger { notes, budget };
     compressed::decode(file, &mut container.json, &mut buffers, &mut ledger)?;
-    let document = Document { root: At::root(file, &container.json), buffers };
+    let root = At::root(file, &container.json);
+    let variant = variants::chosen(&root, &options.variants)?;
+    let document = Document { root, buffers, variant };
 
     let mut assembly = Assembly { file: file.to_owned(), unit_m: 1.0, ..Assembly::default() };
     assembly.dependencies.push(file.to_owned());
@@ -102,7 +101,8 @@ pub fn read_bytes(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<As
         assembly.materials.push(material);
     }
     node::read(&document, options, &mut assembly, &mut ledger)?;
-    features::note_unused(&document.root, &mut ledger.notes)?;
+    assembly.variants = options.variants.iter().map(ToString::to_string).collect();
+    features::note_unused(&document.root, variant.is_some(), &mut ledger.notes)?;
     assembly.notes = ledger.notes.finish();
     Ok(assembly)
 }

@@ -21,7 +21,9 @@ pub(super) fn choose(reader: &mut Reader, choices: &[VariantChoice]) -> Result<(
 
 fn one(reader: &mut Reader, choice: &VariantChoice) -> Result<()> {
     let fault = |what: String| Error::new(Where::Option(format!("--variant {choice}")), what);
-    let VariantChoice { prim: host, set, name } = choice;
+    let VariantChoice::Prim { prim: host, set, name } = choice else {
+        return Err(fault("names no variant of a prim".to_owned()).expected("PRIM{SET=NAME}, e.g. /car{paint=red}"));
+    };
     let path = sdf::Path::new(host).map_err(|_| fault(format!("`{host}` is no path of a prim")))?;
     let prim = reader.prim(&path)?;
     let sets = sets_of(reader, &prim);

@@ -7,3 +7,4 @@ mod features;
 mod hostile;
 mod lights;
 mod motion;
+mod variants;
