@@ -196,7 +196,7 @@ pub fn fitted(mesh: &Mesh, place: FacePlace<'_>, order: FitOrder, metres: f64, n
             format!("part {} face {} is a {kind}; it has no {what} to replace", place.part, place.number),
         )
     };
-    let (shape, text) = match found.surface {
+    let (shape, text) = match found.surface.clone() {
         Fitted::Plane { vertex, axis } => {
             if order.radius.is_some() || order.conic.is_some() {
                 return Err(stray("radius or conic"));
@@ -226,6 +226,13 @@ pub fn fitted(mesh: &Mesh, place: FacePlace<'_>, order: FitOrder, metres: f64, n
             let text = format!("toroid of radius {radius}, tube radius {tube_radius}");
             (Shape::Toroid { vertex, axis, x, radius, tube_radius }, text)
         }
+        Fitted::Asphere { .. } | Fitted::XyPoly { .. } | Fitted::Zernike { .. } | Fitted::Bspline { .. } => {
+            if order.radius.is_some() || order.conic.is_some() || order.tube_radius.is_some() {
+                // Its terms hold with the base that was found only.
+                return Err(stray("radius, conic or tube_radius"));
+            }
+            (found.surface.shape(), terms(&found, metres))
+        }
     };
     match shape {
         Shape::Toroid { .. } if order.conic.is_some() => return Err(stray("conic")),
@@ -238,7 +245,8 @@ pub fn fitted(mesh: &Mesh, place: FacePlace<'_>, order: FitOrder, metres: f64, n
         | Shape::Asphere { .. }
         | Shape::Cylinder { .. }
         | Shape::XyPoly { .. }
-        | Shape::Zernike { .. } => {
+        | Shape::Zernike { .. }
+        | Shape::Bspline { .. } => {
             if order.tube_radius.is_some() {
                 return Err(stray("tube_radius"));
             }
@@ -254,4 +262,23 @@ pub fn fitted(mesh: &Mesh, place: FacePlace<'_>, order: FitOrder, metres: f64, n
     let at = Where::Part { path: place.part.to_owned(), face: Some(place.number) };
     notes.push(Note::fitted(at, &format!("{text}{replaced}"), residual));
     Ok(shape)
+}
+
+/// Number and kind of a freeform's terms, and what the points leave open of it.
+fn terms(found: &fit::Fit, metres: f64) -> String {
+    let terms = match &found.surface {
+        Fitted::Asphere { radius, conic, even, .. } => {
+            format!("asphere of radius {radius}, conic constant {conic}, {} even terms", even.len())
+        }
+        Fitted::XyPoly { radius, coeffs, .. } => format!("xy_poly of {} terms on a radius of {radius}", coeffs.len()),
+        Fitted::Zernike { radius, coeffs, .. } => format!("zernike of {} terms on a radius of {radius}", coeffs.len()),
+        Fitted::Bspline { radius, spans: [a, b], .. } => format!("bspline of {a} x {b} spans on a radius of {radius}"),
+        Fitted::Plane { .. }
+        | Fitted::Sphere { .. }
+        | Fitted::Conic { .. }
+        | Fitted::Cylinder { .. }
+        | Fitted::Toroid { .. } => found.surface.kind().to_string(),
+    };
+    let open = found.open.map(|open| format!(", {}", open.text(metres)));
+    terms + &open.unwrap_or_default()
 }

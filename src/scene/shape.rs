@@ -72,6 +72,18 @@ pub enum Shape {
         norm_radius: f64,
         coeffs: Vec<f64>,
     },
+    /// Sag of the conic + Σ `coeffs[i (spans[1] + 3) + j]` B_i(x) B_j(y), uniform cubic B-splines whose knots divide the
+    /// rectangle from −half to half into `spans` along x and y.
+    Bspline {
+        vertex: DVec3,
+        axis: DVec3,
+        x: DVec3,
+        radius: f64,
+        conic: f64,
+        half: [f64; 2],
+        spans: [u32; 2],
+        coeffs: Vec<f64>,
+    },
 }
 
 impl Shape {

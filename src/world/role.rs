@@ -140,7 +140,8 @@ fn is_lens(scene: &Scene, world: &World, part: &Part, index: usize) -> bool {
             | Shape::Cylinder { .. }
             | Shape::Toroid { .. }
             | Shape::XyPoly { .. }
-            | Shape::Zernike { .. } => true,
+            | Shape::Zernike { .. }
+            | Shape::Bspline { .. } => true,
         };
         matches!(face.surface, Surface::Interface(_)) && curved()
     })

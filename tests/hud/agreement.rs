@@ -67,7 +67,8 @@ fn scaled(mut scene: Scene, s: f64) -> Scene {
                 | Shape::Cylinder { .. }
                 | Shape::Toroid { .. }
                 | Shape::XyPoly { .. }
-                | Shape::Zernike { .. } => panic!("the samples have none"),
+                | Shape::Zernike { .. }
+                | Shape::Bspline { .. } => panic!("the samples have none"),
             }
         }
     }

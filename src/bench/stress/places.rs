@@ -57,7 +57,8 @@ fn scaled(mut s: Scene, mesh: f64, world: f64) -> Scene {
                 | Shape::Cylinder { .. }
                 | Shape::Toroid { .. }
                 | Shape::XyPoly { .. }
-                | Shape::Zernike { .. } => {}
+                | Shape::Zernike { .. }
+                | Shape::Bspline { .. } => {}
             }
         }
     }

@@ -69,7 +69,13 @@ fn every_cap_gives_back_its_prescription() {
                 assert!((vertex.z - z).abs() < 1e-4, "{part} {face}: {vertex}");
                 assert!(vertex.x.hypot(vertex.y) < 1e-4 && axis.z.abs() > 1.0 - 1e-9, "{vertex} {axis}");
             }
-            Fitted::Plane { .. } | Fitted::Cylinder { .. } | Fitted::Toroid { .. } => {
+            Fitted::Plane { .. }
+            | Fitted::Cylinder { .. }
+            | Fitted::Toroid { .. }
+            | Fitted::Asphere { .. }
+            | Fitted::XyPoly { .. }
+            | Fitted::Zernike { .. }
+            | Fitted::Bspline { .. } => {
                 panic!("{part} {face} is a {}", simplest.surface.kind())
             }
         }

@@ -1,7 +1,9 @@
 //! Why a face could not be recovered, in words for people.
 
 use super::Kind;
+use crate::base::units::significant;
 use crate::base::{Code, Error, Where};
+use glam::DVec3;
 use std::fmt;
 
 /// Lengths are in mesh units.
@@ -16,7 +18,11 @@ pub enum FitError {
     /// The points lie so that many surfaces pass through them.
     Undetermined { kind: Kind, why: &'static str },
     /// The best surface (of this kind if it was `asked` for, else of all kinds) misses the tolerance.
-    Misses { kind: Kind, asked: bool, rms: f64, max: f64, tolerance: f64 },
+    /// `worst` is the point that it misses by the most.
+    Misses { kind: Kind, asked: bool, rms: f64, max: f64, worst: DVec3, tolerance: f64 },
+    /// A freeform passes by the points, but these are too few to say what is between: it misses those that are left out
+    /// by more than the tolerance, in the root mean square.
+    Open { kind: Kind, points: usize, left_out: f64, tolerance: f64 },
 }
 
 impl fmt::Display for Kind {
@@ -31,14 +37,17 @@ impl FitError {
         let text = |x: f64| format!("{} µm", three(x * metres_per_unit * 1e6));
         let code = match self {
             FitError::NotFinite { .. } => Some(Code::DataNotFinite),
-            FitError::TooFew { .. } | FitError::Undetermined { .. } | FitError::Misses { .. } => {
-                Some(Code::ShapeOffMesh)
-            }
+            FitError::TooFew { .. }
+            | FitError::Undetermined { .. }
+            | FitError::Misses { .. }
+            | FitError::Open { .. } => Some(Code::ShapeOffMesh),
             FitError::BadIndex { .. } => None,
         };
         let fault = Error::new(at, self.what(text)).code(code);
         match self {
-            FitError::Misses { tolerance, .. } => fault.expected(format!("at most {}", text(*tolerance))),
+            FitError::Misses { tolerance, .. } | FitError::Open { tolerance, .. } => {
+                fault.expected(format!("at most {}", text(*tolerance)))
+            }
             FitError::TooFew { need, .. } => fault.expected(format!("at least {need}")),
             FitError::NotFinite { .. } | FitError::BadIndex { .. } | FitError::Undetermined { .. } => fault,
         }
@@ -54,10 +63,15 @@ impl FitError {
                 format!("a {kind} cannot be fitted to {points} distinct points (it takes {need})")
             }
             FitError::Undetermined { kind, why } => format!("a {kind} cannot be fitted: {why}"),
-            FitError::Misses { kind, asked, rms, max, .. } => {
+            FitError::Misses { kind, asked, rms, max, worst, .. } => {
                 let best = if asked { "" } else { "best " };
-                format!("the {best}{kind} misses the points by {} rms, {} max", text(rms), text(max))
+                let [x, y, z] = worst.to_array().map(|x| significant(x, 6));
+                format!("the {best}{kind} misses the points by {} rms, {} max at ({x}, {y}, {z})", text(rms), text(max))
             }
+            FitError::Open { kind, points, left_out, .. } => format!(
+                "{points} points are too few for a {kind}: it misses each that it is fitted without by {} rms",
+                text(left_out)
+            ),
         }
     }
 }
@@ -85,11 +99,18 @@ mod tests {
 
     #[test]
     fn one_line_in_micrometres() {
-        let error = FitError::Misses { kind: Kind::Conic, asked: false, rms: 0.0021, max: 0.00884, tolerance: 5e-5 };
+        let error = FitError::Misses {
+            kind: Kind::Conic,
+            asked: false,
+            rms: 0.0021,
+            max: 0.00884,
+            worst: DVec3::new(1.5, -20.0, 3.25),
+            tolerance: 5e-5,
+        };
         let at = Where::Part { path: "HUD/LENS_02".into(), face: Some(0) };
         assert_eq!(
             error.fault(at, 1e-3).to_string(),
-            "part HUD/LENS_02 face 0: the best conic misses the points by 2.10 µm rms, 8.84 µm max; expected at most 0.0500 µm"
+            "part HUD/LENS_02 face 0: the best conic misses the points by 2.10 µm rms, 8.84 µm max at (1.5, -20, 3.25); expected at most 0.0500 µm"
         );
     }
 }

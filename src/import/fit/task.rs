@@ -147,9 +147,9 @@ impl Task {
     /// The simplest surface that meets the tolerance, else the error of the best one. A curved surface is not offered
     /// where so few points, or only points of the face's edge, lie on it that it says nothing about what is between: a
     /// sphere passes exactly through the two rings of a cylinder.
-    pub fn simplest(&self, judged: impl Fn(Fit) -> Result<Fit, FitError>) -> Result<Fit, FitError> {
+    pub fn simplest(&self, judged: impl Fn(Fit) -> Result<Fit, FitError>, freeforms: bool) -> Result<Fit, FitError> {
         let flat = self.plane()?;
-        let mut best = match judged(flat) {
+        let mut best = match judged(flat.clone()) {
             Ok(fit) => return Ok(fit),
             Err(error) => (flat.rms, error),
         };
@@ -159,7 +159,7 @@ impl Task {
             return Err(best.1);
         }
         let sphere = if count >= 8 { self.sphere().ok() } else { None };
-        let start = sphere.map(|(start, _)| start);
+        let start = sphere.as_ref().map(|(start, _)| *start);
         let cylinder = if count >= 10 { self.rounds(Kind::Cylinder, self.allowed).ok().flatten() } else { None };
         // Where the nearest to a part of the points misses by more in the root mean square, the nearest to all misses by
         // more in one of them. Should another start or walk have been better, the last word is on all points.
@@ -168,17 +168,22 @@ impl Task {
             Some(found) if misses(&found) => (true, None),
             found => (false, found.map(|found| found.surface)),
         };
-        let later: [&dyn Fn() -> Option<Fit>; 4] = [
+        let free = |kind: Kind| if freeforms { self.freeform(kind).ok() } else { None };
+        let later: [&dyn Fn() -> Option<Fit>; 7] = [
             &|| early.and_then(|found| self.finished(Kind::Cylinder, Some(found)).ok()),
             &|| if count >= 14 { self.conic(start).ok() } else { None },
             &|| if count >= 14 { self.round(Kind::Toroid).ok() } else { None },
             &|| if late { self.round(Kind::Cylinder).ok() } else { None },
+            &|| free(Kind::Asphere),
+            &|| free(Kind::XyPoly),
+            &|| free(Kind::Bspline),
         ];
         let later = later.into_iter().filter_map(|fit| fit());
         for fit in sphere.map(|(_, fit)| fit).into_iter().chain(later) {
+            let rms = fit.rms;
             match judged(fit) {
                 Ok(fit) => return Ok(fit),
-                Err(error) if fit.rms < best.0 => best = (fit.rms, error),
+                Err(error) if rms < best.0 => best = (rms, error),
                 Err(_) => {}
             }
         }
@@ -210,15 +215,18 @@ impl Task {
         (mean + size * conic.vertex, conic.axis, size / conic.c)
     }
 
-    fn measured(&self, surface: Fitted, distance: impl Fn(DVec3) -> f64) -> Fit {
-        let (mut sum, mut max) = (0.0, 0.0f64);
+    pub fn measured(&self, surface: Fitted, distance: impl Fn(DVec3) -> f64) -> Fit {
+        let (mut sum, mut max, mut worst) = (0.0, 0.0f64, DVec3::ZERO);
         for &p in &self.face.points {
             let d = distance(p).abs();
             sum += d * d;
-            max = max.max(d);
+            if d > max {
+                (max, worst) = (d, p);
+            }
         }
         let points = self.face.points.len();
-        let size = self.scale.size;
-        Fit { surface, rms: size * (sum / points as f64).sqrt(), max_residual: size * max, points }
+        let Scale { mean, size } = self.scale;
+        let (rms, worst) = (size * (sum / points as f64).sqrt(), mean + size * worst);
+        Fit { surface, rms, max_residual: size * max, worst, open: None, points }
     }
 }

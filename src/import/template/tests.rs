@@ -49,7 +49,8 @@ fn check(scene: &Scene, caps: &[Cap]) {
             | Shape::Cylinder { .. }
             | Shape::Toroid { .. }
             | Shape::XyPoly { .. }
-            | Shape::Zernike { .. } => panic!("{name} {face} is {:?}", found.shape),
+            | Shape::Zernike { .. }
+            | Shape::Bspline { .. } => panic!("{name} {face} is {:?}", found.shape),
         };
         // What fitting the f32 points gives (`fit/cad_tests.rs`).
         assert!((radius / r - 1.0).abs() < 3e-6 && (conic - k).abs() < 2e-3, "{name} {face}: {radius} {conic}");

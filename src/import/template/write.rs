@@ -140,6 +140,18 @@ fn facts(face: &FaceFacts, metres: f64) -> String {
                     direction(x),
                     significant(tube_radius * mm, 6)
                 ),
+                Fitted::Asphere { radius, conic, .. } => {
+                    format!("asphere R {} mm k {}, {off}", significant(radius * mm, 6), significant(conic, 6))
+                }
+                Fitted::XyPoly { radius, ref coeffs, .. } => {
+                    format!("xy_poly of {} terms on R {} mm, {off}", coeffs.len(), significant(radius * mm, 6))
+                }
+                Fitted::Zernike { radius, ref coeffs, .. } => {
+                    format!("zernike of {} terms on R {} mm, {off}", coeffs.len(), significant(radius * mm, 6))
+                }
+                Fitted::Bspline { radius, spans: [a, b], .. } => {
+                    format!("bspline of {a} x {b} spans on R {} mm, {off}", significant(radius * mm, 6))
+                }
                 Fitted::Conic { radius, conic, axis, .. } => format!(
                     "conic R {} mm k {}, centre towards {}, {off}",
                     significant(radius * mm, 6),

@@ -37,7 +37,8 @@ fn surface(part: &Part, face: usize) -> (f64, f64, f64) {
         | Shape::Cylinder { .. }
         | Shape::Toroid { .. }
         | Shape::XyPoly { .. }
-        | Shape::Zernike { .. } => panic!("{} face {face} is {:?}", part.name, part.faces[face].shape),
+        | Shape::Zernike { .. }
+        | Shape::Bspline { .. } => panic!("{} face {face} is {:?}", part.name, part.faces[face].shape),
     };
     let axis = cad_direction(part, axis);
     assert!(axis.y.abs() > 1.0 - 1e-9, "{} face {face}: axis {axis}", part.name);

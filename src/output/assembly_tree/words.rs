@@ -169,6 +169,15 @@ fn shape(face: &FaceReport) -> Option<String> {
             coeffs.len(),
             mm(norm_radius * face.unit_m)
         )),
+        Shape::Bspline { radius, axis, conic, half, spans, .. } => Some(format!(
+            "bspline k {} {} with {} x {} spans over {} x {} mm",
+            number(*conic, 6),
+            curve(*radius, *axis),
+            spans[0],
+            spans[1],
+            mm(2.0 * half[0] * face.unit_m),
+            mm(2.0 * half[1] * face.unit_m)
+        )),
     }
 }
 

@@ -27,7 +27,8 @@ impl Quadric {
             | Shape::Cylinder { .. }
             | Shape::Toroid { .. }
             | Shape::XyPoly { .. }
-            | Shape::Zernike { .. } => return None,
+            | Shape::Zernike { .. }
+            | Shape::Bspline { .. } => return None,
             Shape::Plane { vertex, axis } => (vertex, axis, 0.0, 0.0),
             Shape::Sphere { vertex, axis, radius } => (vertex, axis, 1.0 / radius, 0.0),
             Shape::Conic { vertex, axis, radius, conic } => (vertex, axis, 1.0 / radius, conic),

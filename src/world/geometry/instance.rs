@@ -54,7 +54,8 @@ pub fn check(part: &Part, faces: &[Traced]) -> Result<()> {
             | Shape::Cylinder { .. }
             | Shape::Toroid { .. }
             | Shape::XyPoly { .. }
-            | Shape::Zernike { .. },
+            | Shape::Zernike { .. }
+            | Shape::Bspline { .. },
         ) => true,
     };
     let Some(face) = faces.iter().position(is_exact) else { return Ok(()) };

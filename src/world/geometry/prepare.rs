@@ -52,6 +52,7 @@ pub fn traced(part: &Part) -> Vec<Traced> {
 pub fn key(mesh: usize, faces: &[Traced]) -> Vec<u64> {
     let mut key = vec![mesh as u64];
     for face in faces {
+        let grid: [f64; 6];
         let (tag, places, numbers): (u64, &[&DVec3], &[&[f64]]) = match face {
             None => (0, &[], &[]),
             Some(Shape::Mesh) => (1, &[], &[]),
@@ -70,6 +71,10 @@ pub fn key(mesh: usize, faces: &[Traced]) -> Vec<u64> {
             }
             Some(Shape::Zernike { vertex, axis, x, radius, conic, norm_radius, coeffs }) => {
                 (9, &[vertex, axis, x], &[&[*radius, *conic, *norm_radius], coeffs])
+            }
+            Some(Shape::Bspline { vertex, axis, x, radius, conic, half, spans, coeffs }) => {
+                grid = [*radius, *conic, half[0], half[1], f64::from(spans[0]), f64::from(spans[1])];
+                (10, &[vertex, axis, x], &[&grid, coeffs])
             }
         };
         let count = numbers.iter().map(|list| list.len() as u64).sum::<u64>();
@@ -140,7 +145,8 @@ pub fn solid(mesh: &Mesh, part: &Part, faces: &[Traced]) -> Result<Option<Solid>
             | Shape::Cylinder { .. }
             | Shape::Toroid { .. }
             | Shape::XyPoly { .. }
-            | Shape::Zernike { .. } => refused_shape(exact(shape, own), at)?,
+            | Shape::Zernike { .. }
+            | Shape::Bspline { .. } => refused_shape(exact(shape, own), at)?,
         };
         boxes.extend(own.iter().map(|t| match &surface {
             Surface::Absent | Surface::Flat | Surface::Faceted => triangle_box(&t.corners),

@@ -1,6 +1,7 @@
 //! Heights over the plane of the vertex (sag formulas of `design/formulas.md` section 4), in any kind of [`Num`].
 
 use super::number::Num;
+use super::spline::Spline;
 
 /// z as a function of (x, y), lengths in mesh units, z(0, 0) the height at the vertex.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,6 +14,8 @@ pub enum Height {
     Poly { curvature: f64, conic: f64, coeffs: Vec<f64> },
     /// Conic + Σ over orders m of r^m (cos(mφ), sin(mφ)) times radial polynomials.
     Zernike { curvature: f64, conic: f64, scale: f64, orders: Vec<Order> },
+    /// Conic + bicubic B-splines.
+    Spline { curvature: f64, conic: f64, spline: Spline },
 }
 
 /// The terms of one azimuthal order m; `[i]` belongs to n = m + 2i, normalisation included.
@@ -75,6 +78,10 @@ impl Height {
                 let r2 = x.square() + y.square();
                 conic_height(r2, *curvature, *conic) + zernike(orders, x.times(*scale), y.times(*scale))
             }
+            Height::Spline { curvature, conic, spline } => {
+                let r2 = x.square() + y.square();
+                conic_height(r2, *curvature, *conic) + spline.at(x, y)
+            }
         }
     }
 
@@ -84,7 +91,8 @@ impl Height {
             Height::Torus { .. } => 1.0,
             Height::Even { curvature, conic, .. }
             | Height::Poly { curvature, conic, .. }
-            | Height::Zernike { curvature, conic, .. } => 1.0 - (1.0 + conic) * curvature * curvature * r2,
+            | Height::Zernike { curvature, conic, .. }
+            | Height::Spline { curvature, conic, .. } => 1.0 - (1.0 + conic) * curvature * curvature * r2,
         }
     }
 
@@ -94,6 +102,8 @@ impl Height {
             Height::Torus { .. } => 1,
             Height::Even { even, .. } => even.len(),
             Height::Poly { coeffs, .. } => coeffs.len(),
+            // A place meets sixteen of them.
+            Height::Spline { .. } => 16,
             Height::Zernike { orders, .. } => orders.iter().map(|o| o.cos.len().max(o.sin.len())).sum(),
         }
     }

@@ -5,6 +5,7 @@ mod isolate;
 mod number;
 mod round;
 mod sag;
+mod spline;
 
 #[cfg(test)]
 mod tests;
@@ -16,6 +17,7 @@ use glam::{DMat3, DVec3};
 use height::{Height, orders};
 use round::{Cylinder, Torus, signed_circle};
 use sag::{Frame, Sag};
+use spline::Spline;
 use std::ops::ControlFlow;
 
 /// A gradient and how it changes along the surface.
@@ -80,6 +82,15 @@ impl Curved {
                 let scale = per(*norm_radius)?;
                 let height = Height::Zernike { curvature: per(*radius)?, conic: *conic, scale, orders: orders(coeffs) };
                 over(frame(vertex, axis, x)?, height)
+            }
+            Shape::Bspline { vertex, axis, x, radius, conic, half, spans, coeffs } => {
+                finite(&[*conic])?;
+                finite(coeffs)?;
+                let spline = Spline::new(*half, *spans, coeffs).ok_or_else(|| {
+                    let [a, b] = spans.map(|n| u64::from(n) + 3);
+                    format!("a bspline of {} coefficients; its spans take {a} x {b}", coeffs.len())
+                })?;
+                over(frame(vertex, axis, x)?, Height::Spline { curvature: per(*radius)?, conic: *conic, spline })
             }
             Shape::Cylinder { vertex, axis, x, radius } => {
                 let cylinder = Cylinder { frame: frame(vertex, axis, x)?, curvature: per(*radius)? };

@@ -1,6 +1,7 @@
 //! Numbers that a height can be computed in: plain ones, intervals (bounds), truncated power series (derivatives) and
 //! slopes along a line (a root divided out). One formula per surface then gives all four.
 
+use super::spline::Spline;
 use std::ops::{Add, Mul, Sub};
 
 /// What the formulas of surfaces need.
@@ -12,6 +13,18 @@ pub trait Num: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Sel
     fn square(self) -> Self;
     fn plus(self, x: f64) -> Self {
         self + Self::of(x)
+    }
+    /// Least and greatest value.
+    fn low(self) -> f64;
+    fn high(self) -> f64;
+    /// The part of the values that is between `low` and `high`, where there are several.
+    fn clip(self, low: f64, high: f64) -> Self;
+    /// All values of both, where there are several.
+    fn join(self, other: Self) -> Self;
+    /// The height of a spline at u and v.
+    #[inline]
+    fn spline(u: Self, v: Self, spline: &Spline) -> Self {
+        spline.hull(u, v)
     }
 }
 
@@ -35,6 +48,22 @@ impl Num for f64 {
     #[inline]
     fn square(self) -> f64 {
         self * self
+    }
+    #[inline]
+    fn low(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn high(self) -> f64 {
+        self
+    }
+    #[inline]
+    fn clip(self, _: f64, _: f64) -> Self {
+        self
+    }
+    #[inline]
+    fn join(self, _: Self) -> Self {
+        self
     }
 }
 
@@ -108,6 +137,22 @@ impl Num for Interval {
         } else {
             Interval { lo: a.min(b), hi: a.max(b) }
         }
+    }
+    #[inline]
+    fn low(self) -> f64 {
+        self.lo
+    }
+    #[inline]
+    fn high(self) -> f64 {
+        self.hi
+    }
+    #[inline]
+    fn clip(self, low: f64, high: f64) -> Self {
+        Interval { lo: self.lo.max(low), hi: self.hi.min(high) }
+    }
+    #[inline]
+    fn join(self, other: Self) -> Self {
+        Interval { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 }
 
@@ -187,6 +232,24 @@ impl<T: Num, const N: usize> Num for Series<T, N> {
         out.0[0] = self.0[0].square();
         out
     }
+    #[inline]
+    fn low(self) -> f64 {
+        self.0[0].low()
+    }
+    #[inline]
+    fn high(self) -> f64 {
+        self.0[0].high()
+    }
+    #[inline]
+    fn clip(self, low: f64, high: f64) -> Self {
+        let mut out = self;
+        out.0[0] = self.0[0].clip(low, high);
+        out
+    }
+    #[inline]
+    fn join(self, other: Self) -> Self {
+        Series(std::array::from_fn(|k| self.0[k].join(other.0[k])))
+    }
 }
 
 /// A quantity along a line: what it is at the start, what it is at t, and their difference over t without cancellation
@@ -243,6 +306,26 @@ impl<T: Num> Num for Slope<T> {
     #[inline]
     fn square(self) -> Self {
         self * self
+    }
+    #[inline]
+    fn low(self) -> f64 {
+        self.at.low()
+    }
+    #[inline]
+    fn high(self) -> f64 {
+        self.at.high()
+    }
+    #[inline]
+    fn clip(self, _: f64, _: f64) -> Self {
+        self
+    }
+    #[inline]
+    fn join(self, _: Self) -> Self {
+        self
+    }
+    #[inline]
+    fn spline(u: Self, v: Self, spline: &Spline) -> Self {
+        spline.slope(u, v)
     }
 }
 

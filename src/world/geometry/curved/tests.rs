@@ -55,6 +55,18 @@ fn textbook(shape: &Shape, x: f64, y: f64) -> f64 {
             ];
             conic(*radius, *k) + coeffs.iter().zip(terms).map(|(c, z)| c * z).sum::<f64>()
         }
+        Shape::Bspline { radius, conic: k, half, spans, coeffs, .. } => {
+            // The B-spline of order three as the fourth difference of cubes cut off (I. Schoenberg 1946).
+            let cubic = |at: f64| {
+                let cut = |x: f64| x.max(0.0).powi(3);
+                (cut(at) - 4.0 * cut(at - 1.0) + 6.0 * cut(at - 2.0) - 4.0 * cut(at - 3.0) + cut(at - 4.0)) / 6.0
+            };
+            let [u, v] = [0, 1].map(|i| ([x, y][i] + half[i]) * f64::from(spans[i]) / (2.0 * half[i]));
+            let width = spans[1] as usize + 3;
+            let term =
+                |(n, c): (usize, &f64)| c * cubic(u + 3.0 - (n / width) as f64) * cubic(v + 3.0 - (n % width) as f64);
+            conic(*radius, *k) + coeffs.iter().enumerate().map(term).sum::<f64>()
+        }
         Shape::Mesh | Shape::Plane { .. } | Shape::Sphere { .. } | Shape::Conic { .. } => f64::NAN,
     }
 }
@@ -96,6 +108,20 @@ fn shapes() -> Vec<(&'static str, Shape, DVec2)> {
             },
             half,
         ),
+        (
+            "bspline",
+            Shape::Bspline {
+                vertex,
+                axis,
+                x,
+                radius: -2.5,
+                conic: 0.4,
+                half: [0.55, 0.45],
+                spans: [5, 3],
+                coeffs: (0..48).map(|i| 0.06 * f64::from(i * i + 1).sin()).collect(),
+            },
+            half,
+        ),
     ]
 }
 
@@ -129,6 +155,10 @@ fn scaled(shape: &Shape, s: f64) -> Shape {
             (*vertex, *radius, *norm_radius) = (*vertex * s, *radius * s, *norm_radius * s);
             coeffs.iter_mut().for_each(|c| *c *= s);
         }
+        Shape::Bspline { vertex, radius, half, coeffs, .. } => {
+            (*vertex, *radius) = (*vertex * s, *radius * s);
+            half.iter_mut().chain(coeffs).for_each(|c| *c *= s);
+        }
     }
     out
 }
@@ -143,7 +173,8 @@ fn frame(shape: &Shape) -> (DVec3, DVec3, DVec3, DVec3) {
         Shape::Cylinder { vertex, axis, x, .. }
         | Shape::Toroid { vertex, axis, x, .. }
         | Shape::XyPoly { vertex, axis, x, .. }
-        | Shape::Zernike { vertex, axis, x, .. } => (*vertex, *axis, *x),
+        | Shape::Zernike { vertex, axis, x, .. }
+        | Shape::Bspline { vertex, axis, x, .. } => (*vertex, *axis, *x),
     };
     (vertex, x, axis.cross(x), axis)
 }
@@ -484,7 +515,8 @@ fn assembly(place: DAffine3) -> crate::scene::Scene {
             | Shape::Cylinder { vertex, .. }
             | Shape::Toroid { vertex, .. }
             | Shape::XyPoly { vertex, .. }
-            | Shape::Zernike { vertex, .. } => *vertex += by,
+            | Shape::Zernike { vertex, .. }
+            | Shape::Bspline { vertex, .. } => *vertex += by,
         }
         list.push(moved);
     }
@@ -611,6 +643,11 @@ fn hostile_parameters() {
                 spoil(conic);
                 spoil(norm_radius);
                 coeffs.iter_mut().for_each(&mut spoil);
+            }
+            Shape::Bspline { radius, conic, half, coeffs, .. } => {
+                spoil(radius);
+                spoil(conic);
+                half.iter_mut().chain(coeffs).for_each(&mut spoil);
             }
         }
         match Curved::new(&shape, points.iter().copied()) {
