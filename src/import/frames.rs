@@ -231,7 +231,7 @@ pub fn fitted(mesh: &Mesh, place: FacePlace<'_>, order: FitOrder, metres: f64, n
                 // Its terms hold with the base that was found only.
                 return Err(stray("radius, conic or tube_radius"));
             }
-            (found.surface.shape(), terms(&found, metres))
+            (found.surface.shape(), terms(&found))
         }
     };
     match shape {
@@ -258,15 +258,20 @@ pub fn fitted(mesh: &Mesh, place: FacePlace<'_>, order: FitOrder, metres: f64, n
     } else {
         ""
     };
-    let residual = Residual { points: found.points, rms_um: found.rms * um, greatest_um: found.max_residual * um };
+    let residual = Residual {
+        points: found.points,
+        rms_um: found.rms * um,
+        greatest_um: found.max_residual * um,
+        known: found.open.map(|open| open.known(metres)),
+    };
     let at = Where::Part { path: place.part.to_owned(), face: Some(place.number) };
     notes.push(Note::fitted(at, &format!("{text}{replaced}"), residual));
     Ok(shape)
 }
 
-/// Number and kind of a freeform's terms, and what the points leave open of it.
-fn terms(found: &fit::Fit, metres: f64) -> String {
-    let terms = match &found.surface {
+/// Number and kind of a freeform's terms.
+fn terms(found: &fit::Fit) -> String {
+    match &found.surface {
         Fitted::Asphere { radius, conic, even, .. } => {
             format!("asphere of radius {radius}, conic constant {conic}, {} even terms", even.len())
         }
@@ -278,7 +283,5 @@ fn terms(found: &fit::Fit, metres: f64) -> String {
         | Fitted::Conic { .. }
         | Fitted::Cylinder { .. }
         | Fitted::Toroid { .. } => found.surface.kind().to_string(),
-    };
-    let open = found.open.map(|open| format!(", {}", open.text(metres)));
-    terms + &open.unwrap_or_default()
+    }
 }

@@ -33,7 +33,7 @@ pub use eye::Eye;
 pub use finish::Finish;
 pub use lamp::{Angular, Beacon, BeaconForm, Emitter, Photometry, PolarisedLight, Sky, SpotCone};
 pub use mesh::{FaceRange, Mesh};
-pub use note::{Note, Residual, Severity};
+pub use note::{Known, Note, Residual, Severity};
 pub use part::{Absorption, Face, Medium, Part};
 pub use profile::LuminousProfile;
 pub use scatter_table::ScatterTable;

@@ -35,6 +35,18 @@ pub struct Residual {
     pub points: usize,
     pub rms_um: f64,
     pub greatest_um: f64,
+    /// Of a freeform, how well the points determine it.
+    pub known: Option<Known>,
+}
+
+/// Standard errors of a surface that was fitted to points: root mean squares over the face, and at worst.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Known {
+    pub height_um: [f64; 2],
+    pub slope_arcmin: [f64; 2],
+    pub curvature_per_m: [f64; 2],
+    /// Points that miss by so much more than the others that they don't count.
+    pub strays: usize,
 }
 
 impl Note {
@@ -66,6 +78,25 @@ impl Note {
 impl fmt::Display for Residual {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (rms, greatest) = (significant(self.rms_um, 3), significant(self.greatest_um, 3));
-        write!(f, "{} points miss it by {rms} µm rms, {greatest} µm at most", self.points)
+        write!(f, "{} points miss it by {rms} µm rms, {greatest} µm at most", self.points)?;
+        self.known.map_or(Ok(()), |known| write!(f, "; {known}"))
+    }
+}
+
+impl fmt::Display for Known {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let pair = |[rms, worst]: [f64; 2]| (significant(rms, 2), significant(worst, 2));
+        let ((height, height_worst), (slope, slope_worst)) = (pair(self.height_um), pair(self.slope_arcmin));
+        let (curvature, curvature_worst) = pair(self.curvature_per_m);
+        write!(
+            f,
+            "they leave {height} µm, {slope}′ of slope and {curvature} 1/m of curvature open \
+             ({height_worst}, {slope_worst} and {curvature_worst} at worst)"
+        )?;
+        match self.strays {
+            0 => Ok(()),
+            1 => f.write_str("; 1 stray doesn't count"),
+            n => write!(f, "; {n} strays don't count"),
+        }
     }
 }

@@ -120,7 +120,11 @@ fn scene() -> Scene {
             age: 45.0,
         },
         notes: vec![
-            Note::fitted(fit, "sphere of radius -50", Residual { points: 9, rms_um: 1.0, greatest_um: 2.0 }),
+            Note::fitted(
+                fit,
+                "sphere of radius -50",
+                Residual { points: 9, rms_um: 1.0, greatest_um: 2.0, known: None },
+            ),
             Note::info(Where::Nowhere, "`age` of eye is not said: 45"),
             Note::warning(Where::file(std::path::Path::new("a.glb")), "normals repaired"),
         ],

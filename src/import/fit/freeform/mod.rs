@@ -121,8 +121,10 @@ impl Task {
                 return Some(walked);
             }
         }
-        let model = Model { order: plain.order, ..start }.solved(samples)?;
-        Some(Found { model, free: STILL, left_out: plain.left_out, held: None })
+        let start = Model { order: plain.order, ..start };
+        let walked = self.walked(samples, &start, &TILTED).filter(|walked| walked.left_out * slack < plain.left_out);
+        let still = |model| Found { model, free: STILL, left_out: plain.left_out, held: None };
+        walked.or_else(|| start.solved(samples).map(still))
     }
 
     fn asphere(&self, samples: &[Sample]) -> Option<Found> {

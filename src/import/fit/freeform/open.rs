@@ -2,7 +2,7 @@
 
 use super::Found;
 use super::model::Sample;
-use crate::base::units::significant;
+use crate::scene::Known;
 
 /// Standard errors of the surface between the points, root mean squares over the face and at worst: from the scatter of
 /// the points about it, that of rounding to f32 at least. They hold as far as the surface is of its kind.
@@ -21,21 +21,14 @@ pub struct Open {
 }
 
 impl Open {
-    /// In words, the lengths of a mesh unit of so many metres: the root mean squares, and at worst.
-    pub fn text(&self, metres: f64) -> String {
-        let pair = |by: f64, [rms, most]: [f64; 2]| {
-            format!("{} ({} at worst)", significant(rms * by, 2), significant(most * by, 2))
-        };
-        let strays = match self.set_aside {
-            0 => String::new(),
-            n => format!(", {n} strays set aside"),
-        };
-        format!(
-            "known to {} µm, {}′ of slope and {} 1/m of curvature{strays}",
-            pair(metres * 1e6, self.height),
-            pair(60f64.to_degrees(), self.slope),
-            pair(1.0 / metres, self.curvature)
-        )
+    /// In physical units, for a mesh unit of so many metres.
+    pub fn known(&self, metres: f64) -> Known {
+        Known {
+            height_um: self.height.map(|x| x * metres * 1e6),
+            slope_arcmin: self.slope.map(|x| x.to_degrees() * 60.0),
+            curvature_per_m: self.curvature.map(|x| x / metres),
+            strays: self.set_aside,
+        }
     }
 }
 
