@@ -156,7 +156,7 @@ mod tests {
             for (x, y) in [(0.3, -0.2), (-1.05, 0.69), (0.0, 0.0)] {
                 let here = at(x, y);
                 assert_eq!(here.len(), basis.terms(order));
-                let h = 1e-5;
+                let h = 1e-6;
                 let pairs = [at(x + h, y), at(x, y + h)].into_iter().zip([at(x - h, y), at(x, y - h)]);
                 for (axis, (plus, minus)) in pairs.enumerate() {
                     for (k, term) in here.iter().enumerate() {

@@ -69,7 +69,14 @@ fn rectangle(points: &[DVec2]) -> Option<(f64, DVec2, DVec2)> {
     let quarter = std::f64::consts::FRAC_PI_2;
     let area = |(_, low, high): &(f64, DVec2, DVec2)| (high.x - low.x) * (high.y - low.y);
     let all = (0..TURNS).map(|k| at(quarter * f64::from(k) / f64::from(TURNS)));
-    let found = all.min_by(|a, b| area(a).total_cmp(&area(b)))?;
+    let mut found = all.min_by(|a, b| area(a).total_cmp(&area(b)))?;
+    // The sides of a face that is one are told to what its corners tell.
+    let mut step = quarter / f64::from(TURNS);
+    for _ in 0..4 {
+        let finer = (-10..=10).map(|k| at(found.0 + step * f64::from(k) / 10.0));
+        found = finer.min_by(|a, b| area(a).total_cmp(&area(b)))?;
+        step /= 10.0;
+    }
     let size = found.2 - found.1;
     Some(if size.x >= size.y { found } else { at(found.0 + quarter) })
 }
