@@ -53,6 +53,11 @@ impl FitError {
         }
     }
 
+    /// The error in words, lengths in µm.
+    pub fn text(&self, metres_per_unit: f64) -> String {
+        self.what(|x| format!("{} µm", three(x * metres_per_unit * 1e6)))
+    }
+
     fn what(&self, text: impl Fn(f64) -> String) -> String {
         match *self {
             FitError::NotFinite { vertex } => format!("vertex {vertex} has a coordinate that is not a number"),

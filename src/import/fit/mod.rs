@@ -74,6 +74,14 @@ impl Kind {
         }
     }
 
+    /// Whether it has as many terms as the points tell.
+    pub fn is_freeform(self) -> bool {
+        match self {
+            Kind::Plane | Kind::Sphere | Kind::Cylinder | Kind::Conic | Kind::Toroid => false,
+            Kind::Asphere | Kind::XyPoly | Kind::Zernike | Kind::Bspline => true,
+        }
+    }
+
     pub fn named(name: &str) -> Option<Kind> {
         Kind::ALL.into_iter().find(|kind| kind.name() == name)
     }

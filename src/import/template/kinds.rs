@@ -4,7 +4,7 @@ use super::TOLERANCE_UM;
 use super::guess::{Role, role};
 use crate::base::error::Result;
 use crate::import::Assembly;
-use crate::import::fit::{Fit, FitError, Fitted, fit};
+use crate::import::fit::{Fit, FitError, Fitted, fit, simple};
 use crate::import::frames::uniform_scale;
 use crate::import::measure::FaceMeasure;
 use crate::import::select::{Candidate, candidates};
@@ -71,7 +71,7 @@ pub struct Kind {
 /// The kinds in the order of their first members. Faults: those of [`candidates`].
 pub fn kinds(assembly: &Assembly, unit_m: f64) -> Result<Vec<Kind>> {
     let parts = candidates(assembly)?;
-    let mut known: HashMap<(usize, u64), Rc<Vec<FaceFacts>>> = HashMap::new();
+    let mut known: HashMap<(usize, u64, bool), Rc<Vec<FaceFacts>>> = HashMap::new();
     let mut kinds: Vec<Kind> = Vec::new();
     let mut by_stem: HashMap<String, Vec<usize>> = HashMap::new();
     for part in &parts {
@@ -79,8 +79,11 @@ pub fn kinds(assembly: &Assembly, unit_m: f64) -> Result<Vec<Kind>> {
         let scale = uniform_scale(&to_world);
         let metres = unit_m * scale.unwrap_or_else(|| to_world.matrix3.determinant().abs().cbrt());
         let Some(mesh) = assembly.meshes.get(part.mesh).map(|source| &source.mesh) else { continue };
-        let key = (part.mesh, scale.map_or(0, f64::to_bits));
-        let faces = known.entry(key).or_insert_with(|| Rc::new(facts(mesh, scale.map(|_| metres)))).clone();
+        let role = role(&part.name);
+        let freeforms = matches!(role, Role::Lens(_) | Role::Plate(_) | Role::Mirror);
+        let key = (part.mesh, scale.map_or(0, f64::to_bits), freeforms);
+        let make = || Rc::new(facts(mesh, scale.map(|_| metres), freeforms));
+        let faces = known.entry(key).or_insert_with(make).clone();
         let stem = part.path.trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
         let same = |kind: &Kind| {
             kind.faces.len() == faces.len()
@@ -96,7 +99,7 @@ pub fn kinds(assembly: &Assembly, unit_m: f64) -> Result<Vec<Kind>> {
         }
         slots.push(kinds.len());
         let size = size(mesh);
-        kinds.push(Kind { role: role(&part.name), members: vec![part.clone()], path: None, faces, metres, size });
+        kinds.push(Kind { role, members: vec![part.clone()], path: None, faces, metres, size });
     }
     let mut all = Vec::with_capacity(kinds.len());
     for mut kind in kinds {
@@ -124,8 +127,8 @@ pub fn kinds(assembly: &Assembly, unit_m: f64) -> Result<Vec<Kind>> {
     Ok(all)
 }
 
-/// `metres` per mesh unit, if faces can be fitted.
-fn facts(mesh: &Mesh, metres: Option<f64>) -> Vec<FaceFacts> {
+/// `metres` per mesh unit, if faces can be fitted. `freeforms`: also these, which mechanics aren't searched for.
+fn facts(mesh: &Mesh, metres: Option<f64>, freeforms: bool) -> Vec<FaceFacts> {
     let one = |face: usize| {
         let range = mesh.faces.get(face);
         let triangles = range.and_then(|range| {
@@ -133,14 +136,18 @@ fn facts(mesh: &Mesh, metres: Option<f64>) -> Vec<FaceFacts> {
             mesh.triangles.get(range.first as usize..end as usize).filter(|triangles| !triangles.is_empty())
         });
         let fit = metres.zip(triangles);
-        let fit = fit.map(|(metres, triangles)| fit_of(mesh, triangles, metres));
+        let fit = fit.map(|(metres, triangles)| fit_of(mesh, triangles, metres, freeforms));
         FaceFacts { measure: FaceMeasure::new(mesh, face), fit }
     };
     (0..mesh.faces.len()).map(one).collect()
 }
 
-fn fit_of(mesh: &Mesh, triangles: &[[u32; 3]], metres: f64) -> Result<Fit, FitError> {
-    fit(&mesh.positions, triangles, None, TOLERANCE_UM * 1e-6 / metres)
+fn fit_of(mesh: &Mesh, triangles: &[[u32; 3]], metres: f64, freeforms: bool) -> Result<Fit, FitError> {
+    let tolerance = TOLERANCE_UM * 1e-6 / metres;
+    match freeforms {
+        true => fit(&mesh.positions, triangles, None, tolerance),
+        false => simple(&mesh.positions, triangles, tolerance),
+    }
 }
 
 fn size(mesh: &Mesh) -> Option<DVec3> {

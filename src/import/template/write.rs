@@ -6,7 +6,7 @@ use super::{TOLERANCE_UM, around};
 use crate::base::Where;
 use crate::base::units::significant;
 use crate::import::Assembly;
-use crate::import::fit::Fitted;
+use crate::import::fit::{FitError, Fitted};
 use crate::import::select::Faces;
 use glam::DVec3;
 use std::fmt::Write;
@@ -119,6 +119,10 @@ fn facts(face: &FaceFacts, metres: f64) -> String {
         measure.normal().map_or_else(|| "no prevailing side".to_owned(), |n| format!("towards {}", direction(n)));
     let surface = match &face.fit {
         None => "no exact shape: scaled differently along its axes".to_owned(),
+        // What freeforms were tried for says by how much the best misses.
+        Some(Err(error @ (FitError::Misses { kind, .. } | FitError::Open { kind, .. }))) if kind.is_freeform() => {
+            format!("no exact shape to {TOLERANCE_UM} um: {}", error.text(metres).replace('µ', "u"))
+        }
         Some(Err(_)) => format!("not a plane, sphere, cylinder, conic or toroid to {TOLERANCE_UM} um"),
         Some(Ok(fit)) => {
             let off = format!("{} um at most off", significant(fit.max_residual * metres * 1e6, 2));

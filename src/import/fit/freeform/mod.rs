@@ -37,9 +37,18 @@ const TO_EACH: usize = 6;
 /// How often the trust in points is weighed anew.
 const ROUNDS: usize = 4;
 
+/// More points than this say nothing more: what they leave open goes with the root of their number.
+const MOST: usize = 20_000;
+
 const STILL: Free = [false; FREEDOMS];
 const TILTED: Free = [true, true, false, false, true];
 const REVOLVED: Free = [true; FREEDOMS];
+
+/// One of each run of so many, at a golden-ratio place in it, so that the rows of a grid are not met in step.
+fn part<T>(all: &[T], stride: usize) -> impl Iterator<Item = &T> {
+    let place = move |run: usize| (run as f64 * 0.618_033_988_749_895).fract() * stride as f64;
+    all.chunks(stride.max(1)).enumerate().filter_map(move |(run, some)| some.get(place(run) as usize).or(some.first()))
+}
 
 /// A model, what of it was free to move, and how well it foretells points that are left out.
 struct Found {
@@ -55,7 +64,7 @@ impl Task {
     pub fn freeform(&self, kind: Kind) -> Result<Fit, FitError> {
         let place =
             Place::of(&self.face).ok_or(FitError::Undetermined { kind, why: "the face is no height over a plane" })?;
-        let mut samples = self.samples();
+        let (mut samples, on_edge) = self.samples();
         let need = 12;
         if samples.len() < need {
             return Err(FitError::TooFew { kind, points: samples.len(), need });
@@ -64,7 +73,7 @@ impl Task {
         let mut found = self.found(kind, &place, &samples).ok_or(none)?;
         for _ in 0..ROUNDS {
             let Some(residuals) = residuals(&found.model, &samples, &found.free) else { break };
-            if !trust::weigh(&residuals.each, self.face.edge(), found.model.terms(), &mut samples) {
+            if !trust::weigh(&residuals.each, &on_edge, found.model.terms(), &mut samples) {
                 break;
             }
             let Some(again) = self.found(kind, &place, &samples) else { break };
@@ -77,7 +86,8 @@ impl Task {
         Ok(Fit { open, ..fit })
     }
 
-    fn samples(&self) -> Vec<Sample> {
+    /// [`MOST`] of the points at most, and which of them are on the rim.
+    fn samples(&self) -> (Vec<Sample>, Vec<bool>) {
         // Half a unit in the last place at most, evenly: its standard deviation is the unit over √12.
         let unit = |x: f64| {
             let x = (x as f32).abs();
@@ -87,7 +97,11 @@ impl Task {
             let at = self.scale.mean + self.scale.size * *p;
             Sample { p: *p, rounding: DVec3::from_array(at.to_array().map(unit)) / self.scale.size, trust: 1.0 }
         };
-        self.face.points.iter().map(sample).collect()
+        let mut on_edge = vec![false; self.face.points.len()];
+        self.face.edge().iter().for_each(|i| on_edge[*i] = true);
+        let stride = self.face.points.len().div_ceil(MOST).max(1);
+        let all: Vec<(&DVec3, bool)> = self.face.points.iter().zip(on_edge).collect();
+        part(&all, stride).map(|(p, on_edge)| (sample(p), *on_edge)).unzip()
     }
 
     fn found(&self, kind: Kind, place: &Place, samples: &[Sample]) -> Option<Found> {
@@ -172,12 +186,7 @@ impl Task {
         let mut model = start.clone();
         if samples.len() > 2 * few {
             let stride = samples.len().div_ceil(few);
-            let place = |run: usize| (run as f64 * 0.618_033_988_749_895).fract() * stride as f64;
-            let part: Vec<Sample> = samples
-                .chunks(stride)
-                .enumerate()
-                .filter_map(|(run, samples)| samples.get(place(run) as usize).or(samples.first()).copied())
-                .collect();
+            let part: Vec<Sample> = part(samples, stride).copied().collect();
             model = walk(&part, &model, free)?;
         }
         let model = walk(samples, &model, free)?;

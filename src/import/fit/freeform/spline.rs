@@ -5,6 +5,7 @@
 use super::basis::{Basis, Knots};
 use super::model::{FREEDOMS, Model, Sample};
 use super::orders::missed;
+use super::part;
 use super::triangle::Triangle;
 
 /// Spans along the longer side, on the way to the grid.
@@ -62,7 +63,7 @@ pub(super) fn best(start: &Model, half: [f64; 2], samples: &[Sample], slack: f64
     // Every second or third of its knots may do as well.
     for axis in [0, 1] {
         let spans = search.spans(&found);
-        let coarser = (1..spans[axis]).filter(|n| spans[axis] % n == 0).filter_map(|n| {
+        let coarser = (1..spans[axis]).filter(|n| spans[axis].is_multiple_of(*n)).filter_map(|n| {
             let mut spans = spans;
             spans[axis] = n;
             search.solved(spans, &[LOOSE])
@@ -129,10 +130,7 @@ impl Search<'_> {
             let heights = triangle.solve(knots.terms());
             let (mut sum, mut count) = (0.0, 0.0f64);
             let stride = self.samples.len().div_ceil(LEFT_OUT).max(1);
-            for (run, samples) in self.samples.chunks(stride).enumerate() {
-                // At a golden-ratio place of each run, so that the rows of a grid are not met in step.
-                let place = (run as f64 * 0.618_033_988_749_895).fract() * samples.len() as f64;
-                let Some(sample) = samples.get(place as usize) else { continue };
+            for sample in part(&self.samples, stride) {
                 let right = model.row(sample, &still, &mut row, &mut terms)?;
                 let value: f64 = row.iter().zip(&heights).map(|(x, h)| x * h).sum();
                 sum += missed(right - value, triangle.error(&mut row).powi(2)).powi(2);

@@ -131,7 +131,7 @@ fn zernike(powers: &[f64], order: usize, reach: f64) -> Vec<f64> {
 fn radial(n: usize, m: usize, rho: f64) -> f64 {
     let f = |k: usize| (1..=k).map(|k| k as f64).product::<f64>();
     let term = |k: usize| {
-        let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         sign * f(n - k) / (f(k) * f((n + m) / 2 - k) * f((n - m) / 2 - k)) * rho.powi((n - 2 * k) as i32)
     };
     (0..=(n - m) / 2).map(term).sum()

@@ -10,13 +10,11 @@ const STRAY: f64 = 6.0;
 const FEW: f64 = 0.05;
 
 /// Weighs the samples by their residuals (with the trust they had). True where a weight has changed.
-pub(super) fn weigh(residuals: &[f64], edge: &[usize], terms: usize, samples: &mut [Sample]) -> bool {
-    let mut on_edge = vec![false; samples.len()];
-    edge.iter().for_each(|i| on_edge[*i] = true);
+pub(super) fn weigh(residuals: &[f64], on_edge: &[bool], terms: usize, samples: &mut [Sample]) -> bool {
     let raw: Vec<f64> = (residuals.iter().zip(samples.iter()))
         .map(|(r, sample)| r.abs() / if sample.trust > 0.0 { sample.trust } else { 1.0 })
         .collect();
-    let of = |class: bool| raw.iter().zip(&on_edge).filter(|(_, e)| **e == class).map(|(r, _)| *r).collect::<Vec<_>>();
+    let of = |class: bool| raw.iter().zip(on_edge).filter(|(_, e)| **e == class).map(|(r, _)| *r).collect::<Vec<_>>();
     let (inside, rim) = (of(false), of(true));
     // Without points enough inside, the rim is the face.
     let apart = inside.len() as f64 >= 1.5 * terms as f64 && rim.len() >= 8;
