@@ -170,14 +170,22 @@ impl Task {
         all.into_iter().find(|found| found.left_out == best.left_out)
     }
 
+    /// On the face's sphere, which smooth surfaces are near to, and on a plane, as CAD's own splines are.
     fn splined(&self, place: &Place, samples: &[Sample]) -> Option<Found> {
-        let c = self.curvature(place.frame.axis);
-        let basis = Basis::Poly { half: place.half };
-        let start = Model { frame: place.frame, c, k: 0.0, basis, order: 2, heights: Vec::new(), floor: self.floor() };
-        // Slopes for the weights.
-        let start = start.solved(samples)?;
-        let best = spline::best(&start, place.half, samples, slack(samples))?;
-        Some(Found { model: best.model, free: STILL, left_out: best.left_out, held: Some(best.triangle) })
+        let slack = slack(samples);
+        let on = |c: f64| {
+            let basis = Basis::Poly { half: place.half };
+            let floor = self.floor();
+            let start = Model { frame: place.frame, c, k: 0.0, basis, order: 2, heights: Vec::new(), floor };
+            // Slopes for the weights.
+            let start = start.solved(samples)?;
+            spline::best(&start, place.half, samples, slack)
+        };
+        let all = [on(self.curvature(place.frame.axis)), on(surface::FLATTEST)];
+        let least = all.iter().flatten().map(|one| one.left_out).fold(f64::INFINITY, f64::min);
+        let well = all.into_iter().flatten().filter(|one| one.left_out <= least * slack);
+        let best = well.min_by_key(|one| one.model.terms())?;
+        Some(Found { model: best.model, free: best.free, left_out: best.left_out, held: best.held })
     }
 
     /// The model at the frame and base that suit the samples best.

@@ -3,10 +3,11 @@
 //! much as leaves the points that are left out best foretold.
 
 use super::basis::{Basis, Knots};
-use super::model::{FREEDOMS, Model, Sample};
-use super::orders::missed;
-use super::part;
+use super::model::{Free, Model, Sample};
+use super::orders::{missed, residuals};
 use super::triangle::Triangle;
+use super::walk::walk;
+use super::{STILL, part};
 
 /// Spans along the longer side, on the way to the grid.
 const SPANS: [usize; 12] = [1, 2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64];
@@ -14,6 +15,10 @@ const SPANS: [usize; 12] = [1, 2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64];
 /// says to holding all but parabolas.
 const HOLDS: [f64; 6] = [1e-7, 1e-5, 1e-3, 1e-2, 1e-1, 1.0];
 const LOOSE: f64 = 1e-5;
+/// Grids of so many coefficients at most, that miss by so many times more at most, are tilted and moved.
+const SEATED: usize = 200;
+const NEAR: f64 = 30.0;
+const PLACED: Free = [true, true, true, true, false];
 /// Coefficients at most, and the share of the points that they may be.
 const MOST: usize = 1024;
 const SHARE: f64 = 0.8;
@@ -26,7 +31,9 @@ const ROUNDED: f64 = 1.2;
 pub(super) struct Splined {
     pub model: Model,
     pub left_out: f64,
-    pub triangle: Triangle,
+    pub free: Free,
+    /// With what holds the coefficients, if anything does.
+    pub held: Option<Triangle>,
 }
 
 /// Samples along the longer side, so that the rows' bands are short.
@@ -72,6 +79,9 @@ pub(super) fn best(start: &Model, half: [f64; 2], samples: &[Sample], slack: f64
             found = coarser;
         }
     }
+    if let Some(seated) = search.seated(&found, slack) {
+        return Some(seated);
+    }
     let spans = search.spans(&found);
     let finer = spans.map(|n| n + n.div_ceil(2));
     let held = [spans, finer].into_iter().filter_map(|spans| search.solved(spans, &HOLDS));
@@ -99,6 +109,25 @@ impl Search<'_> {
         found.into_iter().find(|found| found.left_out <= least * slack)
     }
 
+    /// Knots that are the surface's own are so in its own frame only: the simplest of the grids of some of the knots, and
+    /// of all, that with the best tilt and place foretells as well as all do in the face's frame; None where that wins
+    /// nothing.
+    fn seated(&self, found: &Splined, slack: f64) -> Option<Splined> {
+        let spans = self.spans(found);
+        let divisors = |n: usize| (1..=n).filter(move |k| n.is_multiple_of(*k));
+        let pairs = divisors(spans[0]).flat_map(|a| divisors(spans[1]).map(move |b| [a, b]));
+        let mut grids: Vec<[usize; 2]> = pairs.filter(|[a, b]| (a + 3) * (b + 3) <= SEATED).collect();
+        grids.sort_by_key(|[a, b]| (a + 3) * (b + 3));
+        let near = |grid: &[usize; 2]| self.solved(*grid, &[LOOSE]).filter(|one| one.left_out <= NEAR * found.left_out);
+        grids.iter().filter_map(near).find_map(|start| {
+            let model = walk(&self.samples, &start.model, &PLACED)?;
+            let left_out = residuals(&model, &self.samples, &PLACED)?.left_out;
+            let all = model.terms() == found.model.terms();
+            let well = if all { left_out * slack < found.left_out } else { left_out <= found.left_out * slack };
+            well.then_some(Splined { model, left_out, free: PLACED, held: None })
+        })
+    }
+
     fn spans(&self, found: &Splined) -> [usize; 2] {
         match found.model.basis {
             Basis::Spline(knots) => knots.spans,
@@ -108,7 +137,6 @@ impl Search<'_> {
 
     /// The grid with the best of the holds; None for more coefficients than the points can say.
     fn solved(&self, spans: [usize; 2], holds: &[f64]) -> Option<Splined> {
-        let still = [false; FREEDOMS];
         let knots = Knots { half: self.half, spans };
         if knots.terms() > MOST || knots.terms() as f64 > SHARE * self.samples.len() as f64 {
             return None;
@@ -118,7 +146,7 @@ impl Search<'_> {
         let (mut row, mut terms) = (Vec::new(), Vec::new());
         let mut mean = 0.0;
         for sample in &self.samples {
-            let right = model.row(sample, &still, &mut row, &mut terms)?;
+            let right = model.row(sample, &STILL, &mut row, &mut terms)?;
             mean += row.iter().map(|x| x * x).sum::<f64>();
             triangle.add(&mut row, right);
         }
@@ -131,14 +159,19 @@ impl Search<'_> {
             let (mut sum, mut count) = (0.0, 0.0f64);
             let stride = self.samples.len().div_ceil(LEFT_OUT).max(1);
             for sample in part(&self.samples, stride) {
-                let right = model.row(sample, &still, &mut row, &mut terms)?;
+                let right = model.row(sample, &STILL, &mut row, &mut terms)?;
                 let value: f64 = row.iter().zip(&heights).map(|(x, h)| x * h).sum();
                 sum += missed(right - value, triangle.error(&mut row).powi(2)).powi(2);
                 count += 1.0;
             }
             let left_out = (sum / count.max(1.0)).sqrt();
             if left_out.is_finite() && best.as_ref().is_none_or(|best| left_out < best.left_out) {
-                best = Some(Splined { model: Model { heights, ..model.clone() }, left_out, triangle });
+                best = Some(Splined {
+                    model: Model { heights, ..model.clone() },
+                    left_out,
+                    free: STILL,
+                    held: Some(triangle),
+                });
             }
         }
         best

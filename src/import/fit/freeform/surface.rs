@@ -6,7 +6,7 @@ use crate::import::fit::task::Scale;
 use crate::import::fit::{Fitted, Kind};
 
 /// A base flatter than this, of a face scaled to size one, is told as this flat: a radius is a finite number.
-const FLATTEST: f64 = 1e-9;
+pub(super) const FLATTEST: f64 = 1e-9;
 
 /// The surface in mesh units. `kind` chooses between the names of a polynomial.
 pub(super) fn fitted(kind: Kind, model: &Model, scale: Scale) -> Fitted {
