@@ -73,18 +73,10 @@ pub fn shape(value: &Value, notes: &mut Vec<Note>) -> Result<ShapeSpec> {
         },
         "bspline" => {
             let spans = fields.need_numbers::<2>("spans")?;
-            let coeffs = fields.need_coefficients("coeffs")?;
             if spans.iter().any(|n| n.fract() != 0.0) {
                 let at = fields.value("spans").map_or(fields.at(), |value| &value.at);
                 let what = format!("`spans` of a bspline is {} x {}", spans[0], spans[1]);
                 return Err(Error::new(at.clone(), what).expected("two whole numbers from 1 to 1024"));
-            }
-            let need = (spans[0] + 3.0) * (spans[1] + 3.0);
-            if coeffs.len() as f64 != need {
-                let at = fields.value("coeffs").map_or(fields.at(), |value| &value.at);
-                let what =
-                    format!("`coeffs` of a bspline of {} x {} spans has {} numbers", spans[0], spans[1], coeffs.len());
-                return Err(Error::new(at.clone(), what).expected(format!("{need} numbers")));
             }
             Shape::Bspline {
                 vertex: vertex()?,
@@ -94,7 +86,8 @@ pub fn shape(value: &Value, notes: &mut Vec<Note>) -> Result<ShapeSpec> {
                 conic: number("conic")?,
                 half: fields.need_numbers::<2>("half")?,
                 spans: spans.map(|n| n as u32),
-                coeffs,
+                // Whether they are as many as the spans take is said where the surface is made.
+                coeffs: fields.need_coefficients("coeffs")?,
             }
         }
         "fit" => {

@@ -150,7 +150,7 @@ fn unknown_keys_and_names() {
         (
             "[[bind]]\npath = \"LENS\"\nshape = { kind = \"sfere\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 5 }\n",
             &[],
-            "hud.optics.toml:12: unknown shape `sfere`; expected one of mesh, plane, sphere, conic, asphere, cylinder, toroid, xy_poly, zernike, fit; did you mean `sphere`?",
+            "hud.optics.toml:12: unknown shape `sfere`; expected one of mesh, plane, sphere, conic, asphere, cylinder, toroid, xy_poly, zernike, bspline, fit; did you mean `sphere`?",
         ),
         (
             "[sky]\nimage = \"x.exr\"\nscale = 3\n",
@@ -319,7 +319,7 @@ fn shapes_out_of_range() {
         (
             "[[bind]]\npath = \"LENS\"\nshape = { kind = \"fit\", surface = \"cylindre\", tolerance_um = 1 }\n",
             &[],
-            "hud.optics.toml:12: can't fit the surface `cylindre`; expected one of plane, sphere, cylinder, conic, toroid; did you mean `cylinder`?",
+            "hud.optics.toml:12: can't fit the surface `cylindre`; expected one of plane, sphere, cylinder, conic, toroid, asphere, xy_poly, zernike, bspline; did you mean `cylinder`?",
         ),
     ]);
 }

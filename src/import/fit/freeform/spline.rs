@@ -20,7 +20,7 @@ const SEATED: usize = 200;
 const NEAR: f64 = 30.0;
 const PLACED: Free = [true, true, true, true, false];
 /// Coefficients at most, and the share of the points that they may be.
-const MOST: usize = 1024;
+const MOST: usize = 700;
 const SHARE: f64 = 0.8;
 /// So many points are left out at most, one at a time.
 const LEFT_OUT: usize = 400;
@@ -52,7 +52,8 @@ pub(super) fn best(start: &Model, half: [f64; 2], samples: &[Sample], slack: f64
     let mut found = search.coarse(slack)?;
     // A grid that divides the face as the surface's own knots do stands out, if its neighbours don't.
     for axis in [0, 1, 0, 1] {
-        if found.left_out <= ROUNDED {
+        // A fine grid has no neighbours that stand out.
+        if found.left_out <= ROUNDED || found.model.terms() > 2 * SEATED {
             break;
         }
         let spans = search.spans(&found);
