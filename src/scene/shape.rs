@@ -110,6 +110,7 @@ impl Shape {
             Shape::Cylinder { vertex, axis, x, .. }
             | Shape::Toroid { vertex, axis, x, .. }
             | Shape::XyPoly { vertex, axis, x, .. }
+            | Shape::Bspline { vertex, axis, x, .. }
             | Shape::Zernike { vertex, axis, x, .. } => {
                 *vertex = motion.transform_point3(*vertex);
                 *axis = motion.transform_vector3(*axis).normalize_or(*axis);
@@ -132,6 +133,7 @@ impl Shape {
             | Shape::Asphere { radius, .. }
             | Shape::Cylinder { radius, .. }
             | Shape::XyPoly { radius, .. }
+            | Shape::Bspline { radius, .. }
             | Shape::Zernike { radius, .. } => *radius *= factor,
             Shape::Toroid { radius, tube_radius, .. } => {
                 *radius *= factor;
