@@ -28,6 +28,7 @@ mod manifold;
 mod modes;
 mod peers;
 mod physics;
+mod polarisers;
 mod stress;
 mod tolerance;
 mod witness;

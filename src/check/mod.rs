@@ -94,6 +94,7 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
                         | Finish::MirrorIdeal { .. }
                         | Finish::Polariser { .. }
                         | Finish::Retarder { .. }
+                        | Finish::ReflectivePolariser { .. }
                 )
         }),
         pinhole: scene.eye.pupil_diameter_m == 0.0,
@@ -118,6 +119,7 @@ fn scatters(finish: Finish) -> bool {
         | Finish::MirrorIdeal { .. }
         | Finish::Polariser { .. }
         | Finish::Retarder { .. }
+        | Finish::ReflectivePolariser { .. }
         | Finish::Absorber => false,
     }
 }
@@ -186,6 +188,23 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
             if axis.try_normalize().is_none() || !retardance_nm.is_finite() {
                 let text = format!("a retarder about {axis} of {retardance_nm} nm");
                 return Err(Error::new(at(), text).expected("a direction, and a finite path"));
+            }
+        }
+        Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak } => {
+            let shares = [transmittance, transmittance_leak, reflectance, reflectance_leak];
+            if !shares.iter().all(|share| (0.0..=1.0).contains(share)) || axis.try_normalize().is_none() {
+                let text = format!("a reflective polariser about {axis} with shares {shares:?}");
+                return Err(Error::new(at(), text).expected("a direction, and shares of 0 to 1"));
+            }
+            for (what, sum) in
+                [("along", transmittance + reflectance_leak), ("across", reflectance + transmittance_leak)]
+            {
+                if sum > 1.0 + 1e-12 {
+                    let text = format!("a reflective polariser sends out {sum} of the light polarised {what} its axis");
+                    return Err(Error::new(at(), text)
+                        .expected("transmittance + reflectance_leak and reflectance + transmittance_leak at most 1")
+                        .code(Code::ScatterGainsEnergy));
+                }
             }
         }
         Finish::MirrorIdeal { reflectance } => {

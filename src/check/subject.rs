@@ -80,7 +80,11 @@ pub fn is_specular(face: &Face) -> bool {
         return false;
     }
     match face.finish {
-        Finish::Polished | Finish::MirrorMetal { .. } | Finish::MirrorIdeal { .. } | Finish::Abg { .. } => true,
+        Finish::Polished
+        | Finish::MirrorMetal { .. }
+        | Finish::MirrorIdeal { .. }
+        | Finish::ReflectivePolariser { .. }
+        | Finish::Abg { .. } => true,
         Finish::None
         | Finish::Rough { .. }
         | Finish::Lambert { .. }

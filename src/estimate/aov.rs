@@ -248,6 +248,7 @@ fn events(scene: &Scene, world: &World) -> Vec<Letter> {
             match &optics.surface {
                 Surface::Absent | Surface::Absorber => {}
                 Surface::Slide(_) | Surface::Sheet(_) => found.extend([Letter::TransmitStraight]),
+                Surface::Splitter(_) => found.extend([Letter::ReflectSpecular, Letter::TransmitStraight]),
                 Surface::Mirror(_) => found.extend([Letter::ReflectSpecular]),
                 Surface::Interface(_) => found.extend([Letter::ReflectSpecular, Letter::TransmitSpecular]),
                 Surface::Scatter(scatter) => found.extend(of_scatter(scatter, &face.finish)),
@@ -271,6 +272,7 @@ fn of_scatter(scatter: &Scatter, finish: &Finish) -> Vec<Letter> {
         | Finish::Measured { .. }
         | Finish::Polariser { .. }
         | Finish::Retarder { .. }
+        | Finish::ReflectivePolariser { .. }
         | Finish::Surface { .. }
         | Finish::Absorber => (true, true),
     };

@@ -297,9 +297,12 @@ fn seen(world: &World, vertex: &Vertex, eye: &EyeLens, from: DVec3) -> Seen {
     };
     let albedo = match &optics.surface {
         Surface::Absorber => [0.0; 3],
-        Surface::Absent | Surface::Slide(_) | Surface::Sheet(_) | Surface::Mirror(_) | Surface::Interface(_) => {
-            [1.0; 3]
-        }
+        Surface::Absent
+        | Surface::Slide(_)
+        | Surface::Sheet(_)
+        | Surface::Splitter(_)
+        | Surface::Mirror(_)
+        | Surface::Interface(_) => [1.0; 3],
         Surface::Scatter(scatter) => match scatter.principled() {
             Some(principled) => vertex.point_of(principled, world).albedo(principled),
             None => [scatter.specular() + scatter.albedo(1.0); 3],

@@ -58,7 +58,7 @@ impl<'w, M: Mode> Walker<'w, M> {
                 let site = vertex.hit.site;
                 self.last = None;
                 if (site.part, site.face) == (link.part, link.face)
-                    && matches!(self.face(&vertex).surface, Surface::Interface(_))
+                    && matches!(self.face(&vertex).surface, Surface::Interface(_) | Surface::Splitter(_))
                 {
                     self.forced = Some(match link.step {
                         Step::Through => Branch::Refracted,

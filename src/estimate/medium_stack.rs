@@ -2,7 +2,7 @@
 
 use super::ledger::Ledger;
 use super::walk::{Vertex, Walker};
-use crate::world::interior::Interior;
+use crate::world::interior::{Interior, outranks};
 use crate::world::mode::{Mode, lanes};
 
 impl<'w, M: Mode> Walker<'w, M> {
@@ -30,6 +30,13 @@ impl<'w, M: Mode> Walker<'w, M> {
             }
         }
         solid
+    }
+
+    /// Whether the ray is inside a solid of higher priority than that of the face, where the face is not there.
+    pub(super) fn is_outranked(&self, vertex: &Vertex) -> bool {
+        let part = vertex.hit.site.part;
+        let above = self.interior.top_without(part, &self.world.solids);
+        above.is_some_and(|(other, _)| outranks(&self.world.solids, other, part))
     }
 
     /// Whether the ray has crossed the interface of two solids that touch already: at the face of one of them it went

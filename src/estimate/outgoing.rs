@@ -43,6 +43,11 @@ impl<'w, M: Mode> Walker<'w, M> {
             Surface::Slide(_) | Surface::Sheet(_) | Surface::Mirror(_) => {
                 matches!(self.meet(vertex, ledger), Meeting::Went)
             }
+            Surface::Splitter(sheet) => {
+                let turn = self.turn_at_splitter(vertex, sheet);
+                let branch = if turn.refracts() { Branch::Refracted } else { Branch::Reflected };
+                matches!(self.take_branch(vertex, &turn, Some(branch), ledger), Meeting::Went)
+            }
             Surface::Interface(_) if self.is_behind(vertex) => {
                 self.pass_through(vertex);
                 true

@@ -10,8 +10,9 @@ use crate::base::path::Event;
 use crate::world::Planted;
 use crate::world::fresnel::{reflect, refract};
 use crate::world::mode::{LaneArray, Mode, lanes};
+use crate::world::sheet::{ReflectivePolariser, Sheet};
 use crate::world::stokes::{Amount, Parted, Turning};
-use crate::world::surface::{Mirror, Sheet, Surface};
+use crate::world::surface::{Mirror, Surface};
 use glam::DVec3;
 
 /// One of the ways on from a specular face.
@@ -54,12 +55,15 @@ pub struct SpecularEvent<M: Mode> {
     departs: M::Lanes<f64>,
     /// Largest |R + T + A − 1| of the lanes.
     error: f64,
-    /// Reference direction of the amounts: s.
+    /// Reference direction of the amounts, s, and that of those which are reflected: s, too, but at a sheet.
     axis: <M::Amount as Amount>::Axis,
+    back: <M::Amount as Amount>::Axis,
     /// Where the first lane's transmitted light goes; none if there is none.
     refracted: Option<DVec3>,
     /// The other lanes' light goes elsewhere.
     disperses: bool,
+    /// Goes straight on through a thin sheet.
+    straight: bool,
 }
 
 impl<M: Mode> SpecularEvent<M> {
@@ -129,11 +133,33 @@ impl<'w, M: Mode> Walker<'w, M> {
         self.collect(parted, axis, error)
     }
 
+    /// What a reflective polariser at `vertex` does.
+    pub(super) fn turn_at_splitter(&self, vertex: &Vertex, sheet: &ReflectivePolariser) -> SpecularEvent<M> {
+        let dir = self.ray.dir;
+        let to = self.world.geometry.part_to_world(vertex.hit.site.part).transform_vector3(sheet.axis);
+        let axis = M::Amount::axis_along(self.beam.axis(), dir, to);
+        let turning = sheet.turning();
+        let mut error = 0f64;
+        let parted = lanes::<M, Parted<M::Amount>>(|lane| {
+            let parted = self.part(vertex, lane, axis, &turning);
+            error = error.max((parted.shares.iter().sum::<f64>() - 1.0).abs());
+            parted
+        });
+        let crosses = (0..self.beam.count()).any(|lane| parted[lane].shares[1] > 0.0);
+        SpecularEvent {
+            back: M::Amount::mirrored(axis, vertex.normal),
+            refracted: crosses.then_some(dir),
+            straight: true,
+            ..self.collect(parted, axis, error)
+        }
+    }
+
     /// By how much polarisation changes the power that the face at `vertex` reflects.
     pub fn departure(&self, vertex: &Vertex) -> f64 {
         let turn = match &self.face(vertex).surface {
             Surface::Mirror(mirror) => self.turn_at_mirror(vertex, *mirror),
             Surface::Interface(coating) => self.turn(vertex, *coating),
+            Surface::Splitter(sheet) => self.turn_at_splitter(vertex, sheet),
             Surface::Absent | Surface::Absorber | Surface::Slide(_) | Surface::Sheet(_) | Surface::Scatter(_) => {
                 return 0.0;
             }
@@ -191,8 +217,10 @@ impl<'w, M: Mode> Walker<'w, M> {
             departs: lanes::<M, _>(|lane| parted[lane].departs),
             error,
             axis,
+            back: axis,
             refracted: None,
             disperses: false,
+            straight: false,
         }
     }
 
@@ -227,11 +255,11 @@ impl<'w, M: Mode> Walker<'w, M> {
         let before = self.beam.carried();
         let absorbed = share_of_absorbed * self.beam.carried_with(&turn.absorbed);
         self.absorb(vertex.hit.site.part, absorbed, ledger);
-        let (amounts, dir) = match (branch, turn.refracted) {
-            (Branch::Refracted, Some(dir)) => (&turn.transmitted, Some(dir)),
-            (Branch::Refracted | Branch::Reflected | Branch::Only, _) => (&turn.reflected, None),
+        let (amounts, axis, dir) = match (branch, turn.refracted) {
+            (Branch::Refracted, Some(dir)) => (&turn.transmitted, turn.axis, Some(dir)),
+            (Branch::Refracted | Branch::Reflected | Branch::Only, _) => (&turn.reflected, turn.back, None),
         };
-        self.beam.replace(*amounts, turn.axis);
+        self.beam.replace(*amounts, axis);
         if factor != 1.0 {
             self.beam.scale(factor);
         }
@@ -243,7 +271,8 @@ impl<'w, M: Mode> Walker<'w, M> {
             // The lanes are not alike: what one choice for all of them makes of the sum is chance.
             ledger.by_chance(self.beam.carried() - expected);
         }
-        self.tell(Letter::of(Event::Specular, dir.is_some()));
+        let straight = turn.straight && dir.is_some();
+        self.tell(if straight { Letter::TransmitStraight } else { Letter::of(Event::Specular, dir.is_some()) });
         self.link(vertex, if dir.is_some() { Step::Through } else { Step::Back });
         match dir {
             Some(dir) => self.go(vertex, dir, true, ledger),
@@ -272,15 +301,30 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     /// What the interface between two media at `vertex` will do, kept for [`Walker::meet`]; none if nothing parts there.
     pub(super) fn look_ahead(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Option<SpecularEvent<M>> {
-        let Surface::Interface(coating) = &self.face(vertex).surface else { return None };
-        if self.is_behind(vertex) {
-            return None;
-        }
-        self.heal(vertex, ledger);
-        if self.index_here().as_slice() == self.index_beyond(vertex).as_slice() {
-            return None;
-        }
-        let turn = self.turn(vertex, *coating);
+        let turn = match &self.face(vertex).surface {
+            Surface::Interface(coating) => {
+                if self.is_behind(vertex) {
+                    return None;
+                }
+                self.heal(vertex, ledger);
+                if self.index_here().as_slice() == self.index_beyond(vertex).as_slice() {
+                    return None;
+                }
+                self.turn(vertex, *coating)
+            }
+            Surface::Splitter(sheet) => {
+                if self.is_behind(vertex) || self.heal(vertex, ledger) && self.is_outranked(vertex) {
+                    return None;
+                }
+                self.turn_at_splitter(vertex, sheet)
+            }
+            Surface::Absent
+            | Surface::Absorber
+            | Surface::Slide(_)
+            | Surface::Mirror(_)
+            | Surface::Sheet(_)
+            | Surface::Scatter(_) => return None,
+        };
         self.ahead = Some(turn);
         Some(turn)
     }

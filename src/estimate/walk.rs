@@ -14,7 +14,7 @@ use crate::world::contact::Touching;
 use crate::world::eye::Arrival;
 use crate::world::fresnel::reflect;
 use crate::world::geometry::{Hit, Ray, Site};
-use crate::world::interior::{Interior, outranks};
+use crate::world::interior::Interior;
 use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
 use crate::world::scatter::{Point, Principled, Scatter};
@@ -283,13 +283,9 @@ impl<'w, M: Mode> Walker<'w, M> {
             self.pass_through(vertex);
             return Meeting::Went;
         }
-        if self.heal(vertex, ledger) {
-            // Inside a solid of higher priority a face is not there.
-            let above = self.interior.top_without(part, &world.solids);
-            if above.is_some_and(|(other, _)| outranks(&world.solids, other, part)) {
-                self.pass_through(vertex);
-                return Meeting::Went;
-            }
+        if self.heal(vertex, ledger) && self.is_outranked(vertex) {
+            self.pass_through(vertex);
+            return Meeting::Went;
         }
         match &self.face(vertex).surface {
             Surface::Absent => {
@@ -327,6 +323,12 @@ impl<'w, M: Mode> Walker<'w, M> {
                 let turn = self.turn_at_mirror(vertex, *mirror);
                 self.trail = self.trail.then(Event::Specular);
                 self.take_branch(vertex, &turn, Some(Branch::Only), ledger)
+            }
+            Surface::Splitter(sheet) => {
+                let turn = ahead.unwrap_or_else(|| self.turn_at_splitter(vertex, sheet));
+                self.trail = self.trail.then(Event::Specular);
+                let forced = self.forced.take();
+                self.take_branch(vertex, &turn, forced, ledger)
             }
             Surface::Interface(coating) => {
                 let turn = ahead.unwrap_or_else(|| self.turn(vertex, *coating));

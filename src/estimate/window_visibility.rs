@@ -129,9 +129,12 @@ impl<M: Mode> Walker<'_, M> {
                 self.beam.scale_lanes(&share);
                 share.as_slice().iter().any(|share| *share > 0.0)
             }
-            Surface::Absorber | Surface::Slide(_) | Surface::Sheet(_) | Surface::Mirror(_) | Surface::Interface(_) => {
-                false
-            }
+            Surface::Absorber
+            | Surface::Slide(_)
+            | Surface::Sheet(_)
+            | Surface::Splitter(_)
+            | Surface::Mirror(_)
+            | Surface::Interface(_) => false,
         }
     }
 

@@ -172,8 +172,11 @@ type Seen = (usize, Vec<[f64; 2]>);
 fn kinds(world: &World, plan: &Plan) -> (Vec<Watched>, Vec<Unwatched>) {
     let (mut watched, mut unwatched): (Vec<Watched>, Vec<Unwatched>) = (Vec::new(), Vec::new());
     let layer = |row: &Row, has_broad: bool| plan.layer(Estimator::Backward, row.group, row.class, has_broad);
-    let specular = world.faces.iter().flatten().any(|face| {
-        matches!(face.surface, Surface::Mirror(_) | Surface::Interface(_) | Surface::Sheet(_) | Surface::Slide(_))
+    let specular = world.faces.iter().flatten().any(|face| match face.surface {
+        Surface::Mirror(_) | Surface::Interface(_) | Surface::Sheet(_) | Surface::Splitter(_) | Surface::Slide(_) => {
+            true
+        }
+        Surface::Absent | Surface::Absorber | Surface::Scatter(_) => false,
     });
     for row in plan.rows.iter().filter(|row| !is_plain(&row.verdict)) {
         let points = || world.lights.all().iter().any(|light| light.group() == row.group && !light.is_visible());

@@ -23,7 +23,8 @@ fn lets_in(face: &Face) -> bool {
         | Finish::Rough { .. }
         | Finish::Measured { .. }
         | Finish::Polariser { .. }
-        | Finish::Retarder { .. } => true,
+        | Finish::Retarder { .. }
+        | Finish::ReflectivePolariser { .. } => true,
         Finish::Lambert { transmittance, .. }
         | Finish::Gauss { transmittance, .. }
         | Finish::CosM { transmittance, .. } => transmittance > 0.0,

@@ -133,7 +133,9 @@ fn polarised(checked: &Checked, world: &World, asked: Polarisation, stop: &Shoul
     {
         return (true, format!("the light of {} is polarised", scene.parts[lamp.part].path));
     }
-    let sheet = |finish: &Finish| matches!(finish, Finish::Polariser { .. } | Finish::Retarder { .. });
+    let sheet = |finish: &Finish| {
+        matches!(finish, Finish::Polariser { .. } | Finish::Retarder { .. } | Finish::ReflectivePolariser { .. })
+    };
     if let Some(part) = scene.parts.iter().find(|part| part.faces.iter().any(|face| sheet(&face.finish))) {
         return (true, format!("{} is there to act on it", part.path));
     }

@@ -35,6 +35,17 @@ pub enum Finish {
     Polariser { axis: DVec3, transmittance: f64, extinction: f64 },
     /// A thin sheet that delays linear polarisation along `axis` by `retardance_nm` against the other one; loses nothing.
     Retarder { axis: DVec3, retardance_nm: f64 },
+    /// A thin sheet that parts linear polarisations and bends nothing: of the one along `axis` (the pass axis) it lets
+    /// `transmittance` through and reflects `reflectance_leak`, of the other one it reflects `reflectance` specularly and
+    /// lets `transmittance_leak` through. Shares 0–1, of each polarisation together at most 1; the rest is absorbed. Where
+    /// paths carry no polarisation: the means of both.
+    ReflectivePolariser {
+        axis: DVec3,
+        transmittance: f64,
+        transmittance_leak: f64,
+        reflectance: f64,
+        reflectance_leak: f64,
+    },
     /// An ordinary material: layers with colours and textures, from both sides alike.
     Surface { surface: SurfaceId },
     /// Takes everything.
@@ -58,6 +69,7 @@ impl Finish {
             | Finish::MirrorIdeal { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
+            | Finish::ReflectivePolariser { .. }
             | Finish::Absorber => None,
         }
     }

@@ -20,6 +20,7 @@ pub mod rim;
 pub mod role;
 pub mod scatter;
 pub mod seam;
+pub mod sheet;
 pub mod sky;
 pub mod slide;
 pub mod stokes;
@@ -204,6 +205,7 @@ impl World {
             | Surface::Slide(_)
             | Surface::Mirror(_)
             | Surface::Sheet(_)
+            | Surface::Splitter(_)
             | Surface::Interface(_) => None,
         }
     }

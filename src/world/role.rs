@@ -88,6 +88,7 @@ fn of_part(scene: &Scene, world: &World, part: &Part, index: usize) -> Vec<Optio
             | Surface::Slide(_)
             | Surface::Mirror(_)
             | Surface::Sheet(_)
+            | Surface::Splitter(_)
             | Surface::Scatter(_) => None,
         })
     };
@@ -103,7 +104,7 @@ fn of_part(scene: &Scene, world: &World, part: &Part, index: usize) -> Vec<Optio
         Surface::Absorber => Some(Role::Absorber),
         Surface::Slide(_) => Some(Role::Slide),
         Surface::Mirror(_) => Some(Role::Mirror),
-        Surface::Sheet(_) => Some(Role::Polariser),
+        Surface::Sheet(_) | Surface::Splitter(_) => Some(Role::Polariser),
         Surface::Interface(coating) => match coated(*coating) {
             Some((r, t)) if r >= MUCH && t < MUCH => Some(Role::Mirror),
             Some(_) | None => Some(glass_role),

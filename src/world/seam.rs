@@ -45,7 +45,11 @@ impl Obstacles {
             for (face, (range, optics)) in mesh.faces.iter().zip(optics).enumerate() {
                 let is_there = match &optics.surface {
                     Surface::Absent | Surface::Slide(_) | Surface::Sheet(_) => false,
-                    Surface::Absorber | Surface::Mirror(_) | Surface::Interface(_) | Surface::Scatter(_) => true,
+                    Surface::Absorber
+                    | Surface::Mirror(_)
+                    | Surface::Splitter(_)
+                    | Surface::Interface(_)
+                    | Surface::Scatter(_) => true,
                 };
                 if !is_there {
                     continue;

@@ -65,6 +65,8 @@ pub trait Amount: Copy + Debug + Send + Sync + 'static {
     fn face_axis(old: Self::Axis, dir: DVec3, normal: DVec3) -> Self::Axis;
     /// The reference direction along `to`, as far as it lies across the ray.
     fn axis_along(old: Self::Axis, dir: DVec3, to: DVec3) -> Self::Axis;
+    /// A reference direction mirrored at a face with unit normal `normal`, for what it reflects.
+    fn mirrored(axis: Self::Axis, normal: DVec3) -> Self::Axis;
     /// The amount with respect to another reference direction.
     #[must_use]
     fn turned(self, from: Self::Axis, to: Self::Axis, dir: DVec3) -> Self;
@@ -98,6 +100,8 @@ impl Amount for f64 {
     fn face_axis((): (), _: DVec3, _: DVec3) {}
     #[inline]
     fn axis_along((): (), _: DVec3, _: DVec3) {}
+    #[inline]
+    fn mirrored((): (), _: DVec3) {}
     #[inline]
     fn turned(self, (): (), (): (), _: DVec3) -> Self {
         self
@@ -159,6 +163,9 @@ impl Amount for Stokes {
     }
     fn axis_along(old: DVec3, dir: DVec3, to: DVec3) -> DVec3 {
         (to - dir * to.dot(dir)).try_normalize().unwrap_or(old)
+    }
+    fn mirrored(axis: DVec3, normal: DVec3) -> DVec3 {
+        axis - normal * (2.0 * axis.dot(normal))
     }
     fn turned(self, from: DVec3, to: DVec3, dir: DVec3) -> Self {
         let (c, s) = (from.dot(to), dir.dot(from.cross(to)));

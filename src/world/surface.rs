@@ -3,12 +3,12 @@
 
 use super::fresnel::{PowerSp, fresnel, fresnel_turning};
 use super::scatter::{Lost, Measured, Principled, Rough, Scatter};
+use super::sheet::{ReflectivePolariser, Sheet};
 use super::stokes::{Amount, Turning};
 use crate::base::complex::Complex;
 use crate::base::ids::ScatterId;
 use crate::base::{Code, Error, Result, Where};
 use crate::scene::{Face, Finish, Medium, Part, Scene, Shape, Wavelengths};
-use glam::DVec3;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
@@ -35,44 +35,11 @@ pub enum Surface {
     Mirror(Mirror),
     /// A thin sheet that acts on polarisation and bends nothing.
     Sheet(Sheet),
+    /// A thin sheet that lets one polarisation straight through and reflects the other.
+    Splitter(ReflectivePolariser),
     /// A dielectric interface; index into the world's coatings.
     Interface(usize),
     Scatter(Box<Scatter>),
-}
-
-/// A polariser or a wave plate.
-#[derive(Debug, Clone, Copy)]
-pub struct Sheet {
-    /// Unit, mesh units.
-    pub axis: DVec3,
-    kind: SheetKind,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum SheetKind {
-    Polariser {
-        along: f64,
-        across: f64,
-    },
-    /// nm.
-    Retarder {
-        retardance_nm: f64,
-    },
-}
-
-impl Sheet {
-    /// What it does, with s along its axis, at `nm`.
-    pub fn turning(&self, nm: f64) -> Turning {
-        let (t_s, t_p, phase) = match self.kind {
-            SheetKind::Polariser { along, across } => (along, across, Complex::ONE),
-            SheetKind::Retarder { retardance_nm } => {
-                let (sin, cos) = (std::f64::consts::TAU * retardance_nm / nm).sin_cos();
-                (1.0, 1.0, Complex::new(cos, sin))
-            }
-        };
-        let power = PowerSp { r_s: 0.0, r_p: 0.0, t_s, t_p, a_s: 1.0 - t_s, a_p: 1.0 - t_p };
-        Turning { power, reflected: Complex::ZERO, transmitted: phase }
-    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -181,11 +148,15 @@ fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Res
         (None, Finish::MirrorIdeal { reflectance }) => Surface::Mirror(Mirror::Ideal(reflectance)),
         (None, Finish::MirrorMetal { n, k }) => Surface::Mirror(Mirror::Metal(Complex { re: n, im: k })),
         (None, Finish::Polariser { axis, transmittance, extinction }) => {
-            let kind = SheetKind::Polariser { along: transmittance, across: transmittance * extinction };
-            Surface::Sheet(Sheet { axis: axis.normalize_or_zero(), kind })
+            Surface::Sheet(Sheet::polariser(axis, transmittance, extinction))
         }
-        (None, Finish::Retarder { axis, retardance_nm }) => {
-            Surface::Sheet(Sheet { axis: axis.normalize_or_zero(), kind: SheetKind::Retarder { retardance_nm } })
+        (None, Finish::Retarder { axis, retardance_nm }) => Surface::Sheet(Sheet::retarder(axis, retardance_nm)),
+        (
+            None,
+            Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak },
+        ) => {
+            let (along, across) = ([reflectance_leak, transmittance], [reflectance, transmittance_leak]);
+            Surface::Splitter(ReflectivePolariser::new(axis, along, across))
         }
         (None, Finish::Polished) => {
             if part.medium.is_none() {

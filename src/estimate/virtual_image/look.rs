@@ -82,6 +82,7 @@ fn follow<'w>(
                 Surface::Absorber
                 | Surface::Absent
                 | Surface::Sheet(_)
+                | Surface::Splitter(_)
                 | Surface::Mirror(_)
                 | Surface::Interface(_) => None,
             };

@@ -73,6 +73,25 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
             transmittance: fields.number("transmittance")?.unwrap_or(1.0),
             extinction: fields.number_or("extinction", 0.0, notes)?,
         },
+        "reflective_polariser" => {
+            let whole = |name: &str, leak: f64| -> Result<f64> { Ok(fields.number(name)?.unwrap_or(1.0 - leak)) };
+            let transmittance_leak = fields.number_or("transmittance_leak", 0.0, notes)?;
+            let reflectance_leak = fields.number_or("reflectance_leak", 0.0, notes)?;
+            let (transmittance, reflectance) =
+                (whole("transmittance", reflectance_leak)?, whole("reflectance", transmittance_leak)?);
+            for (one, a, two, b) in [
+                ("transmittance", transmittance, "reflectance_leak", reflectance_leak),
+                ("reflectance", reflectance, "transmittance_leak", transmittance_leak),
+            ] {
+                if a + b > 1.0 {
+                    return Err(Error::new(value.at.clone(), format!("{one} {a} + {two} {b} is above 1"))
+                        .expected("shares of one polarisation that together are at most 1")
+                        .code(Code::ScatterGainsEnergy));
+                }
+            }
+            let axis = fields.need_direction("axis")?;
+            Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak }
+        }
         "retarder" => Finish::Retarder {
             axis: fields.need_direction("axis")?,
             retardance_nm: fields.need_number("retardance_nm")?,

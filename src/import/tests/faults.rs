@@ -201,6 +201,11 @@ fn numbers_out_of_range_and_wrong_forms() {
             "hud.optics.toml:12: reflectance 0.5 + transmittance 0.6 is above 1; expected shares that together are at most 1",
         ),
         (
+            "[[bind]]\npath = \"LENS\"\nfinish = { kind = \"reflective_polariser\", axis = [1, 0, 0], reflectance = 0.9, transmittance_leak = 0.2 }\n",
+            &[],
+            "hud.optics.toml:12: reflectance 0.9 + transmittance_leak 0.2 is above 1; expected shares of one polarisation that together are at most 1",
+        ),
+        (
             "[[bind]]\npath = \"LENS\"\nfinish = { kind = \"gauss\", sigma_deg = 0, transmittance = 0.9 }\n",
             &[],
             "hud.optics.toml:12: `sigma_deg` is 0; expected a number above 0 and up to 90 in deg",

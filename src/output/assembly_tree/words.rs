@@ -93,6 +93,11 @@ fn finish(finish: Finish) -> String {
         Finish::Retarder { axis, retardance_nm } => {
             format!("retarder about {}, {} nm", direction(axis), number(retardance_nm, 5))
         }
+        Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak } => {
+            let [t, t_leak, r, r_leak] =
+                [transmittance, transmittance_leak, reflectance, reflectance_leak].map(|share| number(share, 4));
+            format!("reflective polariser about {}, along T {t} R {r_leak}, across T {t_leak} R {r}", direction(axis))
+        }
         Finish::Surface { surface } => format!("surface {}", surface.0),
         Finish::Absorber => "absorber".to_owned(),
     }
@@ -131,7 +136,8 @@ fn shape(face: &FaceReport) -> Option<String> {
             | Finish::Rough { .. }
             | Finish::Abg { .. }
             | Finish::MirrorMetal { .. }
-            | Finish::MirrorIdeal { .. } => Some("as meshed".to_owned()),
+            | Finish::MirrorIdeal { .. }
+            | Finish::ReflectivePolariser { .. } => Some("as meshed".to_owned()),
             Finish::None
             | Finish::Lambert { .. }
             | Finish::Gauss { .. }

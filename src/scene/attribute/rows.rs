@@ -132,6 +132,8 @@ pub const ROWS: &[Row] = &[
     new(Finish, "k", Number, "", AtLeast(0.0), "imaginary part of a metal's index"),
     new(Finish, "axis", Numbers(3), "mesh units", Any, "direction of polarisation along the face, not zero"),
     new(Finish, "extinction", Number, "", Within(0.0, 1.0), "share of the other polarisation that is let through").or("0"),
+    new(Finish, "transmittance_leak", Number, "", Within(0.0, 1.0), "share of the polarisation across the axis, which is reflected, that is let through; with reflectance at most 1").or("0"),
+    new(Finish, "reflectance_leak", Number, "", Within(0.0, 1.0), "share of the polarisation along the axis, which is let through, that is reflected; with transmittance at most 1").or("0"),
     new(Finish, "retardance_nm", Number, "nm", Any, "path by which light polarised along the axis lags behind"),
     // An ordinary material, in layers.
     new(Finish, "color", Numbers(3), "", Within(0.0, 1.0), "what the reflectance of lambert is multiplied by, linear Rec.709").or("[1, 1, 1]"),
@@ -312,6 +314,7 @@ pub const KINDS: &[Kind] = &[
     kind("finish", "measured", &["file"], "measured scattering"),
     kind("finish", "mirror", &["n", "k", "reflectance"], "a metal n + ik, or a reflectance at every angle"),
     kind("finish", "polariser", &["axis", "transmittance", "extinction"], "thin linear polariser: transmittance of light along the axis (1 if not said)"),
+    kind("finish", "reflective_polariser", &["axis", "transmittance", "transmittance_leak", "reflectance", "reflectance_leak"], "thin sheet that lets polarisation along the axis through (transmittance, what reflectance_leak leaves of 1 if not said) and reflects the other one specularly (reflectance, what transmittance_leak leaves if not said); absorbs the rest"),
     kind("finish", "retarder", &["axis", "retardance_nm"], "thin wave plate"),
     kind("finish", "absorber", &[], "takes everything"),
     kind("coating", "none", &[], "no coating"),

@@ -39,6 +39,7 @@ pub fn traced(part: &Part) -> Vec<Traced> {
             | Finish::Measured { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
+            | Finish::ReflectivePolariser { .. }
             | Finish::Surface { .. }
             | Finish::Absorber,
             None,

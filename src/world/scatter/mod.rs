@@ -129,6 +129,7 @@ impl Scatter {
             | Finish::MirrorIdeal { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
+            | Finish::ReflectivePolariser { .. }
             | Finish::Surface { .. }
             | Finish::Absorber => None,
         }

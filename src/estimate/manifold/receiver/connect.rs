@@ -59,7 +59,7 @@ pub(super) struct Connector<M: Mode> {
 
 /// What a path does at a face of a chain.
 pub(super) fn letter(world: &World, link: &Link) -> Letter {
-    let straight = matches!(surface(world, link), Some(Surface::Slide(_) | Surface::Sheet(_)));
+    let straight = matches!(surface(world, link), Some(Surface::Slide(_) | Surface::Sheet(_) | Surface::Splitter(_)));
     match link.step {
         Step::Through if straight => Letter::TransmitStraight,
         Step::Through => Letter::of(Event::Specular, true),

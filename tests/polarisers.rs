@@ -1,0 +1,197 @@
+//! Sheets that act on polarisation, in every estimator: Malus' law of what a reflective polariser lets through and
+//! reflects, and the folded path of a pancake lens against Jones calculus.
+
+use crate::common::*;
+use eyebox::base::Complex;
+use eyebox::base::ids::CoatingId;
+use eyebox::film::plan::Estimator;
+use eyebox::plan::{Asked, Choice, Guides, Polarisation};
+use eyebox::scene::*;
+use glam::{DAffine3, DVec3};
+
+const LUMINANCE: f64 = 1000.0;
+
+/// A square of 2 m with this finish at `z`, turned about x.
+fn sheet(s: &mut Scene, z: f64, turn_deg: f64, finish: Finish) -> usize {
+    let wide = mesh(&[quad(DVec3::ZERO, DVec3::X, DVec3::Y)]);
+    let at = DVec3::new(0.0, 0.0, z);
+    let part = add_part(s, &format!("sheet at {z}"), wide, at, None, vec![face(finish)]);
+    s.parts[part].to_world = DAffine3::from_translation(at) * DAffine3::from_rotation_x(turn_deg.to_radians());
+    part
+}
+
+/// A panel of 1 m behind the sheets, or above the eye's line of sight, whose light is polarised along x.
+fn panel(s: &mut Scene, to_world: DAffine3, half: f64) {
+    let group = add_group(s, "panel");
+    let mut shining = face(Finish::Absorber);
+    let polarisation = Some(PolarisedLight { axis: DVec3::X, degree: 1.0 });
+    shining.emitter = lamp(group, LUMINANCE).map(|emitter| Emitter { polarisation, ..emitter });
+    let square = mesh(&[quad(DVec3::ZERO, DVec3::X * half, DVec3::Y * half)]);
+    let part = add_part(s, "panel", square, DVec3::ZERO, None, vec![shining]);
+    s.parts[part].to_world = to_world;
+}
+
+fn narrow() -> Scene {
+    let mut s = scene();
+    s.eye.fov_deg = 0.2;
+    s.eye.resolution = [2, 2];
+    s
+}
+
+fn seen(s: &Scene, choice: Choice, polarisation: Polarisation, passes: u64) -> (f64, f64) {
+    let (films, _) = render(s, Asked { choice, polarisation, guides: Guides::On }, passes, 7);
+    for (_, _, ledger) in &films.films {
+        assert!(ledger.vertex_error < 1e-12, "R + T + A misses 1 by {}", ledger.vertex_error);
+        assert_eq!((ledger.invalid_paths, ledger.mismatches), (0, 0));
+    }
+    mean(&image(&films))
+}
+
+const BACKWARD: Choice = Choice::Only(Estimator::Backward);
+
+/// A lamp of light polarised along x, by a sheet at 45° whose axis lies at `alpha` in it: the part across what is seen of the
+/// axis is reflected, and of a lamp behind the sheet the part along it goes through.
+#[test]
+fn a_reflective_polariser_parts_by_malus() {
+    let (transmittance, transmittance_leak, reflectance, reflectance_leak) = (0.85, 0.02, 0.9, 0.05);
+    for (alpha, above) in [(0.0f64, true), (35.0, true), (35.0, false), (90.0, true), (120.0, false)] {
+        let mut s = narrow();
+        let (sin, cos) = alpha.to_radians().sin_cos();
+        let axis = DVec3::new(cos, sin, 0.0);
+        let finish =
+            Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak };
+        sheet(&mut s, -0.3, -45.0, finish);
+        let place = if above {
+            DAffine3::from_translation(DVec3::new(0.0, 0.3, -0.3)) * DAffine3::from_rotation_x(90f64.to_radians())
+        } else {
+            DAffine3::from_translation(DVec3::new(0.0, 0.0, -0.6))
+        };
+        panel(&mut s, place, 0.05);
+        // Across the ray the axis leans towards x.
+        let beta = (sin * 0.5f64.sqrt()).atan2(cos);
+        let (along, across) = (beta.cos().powi(2), beta.sin().powi(2));
+        let want = if above {
+            LUMINANCE * (reflectance_leak * along + reflectance * across)
+        } else {
+            LUMINANCE * (transmittance * along + transmittance_leak * across)
+        };
+        let (got, sigma) = seen(&s, BACKWARD, Polarisation::Auto, 64);
+        println!("{alpha}° above {above}: {got} ± {sigma}, want {want}");
+        assert!(sigma < 0.03 * LUMINANCE, "noise {sigma}");
+        // Rays are up to 0.1° off: a relative 1e-3.
+        assert!((got - want).abs() < 4.0 * sigma + 2e-3 * want, "{alpha}° {above}: {got} ± {sigma}, {want}");
+        let (got, sigma) = seen(&s, BACKWARD, Polarisation::Off, 64);
+        let want =
+            0.5 * LUMINANCE * if above { reflectance + reflectance_leak } else { transmittance + transmittance_leak };
+        assert!((got - want).abs() < 4.0 * sigma + 1e-6 * want, "unpolarised: {got} ± {sigma}, {want}");
+    }
+}
+
+/// Light through the sheet to a mirror and back to the eye from the sheet, its polarisation turned by a wave plate on the way:
+/// light tracing and connections find the same light as rays from the eye.
+#[test]
+fn estimators_agree_about_a_reflective_polariser() {
+    let mut s = narrow();
+    s.eye.fov_deg = 8.0;
+    s.eye.resolution = [8, 8];
+    s.eye.pupil_diameter_m = 0.02;
+    let axis = DVec3::new(40f64.to_radians().cos(), 40f64.to_radians().sin(), 0.0);
+    let (transmittance, transmittance_leak, reflectance, reflectance_leak) = (0.85, 0.02, 0.9, 0.05);
+    let finish = Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak };
+    // Lamp above, sheet, mirror below: through, back, and the mirrored light reflected to the eye; and the first reflection.
+    sheet(&mut s, -0.3, -45.0, finish);
+    let below =
+        DAffine3::from_translation(DVec3::new(0.0, -0.2, -0.3)) * DAffine3::from_rotation_x(-90f64.to_radians());
+    for (lift, finish) in [
+        (0.05, Finish::Retarder { axis: DVec3::new(0.6, 0.8, 0.0), retardance_nm: 120.0 }),
+        (0.0, Finish::MirrorIdeal { reflectance: 0.9 }),
+    ] {
+        let part = sheet(&mut s, -0.2, 0.0, finish);
+        s.parts[part].to_world = DAffine3::from_translation(DVec3::Y * lift) * below;
+    }
+    let above = DAffine3::from_translation(DVec3::new(0.0, 0.3, -0.3)) * DAffine3::from_rotation_x(90f64.to_radians());
+    panel(&mut s, above, 0.01);
+    let (want, sigma) = seen(&s, BACKWARD, Polarisation::Auto, 256);
+    assert!(sigma < 0.03 * want, "noise {sigma} of {want}");
+    for choice in [Choice::Only(Estimator::Forward), Choice::Only(Estimator::Manifold), Choice::Auto] {
+        let (got, noise) = seen(&s, choice, Polarisation::Auto, 32);
+        println!("{choice:?}: {got} ± {noise}, want {want} ± {sigma}");
+        assert!(noise < 0.05 * want, "noise {noise} of {want}");
+        assert!((got - want).abs() < 4.0 * noise.hypot(sigma), "{choice:?}: {got} ± {noise}, want {want} ± {sigma}");
+    }
+}
+
+/// Of two polarisations in the axes of the room.
+type Jones = [[Complex; 2]; 2];
+
+fn times(a: Jones, b: Jones) -> Jones {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
+}
+
+/// `along` and `across` of a direction at `degrees` from x.
+fn jones(degrees: f64, along: Complex, across: Complex) -> Jones {
+    let (s, c) = degrees.to_radians().sin_cos();
+    let real = |x: f64| Complex { re: x, im: 0.0 };
+    let mixed = (along - across) * real(s * c);
+    [[along * real(c * c) + across * real(s * s), mixed], [mixed, along * real(s * s) + across * real(c * c)]]
+}
+
+fn real(x: f64) -> Complex {
+    Complex { re: x, im: 0.0 }
+}
+
+/// A display's circular light through a half mirror and a wave plate, back from a reflective polariser, back from the half
+/// mirror, and out: main image, and the ghosts that a wave plate off a quarter lets through, by Jones calculus in the axes of
+/// the room (where a mirror turns the field's sign, and a sheet is the same from both sides).
+#[test]
+fn the_folded_path_of_a_pancake_lens() {
+    for (retardance_deg, rp_axis_deg) in [(90.0f64, 90.0f64), (88.0, 0.0), (70.0, 20.0)] {
+        let mut s = narrow();
+        let waves = retardance_deg / 360.0;
+        let retarder = |degrees: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            Finish::Retarder { axis: DVec3::new(cos, sin, 0.0), retardance_nm: 550.0 * waves }
+        };
+        let (sin, cos) = rp_axis_deg.to_radians().sin_cos();
+        let axis = DVec3::new(cos, sin, 0.0);
+        let (t, t_leak, r, r_leak) = (0.9, 0.01, 0.95, 0.02);
+        let polariser = Finish::ReflectivePolariser {
+            axis,
+            transmittance: t,
+            transmittance_leak: t_leak,
+            reflectance: r,
+            reflectance_leak: r_leak,
+        };
+        sheet(&mut s, -0.10, 0.0, polariser);
+        sheet(&mut s, -0.15, 0.0, retarder(45.0));
+        // The half mirror: a coating on a plate of the index of air.
+        let law = CoatingLaw::Ideal { reflectance: 0.5, transmittance: 0.45 };
+        s.coatings.push(Coating { name: "half".to_owned(), law });
+        let clear = face(Finish::Polished);
+        let mut faces = vec![clear.clone(); 6];
+        faces[5].coating = Some(CoatingId::from_index(0));
+        let body = mesh(&cuboid(DVec3::new(1.0, 1.0, 0.005)));
+        add_part(&mut s, "half mirror", body, DVec3::new(0.0, 0.0, -0.2), Some(1.0), faces);
+        sheet(&mut s, -0.25, 0.0, retarder(45.0));
+        panel(&mut s, DAffine3::from_translation(DVec3::new(0.0, 0.0, -0.3)), 0.1);
+
+        let delta = retardance_deg.to_radians();
+        let wave = jones(45.0, Complex { re: delta.cos(), im: delta.sin() }, real(1.0));
+        let through = jones(rp_axis_deg, real(t.sqrt()), real(t_leak.sqrt()));
+        let back = jones(rp_axis_deg, real(-r_leak.sqrt()), real(-r.sqrt()));
+        let mirror = jones(0.0, real(-0.5f64.sqrt()), real(-0.5f64.sqrt()));
+        let first = jones(0.0, real(0.45f64.sqrt()), real(0.45f64.sqrt()));
+        // Before the reflective polariser after any number of rounds.
+        let mut here = times(wave, times(first, wave));
+        let mut want = 0.0;
+        for _ in 0..40 {
+            let out = times(through, here);
+            want += LUMINANCE * (out[0][0].norm_sq() + out[1][0].norm_sq());
+            here = times(times(wave, times(mirror, wave)), times(back, here));
+        }
+        let (got, sigma) = seen(&s, BACKWARD, Polarisation::Auto, 512);
+        println!("{retardance_deg}° {rp_axis_deg}°: {got} ± {sigma}, want {want}");
+        assert!(sigma < 0.02 * LUMINANCE, "noise {sigma}");
+        assert!((got - want).abs() < 4.0 * sigma + 1e-3 * want, "{got} ± {sigma}, want {want}");
+    }
+}
