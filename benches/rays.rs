@@ -170,6 +170,7 @@ impl Case {
             coatings: vec![],
             slides: vec![],
             scatters: vec![],
+            wave_plates: vec![],
             groups: vec![],
             profiles: vec![],
             lights: vec![],

@@ -195,3 +195,44 @@ fn the_folded_path_of_a_pancake_lens() {
         assert!((got - want).abs() < 4.0 * sigma + 1e-3 * want, "{got} ± {sigma}, want {want}");
     }
 }
+
+fn circular(s: &mut Scene, z: f64, waves: f64, right: bool, front: bool) {
+    let retardance = Retardance::Waves(vec![[550.0, waves]]);
+    s.wave_plates.push(WavePlate { retardance, indices: None });
+    let plate = eyebox::base::ids::WavePlateId::from_index(s.wave_plates.len() - 1);
+    let finish = Finish::CircularPolariser { axis: DVec3::X, transmittance: 1.0, extinction: 0.0, right, front, plate };
+    sheet(s, z, 0.0, finish);
+}
+
+/// Circular polarisers: what one sends out with its plate ahead passes another of the same hand from the plate's side and no
+/// other; linear light behind a plate at −45° turns clockwise for who looks against it, which is right; and a mirror behind a
+/// plate of δ shows cos² δ of what the polariser lets through.
+#[test]
+fn circular_polarisers_know_left_from_right() {
+    let close = |s: &Scene, want: f64, what: &str| {
+        let (got, sigma) = seen(s, BACKWARD, Polarisation::Auto, 64);
+        println!("{what}: {got} ± {sigma}, want {want}");
+        assert!((got - want).abs() < 4.0 * sigma + 1e-5 * LUMINANCE, "{what}: {got} ± {sigma}, want {want}");
+    };
+    for (one, two) in [(true, true), (true, false), (false, true), (false, false)] {
+        let mut s = narrow();
+        circular(&mut s, -0.2, 0.25, two, true);
+        circular(&mut s, -0.3, 0.25, one, false);
+        panel(&mut s, DAffine3::from_translation(DVec3::new(0.0, 0.0, -0.4)), 0.1);
+        // The panel's light is polarised along the pass axis of the first.
+        close(&s, if one == two { LUMINANCE } else { 0.0 }, &format!("right {one}, right {two}"));
+        let mut s = narrow();
+        circular(&mut s, -0.2, 0.25, two, true);
+        let clockwise = DVec3::new(1.0, if one { -1.0 } else { 1.0 }, 0.0);
+        sheet(&mut s, -0.3, 0.0, Finish::Retarder { axis: clockwise, retardance_nm: 137.5 });
+        panel(&mut s, DAffine3::from_translation(DVec3::new(0.0, 0.0, -0.4)), 0.1);
+        close(&s, if one == two { LUMINANCE } else { 0.0 }, &format!("a plate, right {one}, right {two}"));
+    }
+    for (degrees, right) in [(90.0f64, true), (88.0, false), (60.0, true)] {
+        let mut s = narrow();
+        uniform_sky(&mut s, LUMINANCE as f32);
+        circular(&mut s, -0.2, degrees / 360.0, right, true);
+        sheet(&mut s, -0.3, 0.0, Finish::MirrorIdeal { reflectance: 1.0 });
+        close(&s, 0.5 * LUMINANCE * degrees.to_radians().cos().powi(2), &format!("a mirror behind {degrees}°"));
+    }
+}

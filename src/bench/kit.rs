@@ -24,6 +24,7 @@ pub fn scene(fov_deg: f64, pixels: usize) -> Scene {
         groups: Vec::new(),
         profiles: Vec::new(),
         scatters: Vec::new(),
+        wave_plates: Vec::new(),
         surfaces: Vec::new(),
         lights: Vec::new(),
         sky: None,

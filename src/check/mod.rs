@@ -9,9 +9,11 @@ pub mod rule;
 pub mod rules; // one file each
 pub mod subject; // what rules look at
 
+use crate::base::ids::WavePlateId;
 use crate::base::{Code, Error, Result, Where};
 use crate::film::names::{self, Clash};
 use crate::scene::{AbgLaw, Finish, Scene};
+use glam::DVec3;
 
 /// What a scene has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -94,6 +96,8 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
                         | Finish::MirrorIdeal { .. }
                         | Finish::Polariser { .. }
                         | Finish::Retarder { .. }
+                        | Finish::WavePlate { .. }
+                        | Finish::CircularPolariser { .. }
                         | Finish::ReflectivePolariser { .. }
                 )
         }),
@@ -119,8 +123,22 @@ fn scatters(finish: Finish) -> bool {
         | Finish::MirrorIdeal { .. }
         | Finish::Polariser { .. }
         | Finish::Retarder { .. }
+        | Finish::WavePlate { .. }
+        | Finish::CircularPolariser { .. }
         | Finish::ReflectivePolariser { .. }
         | Finish::Absorber => false,
+    }
+}
+
+fn wave_plate(scene: &Scene, axis: DVec3, plate: WavePlateId, at: impl Fn() -> Where) -> Result<()> {
+    let problem = match scene.wave_plates.get(plate.index()) {
+        None => Some("a wave plate without its retardance".to_owned()),
+        Some(plate) => plate.problem(),
+    };
+    let problem = problem.or_else(|| axis.try_normalize().is_none().then(|| format!("a wave plate about {axis}")));
+    match problem {
+        Some(text) => Err(Error::new(at(), text).expected("a direction, and finite numbers with rising wavelengths")),
+        None => Ok(()),
     }
 }
 
@@ -189,6 +207,14 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
                 let text = format!("a retarder about {axis} of {retardance_nm} nm");
                 return Err(Error::new(at(), text).expected("a direction, and a finite path"));
             }
+        }
+        Finish::WavePlate { axis, plate } => wave_plate(scene, axis, plate, at)?,
+        Finish::CircularPolariser { axis, transmittance, extinction, plate, .. } => {
+            if ![transmittance, extinction].iter().all(|share| (0.0..=1.0).contains(share)) {
+                let text = format!("a circular polariser with T {transmittance} and extinction {extinction}");
+                return Err(Error::new(at(), text).expected("shares of 0 to 1"));
+            }
+            wave_plate(scene, axis, plate, at)?;
         }
         Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak } => {
             let shares = [transmittance, transmittance_leak, reflectance, reflectance_leak];

@@ -93,6 +93,8 @@ pub fn is_specular(face: &Face) -> bool {
         | Finish::Measured { .. }
         | Finish::Polariser { .. }
         | Finish::Retarder { .. }
+        | Finish::WavePlate { .. }
+        | Finish::CircularPolariser { .. }
         | Finish::Surface { .. }
         | Finish::Absorber => false,
     }

@@ -272,6 +272,8 @@ fn of_scatter(scatter: &Scatter, finish: &Finish) -> Vec<Letter> {
         | Finish::Measured { .. }
         | Finish::Polariser { .. }
         | Finish::Retarder { .. }
+        | Finish::WavePlate { .. }
+        | Finish::CircularPolariser { .. }
         | Finish::ReflectivePolariser { .. }
         | Finish::Surface { .. }
         | Finish::Absorber => (true, true),

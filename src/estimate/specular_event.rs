@@ -10,7 +10,7 @@ use crate::base::path::Event;
 use crate::world::Planted;
 use crate::world::fresnel::{reflect, refract};
 use crate::world::mode::{LaneArray, Mode, lanes};
-use crate::world::sheet::{ReflectivePolariser, Sheet};
+use crate::world::sheet::{Incidence, ReflectivePolariser, Sheet};
 use crate::world::stokes::{Amount, Parted, Turning};
 use crate::world::surface::{Mirror, Surface};
 use glam::DVec3;
@@ -192,15 +192,21 @@ impl<'w, M: Mode> Walker<'w, M> {
     /// Goes straight through a sheet; what it takes is booked.
     pub(super) fn go_through(&mut self, vertex: &Vertex, sheet: &Sheet, ledger: &mut Ledger) {
         let part = vertex.hit.site.part;
-        let dir = self.ray.dir;
-        let to = self.world.geometry.part_to_world(part).transform_vector3(sheet.axis);
-        let axis = M::Amount::axis_along(self.beam.axis(), dir, to);
         let before = self.beam.carried();
-        let amounts = lanes::<M, _>(|lane| {
-            let turning = sheet.turning(self.optics.nm(lane));
-            self.part(vertex, lane, axis, &turning).transmitted
-        });
-        self.beam.replace(amounts, axis);
+        let at = Incidence { dir: self.ray.dir, normal: vertex.hit.normal, index: self.index_here()[0] };
+        let to_world = self.world.geometry.part_to_world(part);
+        let count = sheet.films.len();
+        for k in 0..count {
+            // In the order in which the ray meets them.
+            let film = &sheet.films[if vertex.outside { k } else { count - 1 - k }];
+            let of_sheet = to_world.transform_vector3(film.axis);
+            let axis = M::Amount::axis_along(self.beam.axis(), at.dir, film.axis_for(of_sheet, &at));
+            let amounts = lanes::<M, _>(|lane| {
+                let turning = film.turning(self.optics.nm(lane), of_sheet, &at);
+                self.part(vertex, lane, axis, &turning).transmitted
+            });
+            self.beam.replace(amounts, axis);
+        }
         self.absorb(part, before - self.beam.carried(), ledger);
     }
 

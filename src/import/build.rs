@@ -17,7 +17,8 @@ use super::value::Value;
 use crate::base::error::Result;
 use crate::base::{Code, Error, Shared, Where};
 use crate::scene::{
-    Coating, Face, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide, StandardSurface, Wavelengths,
+    Coating, Face, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide, StandardSurface, WavePlate,
+    Wavelengths,
 };
 use glam::DMat3;
 use std::collections::HashMap;
@@ -110,6 +111,7 @@ pub(super) fn build_within(
         coatings: Vec::new(),
         slides: Vec::new(),
         scatters: Vec::new(),
+        wave_plates: Vec::new(),
         surfaces: Vec::new(),
         read: Surfaces::expecting(&bound),
         texture_bytes,
@@ -160,7 +162,9 @@ pub(super) fn build_within(
             eye
         }
     };
-    let Builder { media, coatings, slides, scatters, surfaces, groups, profiles, files, mut notes, .. } = builder;
+    let Builder {
+        media, coatings, slides, scatters, wave_plates, surfaces, groups, profiles, files, mut notes, ..
+    } = builder;
     let hash = hash(&files, sets, &assembly.variants)?;
     let mut all = assembly.notes;
     all.append(&mut notes);
@@ -188,6 +192,7 @@ pub(super) fn build_within(
         coatings,
         slides,
         scatters,
+        wave_plates,
         surfaces,
         groups,
         profiles,
@@ -288,6 +293,7 @@ pub(super) struct Builder<'a> {
     pub(super) coatings: Vec<Coating>,
     pub(super) slides: Vec<Slide>,
     pub(super) scatters: Vec<ScatterTable>,
+    pub(super) wave_plates: Vec<WavePlate>,
     pub(super) surfaces: Vec<Shared<StandardSurface>>,
     /// What was read of ordinary materials.
     pub(super) read: Surfaces,

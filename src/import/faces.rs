@@ -9,9 +9,9 @@ use super::optics::{self, FinishSpec, ShapeSpec, SpectrumSpec};
 use super::select::Candidate;
 use super::value::{Data, Value};
 use crate::base::error::Result;
-use crate::base::ids::{CoatingId, MediumId, MeshId, ScatterId};
+use crate::base::ids::{CoatingId, MediumId, MeshId, ScatterId, WavePlateId};
 use crate::base::{Code, Error, Where};
-use crate::scene::{Absorption, Face, Finish, Medium, Note, Part, Shape, Spectrum, Wavelengths, glass};
+use crate::scene::{Absorption, Face, Finish, Medium, Note, Part, Shape, Spectrum, WavePlate, Wavelengths, glass};
 use glam::DAffine3;
 use std::path::Path;
 
@@ -24,6 +24,8 @@ fn lets_in(face: &Face) -> bool {
         | Finish::Measured { .. }
         | Finish::Polariser { .. }
         | Finish::Retarder { .. }
+        | Finish::WavePlate { .. }
+        | Finish::CircularPolariser { .. }
         | Finish::ReflectivePolariser { .. } => true,
         Finish::Lambert { transmittance, .. }
         | Finish::Gauss { transmittance, .. }
@@ -158,6 +160,7 @@ impl Builder<'_> {
             Some((entry, _)) => match optics::finish(&entry.value, &mut self.notes)? {
                 FinishSpec::Given(finish) => finish,
                 FinishSpec::Material => Finish::Surface { surface: self.own_surface(part, number)? },
+                FinishSpec::Plate { plate, of } => self.plate(plate, of),
                 FinishSpec::Measured { file, at } => self.measured_finish(&file, &at)?,
                 FinishSpec::Surface { surface, at } => Finish::Surface { surface: self.given_surface(*surface, &at)? },
             },
@@ -234,6 +237,17 @@ impl Builder<'_> {
             }
         };
         Ok(Finish::Measured { table: ScatterId::from_index(index) })
+    }
+
+    /// The finish of a wave plate, which is kept among the scene's.
+    fn plate(&mut self, plate: WavePlate, of: optics::PlateOf) -> Finish {
+        let plate = WavePlateId::from_index(intern(&mut self.wave_plates, plate));
+        match of {
+            optics::PlateOf::Retarder { axis } => Finish::WavePlate { axis, plate },
+            optics::PlateOf::CircularPolariser { axis, transmittance, extinction, right, front } => {
+                Finish::CircularPolariser { axis, transmittance, extinction, right, front, plate }
+            }
+        }
     }
 
     /// The spectrum that is meant; a file is read.

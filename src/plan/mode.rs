@@ -78,12 +78,40 @@ fn painted(scene: &Scene) -> Option<&str> {
     })
 }
 
+/// Whether a face is a wave plate that treats wavelengths differently.
+fn delays(scene: &Scene, finish: &Finish) -> bool {
+    match finish {
+        Finish::Retarder { retardance_nm, .. } => *retardance_nm != 0.0,
+        Finish::WavePlate { plate, .. } | Finish::CircularPolariser { plate, .. } => {
+            let waves = |nm: f64| scene.wave_plate(*plate).retardance.waves(nm);
+            PROBES_NM.iter().any(|nm| waves(*nm) != waves(PROBES_NM[0]))
+        }
+        Finish::None
+        | Finish::Polished
+        | Finish::MirrorMetal { .. }
+        | Finish::MirrorIdeal { .. }
+        | Finish::Lambert { .. }
+        | Finish::Gauss { .. }
+        | Finish::CosM { .. }
+        | Finish::Rough { .. }
+        | Finish::Abg { .. }
+        | Finish::Measured { .. }
+        | Finish::Polariser { .. }
+        | Finish::ReflectivePolariser { .. }
+        | Finish::Surface { .. }
+        | Finish::Absorber => false,
+    }
+}
+
 /// What in the scene treats wavelengths differently, if anything does.
 fn chromatic(scene: &Scene, world: &World) -> Option<String> {
     if let Some(slide) = world.slides.iter().position(|slide| slide.is_coloured()) {
         return Some(format!("slide {} is coloured", scene.slides[slide].name));
     }
     for part in &scene.parts {
+        if part.faces.iter().any(|face| delays(scene, &face.finish)) {
+            return Some(format!("the wave plate of {} delays wavelengths by different parts of them", part.path));
+        }
         let Some(medium) = part.medium.map(|id| scene.medium(id)) else { continue };
         let differs = |value: &dyn Fn(f64) -> f64| PROBES_NM.iter().any(|nm| value(*nm) != value(PROBES_NM[0]));
         let seen = |finish: &Finish| !matches!(finish, Finish::Absorber | Finish::None);
@@ -134,7 +162,14 @@ fn polarised(checked: &Checked, world: &World, asked: Polarisation, stop: &Shoul
         return (true, format!("the light of {} is polarised", scene.parts[lamp.part].path));
     }
     let sheet = |finish: &Finish| {
-        matches!(finish, Finish::Polariser { .. } | Finish::Retarder { .. } | Finish::ReflectivePolariser { .. })
+        matches!(
+            finish,
+            Finish::Polariser { .. }
+                | Finish::Retarder { .. }
+                | Finish::WavePlate { .. }
+                | Finish::CircularPolariser { .. }
+                | Finish::ReflectivePolariser { .. }
+        )
     };
     if let Some(part) = scene.parts.iter().find(|part| part.faces.iter().any(|face| sheet(&face.finish))) {
         return (true, format!("{} is there to act on it", part.path));

@@ -1,6 +1,6 @@
 //! What a face does with light that meets it.
 
-use crate::base::ids::{ScatterId, SurfaceId};
+use crate::base::ids::{ScatterId, SurfaceId, WavePlateId};
 use glam::DVec3;
 
 /// Finish of a face. A coating, if any, acts on `Polished` faces.
@@ -35,6 +35,12 @@ pub enum Finish {
     Polariser { axis: DVec3, transmittance: f64, extinction: f64 },
     /// A thin sheet that delays linear polarisation along `axis` by `retardance_nm` against the other one; loses nothing.
     Retarder { axis: DVec3, retardance_nm: f64 },
+    /// A thin sheet that delays linear polarisation along `axis` as a plate does of which more is known; loses nothing.
+    WavePlate { axis: DVec3, plate: WavePlateId },
+    /// A polariser with its pass axis along `axis` on one side of a thin sheet (in `front`, or behind), a wave plate at 45°
+    /// to it on the other: what the polariser has let through leaves the plate with this handedness (`right`: clockwise
+    /// for those who look against the light), and from that side nothing but light of this handedness gets through.
+    CircularPolariser { axis: DVec3, transmittance: f64, extinction: f64, right: bool, front: bool, plate: WavePlateId },
     /// A thin sheet that parts linear polarisations and bends nothing: of the one along `axis` (the pass axis) it lets
     /// `transmittance` through and reflects `reflectance_leak`, of the other one it reflects `reflectance` specularly and
     /// lets `transmittance_leak` through. Shares 0–1, of each polarisation together at most 1; the rest is absorbed. Where
@@ -69,6 +75,8 @@ impl Finish {
             | Finish::MirrorIdeal { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
+            | Finish::WavePlate { .. }
+            | Finish::CircularPolariser { .. }
             | Finish::ReflectivePolariser { .. }
             | Finish::Absorber => None,
         }

@@ -24,6 +24,7 @@ pub mod spectrum;
 pub mod surface; // how ordinary materials look
 pub mod texture;
 pub mod value;
+pub mod wave_plate;
 
 pub use abg::AbgLaw;
 pub use coating::{Coating, CoatingLaw, CoatingTable, FilmLayer};
@@ -42,9 +43,10 @@ pub use slide::{Polarisation, Slide};
 pub use spectrum::{Led, PowerDistribution, Spectrum};
 pub use surface::{Anisotropy, AnisotropyLaw, CoatNormal, Film, LEAST_ALPHA, Opacity, StandardSurface};
 pub use texture::{Colour, Scalar, Texture, TextureInput};
+pub use wave_plate::{Retardance, WavePlate};
 
 use crate::base::Shared;
-use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, ScatterId, SlideId, SurfaceId};
+use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, ScatterId, SlideId, SurfaceId, WavePlateId};
 
 /// At which wavelengths the scene is defined.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -90,6 +92,8 @@ pub struct Scene {
     pub slides: Vec<Slide>,
     /// Measured scattering that finishes refer to.
     pub scatters: Vec<ScatterTable>,
+    /// Wave plates that finishes refer to.
+    pub wave_plates: Vec<WavePlate>,
     /// Standard surfaces that finishes refer to.
     pub surfaces: Vec<Shared<StandardSurface>>,
     pub groups: Vec<Group>,
@@ -141,6 +145,7 @@ table! {
     coating: CoatingId => coatings: Coating,
     slide: SlideId => slides: Slide,
     scatter: ScatterId => scatters: ScatterTable,
+    wave_plate: WavePlateId => wave_plates: WavePlate,
     surface: SurfaceId => surfaces: StandardSurface,
     group: GroupId => groups: Group,
 }

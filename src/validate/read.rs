@@ -125,6 +125,7 @@ pub fn no_scene() -> Scene {
         coatings: Vec::new(),
         slides: Vec::new(),
         scatters: Vec::new(),
+        wave_plates: Vec::new(),
         surfaces: Vec::new(),
         groups: Vec::new(),
         profiles: Vec::new(),

@@ -51,6 +51,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
         coatings: vec![],
         slides: vec![],
         scatters: vec![],
+        wave_plates: vec![],
         surfaces: vec![],
         profiles: Vec::new(),
         groups: vec![],

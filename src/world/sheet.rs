@@ -3,49 +3,130 @@
 use super::fresnel::PowerSp;
 use super::stokes::Turning;
 use crate::base::complex::Complex;
+use crate::scene::WavePlate;
 use glam::DVec3;
+use std::f64::consts::TAU;
 
-/// A polariser or a wave plate.
-#[derive(Debug, Clone, Copy)]
+/// A polariser, a wave plate, or both on each other.
+#[derive(Debug, Clone)]
 pub struct Sheet {
-    /// Unit, mesh units.
-    pub axis: DVec3,
-    kind: SheetKind,
+    /// From the front of the face to its back.
+    pub films: Vec<SheetFilm>,
 }
 
+/// One of the films of a sheet.
+#[derive(Debug, Clone)]
+pub struct SheetFilm {
+    /// Unit, mesh units.
+    pub axis: DVec3,
+    /// The film's own axis lies at 45° to that, counter-clockwise as seen from the front of the face (1) or clockwise (−1).
+    turned: f64,
+    kind: FilmKind,
+}
+
+#[derive(Debug, Clone)]
+enum FilmKind {
+    Polariser { along: f64, across: f64 },
+    Retarder { retardance_nm: f64 },
+    Plate(WavePlate),
+}
+
+/// How light meets a sheet: directions in the world.
 #[derive(Debug, Clone, Copy)]
-enum SheetKind {
-    Polariser {
-        along: f64,
-        across: f64,
-    },
-    /// nm.
-    Retarder {
-        retardance_nm: f64,
-    },
+pub struct Incidence {
+    pub dir: DVec3,
+    /// Unit, from the front of the face.
+    pub normal: DVec3,
+    /// Index of where the light runs.
+    pub index: f64,
 }
 
 impl Sheet {
     pub fn polariser(axis: DVec3, transmittance: f64, extinction: f64) -> Sheet {
-        let kind = SheetKind::Polariser { along: transmittance, across: transmittance * extinction };
-        Sheet { axis: axis.normalize_or_zero(), kind }
+        Sheet { films: vec![SheetFilm::polariser(axis, transmittance, extinction)] }
     }
 
     pub fn retarder(axis: DVec3, retardance_nm: f64) -> Sheet {
-        Sheet { axis: axis.normalize_or_zero(), kind: SheetKind::Retarder { retardance_nm } }
+        let kind = FilmKind::Retarder { retardance_nm };
+        Sheet { films: vec![SheetFilm { axis: axis.normalize_or_zero(), turned: 0.0, kind }] }
+    }
+
+    pub fn wave_plate(axis: DVec3, plate: WavePlate) -> Sheet {
+        let kind = FilmKind::Plate(plate);
+        Sheet { films: vec![SheetFilm { axis: axis.normalize_or_zero(), turned: 0.0, kind }] }
+    }
+
+    /// A polariser on a wave plate whose slow axis lies at 45° to the pass axis. `right`: what has gone through both, the
+    /// polariser first, turns clockwise for those who look against it; only such light gets through the other way.
+    pub fn circular(
+        axis: DVec3,
+        [transmittance, extinction]: [f64; 2],
+        plate: WavePlate,
+        right: bool,
+        polariser_in_front: bool,
+    ) -> Sheet {
+        let turned = if right == polariser_in_front { 1.0 } else { -1.0 };
+        let plate = SheetFilm { axis: axis.normalize_or_zero(), turned, kind: FilmKind::Plate(plate) };
+        let polariser = SheetFilm::polariser(axis, transmittance, extinction);
+        Sheet { films: if polariser_in_front { vec![polariser, plate] } else { vec![plate, polariser] } }
+    }
+}
+
+impl SheetFilm {
+    fn polariser(axis: DVec3, transmittance: f64, extinction: f64) -> SheetFilm {
+        let kind = FilmKind::Polariser { along: transmittance, across: transmittance * extinction };
+        SheetFilm { axis: axis.normalize_or_zero(), turned: 0.0, kind }
+    }
+
+    /// The direction in the world, not across the ray yet, that the film's axis has for light; `axis` is the sheet's there.
+    ///
+    /// Of a plate with indices it is that of the extraordinary wave inside, whose parts along s and p leave as such: extended
+    /// Jones matrices without the losses at the surfaces (see [`WavePlate::waves_at`]).
+    pub fn axis_for(&self, axis: DVec3, at: &Incidence) -> DVec3 {
+        let own = self.in_plane(axis, at);
+        let FilmKind::Plate(WavePlate { indices: Some([n_o, _]), .. }) = &self.kind else { return own };
+        let Some(c) = (own - at.normal * own.dot(at.normal)).try_normalize() else { return own };
+        let along = at.momentum();
+        let Some(s) = at.normal.cross(at.dir).try_normalize() else { return c };
+        let depth = (n_o * n_o - along.length_squared()).max(0.0).sqrt() * at.dir.dot(at.normal).signum();
+        let Some(inside) = (along + at.normal * depth).try_normalize() else { return c };
+        s * c.dot(s) + at.dir.cross(s) * c.dot(inside.cross(s))
+    }
+
+    fn in_plane(&self, axis: DVec3, at: &Incidence) -> DVec3 {
+        if self.turned == 0.0 {
+            return axis;
+        }
+        let laid = (axis - at.normal * axis.dot(at.normal)).normalize_or_zero();
+        laid + self.turned * at.normal.cross(laid)
     }
 
     /// What it does, with s along its axis, at `nm`.
-    pub fn turning(&self, nm: f64) -> Turning {
-        let (t_s, t_p, phase) = match self.kind {
-            SheetKind::Polariser { along, across } => (along, across, Complex::ONE),
-            SheetKind::Retarder { retardance_nm } => {
-                let (sin, cos) = (std::f64::consts::TAU * retardance_nm / nm).sin_cos();
-                (1.0, 1.0, Complex::new(cos, sin))
+    pub fn turning(&self, nm: f64, axis: DVec3, at: &Incidence) -> Turning {
+        let delayed = |waves: f64| {
+            let (sin, cos) = (TAU * waves).sin_cos();
+            (1.0, 1.0, Complex::new(cos, sin))
+        };
+        let (t_s, t_p, phase) = match &self.kind {
+            FilmKind::Polariser { along, across } => (*along, *across, Complex::ONE),
+            FilmKind::Retarder { retardance_nm } => delayed(retardance_nm / nm),
+            FilmKind::Plate(plate) => {
+                let own = self.in_plane(axis, at);
+                let c = (own - at.normal * own.dot(at.normal)).normalize_or_zero();
+                let momentum = at.momentum();
+                let along = momentum.dot(c);
+                delayed(plate.waves_at(nm, along, (momentum - c * along).length()))
             }
         };
         let power = PowerSp { r_s: 0.0, r_p: 0.0, t_s, t_p, a_s: 1.0 - t_s, a_p: 1.0 - t_p };
         Turning { power, reflected: Complex::ZERO, transmitted: phase }
+    }
+}
+
+impl Incidence {
+    /// Along the face: index × the part of the direction there.
+    fn momentum(&self) -> DVec3 {
+        self.index * (self.dir - self.normal * self.dir.dot(self.normal))
     }
 }
 

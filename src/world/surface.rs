@@ -150,6 +150,13 @@ fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Res
         (None, Finish::Polariser { axis, transmittance, extinction }) => {
             Surface::Sheet(Sheet::polariser(axis, transmittance, extinction))
         }
+        (None, Finish::WavePlate { axis, plate }) => {
+            Surface::Sheet(Sheet::wave_plate(axis, scene.wave_plate(plate).clone()))
+        }
+        (None, Finish::CircularPolariser { axis, transmittance, extinction, right, front, plate }) => {
+            let plate = scene.wave_plate(plate).clone();
+            Surface::Sheet(Sheet::circular(axis, [transmittance, extinction], plate, right, front))
+        }
         (None, Finish::Retarder { axis, retardance_nm }) => Surface::Sheet(Sheet::retarder(axis, retardance_nm)),
         (
             None,

@@ -25,6 +25,7 @@ pub fn scene() -> Scene {
         slides: Vec::new(),
         surfaces: Vec::new(),
         scatters: Vec::new(),
+        wave_plates: Vec::new(),
         profiles: Vec::new(),
         groups: Vec::new(),
         lights: Vec::new(),

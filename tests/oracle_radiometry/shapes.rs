@@ -59,6 +59,7 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         slides: vec![],
         surfaces: Vec::new(),
         scatters: vec![],
+        wave_plates: vec![],
         profiles: Vec::new(),
         groups: vec![],
         lights: Vec::new(),

@@ -5,7 +5,8 @@ use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
-use crate::scene::{Finish, Note, StandardSurface};
+use crate::scene::{Finish, Note, Retardance, StandardSurface, WavePlate};
+use glam::DVec3;
 
 /// A finish, a file that it names still to be read.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,6 +14,11 @@ pub enum FinishSpec {
     Given(Finish),
     /// As the face's own material says.
     Material,
+    /// A wave plate of which more than one number is known, and what it is part of.
+    Plate {
+        plate: WavePlate,
+        of: PlateOf,
+    },
     /// The file as it is written, and where.
     Measured {
         file: String,
@@ -23,6 +29,13 @@ pub enum FinishSpec {
         surface: Box<StandardSurface>,
         at: Where,
     },
+}
+
+/// What a wave plate is part of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PlateOf {
+    Retarder { axis: DVec3 },
+    CircularPolariser { axis: DVec3, transmittance: f64, extinction: f64, right: bool, front: bool },
 }
 
 /// Faults: unknown kinds and parameters, shares out of range or together above 1.
@@ -92,10 +105,27 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
             let axis = fields.need_direction("axis")?;
             Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak }
         }
-        "retarder" => Finish::Retarder {
-            axis: fields.need_direction("axis")?,
-            retardance_nm: fields.need_number("retardance_nm")?,
-        },
+        "retarder" => {
+            let axis = fields.need_direction("axis")?;
+            let plate = super::wave_plate::wave_plate(fields)?.ok_or_else(|| fields.missing("retardance_nm"))?;
+            match (&plate.retardance, plate.indices) {
+                (Retardance::Nm(rows), None) if rows.len() == 1 => Finish::Retarder { axis, retardance_nm: rows[0][1] },
+                (Retardance::Nm(_) | Retardance::Waves(_), _) => {
+                    return Ok(FinishSpec::Plate { plate, of: PlateOf::Retarder { axis } });
+                }
+            }
+        }
+        "circular_polariser" => {
+            let of = PlateOf::CircularPolariser {
+                axis: fields.need_direction("axis")?,
+                transmittance: fields.number("transmittance")?.unwrap_or(1.0),
+                extinction: fields.number_or("extinction", 0.0, notes)?,
+                right: super::wave_plate::word(fields, "handedness", ["left", "right"], None)?,
+                front: !super::wave_plate::word(fields, "polariser_side", ["front", "back"], Some(false))?,
+            };
+            let plate = super::wave_plate::wave_plate(fields)?.unwrap_or_else(WavePlate::quarter);
+            return Ok(FinishSpec::Plate { plate, of });
+        }
         "cos_m" => {
             let (reflectance, transmittance) = shares()?;
             Finish::CosM { m: fields.need_number("m")?, reflectance, transmittance }

@@ -14,13 +14,14 @@ mod slide;
 mod spectrum;
 mod sun;
 mod surface;
+mod wave_plate;
 mod wavelengths;
 
 pub use coating::{coating, unknown as unknown_coating};
 pub use emitter::{ATTRIBUTES as EMITTER, EmitterSpec, STRENGTHS, Spreading, Strength, emitter, group_name};
 pub use eye::{EyeSpec, Lens, Pose, eye};
 pub use fields::{Fields, Union, not_yet, number, stray, union};
-pub use finish::{FinishSpec, finish};
+pub use finish::{FinishSpec, PlateOf, finish};
 pub use medium::{absorption, entries as medium_entries, index, law, possible, priority};
 pub use scatter_table::scatter_table;
 pub use shape::{ShapeSpec, shape};

@@ -81,6 +81,7 @@ fn scene() -> Scene {
             vec![FilmLayer { index: Dispersion::Constant(1.38), thickness_nm: 99.638 }],
         )],
         scatters: vec![],
+        wave_plates: vec![],
         surfaces: vec![],
         slides: vec![Slide {
             name: "s".into(),

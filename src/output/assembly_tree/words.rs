@@ -93,6 +93,15 @@ fn finish(finish: Finish) -> String {
         Finish::Retarder { axis, retardance_nm } => {
             format!("retarder about {}, {} nm", direction(axis), number(retardance_nm, 5))
         }
+        Finish::WavePlate { axis, .. } => format!("retarder about {}, by wavelength or angle", direction(axis)),
+        Finish::CircularPolariser { axis, transmittance, extinction, right, front, .. } => {
+            let (hand, side) = (if right { "right" } else { "left" }, if front { "front" } else { "back" });
+            let (along, other) = (number(transmittance, 4), number(transmittance * extinction, 3));
+            format!(
+                "{hand} circular polariser about {}, polariser at the {side}, T {along} and {other}",
+                direction(axis)
+            )
+        }
         Finish::ReflectivePolariser { axis, transmittance, transmittance_leak, reflectance, reflectance_leak } => {
             let [t, t_leak, r, r_leak] =
                 [transmittance, transmittance_leak, reflectance, reflectance_leak].map(|share| number(share, 4));
@@ -145,6 +154,8 @@ fn shape(face: &FaceReport) -> Option<String> {
             | Finish::Measured { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
+            | Finish::WavePlate { .. }
+            | Finish::CircularPolariser { .. }
             | Finish::Surface { .. }
             | Finish::Absorber => None,
         },

@@ -39,6 +39,8 @@ pub fn traced(part: &Part) -> Vec<Traced> {
             | Finish::Measured { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
+            | Finish::WavePlate { .. }
+            | Finish::CircularPolariser { .. }
             | Finish::ReflectivePolariser { .. }
             | Finish::Surface { .. }
             | Finish::Absorber,

@@ -219,6 +219,7 @@ pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
         coatings: vec![],
         slides: vec![],
         scatters: vec![],
+        wave_plates: vec![],
         surfaces: vec![],
         profiles: Vec::new(),
         groups: vec![],

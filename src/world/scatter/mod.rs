@@ -129,6 +129,8 @@ impl Scatter {
             | Finish::MirrorIdeal { .. }
             | Finish::Polariser { .. }
             | Finish::Retarder { .. }
+            | Finish::WavePlate { .. }
+            | Finish::CircularPolariser { .. }
             | Finish::ReflectivePolariser { .. }
             | Finish::Surface { .. }
             | Finish::Absorber => None,
