@@ -171,6 +171,7 @@ impl Case {
             slides: vec![],
             scatters: vec![],
             wave_plates: vec![],
+            gratings: vec![],
             groups: vec![],
             profiles: vec![],
             lights: vec![],

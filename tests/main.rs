@@ -21,6 +21,7 @@ mod oracle_thinfilm;
 mod displays;
 mod doublet;
 mod generated;
+mod gratings;
 mod hud;
 mod lights;
 mod looks;

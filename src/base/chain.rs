@@ -16,6 +16,14 @@ pub struct Link {
     pub part: u32,
     pub face: u32,
     pub step: Step,
+    /// Of diffraction, in the axes of the grating: the same in both directions. 0 everywhere else.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub order: i32,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde wants it
+fn is_zero(order: &i32) -> bool {
+    *order == 0
 }
 
 /// The faces in the order in which a path met them.

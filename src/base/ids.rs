@@ -28,6 +28,8 @@ id!(/// A light group: the unit in which light is stored separately. The sky is 
     GroupId);
 id!(/// A measured intensity distribution.
     ProfileId);
+id!(/// A diffraction grating.
+    GratingId);
 id!(/// A wave plate.
     WavePlateId);
 id!(/// Measured scattering.

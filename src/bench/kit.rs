@@ -25,6 +25,7 @@ pub fn scene(fov_deg: f64, pixels: usize) -> Scene {
         profiles: Vec::new(),
         scatters: Vec::new(),
         wave_plates: Vec::new(),
+        gratings: Vec::new(),
         surfaces: Vec::new(),
         lights: Vec::new(),
         sky: None,

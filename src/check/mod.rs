@@ -99,6 +99,7 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
                         | Finish::WavePlate { .. }
                         | Finish::CircularPolariser { .. }
                         | Finish::ReflectivePolariser { .. }
+                        | Finish::Grating { .. }
                 )
         }),
         pinhole: scene.eye.pupil_diameter_m == 0.0,
@@ -126,6 +127,7 @@ fn scatters(finish: Finish) -> bool {
         | Finish::WavePlate { .. }
         | Finish::CircularPolariser { .. }
         | Finish::ReflectivePolariser { .. }
+        | Finish::Grating { .. }
         | Finish::Absorber => false,
     }
 }
@@ -206,6 +208,19 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
             if axis.try_normalize().is_none() || !retardance_nm.is_finite() {
                 let text = format!("a retarder about {axis} of {retardance_nm} nm");
                 return Err(Error::new(at(), text).expected("a direction, and a finite path"));
+            }
+        }
+        Finish::Grating { grating } => {
+            let Some(grating) = scene.gratings.get(grating.index()) else {
+                return Err(Error::new(at(), "a grating without its lines"));
+            };
+            if let Some(text) = grating.problem() {
+                return Err(Error::new(at(), text).expected("finite numbers, shares of 0 to 1, each order once"));
+            }
+            if grating.total() > 1.0 + 1e-12 {
+                return Err(Error::new(at(), format!("the orders of a grating have {} of the light", grating.total()))
+                    .expected("shares that together are at most 1")
+                    .code(Code::ScatterGainsEnergy));
             }
         }
         Finish::WavePlate { axis, plate } => wave_plate(scene, axis, plate, at)?,

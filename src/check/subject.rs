@@ -83,6 +83,7 @@ pub fn is_specular(face: &Face) -> bool {
         Finish::Polished
         | Finish::MirrorMetal { .. }
         | Finish::MirrorIdeal { .. }
+        | Finish::Grating { .. }
         | Finish::ReflectivePolariser { .. }
         | Finish::Abg { .. } => true,
         Finish::None

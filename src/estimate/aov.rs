@@ -250,6 +250,7 @@ fn events(scene: &Scene, world: &World) -> Vec<Letter> {
                 Surface::Slide(_) | Surface::Sheet(_) => found.extend([Letter::TransmitStraight]),
                 Surface::Splitter(_) => found.extend([Letter::ReflectSpecular, Letter::TransmitStraight]),
                 Surface::Mirror(_) => found.extend([Letter::ReflectSpecular]),
+                Surface::Grating(_) => found.extend([Letter::ReflectSpecular, Letter::TransmitSpecular]),
                 Surface::Interface(_) => found.extend([Letter::ReflectSpecular, Letter::TransmitSpecular]),
                 Surface::Scatter(scatter) => found.extend(of_scatter(scatter, &face.finish)),
             }
@@ -275,6 +276,7 @@ fn of_scatter(scatter: &Scatter, finish: &Finish) -> Vec<Letter> {
         | Finish::WavePlate { .. }
         | Finish::CircularPolariser { .. }
         | Finish::ReflectivePolariser { .. }
+        | Finish::Grating { .. }
         | Finish::Surface { .. }
         | Finish::Absorber => (true, true),
     };

@@ -72,9 +72,12 @@ impl<'w, M: Mode> Backward<'w, M> {
         let asked = [world.lamps.all().is_empty(), world.sky.is_none(), world.lights.all().is_empty()];
         let asked = asked.iter().filter(|none| !**none).count() as u64;
         let transmits = |face: &FaceOptics| match &face.surface {
-            Surface::Interface(_) | Surface::Slide(_) | Surface::Sheet(_) | Surface::Splitter(_) | Surface::Absent => {
-                true
-            }
+            Surface::Interface(_)
+            | Surface::Slide(_)
+            | Surface::Sheet(_)
+            | Surface::Splitter(_)
+            | Surface::Grating(_)
+            | Surface::Absent => true,
             Surface::Scatter(scatter) => scatter.principled().is_some_and(|p| p.surface.lets_through()),
             Surface::Absorber | Surface::Mirror(_) => false,
         };

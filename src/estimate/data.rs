@@ -301,6 +301,7 @@ fn seen(world: &World, vertex: &Vertex, eye: &EyeLens, from: DVec3) -> Seen {
         | Surface::Slide(_)
         | Surface::Sheet(_)
         | Surface::Splitter(_)
+        | Surface::Grating(_)
         | Surface::Mirror(_)
         | Surface::Interface(_) => [1.0; 3],
         Surface::Scatter(scatter) => match scatter.principled() {

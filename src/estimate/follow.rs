@@ -23,8 +23,13 @@ impl<'w, M: Mode> Walker<'w, M> {
     }
 
     pub(super) fn link(&mut self, vertex: &Vertex, step: Step) {
+        self.link_order(vertex, step, 0);
+    }
+
+    /// The same of an order of diffraction.
+    pub(super) fn link_order(&mut self, vertex: &Vertex, step: Step, order: i32) {
         let site = vertex.hit.site;
-        let link = Link { part: site.part, face: site.face, step };
+        let link = Link { part: site.part, face: site.face, step, order };
         self.last = Some(link);
         if let Some(chain) = &mut self.chain {
             chain.0.push(link);
@@ -57,9 +62,10 @@ impl<'w, M: Mode> Walker<'w, M> {
                 let before = self.part_around();
                 let site = vertex.hit.site;
                 self.last = None;
-                if (site.part, site.face) == (link.part, link.face)
-                    && matches!(self.face(&vertex).surface, Surface::Interface(_) | Surface::Splitter(_))
-                {
+                let own = (site.part, site.face) == (link.part, link.face);
+                self.order = (own && matches!(self.face(&vertex).surface, Surface::Grating(_)))
+                    .then_some((link.step, link.order));
+                if own && matches!(self.face(&vertex).surface, Surface::Interface(_) | Surface::Splitter(_)) {
                     self.forced = Some(match link.step {
                         Step::Through => Branch::Refracted,
                         Step::Back => Branch::Reflected,
@@ -70,7 +76,7 @@ impl<'w, M: Mode> Walker<'w, M> {
                 }
                 match self.last {
                     // A face that is not there.
-                    None => self.forced = None,
+                    None => (self.forced, self.order) = (None, None),
                     Some(met) if met == link => {
                         each(before, &vertex, self.part_around());
                         break;

@@ -4,6 +4,7 @@ pub mod aov; // layers by light path expression
 pub mod backward;
 pub mod cryptomatte;
 pub mod data;
+mod diffraction_event;
 pub mod emission;
 pub mod emitter_hit;
 pub mod finishing;

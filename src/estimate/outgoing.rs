@@ -3,6 +3,7 @@
 use super::ledger::Ledger;
 use super::specular_event::Branch;
 use super::walk::{Meeting, Travel, Vertex, Walker};
+use crate::base::chain::Step;
 #[cfg(test)]
 use crate::world::Planted;
 use crate::world::geometry::Ray;
@@ -42,6 +43,12 @@ impl<'w, M: Mode> Walker<'w, M> {
             }
             Surface::Slide(_) | Surface::Sheet(_) | Surface::Mirror(_) => {
                 matches!(self.meet(vertex, ledger), Meeting::Went)
+            }
+            Surface::Grating(_) => {
+                self.order = Some((Step::Through, 0));
+                let went = matches!(self.meet(vertex, ledger), Meeting::Went);
+                self.order = None;
+                went
             }
             Surface::Splitter(sheet) => {
                 let turn = self.turn_at_splitter(vertex, sheet);

@@ -160,14 +160,17 @@ impl<'w, M: Mode> Walker<'w, M> {
             Surface::Mirror(mirror) => self.turn_at_mirror(vertex, *mirror),
             Surface::Interface(coating) => self.turn(vertex, *coating),
             Surface::Splitter(sheet) => self.turn_at_splitter(vertex, sheet),
-            Surface::Absent | Surface::Absorber | Surface::Slide(_) | Surface::Sheet(_) | Surface::Scatter(_) => {
-                return 0.0;
-            }
+            Surface::Absent
+            | Surface::Absorber
+            | Surface::Slide(_)
+            | Surface::Sheet(_)
+            | Surface::Grating(_)
+            | Surface::Scatter(_) => return 0.0,
         };
         (0..self.beam.count()).map(|lane| turn.departs[lane]).fold(0.0, f64::max)
     }
 
-    fn part(
+    pub(super) fn part(
         &self,
         _vertex: &Vertex,
         lane: usize,
@@ -329,6 +332,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             | Surface::Slide(_)
             | Surface::Mirror(_)
             | Surface::Sheet(_)
+            | Surface::Grating(_)
             | Surface::Scatter(_) => return None,
         };
         self.ahead = Some(turn);

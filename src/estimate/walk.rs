@@ -53,6 +53,8 @@ pub struct Walker<'w, M: Mode> {
     pub events: u32,
     /// What the next interface does, if it is not left to chance.
     pub(super) forced: Option<Branch>,
+    /// Which order the next grating is left in, if that is not left to chance.
+    pub(super) order: Option<(Step, i32)>,
     /// What the interface ahead does with light, where it is already known.
     pub(super) ahead: Option<SpecularEvent<M>>,
     /// Least probability of either way on from an interface: above 0, faint ways are taken more often than their share, and
@@ -169,6 +171,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             rng,
             events: 0,
             forced: None,
+            order: None,
             ahead: None,
             least_chance: 0.0,
             worth: Self::WORTH,
@@ -329,6 +332,10 @@ impl<'w, M: Mode> Walker<'w, M> {
                 self.trail = self.trail.then(Event::Specular);
                 let forced = self.forced.take();
                 self.take_branch(vertex, &turn, forced, ledger)
+            }
+            Surface::Grating(grating) => {
+                self.trail = self.trail.then(Event::Specular);
+                self.diffract(vertex, grating, ledger)
             }
             Surface::Interface(coating) => {
                 let turn = ahead.unwrap_or_else(|| self.turn(vertex, *coating));

@@ -133,6 +133,7 @@ impl<M: Mode> Walker<'_, M> {
             | Surface::Slide(_)
             | Surface::Sheet(_)
             | Surface::Splitter(_)
+            | Surface::Grating(_)
             | Surface::Mirror(_)
             | Surface::Interface(_) => false,
         }
@@ -143,13 +144,14 @@ impl<M: Mode> Walker<'_, M> {
         match self.look_ahead(vertex, ledger) {
             Some(turn) if !turn.refracts() => return false,
             Some(_) => self.forced = Some(Branch::Refracted),
-            None => {}
+            // Of a grating the way straight on.
+            None => self.order = matches!(self.face(vertex).surface, Surface::Grating(_)).then_some((Step::Through, 0)),
         }
         self.last = None;
         let went = matches!(self.meet(vertex, ledger), Meeting::Went);
         if self.last.is_none() {
             // A face that is not there.
-            self.forced = None;
+            (self.forced, self.order) = (None, None);
         }
         went && self.has_passed()
     }

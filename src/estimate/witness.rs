@@ -173,9 +173,12 @@ fn kinds(world: &World, plan: &Plan) -> (Vec<Watched>, Vec<Unwatched>) {
     let (mut watched, mut unwatched): (Vec<Watched>, Vec<Unwatched>) = (Vec::new(), Vec::new());
     let layer = |row: &Row, has_broad: bool| plan.layer(Estimator::Backward, row.group, row.class, has_broad);
     let specular = world.faces.iter().flatten().any(|face| match face.surface {
-        Surface::Mirror(_) | Surface::Interface(_) | Surface::Sheet(_) | Surface::Splitter(_) | Surface::Slide(_) => {
-            true
-        }
+        Surface::Mirror(_)
+        | Surface::Interface(_)
+        | Surface::Sheet(_)
+        | Surface::Splitter(_)
+        | Surface::Grating(_)
+        | Surface::Slide(_) => true,
         Surface::Absent | Surface::Absorber | Surface::Scatter(_) => false,
     });
     for row in plan.rows.iter().filter(|row| !is_plain(&row.verdict)) {

@@ -17,8 +17,8 @@ use super::value::Value;
 use crate::base::error::Result;
 use crate::base::{Code, Error, Shared, Where};
 use crate::scene::{
-    Coating, Face, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide, StandardSurface, WavePlate,
-    Wavelengths,
+    Coating, Face, Grating, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide, StandardSurface,
+    WavePlate, Wavelengths,
 };
 use glam::DMat3;
 use std::collections::HashMap;
@@ -112,6 +112,7 @@ pub(super) fn build_within(
         slides: Vec::new(),
         scatters: Vec::new(),
         wave_plates: Vec::new(),
+        gratings: Vec::new(),
         surfaces: Vec::new(),
         read: Surfaces::expecting(&bound),
         texture_bytes,
@@ -163,7 +164,18 @@ pub(super) fn build_within(
         }
     };
     let Builder {
-        media, coatings, slides, scatters, wave_plates, surfaces, groups, profiles, files, mut notes, ..
+        media,
+        coatings,
+        slides,
+        scatters,
+        wave_plates,
+        gratings,
+        surfaces,
+        groups,
+        profiles,
+        files,
+        mut notes,
+        ..
     } = builder;
     let hash = hash(&files, sets, &assembly.variants)?;
     let mut all = assembly.notes;
@@ -193,6 +205,7 @@ pub(super) fn build_within(
         slides,
         scatters,
         wave_plates,
+        gratings,
         surfaces,
         groups,
         profiles,
@@ -294,6 +307,7 @@ pub(super) struct Builder<'a> {
     pub(super) slides: Vec<Slide>,
     pub(super) scatters: Vec<ScatterTable>,
     pub(super) wave_plates: Vec<WavePlate>,
+    pub(super) gratings: Vec<Grating>,
     pub(super) surfaces: Vec<Shared<StandardSurface>>,
     /// What was read of ordinary materials.
     pub(super) read: Surfaces,

@@ -9,7 +9,7 @@ use super::optics::{self, FinishSpec, ShapeSpec, SpectrumSpec};
 use super::select::Candidate;
 use super::value::{Data, Value};
 use crate::base::error::Result;
-use crate::base::ids::{CoatingId, MediumId, MeshId, ScatterId, WavePlateId};
+use crate::base::ids::{CoatingId, GratingId, MediumId, MeshId, ScatterId, WavePlateId};
 use crate::base::{Code, Error, Where};
 use crate::scene::{Absorption, Face, Finish, Medium, Note, Part, Shape, Spectrum, WavePlate, Wavelengths, glass};
 use glam::DAffine3;
@@ -26,7 +26,8 @@ fn lets_in(face: &Face) -> bool {
         | Finish::Retarder { .. }
         | Finish::WavePlate { .. }
         | Finish::CircularPolariser { .. }
-        | Finish::ReflectivePolariser { .. } => true,
+        | Finish::ReflectivePolariser { .. }
+        | Finish::Grating { .. } => true,
         Finish::Lambert { transmittance, .. }
         | Finish::Gauss { transmittance, .. }
         | Finish::CosM { transmittance, .. } => transmittance > 0.0,
@@ -160,6 +161,10 @@ impl Builder<'_> {
             Some((entry, _)) => match optics::finish(&entry.value, &mut self.notes)? {
                 FinishSpec::Given(finish) => finish,
                 FinishSpec::Material => Finish::Surface { surface: self.own_surface(part, number)? },
+                FinishSpec::Grating(grating) => {
+                    let grating = GratingId::from_index(intern(&mut self.gratings, grating));
+                    Finish::Grating { grating }
+                }
                 FinishSpec::Plate { plate, of } => self.plate(plate, of),
                 FinishSpec::Measured { file, at } => self.measured_finish(&file, &at)?,
                 FinishSpec::Surface { surface, at } => Finish::Surface { surface: self.given_surface(*surface, &at)? },

@@ -78,10 +78,12 @@ fn painted(scene: &Scene) -> Option<&str> {
     })
 }
 
-/// Whether a face is a wave plate that treats wavelengths differently.
+/// Whether a face is a wave plate or a grating, which treat wavelengths differently.
 fn delays(scene: &Scene, finish: &Finish) -> bool {
     match finish {
         Finish::Retarder { retardance_nm, .. } => *retardance_nm != 0.0,
+        // In other directions.
+        Finish::Grating { .. } => true,
         Finish::WavePlate { plate, .. } | Finish::CircularPolariser { plate, .. } => {
             let waves = |nm: f64| scene.wave_plate(*plate).retardance.waves(nm);
             PROBES_NM.iter().any(|nm| waves(*nm) != waves(PROBES_NM[0]))
@@ -110,7 +112,7 @@ fn chromatic(scene: &Scene, world: &World) -> Option<String> {
     }
     for part in &scene.parts {
         if part.faces.iter().any(|face| delays(scene, &face.finish)) {
-            return Some(format!("the wave plate of {} delays wavelengths by different parts of them", part.path));
+            return Some(format!("a wave plate or a grating of {} tells wavelengths apart", part.path));
         }
         let Some(medium) = part.medium.map(|id| scene.medium(id)) else { continue };
         let differs = |value: &dyn Fn(f64) -> f64| PROBES_NM.iter().any(|nm| value(*nm) != value(PROBES_NM[0]));

@@ -1,6 +1,6 @@
 //! What a face does with light that meets it.
 
-use crate::base::ids::{ScatterId, SurfaceId, WavePlateId};
+use crate::base::ids::{GratingId, ScatterId, SurfaceId, WavePlateId};
 use glam::DVec3;
 
 /// Finish of a face. A coating, if any, acts on `Polished` faces.
@@ -35,6 +35,8 @@ pub enum Finish {
     Polariser { axis: DVec3, transmittance: f64, extinction: f64 },
     /// A thin sheet that delays linear polarisation along `axis` by `retardance_nm` against the other one; loses nothing.
     Retarder { axis: DVec3, retardance_nm: f64 },
+    /// Diffracts: the light of each order leaves where its phase along the face has changed by that of so many lines.
+    Grating { grating: GratingId },
     /// A thin sheet that delays linear polarisation along `axis` as a plate does of which more is known; loses nothing.
     WavePlate { axis: DVec3, plate: WavePlateId },
     /// A polariser with its pass axis along `axis` on one side of a thin sheet (in `front`, or behind), a wave plate at 45°
@@ -78,6 +80,7 @@ impl Finish {
             | Finish::WavePlate { .. }
             | Finish::CircularPolariser { .. }
             | Finish::ReflectivePolariser { .. }
+            | Finish::Grating { .. }
             | Finish::Absorber => None,
         }
     }

@@ -12,6 +12,7 @@ pub mod dispersion;
 pub mod eye;
 pub mod finish;
 pub mod glass;
+pub mod grating;
 pub mod lamp;
 pub mod mesh;
 pub mod note;
@@ -32,6 +33,7 @@ pub use dispersion::{Dispersion, Formula, FormulaKind};
 
 pub use eye::Eye;
 pub use finish::Finish;
+pub use grating::{Grating, Order};
 pub use lamp::{Angular, Beacon, BeaconForm, Emitter, Photometry, PolarisedLight, Sky, SpotCone};
 pub use mesh::{FaceRange, Mesh};
 pub use note::{Known, Note, Residual, Severity};
@@ -46,7 +48,9 @@ pub use texture::{Colour, Scalar, Texture, TextureInput};
 pub use wave_plate::{Retardance, WavePlate};
 
 use crate::base::Shared;
-use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, PartId, ScatterId, SlideId, SurfaceId, WavePlateId};
+use crate::base::ids::{
+    CoatingId, GratingId, GroupId, MediumId, MeshId, PartId, ScatterId, SlideId, SurfaceId, WavePlateId,
+};
 
 /// At which wavelengths the scene is defined.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -94,6 +98,8 @@ pub struct Scene {
     pub scatters: Vec<ScatterTable>,
     /// Wave plates that finishes refer to.
     pub wave_plates: Vec<WavePlate>,
+    /// Gratings that finishes refer to.
+    pub gratings: Vec<Grating>,
     /// Standard surfaces that finishes refer to.
     pub surfaces: Vec<Shared<StandardSurface>>,
     pub groups: Vec<Group>,
@@ -146,6 +152,7 @@ table! {
     slide: SlideId => slides: Slide,
     scatter: ScatterId => scatters: ScatterTable,
     wave_plate: WavePlateId => wave_plates: WavePlate,
+    grating: GratingId => gratings: Grating,
     surface: SurfaceId => surfaces: StandardSurface,
     group: GroupId => groups: Group,
 }

@@ -126,6 +126,7 @@ pub fn no_scene() -> Scene {
         slides: Vec::new(),
         scatters: Vec::new(),
         wave_plates: Vec::new(),
+        gratings: Vec::new(),
         surfaces: Vec::new(),
         groups: Vec::new(),
         profiles: Vec::new(),

@@ -52,6 +52,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
         slides: vec![],
         scatters: vec![],
         wave_plates: vec![],
+        gratings: vec![],
         surfaces: vec![],
         profiles: Vec::new(),
         groups: vec![],

@@ -10,6 +10,7 @@ pub mod fresnel;
 pub mod gauss;
 pub mod geometry;
 mod glow;
+pub mod grating;
 pub mod interior;
 pub mod lamp;
 pub mod light;
@@ -206,6 +207,7 @@ impl World {
             | Surface::Mirror(_)
             | Surface::Sheet(_)
             | Surface::Splitter(_)
+            | Surface::Grating(_)
             | Surface::Interface(_) => None,
         }
     }

@@ -95,7 +95,7 @@ impl Rims {
             let mirrored = to_world.matrix3.determinant() < 0.0;
             for (f, (range, optics)) in mesh.faces.iter().zip(optics).enumerate() {
                 match &optics.surface {
-                    Surface::Interface(_) | Surface::Mirror(_) | Surface::Splitter(_) => {}
+                    Surface::Interface(_) | Surface::Mirror(_) | Surface::Splitter(_) | Surface::Grating(_) => {}
                     Surface::Scatter(scatter) if !scatter.is_narrow() => {}
                     Surface::Absent
                     | Surface::Absorber
@@ -109,7 +109,10 @@ impl Rims {
                     Edge(if mirrored { [b, a] } else { [a, b] })
                 });
                 let edges: Vec<Edge> = edges.collect();
-                if matches!(optics.surface, Surface::Interface(_) | Surface::Mirror(_) | Surface::Splitter(_)) {
+                if matches!(
+                    optics.surface,
+                    Surface::Interface(_) | Surface::Mirror(_) | Surface::Splitter(_) | Surface::Grating(_)
+                ) {
                     if let Some(outline) = Outline::new(&edges) {
                         outlines.insert((number, f as u32), outline);
                     }

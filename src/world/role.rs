@@ -89,6 +89,7 @@ fn of_part(scene: &Scene, world: &World, part: &Part, index: usize) -> Vec<Optio
             | Surface::Mirror(_)
             | Surface::Sheet(_)
             | Surface::Splitter(_)
+            | Surface::Grating(_)
             | Surface::Scatter(_) => None,
         })
     };
@@ -104,6 +105,7 @@ fn of_part(scene: &Scene, world: &World, part: &Part, index: usize) -> Vec<Optio
         Surface::Absorber => Some(Role::Absorber),
         Surface::Slide(_) => Some(Role::Slide),
         Surface::Mirror(_) => Some(Role::Mirror),
+        Surface::Grating(_) => Some(Role::Combiner),
         Surface::Sheet(_) | Surface::Splitter(_) => Some(Role::Polariser),
         Surface::Interface(coating) => match coated(*coating) {
             Some((r, t)) if r >= MUCH && t < MUCH => Some(Role::Mirror),

@@ -48,6 +48,7 @@ impl Obstacles {
                     Surface::Absorber
                     | Surface::Mirror(_)
                     | Surface::Splitter(_)
+                    | Surface::Grating(_)
                     | Surface::Interface(_)
                     | Surface::Scatter(_) => true,
                 };

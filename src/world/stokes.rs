@@ -24,6 +24,13 @@ pub struct Turning {
 }
 
 impl Turning {
+    /// A share of both polarisations that goes one way, with the phases of a clear sheet or a mirror.
+    pub fn even(share: f64, through: bool) -> Self {
+        let (r, t) = if through { (0.0, share) } else { (share, 0.0) };
+        let power = PowerSp { r_s: r, r_p: r, t_s: t, t_p: t, a_s: 1.0 - share, a_p: 1.0 - share };
+        Turning { power, reflected: -Complex::ONE, transmitted: Complex::ONE }
+    }
+
     /// For amounts without polarisation.
     pub fn without_phases(power: PowerSp) -> Self {
         Turning { power, reflected: Complex::ZERO, transmitted: Complex::ZERO }

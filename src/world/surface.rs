@@ -2,6 +2,7 @@
 //! and the interaction with a ray that meets it.
 
 use super::fresnel::{PowerSp, fresnel, fresnel_turning};
+use super::grating::Grating;
 use super::scatter::{Lost, Measured, Principled, Rough, Scatter};
 use super::sheet::{ReflectivePolariser, Sheet};
 use super::stokes::{Amount, Turning};
@@ -37,6 +38,8 @@ pub enum Surface {
     Sheet(Sheet),
     /// A thin sheet that lets one polarisation straight through and reflects the other.
     Splitter(ReflectivePolariser),
+    /// Diffracts light into orders, through the face and back.
+    Grating(Box<Grating>),
     /// A dielectric interface; index into the world's coatings.
     Interface(usize),
     Scatter(Box<Scatter>),
@@ -150,6 +153,7 @@ fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Res
         (None, Finish::Polariser { axis, transmittance, extinction }) => {
             Surface::Sheet(Sheet::polariser(axis, transmittance, extinction))
         }
+        (None, Finish::Grating { grating }) => Surface::Grating(Box::new(Grating::new(scene.grating(grating)))),
         (None, Finish::WavePlate { axis, plate }) => {
             Surface::Sheet(Sheet::wave_plate(axis, scene.wave_plate(plate).clone()))
         }

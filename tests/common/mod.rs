@@ -26,6 +26,7 @@ pub fn scene() -> Scene {
         surfaces: Vec::new(),
         scatters: Vec::new(),
         wave_plates: Vec::new(),
+        gratings: Vec::new(),
         profiles: Vec::new(),
         groups: Vec::new(),
         lights: Vec::new(),

@@ -60,6 +60,7 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
         surfaces: Vec::new(),
         scatters: vec![],
         wave_plates: vec![],
+        gratings: vec![],
         profiles: Vec::new(),
         groups: vec![],
         lights: Vec::new(),

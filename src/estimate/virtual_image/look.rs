@@ -83,6 +83,7 @@ fn follow<'w>(
                 | Surface::Absent
                 | Surface::Sheet(_)
                 | Surface::Splitter(_)
+                | Surface::Grating(_)
                 | Surface::Mirror(_)
                 | Surface::Interface(_) => None,
             };
@@ -109,6 +110,10 @@ fn follow<'w>(
             // Chance takes nothing: no branch is to be lost by it.
             walker.events = walker.events.min(1);
             linked(&mut train, &walker, &vertex, before);
+            // The derivatives of what a grating bends are not known: what is seen over it has no distance.
+            if train.0.last().is_some_and(|lens| lens.link.order != 0) {
+                break;
+            }
         }
     }
 }

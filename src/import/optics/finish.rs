@@ -5,7 +5,7 @@ use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
-use crate::scene::{Finish, Note, Retardance, StandardSurface, WavePlate};
+use crate::scene::{Finish, Grating, Note, Retardance, StandardSurface, WavePlate};
 use glam::DVec3;
 
 /// A finish, a file that it names still to be read.
@@ -19,6 +19,7 @@ pub enum FinishSpec {
         plate: WavePlate,
         of: PlateOf,
     },
+    Grating(Grating),
     /// The file as it is written, and where.
     Measured {
         file: String,
@@ -115,6 +116,7 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
                 }
             }
         }
+        "grating" => return Ok(FinishSpec::Grating(super::grating::grating(fields, notes)?)),
         "circular_polariser" => {
             let of = PlateOf::CircularPolariser {
                 axis: fields.need_direction("axis")?,

@@ -6,6 +6,7 @@ mod emitter;
 mod eye;
 mod fields;
 mod finish;
+mod grating;
 mod medium;
 mod scatter_table;
 mod shape;

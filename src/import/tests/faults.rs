@@ -206,6 +206,21 @@ fn numbers_out_of_range_and_wrong_forms() {
             "hud.optics.toml:12: reflectance 0.9 + transmittance_leak 0.2 is above 1; expected shares of one polarisation that together are at most 1",
         ),
         (
+            "[[bind]]\npath = \"LENS\"\nfinish = { kind = \"grating\", direction = [0, 1, 0], lines_per_mm = 500, rest = \"absorbed\", orders = [{ order = 1, T = 0.75 }, { order = -1, R = 0.5 }] }\n",
+            &[],
+            "hud.optics.toml:12: the orders of a grating have 1.25 of the light; expected shares that together are at most 1",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nfinish = { kind = \"circular_polariser\", axis = [1, 0, 0], handedness = \"rigth\" }\n",
+            &[],
+            "hud.optics.toml:12: `handedness` is \"rigth\"; expected \"left\" or \"right\"; did you mean `right`?",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nfinish = { kind = \"retarder\", axis = [1, 0, 0], retardance_nm = 100, retardance_waves = 0.25 }\n",
+            &[],
+            "hud.optics.toml:12: a wave plate has one retardance; expected `retardance_nm` or `retardance_waves`",
+        ),
+        (
             "[[bind]]\npath = \"LENS\"\nfinish = { kind = \"gauss\", sigma_deg = 0, transmittance = 0.9 }\n",
             &[],
             "hud.optics.toml:12: `sigma_deg` is 0; expected a number above 0 and up to 90 in deg",

@@ -82,6 +82,7 @@ fn scene() -> Scene {
         )],
         scatters: vec![],
         wave_plates: vec![],
+        gratings: vec![],
         surfaces: vec![],
         slides: vec![Slide {
             name: "s".into(),

@@ -93,6 +93,7 @@ fn finish(finish: Finish) -> String {
         Finish::Retarder { axis, retardance_nm } => {
             format!("retarder about {}, {} nm", direction(axis), number(retardance_nm, 5))
         }
+        Finish::Grating { grating } => format!("grating {}", grating.0),
         Finish::WavePlate { axis, .. } => format!("retarder about {}, by wavelength or angle", direction(axis)),
         Finish::CircularPolariser { axis, transmittance, extinction, right, front, .. } => {
             let (hand, side) = (if right { "right" } else { "left" }, if front { "front" } else { "back" });
@@ -146,6 +147,7 @@ fn shape(face: &FaceReport) -> Option<String> {
             | Finish::Abg { .. }
             | Finish::MirrorMetal { .. }
             | Finish::MirrorIdeal { .. }
+            | Finish::Grating { .. }
             | Finish::ReflectivePolariser { .. } => Some("as meshed".to_owned()),
             Finish::None
             | Finish::Lambert { .. }

@@ -168,7 +168,7 @@ mod tests {
     /// Part, face, and `t` or `b`.
     fn visits(links: &[(u32, u32, char)], around: Option<u32>) -> Vec<(u32, How)> {
         let step = |c: char| if c == 'b' { Step::Back } else { Step::Through };
-        let chain = Chain(links.iter().map(|&(part, face, c)| Link { part, face, step: step(c) }).collect());
+        let chain = Chain(links.iter().map(|&(part, face, c)| Link { part, face, step: step(c), order: 0 }).collect());
         // Parts from 10 on have no inside.
         let visits = Visits::of(&chain, |part| part < 10, |part| Some(part) == around);
         visits.all.iter().map(|visit| (visit.part, visit.how)).collect()
@@ -202,7 +202,8 @@ mod tests {
     #[test]
     fn long_chains_are_cut() {
         let links: Vec<_> = (0..1000).map(|k| (10 + k % 2, 0, 't')).collect();
-        let chain = Chain(links.iter().map(|&(part, face, _)| Link { part, face, step: Step::Back }).collect());
+        let chain =
+            Chain(links.iter().map(|&(part, face, _)| Link { part, face, step: Step::Back, order: 0 }).collect());
         let visits = Visits::of(&chain, |_| false, |_| false);
         assert_eq!((visits.all.len(), visits.cut), (Visits::MOST, true));
     }

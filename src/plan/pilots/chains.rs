@@ -188,6 +188,10 @@ fn follow(
     ray: Ray,
     interior: Interior,
 ) -> Option<SpecularChain> {
+    // The solver follows one wavelength, and Snell's law: what a grating bends is for paths to find.
+    if chain.0.iter().any(|link| link.order != 0) {
+        return None;
+    }
     let rng = Rng::new(SEED, Stream::Pilot, 1, 0);
     let mut walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0, interior, rng);
     let mut ledger = Ledger::new(world.solids.len());

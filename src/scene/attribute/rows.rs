@@ -88,6 +88,8 @@ const SURFACE: [&str; 38] = [
 ];
 /// A film of a coating.
 pub const FILM: [&str; 4] = ["n", "k", "material", "thickness_nm"];
+/// An order of a grating.
+pub const ORDER: [&str; 3] = ["order", "T", "R"];
 /// A line of a measured coating.
 pub const MEASURED: [&str; 7] = ["wavelength_nm", "angle_deg", "R_s", "R_p", "T_s", "T_p", "side"];
 
@@ -138,6 +140,13 @@ pub const ROWS: &[Row] = &[
     new(Finish, "retardance_waves", NumberOrRows(&["λ in nm", "waves"]), "waves", Any, "the same in wavelengths; a number holds at every wavelength (0.25: an achromatic quarter)"),
     new(Finish, "ordinary_index", Number, "", AtLeast(1.0), "with extraordinary_index: the retardance changes with the angle as that of a tilted uniaxial plate whose optic axis is the axis, d·(√(n_e² − s_y² − (n_e/n_o)²·s_x²) − √(n_o² − s²)), s = n·sin θ, x along the axis (Yeh and Gu, extended Jones matrices); without, it is the same at every angle"),
     new(Finish, "extraordinary_index", Number, "", AtLeast(1.0), "another one than the ordinary, larger where the retardance is positive"),
+    new(Finish, "direction", Numbers(3), "mesh units", Any, "across the lines of a grating, not zero: planes at right angles to it cut the face into lines, so that its part along the face counts; order m turns light towards it by m λ/d"),
+    new(Finish, "lines_per_mm", Number, "1/mm", Any, "planes of a grating per millimetre of the world along direction; below 0, order m is that of −m"),
+    new(Finish, "orders", Records(&ORDER), "", Any, "list of { order, T, R }: shares of light that arrives from either side, together at most 1; an order that cannot propagate there carries nothing, and its share goes where rest says"),
+    new(Finish, "order", Integer, "", Any, "order of diffraction m: n' t' = n t + m λ/d along the face"),
+    new(Finish, "T", Number, "", Within(0.0, 1.0), "share of an order on the other side of the face").or("0"),
+    new(Finish, "R", Number, "", Within(0.0, 1.0), "share of an order on the side where the light arrives").or("0"),
+    new(Finish, "rest", Word(&["absorbed", "zero_order"]), "", Any, "where the light goes that the orders leave: nowhere, or straight on and back as at a bare interface of the part's medium").or("absorbed"),
     new(Finish, "handedness", Word(&["left", "right"]), "", Any, "of the light that a circular polariser sends out on the side of its wave plate, and that alone gets through from there; right: the field turns clockwise for those who look against the light"),
     new(Finish, "polariser_side", Word(&["front", "back"]), "", Any, "side of the face where the polariser of a circular polariser is; the wave plate is on the other").or("front"),
     // An ordinary material, in layers.
@@ -321,6 +330,7 @@ pub const KINDS: &[Kind] = &[
     kind("finish", "polariser", &["axis", "transmittance", "extinction"], "thin linear polariser: transmittance of light along the axis (1 if not said)"),
     kind("finish", "reflective_polariser", &["axis", "transmittance", "transmittance_leak", "reflectance", "reflectance_leak"], "thin sheet that lets polarisation along the axis through (transmittance, what reflectance_leak leaves of 1 if not said) and reflects the other one specularly (reflectance, what transmittance_leak leaves if not said); absorbs the rest"),
     kind("finish", "retarder", &["axis", "retardance_nm", "retardance_waves", "ordinary_index", "extraordinary_index"], "thin wave plate; exactly one of retardance_nm and retardance_waves"),
+    kind("finish", "grating", &["direction", "lines_per_mm", "orders", "rest"], "diffraction grating or holographic combiner, on a thin sheet or on a face of glass: every order in the direction that the phases of its lines give, by wavelength and the media on both sides"),
     kind("finish", "circular_polariser", &["axis", "handedness", "polariser_side", "transmittance", "extinction", "retardance_nm", "retardance_waves", "ordinary_index", "extraordinary_index"], "thin polariser with its pass axis along axis (transmittance, 1 if not said) on a wave plate at 45 degrees to it (a quarter of every wavelength if not said)"),
     kind("finish", "absorber", &[], "takes everything"),
     kind("coating", "none", &[], "no coating"),

@@ -42,6 +42,7 @@ pub fn traced(part: &Part) -> Vec<Traced> {
             | Finish::WavePlate { .. }
             | Finish::CircularPolariser { .. }
             | Finish::ReflectivePolariser { .. }
+            | Finish::Grating { .. }
             | Finish::Surface { .. }
             | Finish::Absorber,
             None,

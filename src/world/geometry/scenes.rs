@@ -220,6 +220,7 @@ pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
         slides: vec![],
         scatters: vec![],
         wave_plates: vec![],
+        gratings: vec![],
         surfaces: vec![],
         profiles: Vec::new(),
         groups: vec![],

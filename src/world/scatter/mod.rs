@@ -132,6 +132,7 @@ impl Scatter {
             | Finish::WavePlate { .. }
             | Finish::CircularPolariser { .. }
             | Finish::ReflectivePolariser { .. }
+            | Finish::Grating { .. }
             | Finish::Surface { .. }
             | Finish::Absorber => None,
         }

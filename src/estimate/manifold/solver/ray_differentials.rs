@@ -28,8 +28,8 @@ pub struct Landing {
 }
 
 impl RayDifferentials {
-    /// Follows the train; `index` is that of the medium of a part, or of air. None where the ray misses a face or is
-    /// totally reflected where it should go through.
+    /// Follows the train; `index` is that of the medium of a part, or of air. None where the ray misses a face, is
+    /// totally reflected where it should go through, or leaves a grating in another order than 0.
     #[inline]
     pub fn through(
         self,
@@ -50,6 +50,10 @@ impl RayDifferentials {
         mut straight: impl FnMut(&RayDifferentials, &Lens),
     ) -> Option<RayDifferentials> {
         for lens in &train.0 {
+            // What a grating bends obeys another law, and another one for each wavelength.
+            if lens.link.order != 0 {
+                return None;
+            }
             if lens.link.step == Step::Through && lens.before == lens.after {
                 straight(&self, lens);
                 continue;

@@ -1,0 +1,126 @@
+//! What happens at a grating: the orders that leave it, and the choice between them.
+
+use super::ledger::Ledger;
+use super::walk::{Meeting, Travel, Vertex, Walker};
+use crate::base::chain::Step;
+use crate::base::lpe::Letter;
+use crate::base::path::Event;
+use crate::world::grating::{Grating, diffract};
+use crate::world::mode::{LaneArray, Mode, lanes};
+use crate::world::stokes::{Amount, Turning};
+use glam::DVec3;
+
+/// One way on from a grating.
+struct Way<M: Mode> {
+    order: i32,
+    through: bool,
+    dir: DVec3,
+    amounts: M::Lanes<M::Amount>,
+    axis: <M::Amount as Amount>::Axis,
+}
+
+impl<'w, M: Mode> Walker<'w, M> {
+    /// Goes on in one order of a grating: the asked one, or one by chance in proportion to what it carries. What no order has is
+    /// absorbed. Wavelengths part here.
+    pub(super) fn diffract(&mut self, vertex: &Vertex, grating: &Grating, ledger: &mut Ledger) -> Meeting<'w> {
+        let asked = self.order.take();
+        if (1..self.beam.count()).any(|lane| self.optics.nm(lane) != self.optics.nm(0)) {
+            let before = self.beam.carried();
+            self.beam.part();
+            ledger.by_chance(self.beam.carried() - before);
+        }
+        let ways = self.orders(vertex, grating);
+        let powers: Vec<f64> = ways.iter().map(|way| self.mean_power(&way.amounts)).collect();
+        let total: f64 = powers.iter().sum();
+        let before = self.beam.carried();
+        let chosen = match asked {
+            Some((step, order)) => {
+                let wanted = |way: &Way<M>| (way.through, way.order) == (step == Step::Through, order);
+                ways.iter().position(wanted).map(|index| (index, 1.0))
+            }
+            None => {
+                let mut left = self.rng.uniform() * total;
+                let hit = powers.iter().position(|power| {
+                    left -= power;
+                    left < 0.0
+                });
+                // Rounding may leave a little.
+                let last = powers.iter().rposition(|power| *power > 0.0);
+                hit.or(last).map(|index| (index, total / powers[index]))
+            }
+        };
+        let weight = self.beam.weight();
+        let lost = if weight > 0.0 { before * (1.0 - total / weight) } else { 0.0 };
+        let Some((index, factor)) = chosen else {
+            self.absorb(vertex.hit.site.part, before, ledger);
+            return Meeting::Ended;
+        };
+        let way = &ways[index];
+        if asked.is_none() {
+            self.absorb(vertex.hit.site.part, lost, ledger);
+        }
+        self.beam.replace(way.amounts, way.axis);
+        self.beam.scale(factor);
+        if asked.is_none() {
+            ledger.by_chance(self.beam.carried() - (before - lost));
+        }
+        self.tell(Letter::of(Event::Specular, way.through));
+        self.link_order(vertex, if way.through { Step::Through } else { Step::Back }, way.order);
+        self.go(vertex, way.dir, way.through, ledger)
+    }
+
+    fn mean_power(&self, amounts: &M::Lanes<M::Amount>) -> f64 {
+        let count = self.beam.count();
+        amounts.as_slice()[..count].iter().map(|amount| amount.power()).sum::<f64>() / count as f64
+    }
+
+    /// Shares belong to light: on the way from the eye those of light that arrives the way that the path leaves.
+    fn orders(&self, vertex: &Vertex, grating: &Grating) -> Vec<Way<M>> {
+        let (n1, n2) = (self.index_here(), self.index_beyond(vertex));
+        let (dir, normal) = (self.ray.dir, vertex.normal);
+        let across = self.world.geometry.part_to_world(vertex.hit.site.part).transform_vector3(grating.direction);
+        let grooves = normal.cross(across);
+        let mut ways = Vec::with_capacity(2 * grating.orders.len() + 2);
+        let own = grating.orders.iter().map(|order| (order.order, [order.reflectance, order.transmittance]));
+        for (order, shares) in own {
+            for (share, through) in shares.into_iter().zip([false, true]) {
+                let shift = grating.shift(across, self.optics.nm(0)) * f64::from(order);
+                let Some(onward) = diffract(dir, normal, (n1[0], n2[0]), shift, through).filter(|_| share > 0.0) else {
+                    continue;
+                };
+                let axis = M::Amount::axis_along(self.beam.axis(), dir, grooves);
+                let turning = Turning::even(share, through);
+                let amounts = lanes::<M, _>(|lane| {
+                    let parted = self.part(vertex, lane, axis, &turning);
+                    if through { parted.transmitted } else { parted.reflected }
+                });
+                let axis = M::Amount::axis_along(axis, onward, grooves);
+                ways.push(Way { order, through, dir: onward, amounts, axis });
+            }
+        }
+        if grating.rest_in_zero_order {
+            let axis = M::Amount::face_axis(self.beam.axis(), dir, normal);
+            let cos = -dir.dot(normal);
+            for through in [false, true] {
+                let Some(onward) = diffract(dir, normal, (n1[0], n2[0]), DVec3::ZERO, through) else { continue };
+                let amounts = lanes::<M, _>(|lane| {
+                    let (a, b) = (n1[lane], n2[lane]);
+                    let films = self.optics.films(0, lane);
+                    let turning = films.turning::<M::Amount>(a, b, cos, vertex.outside, self.optics.nm(lane));
+                    let parted = self.part(vertex, lane, axis, &turning);
+                    let along = a * (dir + normal * cos);
+                    let from_eye = self.travel == Travel::FromEye;
+                    let (arrives, sides) = match (from_eye, through) {
+                        (false, _) => (along, (a, b)),
+                        (true, false) => (-along, (a, b)),
+                        (true, true) => (-along, (b, a)),
+                    };
+                    let rest = grating.rest(arrives, grating.shift(across, self.optics.nm(lane)), normal, sides);
+                    (if through { parted.transmitted } else { parted.reflected }).scaled(rest)
+                });
+                ways.push(Way { order: 0, through, dir: onward, amounts, axis });
+            }
+        }
+        ways
+    }
+}
