@@ -143,7 +143,7 @@ pub const ROWS: &[Row] = &[
     new(Finish, "direction", Numbers(3), "mesh units", Any, "across the lines of a grating, not zero: planes at right angles to it cut the face into lines, so that its part along the face counts; order m turns light towards it by m λ/d"),
     new(Finish, "lines_per_mm", Number, "1/mm", Any, "planes of a grating per millimetre of the world along direction; below 0, order m is that of −m"),
     new(Finish, "orders", Records(&ORDER), "", Any, "list of { order, T, R }: shares of light that arrives from either side, together at most 1; an order that cannot propagate there carries nothing, and its share goes where rest says"),
-    new(Finish, "order", Integer, "", Any, "order of diffraction m: n' t' = n t + m λ/d along the face"),
+    new(Finish, "order", Number, "", Any, "order of diffraction m, a whole number: n' t' = n t + m λ/d along the face"),
     new(Finish, "T", Number, "", Within(0.0, 1.0), "share of an order on the other side of the face").or("0"),
     new(Finish, "R", Number, "", Within(0.0, 1.0), "share of an order on the side where the light arrives").or("0"),
     new(Finish, "rest", Word(&["absorbed", "zero_order"]), "", Any, "where the light goes that the orders leave: nowhere, or straight on and back as at a bare interface of the part's medium").or("absorbed"),
