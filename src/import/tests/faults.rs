@@ -100,7 +100,7 @@ fn unknown_keys_and_names() {
         (
             "[[bind]]\npath = \"LENS\"\nfinish = \"polisht\"\n",
             &[],
-            "hud.optics.toml:12: unknown finish `polisht`; expected one of none, polished, rough, lambert, surface, material, gauss, cos_m, abg, measured, mirror, polariser, retarder, absorber; did you mean `polished`?",
+            "hud.optics.toml:12: unknown finish `polisht`; expected one of none, polished, rough, lambert, surface, material, gauss, cos_m, abg, measured, mirror, polariser, reflective_polariser, retarder, grating, circular_polariser, absorber; did you mean `polished`?",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nfinish = { kind = \"lambert\", reflectence = 0.5 }\n",
@@ -115,7 +115,7 @@ fn unknown_keys_and_names() {
         (
             "[[bind]]\npath = \"LENS\"\nfinish = { reflectance = 0.5 }\n",
             &[],
-            "hud.optics.toml:12: finish { reflectance = 0.5 } has no kind; expected one of none, polished, rough, lambert, surface, material, gauss, cos_m, abg, measured, mirror, polariser, retarder, absorber",
+            "hud.optics.toml:12: finish { reflectance = 0.5 } has no kind; expected one of none, polished, rough, lambert, surface, material, gauss, cos_m, abg, measured, mirror, polariser, reflective_polariser, retarder, grating, circular_polariser, absorber",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nfinish = { lambert = { reflectance = 0.5 }, gauss = { sigma_deg = 1 } }\n",
@@ -125,7 +125,7 @@ fn unknown_keys_and_names() {
         (
             "[[bind]]\npath = \"LENS\"\nfinish = 3\n",
             &[],
-            "hud.optics.toml:12: finish is a number (3); expected one of none, polished, rough, lambert, surface, material, gauss, cos_m, abg, measured, mirror, polariser, retarder, absorber",
+            "hud.optics.toml:12: finish is a number (3); expected one of none, polished, rough, lambert, surface, material, gauss, cos_m, abg, measured, mirror, polariser, reflective_polariser, retarder, grating, circular_polariser, absorber",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nfinish = \"polished\"\ncoating = \"arr\"\n[coating.ar]\nstack = [{ n = 1.38, thickness_nm = 99.638 }]\n",

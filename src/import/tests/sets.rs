@@ -230,6 +230,6 @@ const ROWS: &[(&str, &[&str], &str)] = &[
     (
         LIT,
         &["default.finish=polisht"],
-        "--set default.finish=polisht: unknown finish `polisht`; expected one of none, polished, rough, lambert, surface, material, gauss, cos_m, abg, measured, mirror, polariser, retarder, absorber; did you mean `polished`?",
+        "--set default.finish=polisht: unknown finish `polisht`; expected one of none, polished, rough, lambert, surface, material, gauss, cos_m, abg, measured, mirror, polariser, reflective_polariser, retarder, grating, circular_polariser, absorber; did you mean `polished`?",
     ),
 ];
