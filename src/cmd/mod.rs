@@ -41,6 +41,7 @@ mod report;
 mod scan;
 mod shards;
 mod source;
+mod table_file;
 mod threads;
 mod tolerance;
 mod validate;

@@ -3,18 +3,18 @@
 use super::progress::Signals;
 use super::render_args::{PolarisationArg, parse_resolution};
 use super::source::Source;
+use super::table_file::TableFile;
 use super::threads::Threads;
 use super::{Format, print};
+use crate::base::Result;
 use crate::base::atomic::{check_writable, write_atomic};
-use crate::base::document::document;
-use crate::base::{Error, Result, Where};
 use crate::plan::Asked;
 use crate::plan::scan::light::LightAsked;
 use crate::plan::scan::table::{csv, ghosts_csv, lines};
 use crate::plan::scan::{ScanAsked, scan};
 use crate::scene::{Note, Severity};
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Longer side of the short renderings, pixels.
@@ -95,7 +95,7 @@ pub fn run(args: &ScanArgs) -> Result<ExitCode> {
 }
 
 fn traced(args: &ScanArgs) -> Result<ExitCode> {
-    let written = args.output.as_deref().map(table_of).transpose()?;
+    let written = args.output.as_deref().map(TableFile::of).transpose()?;
     if let Some(path) = &args.ghosts {
         check_writable(path)?;
     }
@@ -130,12 +130,8 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
     };
     let warnings: Vec<&Note> = scene.notes.iter().filter(|note| note.severity == Severity::Warning).collect();
     let json = || serde_json::json!({ "asset": args.source.asset, "scan": found, "warnings": warnings });
-    if let (Some(path), Some(table)) = (&args.output, written) {
-        let text = match table {
-            Table::Csv => csv(&found),
-            Table::Json => document(json()) + "\n",
-        };
-        write_atomic(path, text.as_bytes())?;
+    if let Some(file) = written {
+        file.write(|| csv(&found), json)?;
     }
     if let Some(path) = &args.ghosts {
         write_atomic(path, ghosts_csv(&found).as_bytes())?;
@@ -143,29 +139,6 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
     let told = warnings.iter().map(|note| format!("warning: {}: {}", note.at, note.text));
     print(args.format, || told.chain(lines(&found)).collect::<Vec<_>>().join("\n"), json)?;
     Ok(ExitCode::from(u8::from(found.positions.iter().any(|position| position.warning.is_some()))))
-}
-
-/// How the file is written.
-#[derive(Debug, Clone, Copy)]
-enum Table {
-    Csv,
-    Json,
-}
-
-/// By the name of the file. Fails early where it could not be written.
-fn table_of(path: &Path) -> Result<Table> {
-    let ends = |with: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(with));
-    let table = if ends("csv") {
-        Table::Csv
-    } else if ends("json") {
-        Table::Json
-    } else {
-        return Err(
-            Error::new(Where::file(path), "is no name for a table").expected("a name that ends in .csv or .json")
-        );
-    };
-    check_writable(path)?;
-    Ok(table)
 }
 
 /// The same picture with a longer side of [`SIDE`] pixels at most.

@@ -2,11 +2,10 @@
 
 use super::progress::Signals;
 use super::source::Source;
+use super::table_file::TableFile;
 use super::threads::Threads;
 use super::{Format, print};
-use crate::base::atomic::{check_writable, write_atomic};
-use crate::base::document::document;
-use crate::base::{Error, Result, Where};
+use crate::base::Result;
 use crate::import::toml;
 use crate::plan::tolerance::parameter::parameters;
 use crate::plan::tolerance::table::{csv, lines};
@@ -14,7 +13,7 @@ use crate::plan::tolerance::{ToleranceAsked, Tolerances, tolerance};
 use crate::scene::{Note, Severity};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Draw designs with parts, radii, thicknesses and indices off by their tolerances: what the virtual image does.
@@ -81,27 +80,8 @@ pub fn run(args: &ToleranceArgs) -> Result<ExitCode> {
     args.threads.within(|| drawn(args))
 }
 
-/// How a file is written.
-#[derive(Debug, Clone, Copy)]
-enum Table {
-    Csv,
-    Json,
-}
-
-fn table_of(path: &Path) -> Result<Table> {
-    let ends = |with: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(with));
-    check_writable(path)?;
-    match (ends("csv"), ends("json")) {
-        (true, _) => Ok(Table::Csv),
-        (_, true) => Ok(Table::Json),
-        (false, false) => {
-            Err(Error::new(Where::file(path), "is no name for a table").expected("a name that ends in .csv or .json"))
-        }
-    }
-}
-
 fn drawn(args: &ToleranceArgs) -> Result<ExitCode> {
-    let written = args.output.as_deref().map(table_of).transpose()?;
+    let written = args.output.as_deref().map(TableFile::of).transpose()?;
     let signals = Signals::install();
     let scene = args.source.import()?.scene;
     let parameters = parameters(&toml::read_as(&args.tolerances, "file of tolerances")?, &scene)?;
@@ -131,12 +111,8 @@ fn drawn(args: &ToleranceArgs) -> Result<ExitCode> {
     };
     let warnings: Vec<&Note> = scene.notes.iter().filter(|note| note.severity == Severity::Warning).collect();
     let json = || serde_json::json!({ "asset": args.source.asset, "tolerance": found, "warnings": warnings });
-    if let (Some(path), Some(table)) = (&args.output, written) {
-        let text = match table {
-            Table::Csv => csv(&found),
-            Table::Json => document(json()) + "\n",
-        };
-        write_atomic(path, text.as_bytes())?;
+    if let Some(file) = written {
+        file.write(|| csv(&found), json)?;
     }
     let told = warnings.iter().map(|note| format!("warning: {}: {}", note.at, note.text));
     print(args.format, || told.chain(lines(&found)).collect::<Vec<_>>().join("\n"), json)?;

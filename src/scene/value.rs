@@ -70,6 +70,16 @@ impl Value {
             Data::Bool(_) | Data::Number(_) | Data::Text(_) | Data::List(_) => None,
         }
     }
+    /// An error for a value that is not what it should be; `what` is its name in words.
+    pub fn wrong(&self, what: &str, expected: &str) -> Box<Error> {
+        Error::new(self.at.clone(), format!("{what} is {} ({self})", self.kind())).expected(expected)
+    }
+    /// An error for the value of a key that `what` does not have.
+    pub fn unknown_key(&self, key: &str, what: &str, valid: &[&str]) -> Box<Error> {
+        Error::new(self.at.clone(), format!("unknown key `{key}` of {what}"))
+            .expected(format!("one of {}", valid.join(", ")))
+            .nearest(key, valid.iter().copied())
+    }
     /// Whether two values say the same, wherever they stand; a table's order says nothing.
     pub fn same(&self, other: &Value) -> bool {
         match (&self.data, &other.data) {

@@ -59,25 +59,25 @@ impl Config {
                 "only" => out.only = codes(value)?,
                 "level" => out.levels = levels(value)?,
                 "path" => {
-                    let rows = value.list().ok_or_else(|| wrong(value, "`path`", "[[validate.path]] tables"))?;
+                    let rows = value.list().ok_or_else(|| value.wrong("`path`", "[[validate.path]] tables"))?;
                     out.paths = rows.iter().map(for_path).collect::<Result<_>>()?;
                 }
                 "baseline" => {
-                    let name = value.text().ok_or_else(|| wrong(value, "`baseline`", "a file name"))?;
+                    let name = value.text().ok_or_else(|| value.wrong("`baseline`", "a file name"))?;
                     out.baseline = Some(path.parent().unwrap_or(Path::new("")).join(name));
                 }
                 "max_findings" => {
                     let number = value.number().filter(|n| *n >= 0.0 && n.fract() == 0.0 && *n <= 1e9);
                     out.max_findings =
-                        Some(number.ok_or_else(|| wrong(value, "`max_findings`", "a whole number"))? as usize);
+                        Some(number.ok_or_else(|| value.wrong("`max_findings`", "a whole number"))? as usize);
                 }
                 "exit_zero" => {
                     out.exit_zero = match value.data {
                         crate::scene::value::Data::Bool(flag) => flag,
-                        _ => return Err(wrong(value, "`exit_zero`", "true or false")),
+                        _ => return Err(value.wrong("`exit_zero`", "true or false")),
                     }
                 }
-                _ => return Err(unknown(key, value, "`[validate]`", &KEYS)),
+                _ => return Err(value.unknown_key(key, "`[validate]`", &KEYS)),
             }
         }
         Ok(out)
@@ -104,17 +104,7 @@ impl Config {
 }
 
 fn entries<'a>(value: &'a Value, what: &str) -> Result<&'a [(String, Value)]> {
-    value.table().ok_or_else(|| wrong(value, what, "a table"))
-}
-
-fn wrong(value: &Value, what: &str, expected: &str) -> Box<Error> {
-    Error::new(value.at.clone(), format!("{what} is {} ({value})", value.kind())).expected(expected)
-}
-
-fn unknown(key: &str, value: &Value, what: &str, valid: &[&str]) -> Box<Error> {
-    Error::new(value.at.clone(), format!("unknown key `{key}` of {what}"))
-        .expected(format!("one of {}", valid.join(", ")))
-        .nearest(key, valid.iter().copied())
+    value.table().ok_or_else(|| value.wrong(what, "a table"))
 }
 
 fn code(word: &str, at: &Where) -> Result<&'static str> {
@@ -128,14 +118,14 @@ fn code(word: &str, at: &Where) -> Result<&'static str> {
 }
 
 fn codes(value: &Value) -> Result<Vec<&'static str>> {
-    let list = value.list().ok_or_else(|| wrong(value, "a list of codes", "a list, e.g. [\"EB0207\"]"))?;
-    list.iter().map(|item| code(item.text().ok_or_else(|| wrong(item, "a code", "a text"))?, &item.at)).collect()
+    let list = value.list().ok_or_else(|| value.wrong("a list of codes", "a list, e.g. [\"EB0207\"]"))?;
+    list.iter().map(|item| code(item.text().ok_or_else(|| item.wrong("a code", "a text"))?, &item.at)).collect()
 }
 
 fn levels(value: &Value) -> Result<Vec<(&'static str, Option<Level>)>> {
     const WORDS: [&str; 4] = ["off", "note", "warning", "error"];
     let row = |(key, value): &(String, Value)| {
-        let word = value.text().ok_or_else(|| wrong(value, &format!("the level of {key}"), "a text"))?;
+        let word = value.text().ok_or_else(|| value.wrong(&format!("the level of {key}"), "a text"))?;
         let level = match word {
             "off" => None,
             _ => Some(Level::ALL.into_iter().find(|level| level.name() == word).ok_or_else(|| {
@@ -155,11 +145,11 @@ fn for_path(value: &Value) -> Result<ForPath> {
     for (key, value) in entries(value, "`[[validate.path]]`")? {
         match key.as_str() {
             "glob" => {
-                out.glob = value.text().ok_or_else(|| wrong(value, "`glob`", "a text, e.g. \"old/**\""))?.to_owned()
+                out.glob = value.text().ok_or_else(|| value.wrong("`glob`", "a text, e.g. \"old/**\""))?.to_owned()
             }
             "ignore" => out.ignore = codes(value)?,
             "level" => out.levels = levels(value)?,
-            _ => return Err(unknown(key, value, "`[[validate.path]]`", &KEYS)),
+            _ => return Err(value.unknown_key(key, "`[[validate.path]]`", &KEYS)),
         }
     }
     if out.glob.is_empty() {

@@ -79,9 +79,9 @@ pub fn parameters(root: &Value, scene: &Scene) -> Result<Vec<Parameter>> {
     };
     for (key, value) in root.table().ok_or_else(none)? {
         if key != "tolerance" {
-            return Err(unknown(key, value, "a file of tolerances", &["tolerance"]));
+            return Err(value.unknown_key(key, "a file of tolerances", &["tolerance"]));
         }
-        for row in value.list().ok_or_else(|| wrong(value, "`tolerance`", "[[tolerance]] tables"))? {
+        for row in value.list().ok_or_else(|| value.wrong("`tolerance`", "[[tolerance]] tables"))? {
             for parameter in of_row(row, scene)? {
                 if out.iter().any(|other| other.name == parameter.name) {
                     let what = format!("{} is there twice", parameter.name);
@@ -94,25 +94,15 @@ pub fn parameters(root: &Value, scene: &Scene) -> Result<Vec<Parameter>> {
     if out.is_empty() { Err(none()) } else { Ok(out) }
 }
 
-fn wrong(value: &Value, what: &str, expected: &str) -> Box<Error> {
-    Error::new(value.at.clone(), format!("{what} is {} ({value})", value.kind())).expected(expected)
-}
-
-fn unknown(key: &str, value: &Value, what: &str, valid: &[&str]) -> Box<Error> {
-    Error::new(value.at.clone(), format!("unknown key `{key}` of {what}"))
-        .expected(format!("one of {}", valid.join(", ")))
-        .nearest(key, valid.iter().copied())
-}
-
 /// A number of 0 or more.
 fn size(value: &Value, what: &str) -> Result<f64> {
-    value.number().filter(|n| *n >= 0.0 && n.is_finite()).ok_or_else(|| wrong(value, what, "a number of 0 or more"))
+    value.number().filter(|n| *n >= 0.0 && n.is_finite()).ok_or_else(|| value.wrong(what, "a number of 0 or more"))
 }
 
 /// `count` numbers, each as `one` reads it.
 fn several<const N: usize>(value: &Value, what: &str, one: impl Fn(&Value) -> Result<f64>) -> Result<[f64; N]> {
     let list = value.list().filter(|list| list.len() == N);
-    let list = list.ok_or_else(|| wrong(value, what, &format!("{N} numbers")))?;
+    let list = list.ok_or_else(|| value.wrong(what, &format!("{N} numbers")))?;
     let mut out = [0.0; N];
     for (out, value) in out.iter_mut().zip(list) {
         *out = one(value)?;
@@ -131,7 +121,7 @@ fn subjects(row: &Value, scene: &Scene) -> Result<Vec<(String, Vec<usize>)>> {
             ));
         }
     };
-    let text = value.text().ok_or_else(|| wrong(value, &format!("`{key}`"), "a text"))?;
+    let text = value.text().ok_or_else(|| value.wrong(&format!("`{key}`"), "a text"))?;
     let parts = || scene.parts.iter().enumerate();
     let found: Vec<(String, Vec<usize>)> = if key == "group" {
         let inside = format!("{text}/");
@@ -150,9 +140,9 @@ fn subjects(row: &Value, scene: &Scene) -> Result<Vec<(String, Vec<usize>)>> {
 }
 
 fn of_row(row: &Value, scene: &Scene) -> Result<Vec<Parameter>> {
-    for (key, value) in row.table().ok_or_else(|| wrong(row, "a tolerance", "a table"))? {
+    for (key, value) in row.table().ok_or_else(|| row.wrong("a tolerance", "a table"))? {
         if !KEYS.contains(&key.as_str()) {
-            return Err(unknown(key, value, "a tolerance", &KEYS));
+            return Err(value.unknown_key(key, "a tolerance", &KEYS));
         }
     }
     let law = match row.get("distribution") {
@@ -161,12 +151,9 @@ fn of_row(row: &Value, scene: &Scene) -> Result<Vec<Parameter>> {
             Some("normal") => Law::Normal,
             Some("uniform") => Law::Uniform,
             _ => {
-                return Err(wrong(
-                    value,
-                    "`distribution`",
-                    "normal (numbers are standard deviations) or uniform (half-widths)",
-                )
-                .nearest(value.text().unwrap_or_default(), ["normal", "uniform"]));
+                return Err(value
+                    .wrong("`distribution`", "normal (numbers are standard deviations) or uniform (half-widths)")
+                    .nearest(value.text().unwrap_or_default(), ["normal", "uniform"]));
             }
         },
     };
@@ -188,7 +175,7 @@ fn of_row(row: &Value, scene: &Scene) -> Result<Vec<Parameter>> {
             let about = match row.get("about_mm") {
                 Some(at) => {
                     DVec3::from_array(several(at, "`about_mm`", |v| {
-                        v.number().filter(|n| n.is_finite()).ok_or_else(|| wrong(v, "`about_mm`", "three numbers"))
+                        v.number().filter(|n| n.is_finite()).ok_or_else(|| v.wrong("`about_mm`", "three numbers"))
                     })?) * 1e-3
                 }
                 None => middle(scene, &parts),
@@ -266,7 +253,7 @@ fn face_of(row: &Value, value: &Value, scene: &Scene, parts: &[usize], name: &st
             .expected(format!("`face`, 0 to {}", faces.saturating_sub(1)))
     })?;
     let found = number.number().filter(|n| *n >= 0.0 && n.fract() == 0.0 && *n < faces as f64);
-    found.map(|n| n as usize).ok_or_else(|| wrong(number, "`face`", &format!("0 to {}", faces.saturating_sub(1))))
+    found.map(|n| n as usize).ok_or_else(|| number.wrong("`face`", &format!("0 to {}", faces.saturating_sub(1))))
 }
 
 /// The middle of the box about parts, world, m.
