@@ -118,3 +118,53 @@ fn a_matched_pair_keeps_colours_together() {
     println!("{got} ± {sigma}, want {want}");
     assert!(sigma < 0.03 * want && (got - want).abs() < 4.0 * sigma + 1e-3 * want, "{got} ± {sigma}, want {want}");
 }
+
+/// A screen that a lamp lights past a grating, and past a reflective polariser: photons and whatever the plan chooses find what
+/// paths from the eye find, which meet the lamp by chance behind them.
+#[test]
+fn a_screen_lit_through_a_grating_or_a_reflective_polariser() {
+    let orders = vec![order(1, 0.3, 0.1), order(0, 0.4, 0.1), order(-1, 0.1, 0.0)];
+    let polariser = Finish::ReflectivePolariser {
+        axis: DVec3::new(0.6, 0.8, 0.0),
+        transmittance: 0.85,
+        transmittance_leak: 0.02,
+        reflectance: 0.9,
+        reflectance_leak: 0.05,
+    };
+    for is_grating in [true, false] {
+        let mut s = scene();
+        (s.eye.fov_deg, s.eye.resolution) = (40.0, [12, 12]);
+        let white = Finish::Lambert { reflectance: 0.8, transmittance: 0.0 };
+        let screen = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.3, DVec3::Y * 0.3)]);
+        add_part(&mut s, "screen", screen, DVec3::new(0.0, 0.0, -0.6), None, vec![face(white)]);
+        s.gratings.push(Grating {
+            direction: DVec3::Y,
+            lines_per_mm: 400.0,
+            orders: orders.clone(),
+            rest_in_zero_order: false,
+        });
+        let finish = if is_grating { Finish::Grating { grating: GratingId::from_index(0) } } else { polariser };
+        // Beside what the eye sees of the screen.
+        let pane = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.06, DVec3::Y * 0.12)]);
+        add_part(&mut s, "pane", pane, DVec3::new(0.2, 0.0, -0.4), None, vec![face(finish)]);
+        panel(&mut s, DVec3::new(0.26, 0.0, -0.25), DVec3::new(-0.4, 0.0, -1.0).normalize(), 0.04);
+        let of = |choice: Choice, passes: u64, seed: u64| {
+            let (films, _) =
+                render(&s, Asked { choice, polarisation: Polarisation::On, guides: Guides::On }, passes, seed);
+            for (_, _, ledger) in &films.films {
+                assert_eq!((ledger.invalid_paths, ledger.mismatches), (0, 0));
+            }
+            image(&films)
+        };
+        let want = of(BACKWARD, 3072, 3);
+        let (level, sigma) = mean(&want);
+        assert!(level > 1.0 && sigma < 0.02 * level, "{level} ± {sigma}");
+        for choice in [Choice::Only(Estimator::Photon), Choice::Auto] {
+            let got = of(choice, 64, 5);
+            let ((a, s_a), (b, s_b)) = (mean(&got), (level, sigma));
+            println!("grating {is_grating} {choice:?}: {a} ± {s_a}, want {b} ± {s_b}");
+            // A map of photons blurs by a radius; the whole of the light stays.
+            assert!((a - b).abs() < 4.0 * s_a.hypot(s_b) + 5e-3 * b, "{choice:?}: {a} ± {s_a}, want {b} ± {s_b}");
+        }
+    }
+}
