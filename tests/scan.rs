@@ -1,14 +1,14 @@
 //! `eyebox scan` against closed forms: a lamp in a plane mirror, the display behind a thick lens, what a lens lets through.
 
 use crate::common::{add_group, add_part, cuboid, face, lamp, mesh, quad, scene};
-use eyebox::base::ids::MediumId;
+use eyebox::base::ids::{GratingId, MediumId};
 use eyebox::estimate::virtual_image::image::distortion;
 use eyebox::import::{ImportOptions, Set, import};
 use eyebox::plan::scan::light::LightAsked;
 use eyebox::plan::scan::table::{csv, ghosts_csv, lines};
 use eyebox::plan::scan::{Scan, ScanAsked, scan};
 use eyebox::plan::{Asked, Choice, Guides, Polarisation};
-use eyebox::scene::{Absorption, Dispersion, Finish, Medium, Scene};
+use eyebox::scene::{Absorption, Dispersion, Finish, Grating, Medium, Order, Scene};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use std::path::Path;
 
@@ -296,4 +296,37 @@ fn a_plate_shows_a_lamp_twice() {
     let of_back = rows.lines().filter(|line| line.contains("\"mirror back\"")).count();
     assert_eq!(of_back, 18);
     assert!(lines(&found).iter().any(|line| line.ends_with("mirror back, 2 positions")));
+}
+
+/// Straight through a hologram that sends a third of the light elsewhere: what is looked at is not left to chance.
+#[test]
+fn a_lamp_behind_a_grating() {
+    for (orders, rest) in [(vec![(1, 0.3)], true), (vec![(1, 0.3), (0, 0.4)], false), (vec![(1, 0.01)], true)] {
+        let mut scene = scene();
+        let orders = orders.into_iter().map(|(order, transmittance)| Order { order, transmittance, reflectance: 0.1 });
+        let grating =
+            Grating { direction: DVec3::Y, lines_per_mm: 600.0, orders: orders.collect(), rest_in_zero_order: rest };
+        scene.gratings.push(grating);
+        let finish = Finish::Grating { grating: GratingId::from_index(0) };
+        let pane = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.3, DVec3::Y * 0.3)]);
+        add_part(&mut scene, "hologram", pane, DVec3::new(0.0, 0.0, -0.3), None, vec![face(finish)]);
+        let group = add_group(&mut scene, "led");
+        let mut shining = face(Finish::Absorber);
+        shining.emitter = lamp(group, LAMP_CD_M2);
+        let panel = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.02, DVec3::Y * 0.01)]);
+        add_part(&mut scene, "lamp", panel, DVec3::new(0.0, 0.0, -0.6), None, vec![shining]);
+        scene.eye.resolution = [24, 24];
+        let found = run(&scene, &asked([3, 1], [0.05, 0.0]));
+        assert_eq!((found.part.as_str(), found.by.as_str()), ("lamp", "hologram"));
+        for position in &found.positions {
+            assert_eq!(position.seen, 1.0);
+            for line in &position.points {
+                let [x, y] = line.direction_deg.unwrap().map(|angle| angle.to_radians().tan());
+                // The lamp itself, 0.6 m ahead.
+                let want = 1.0 / (0.6 * (1.0 + x * x + y * y).sqrt());
+                let got = line.vergence.unwrap().mean_per_m();
+                assert!((got / want - 1.0).abs() < 1e-4, "{got} {want}");
+            }
+        }
+    }
 }

@@ -30,7 +30,7 @@ fn figure<'f>(found: &'f Tolerances, name: &str) -> &'f Statistics {
 
 /// The standard deviation by quadrature, and that of the draws within four of its errors.
 fn check(figure: &Statistics, want: f64, precision: f64) {
-    let own = figure.shares.iter().map(|share| share.variance).sum::<f64>().sqrt();
+    let own = figure.shares.iter().map(|share| share.variance.unwrap()).sum::<f64>().sqrt();
     assert!((own / want - 1.0).abs() < precision, "{}: {own} {want}", figure.figure.name);
     assert!(
         (figure.sigma - want).abs() < 4.0 * figure.sigma_error + precision * want,
@@ -137,6 +137,8 @@ fn faults_say_where() {
         ("[[tolerance]]\npart = 'mirror'\nface = 6\nthickness_mm = 1", "0 to 5"),
         ("[[tolerance]]\npart = 'mirror'\nface = 0\nradius_percent = 1", "no radius"),
         ("[[tolerance]]\npart = 'lamp'\nindex = 1e-3", "no medium"),
+        ("[[tolerance]]\npart = 'mirror'\nface = 0\ntilt_arcmin = [1, 1, 1]", "`face` means nothing here"),
+        ("[[tolerance]]\npart = 'mirror'\nindex = 1e-3\nabout_mm = [0, 0, 0]", "`about_mm` means nothing here"),
         ("[[tolerance]]\npart = 'mirror'\nindex = 1e-3\n[[tolerance]]\npart = 'mirror'\nindex = 1e-3", "twice"),
     ] {
         let fault = fault(text, &scene);
@@ -151,6 +153,14 @@ fn faults_say_where() {
     assert!(parameters(&toml::parse(group, Path::new("t.toml")).unwrap(), &scene).is_ok());
     let few = tolerance(&scene, &all, &asked(3), &|| false, &|_, _| {}).expect_err("too few");
     assert!(few.to_string().contains("--draws"), "{few}");
+    let even = ToleranceAsked { points: [4, 4], ..asked(16) };
+    let even = tolerance(&scene, &all, &even, &|| false, &|_, _| {}).expect_err("no middle");
+    assert!(even.to_string().contains("odd numbers"), "{even}");
+    // The lamp is the picture.
+    let own = toml::parse("[[tolerance]]\npart = 'lamp'\nface = 0\nthickness_mm = 0.1", Path::new("t.toml")).unwrap();
+    let own = parameters(&own, &scene).unwrap();
+    let own = tolerance(&scene, &own, &asked(16), &|| false, &|_, _| {}).expect_err("the picture's face");
+    assert!(own.to_string().contains("t.toml:4") && own.to_string().contains("picture itself"), "{own}");
     assert!(tolerance(&empty(), &[], &asked(16), &|| false, &|_, _| {}).is_err());
     assert!(tolerance(&scene, &all, &asked(16), &|| true, &|_, _| {}).unwrap().is_none());
 }

@@ -121,5 +121,5 @@ fn drawn(args: &ToleranceArgs) -> Result<ExitCode> {
 
 /// Designs that could not be traced are findings.
 fn ending(found: &Tolerances) -> ExitCode {
-    ExitCode::from(u8::from(found.failed > 0))
+    ExitCode::from(u8::from(found.failed + found.failed_alone > 0))
 }

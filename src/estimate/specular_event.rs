@@ -73,7 +73,7 @@ impl<M: Mode> SpecularEvent<M> {
     }
 
     /// Power of the two ways on, as what goes on stands for it: the first lane alone where the others part from it.
-    fn powers(&self, walker: &Walker<'_, M>) -> [f64; 2] {
+    pub(super) fn powers(&self, walker: &Walker<'_, M>) -> [f64; 2] {
         let count = walker.beam.count();
         let mean = |amounts: &M::Lanes<M::Amount>, count: usize| {
             let sum: f64 = amounts.as_slice()[..count].iter().map(|amount| amount.power()).sum();

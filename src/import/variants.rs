@@ -17,16 +17,17 @@ impl VariantChoice {
                 "`{text}` names no variant; write PRIM{{SET=NAME}}, e.g. /car{{paint=red}}, or the name of a variant of glTF"
             )
         };
-        let Some((prim, rest)) = text.split_once('{') else {
-            let name = text.trim();
-            let plain = !name.is_empty() && !name.contains(['}', '=']);
-            return if plain { Ok(VariantChoice::Materials(name.to_owned())) } else { Err(bad()) };
+        // A name of glTF is any text, a path of USD starts with a slash, or has the whole form.
+        let plain = || {
+            let is_name = !text.trim().is_empty() && !text.trim_start().starts_with('/');
+            if is_name { Ok(VariantChoice::Materials(text.trim().to_owned())) } else { Err(bad()) }
         };
-        let (set, name) = rest.strip_suffix('}').and_then(|inner| inner.split_once('=')).ok_or_else(bad)?;
-        let (prim, set, name) = (prim.trim().trim_start_matches('/'), set.trim(), name.trim());
-        if [prim, set, name].iter().any(|word| word.is_empty() || word.contains(['{', '}', '='])) {
-            return Err(bad());
-        }
+        let inner = text.split_once('{').and_then(|(prim, rest)| {
+            let (set, name) = rest.strip_suffix('}')?.split_once('=')?;
+            Some([prim.trim().trim_start_matches('/'), set.trim(), name.trim()])
+        });
+        let whole = |words: &[&str; 3]| !words.iter().any(|word| word.is_empty() || word.contains(['{', '}', '=']));
+        let Some([prim, set, name]) = inner.filter(whole) else { return plain() };
         Ok(VariantChoice::Prim { prim: format!("/{prim}"), set: set.to_owned(), name: name.to_owned() })
     }
 }
@@ -50,7 +51,8 @@ mod tests {
         assert_eq!(found.to_string(), "/a/b{paint=red}");
         assert_eq!(VariantChoice::parse("/a/b{paint=red}"), Ok(found));
         assert_eq!(VariantChoice::parse(" street shoe "), Ok(VariantChoice::Materials("street shoe".to_owned())));
-        for bad in ["", "a=b", "a{b}", "{b=c}", "a{=c}", "a{b=}", "a{b=c", "a{b=c}{d=e}", "a{b=c=d}"] {
+        assert_eq!(VariantChoice::parse("paint=red {2}"), Ok(VariantChoice::Materials("paint=red {2}".to_owned())));
+        for bad in ["", " ", "/a", "/a{b}", "/a{=c}", "/a{b=}", "/a{b=c", "/a{b=c}{d=e}", "/a{b=c=d}"] {
             assert!(VariantChoice::parse(bad).unwrap_err().contains("PRIM{SET=NAME}"), "{bad}");
         }
     }

@@ -3,8 +3,9 @@
 
 use super::aim::{Sight, aim, carried_along};
 use super::image::{arcmin, turned};
-use super::look::{Landed, look_around};
+use super::look::{Effort, Landed, look_around};
 use super::subject::{Point, Subject};
+use super::tuning::ghosts::MOST_BRANCHES;
 use crate::world::World;
 use crate::world::mode::{Mono, MonoStokes};
 use crate::world::optics::Optics;
@@ -26,7 +27,8 @@ pub struct GhostPoint {
 /// what a ray starts with, most light first.
 pub fn find(tracing: (&World, &Optics<Mono>), main: &Subject, least: f64) -> Vec<Subject> {
     let half = tracing.0.eye.half();
-    let found = look_around(tracing, [-half, half], (Some(main.part), least));
+    let effort = Effort { least, most_branches: MOST_BRANCHES };
+    let found = look_around(tracing, [-half, half], (Some(main.part), effort));
     let own = main.train.chain();
     let mut ghosts: Vec<(f64, Subject)> = Vec::new();
     for ((_, _, face, chain), hits) in found {

@@ -2,9 +2,10 @@
 
 use super::sent;
 use super::subject::Kind;
-use super::tuning::subject::{LOOKS, MOST_BRANCHES, MOST_FACES};
-use crate::base::chain::Chain;
+use super::tuning::subject::{LOOKS, MOST_FACES};
+use crate::base::chain::{Chain, Step};
 use crate::estimate::ledger::Ledger;
+use crate::estimate::specular_event::Branch;
 use crate::estimate::walk::{Meeting, Met, Vertex, Walker};
 use crate::film::specular_chain::{Lens, SpecularChain};
 use crate::world::World;
@@ -13,6 +14,14 @@ use crate::world::optics::Optics;
 use crate::world::surface::Surface;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
+
+/// How far the branches of a ray are followed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Effort {
+    /// The share of what a ray started with that a way on has to have.
+    pub least: f64,
+    pub most_branches: usize,
+}
 
 /// Light from the eye that met a face.
 pub(super) struct Landed {
@@ -32,11 +41,11 @@ pub(super) type Found = BTreeMap<Way, Vec<Landed>>;
 pub(super) type Way = (Kind, u32, u32, Chain);
 
 /// Sends rays from the pupil's middle through the middles of cells between two corners of the field of view (tangents).
-/// `wanted`: the part that is looked for, or any; `least`: ways on are followed with this share of what a ray started with.
+/// `wanted`: the part that is looked for, or any; `effort`: how far ways on are followed.
 pub(super) fn look_around(
     tracing: (&World, &Optics<Mono>),
     [low, high]: [DVec2; 2],
-    (wanted, least): (Option<u32>, f64),
+    (wanted, effort): (Option<u32>, Effort),
 ) -> Found {
     let world = tracing.0;
     let mut found = Found::new();
@@ -44,7 +53,7 @@ pub(super) fn look_around(
         let share = |i: usize| (i as f64 + 0.5) / LOOKS as f64;
         let film = low + (high - low) * DVec2::new(share(look % LOOKS), share(look / LOOKS));
         let (origin, (_, dir), ..) = world.eye.ray_of(film, DVec2::ZERO);
-        follow(tracing, (origin, dir), least, |kind, vertex, walker, train| {
+        follow(tracing, (origin, dir), effort, |kind, vertex, walker, train| {
             let site = vertex.hit.site;
             if wanted.is_none_or(|part| part == site.part) {
                 found.entry((kind, site.part, site.face, train.chain())).or_default().push(Landed {
@@ -61,11 +70,30 @@ pub(super) fn look_around(
     found
 }
 
+/// The way back from a face that parts light, with at least the share `least`; the walker itself is set to go through. Of a
+/// grating only light that is not diffracted is followed: where its orders lead has no derivatives here.
+fn other_way<'w>(
+    walker: &mut Walker<'w, Mono>,
+    vertex: &Vertex,
+    least: f64,
+    ledger: &mut Ledger,
+) -> Option<Walker<'w, Mono>> {
+    if !matches!(walker.face(vertex).surface, Surface::Grating(_)) {
+        return walker.split(vertex, least, u8::MAX, ledger);
+    }
+    let before = walker.beam.weight();
+    let mut back = walker.clone();
+    walker.order = Some((Step::Through, 0));
+    back.order = Some((Step::Back, 0));
+    let went = matches!(back.meet(vertex, ledger), Meeting::Went);
+    (went && back.beam.weight() >= least * before).then_some(back)
+}
+
 /// Follows a ray and its branches to the faces that may be a picture.
 fn follow<'w>(
     tracing: (&'w World, &'w Optics<Mono>),
     (origin, dir): (DVec3, DVec3),
-    least: f64,
+    effort: Effort,
     mut each: impl FnMut(Kind, &Vertex, &Walker<'w, Mono>, &SpecularChain),
 ) {
     let mut ledger = Ledger::new(tracing.0.solids.len());
@@ -95,10 +123,21 @@ fn follow<'w>(
             }
             let before = walker.part_around();
             let share = walker.beam.weight();
-            if branches < MOST_BRANCHES
-                && share > least
-                && let Some(reflected) = walker.split(&vertex, least / share, u8::MAX, &mut ledger)
+            let other = if branches < effort.most_branches && share > effort.least {
+                other_way(&mut walker, &vertex, effort.least / share, &mut ledger)
+            } else {
+                None
+            };
+            // Nothing is left to chance: where one way is too faint to be followed the other one is.
+            if walker.forced.is_none()
+                && walker.order.is_none()
+                && let Some(turn) = walker.look_ahead(&vertex, &mut ledger)
             {
+                let [back, through] = turn.powers(&walker);
+                let crosses = turn.refracts() && through >= back;
+                walker.forced = Some(if crosses { Branch::Refracted } else { Branch::Reflected });
+            }
+            if let Some(reflected) = other {
                 branches += 1;
                 let mut other = train.clone();
                 linked(&mut other, &reflected, &vertex, before);

@@ -1,8 +1,8 @@
 //! Which face is the picture that an eye sees as a virtual image, over which train of specular faces, and a grid of points
 //! on it.
 
-use super::look::{Found, Landed, Way, look_around};
-use super::tuning::subject::{FLAT, INSET, LEAST, LOOKS};
+use super::look::{Effort, Found, Landed, Way, look_around};
+use super::tuning::subject::{FLAT, INSET, LEAST, LOOKS, MOST_BRANCHES};
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::film::specular_chain::SpecularChain;
@@ -54,6 +54,8 @@ pub struct Subject {
     pub from: DVec3,
 }
 
+const EFFORT: Effort = Effort { least: LEAST, most_branches: MOST_BRANCHES };
+
 impl Subject {
     /// Finds the picture that the eye of `world` sees, and `cells` (columns, rows; at least 2 each) points on it. Of several
     /// trains the one that carries most light counts. `target`: path of the part to look at.
@@ -68,11 +70,11 @@ impl Subject {
         let wanted = target.map(|path| part_of(scene, path)).transpose()?;
         // Twice: over all of the field of view, and over the part of it that the picture fills.
         let (half, cell) = (world.eye.half(), world.eye.half() * (2.0 / LOOKS as f64));
-        let mut best = brightest(look_around(tracing, [-half, half], (wanted, LEAST)));
+        let mut best = brightest(look_around(tracing, [-half, half], (wanted, EFFORT)));
         if let Some((_, hits)) = &best {
             let low = hits.iter().map(|hit| hit.film).fold(half, DVec2::min) - cell;
             let high = hits.iter().map(|hit| hit.film).fold(-half, DVec2::max) + cell;
-            best = brightest(look_around(tracing, [low.max(-half), high.min(half)], (wanted, LEAST))).or(best);
+            best = brightest(look_around(tracing, [low.max(-half), high.min(half)], (wanted, EFFORT))).or(best);
         }
         let Some(((kind, part, face, _), hits)) = best else {
             let at = target.map_or(Where::Nowhere, Where::part);

@@ -37,3 +37,9 @@ pub(super) mod subject {
     /// How far inside the rim the outermost points are, of the picture's sides.
     pub const INSET: f64 = 0.005;
 }
+
+/// `ghosts.rs`
+pub(super) mod ghosts {
+    /// Branches of one ray: of n uncoated surfaces some n²/2 have a ten thousandth of the light, so that ninety are followed whole.
+    pub const MOST_BRANCHES: usize = 4096;
+}

@@ -108,7 +108,7 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
         }
         "retarder" => {
             let axis = fields.need_direction("axis")?;
-            let plate = super::wave_plate::wave_plate(fields)?.ok_or_else(|| fields.missing("retardance_nm"))?;
+            let plate = super::wave_plate::wave_plate(fields, false)?.ok_or_else(|| fields.missing("retardance_nm"))?;
             match (&plate.retardance, plate.indices) {
                 (Retardance::Nm(rows), None) if rows.len() == 1 => Finish::Retarder { axis, retardance_nm: rows[0][1] },
                 (Retardance::Nm(_) | Retardance::Waves(_), _) => {
@@ -125,7 +125,7 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
                 right: super::wave_plate::word(fields, "handedness", ["left", "right"], None)?,
                 front: !super::wave_plate::word(fields, "polariser_side", ["front", "back"], Some(false))?,
             };
-            let plate = super::wave_plate::wave_plate(fields)?.unwrap_or_else(WavePlate::quarter);
+            let plate = super::wave_plate::wave_plate(fields, true)?.unwrap_or_else(WavePlate::quarter);
             return Ok(FinishSpec::Plate { plate, of });
         }
         "cos_m" => {

@@ -8,6 +8,9 @@ use crate::import::value::Value;
 use crate::scene::attribute::{self, Noun};
 use crate::scene::{Grating, Note, Order};
 
+/// Orders of one grating: each is a way on that every ray weighs.
+const MOST_ORDERS: usize = 64;
+
 /// The grating of a finish. Faults: orders twice, shares together above 1, order 0 beside `rest = "zero_order"`.
 pub fn grating(fields: &Fields<'_>, notes: &mut Vec<Note>) -> Result<Grating> {
     let direction = fields.need_direction("direction")?;
@@ -21,6 +24,10 @@ pub fn grating(fields: &Fields<'_>, notes: &mut Vec<Note>) -> Result<Grating> {
         Error::new(value.at.clone(), format!("`orders` is {} ({value})", value.kind()))
             .expected("a list of { order, T, R }")
     })?;
+    if list.len() > MOST_ORDERS {
+        return Err(Error::new(value.at.clone(), format!("a grating with {} orders", list.len()))
+            .expected(format!("at most {MOST_ORDERS}: those that carry light")));
+    }
     let orders = list.iter().map(order).collect::<Result<_>>()?;
     let grating = Grating { direction, lines_per_mm, orders, rest_in_zero_order };
     if let Some(text) = grating.problem() {

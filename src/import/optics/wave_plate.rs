@@ -7,9 +7,10 @@ use crate::import::value::Data;
 use crate::scene::attribute::{self, Noun};
 use crate::scene::{Retardance, WavePlate};
 
-/// The wave plate of a finish; none if there is no retardance. Faults: both retardances, one index alone, wavelengths that do
+/// The wave plate of a finish; none if there is neither a retardance nor, where indices alone are enough for a `quarter` wave
+/// plate, those. Faults: both retardances, one index alone, wavelengths that do
 /// not rise, a retardance of the other sign than the birefringence.
-pub fn wave_plate(fields: &Fields<'_>) -> Result<Option<WavePlate>> {
+pub fn wave_plate(fields: &Fields<'_>, quarter: bool) -> Result<Option<WavePlate>> {
     let (nm, waves) = (retardance(fields, "retardance_nm")?, retardance(fields, "retardance_waves")?);
     let indices = match (fields.number("ordinary_index")?, fields.number("extraordinary_index")?) {
         (Some(o), Some(e)) => Some([o, e]),
@@ -20,8 +21,11 @@ pub fn wave_plate(fields: &Fields<'_>) -> Result<Option<WavePlate>> {
     let retardance = match (nm, waves) {
         (Some(rows), None) => Retardance::Nm(rows),
         (None, Some(rows)) => Retardance::Waves(rows),
-        (None, None) if indices.is_some() => WavePlate::quarter().retardance,
-        (None, None) => return Ok(None),
+        (None, None) => match indices.filter(|_| quarter) {
+            // A quarter of the sign that the birefringence has.
+            Some([o, e]) => Retardance::Waves(vec![[WavePlate::ANY_NM, if e < o { -0.25 } else { 0.25 }]]),
+            None => return Ok(None),
+        },
         (Some(_), Some(_)) => {
             return Err(Error::new(fields.at().clone(), "a wave plate has one retardance")
                 .expected("`retardance_nm` or `retardance_waves`"));

@@ -1,6 +1,7 @@
 //! A design as it would be made: one value for each parameter.
 
 use super::parameter::{Change, Parameter};
+use super::tuning::apply::UPRIGHT;
 use crate::base::Error;
 use crate::base::Shared;
 use crate::base::error::Result;
@@ -12,7 +13,13 @@ use std::collections::HashSet;
 /// Changes a scene by the parameters' values (m, rad, a share of the radius, index), in their order.
 /// Errors: a change that leaves nothing sensible (an index of 0, a radius of 0), with the parameter.
 pub fn apply(scene: &mut Scene, parameters: &[Parameter], values: &[f64]) -> Result<()> {
-    for (parameter, value) in parameters.iter().zip(values).filter(|(_, value)| **value != 0.0) {
+    // Faces first, in the axes of the design: parts take them along.
+    let (parts, faces): (Vec<_>, Vec<_>) = parameters
+        .iter()
+        .zip(values)
+        .filter(|(_, value)| **value != 0.0)
+        .partition(|(parameter, _)| matches!(parameter.change, Change::Decenter { .. } | Change::Tilt { .. }));
+    for (parameter, value) in faces.into_iter().chain(parts) {
         match parameter.change {
             Change::Decenter { axis } => {
                 let shift = DVec3::AXES[axis] * *value;
@@ -41,7 +48,10 @@ pub fn apply(scene: &mut Scene, parameters: &[Parameter], values: &[f64]) -> Res
             Change::Wedge { face, axis } => {
                 let motion = of(scene, parameter, face).and_then(|(part, mesh)| {
                     let (middle, normal) = face_frame(part, mesh, face)?;
-                    let level = DVec3::Y.cross(normal).try_normalize().unwrap_or(DVec3::X);
+                    let level = DVec3::Y.cross(normal);
+                    // Of a face that looks up or down there is no horizontal but by rounding.
+                    let level = if level.length() < UPRIGHT { DVec3::X - normal * normal.x } else { level };
+                    let level = level.try_normalize()?;
                     let about = [level, normal.cross(level)][axis];
                     Some(about_point(DQuat::from_axis_angle(about, *value), middle))
                 });

@@ -1,6 +1,8 @@
 //! What is read off a design as it is made: figures of the virtual image from the scene's own eye.
 
+use super::parameter::{Change, Parameter};
 use crate::base::error::Result;
+use crate::base::{Error, Where};
 use crate::estimate::virtual_image::aim::{Sight, aim, carried_along};
 use crate::estimate::virtual_image::subject::{Point, Subject};
 use crate::plan::scan::ghosts::{self, Named};
@@ -69,13 +71,24 @@ impl Nominal {
             Nominal { subject, ghosts, to_world, ipd_m, figures, values: Vec::new(), by, part, light: 1.0 };
         let values = nominal.of(scene)?;
         let luminance = nominal.figures.iter().position(|figure| figure.name == LUMINANCE).unwrap_or(0);
-        let light = values.get(luminance).copied().filter(|light| *light > 0.0);
-        nominal.light = light.unwrap_or(1.0);
-        nominal.values = values;
-        if let (Some(light), Some(own)) = (light, nominal.values.get_mut(luminance)) {
-            *own /= light;
+        let Some(light) = values.get(luminance).copied().filter(|light| *light > 0.0) else {
+            let at = Where::part(&nominal.part);
+            return Err(Error::new(at, "the picture's middle is not seen").expected("a design whose eye sees it"));
+        };
+        (nominal.light, nominal.values) = (light, values);
+        if let Some(own) = nominal.values.get_mut(luminance) {
+            *own = 1.0;
         }
         Ok(nominal)
+    }
+
+    /// Whether a parameter moves the face of the picture within its part: the picture would not go along.
+    pub fn is_moved_within(&self, parameter: &Parameter) -> bool {
+        let face = match parameter.change {
+            Change::Thickness { face } | Change::Wedge { face, .. } => face,
+            Change::Decenter { .. } | Change::Tilt { .. } | Change::Radius { .. } | Change::Index => return false,
+        };
+        face == self.subject.face as usize && parameter.parts.contains(&(self.subject.part as usize))
     }
 
     /// The figures of a design that was changed; NaN where there is none, as of a ghost that is not seen.

@@ -20,7 +20,7 @@ use figures::{Figure, Nominal};
 use parameter::Parameter;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use tuning::tolerance::{FEWEST, MOST};
+use tuning::tolerance::{FEWEST, MOST, MOST_NUMBERS};
 
 /// What is asked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,8 +43,9 @@ pub struct Tolerances {
     pub by: String,
     pub parameters: Vec<Parameter>,
     pub draws: usize,
-    /// Designs that could not be traced, and why the first of them could not.
+    /// Draws that could not be traced, designs with one parameter off that could not, and why the first of them could not.
     pub failed: usize,
+    pub failed_alone: usize,
     pub why: Option<String>,
     pub figures: Vec<Statistics>,
     /// Of all figures that were looked for.
@@ -72,10 +73,14 @@ pub fn tolerance(
         let fault = Error::new(option("--draws"), format!("{} draws", asked.draws));
         return Err(fault.expected(format!("{FEWEST} to {MOST}")));
     }
-    if asked.points.iter().any(|n| !(3..=64).contains(n)) {
+    if asked.draws.saturating_mul(parameters.len()) > MOST_NUMBERS {
+        let fault = Error::new(option("--draws"), format!("{} draws of {} parameters", asked.draws, parameters.len()));
+        return Err(fault.expected(format!("{MOST_NUMBERS} numbers in all")));
+    }
+    if asked.points.iter().any(|n| !(3..=63).contains(n) || n % 2 == 0) {
         let [columns, rows] = asked.points;
         return Err(Error::new(option("--points"), format!("{columns} × {rows} points of the picture"))
-            .expected("3 to 64 each way"));
+            .expected("odd numbers, 3 to 63: one point is in the middle"));
     }
     if !(asked.ipd_m > 0.0 && asked.ipd_m.is_finite()) {
         return Err(Error::new(option("--ipd"), format!("{} m between the eyes", asked.ipd_m)).expected("above 0"));
@@ -84,6 +89,10 @@ pub fn tolerance(
     // Lines of sight ask for no light.
     scene.sky = None;
     let nominal = Nominal::new(&scene, asked.points, asked.target.as_deref(), asked.ipd_m)?;
+    if let Some(own) = parameters.iter().find(|parameter| nominal.is_moved_within(parameter)) {
+        return Err(Error::new(own.at.clone(), format!("{} is of the picture itself", own.name))
+            .expected("`decenter_mm` and `tilt_arcmin` of the picture's part, which take the picture along"));
+    }
     let alone = quadrature::nodes(parameters);
     let all = asked.draws + alone.len();
     let done = AtomicUsize::new(0);
@@ -98,10 +107,10 @@ pub fn tolerance(
     };
     let draws: Vec<Vec<f64>> = (0..asked.draws).map(|draw| draw::draw(parameters, asked.seed, draw)).collect();
     let drawn: Option<Vec<_>> = draws.par_iter().map(|values| look(values)).collect();
-    let single: Option<Vec<_>> = alone.par_iter().map(|node| look(&node.values)).collect();
+    let single: Option<Vec<_>> = alone.par_iter().map(|node| look(&node.values(parameters.len()))).collect();
     let (Some(drawn), Some(single)) = (drawn, single) else { return Ok(None) };
-    let why = drawn.iter().find_map(|found| found.as_ref().err()).map(ToString::to_string);
-    let failed = drawn.iter().filter(|found| found.is_err()).count();
+    let why = drawn.iter().chain(&single).find_map(|found| found.as_ref().err()).map(ToString::to_string);
+    let [failed, failed_alone] = [&drawn, &single].map(|all| all.iter().filter(|found| found.is_err()).count());
     let samples: Vec<(Vec<f64>, Vec<f64>)> =
         draws.into_iter().zip(drawn.into_iter().map(Result::unwrap_or_default)).collect();
     let single: Vec<Vec<f64>> = single.into_iter().map(Result::unwrap_or_default).collect();
@@ -124,6 +133,7 @@ pub fn tolerance(
         parameters: parameters.to_vec(),
         draws: asked.draws,
         failed,
+        failed_alone,
         why,
         samples,
     }))

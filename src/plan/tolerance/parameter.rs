@@ -3,9 +3,10 @@
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::import::select::glob;
-use crate::scene::Scene;
 use crate::scene::value::Value;
+use crate::scene::{Finish, Scene};
 use glam::DVec3;
+use std::collections::HashSet;
 
 /// How a parameter is spread about nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -29,7 +30,8 @@ pub enum Change {
     Radius { face: usize },
     /// Shifts a face along its mean outward normal, m.
     Thickness { face: usize },
-    /// Turns a face about its middle, rad: about the horizontal (0) or the other axis (1) across its mean normal.
+    /// Turns a face about its middle, rad: about the horizontal (0) or the other axis (1) across its mean normal. Of a face that
+    /// looks up or down the first one is x.
     Wedge { face: usize, axis: usize },
     /// Adds to the refractive index of the parts' medium, at all wavelengths alike.
     Index,
@@ -73,6 +75,7 @@ fn radians(arcmin: f64) -> f64 {
 /// Errors: no such table, an unknown key or part, a number out of range, a face without a radius: with the line.
 pub fn parameters(root: &Value, scene: &Scene) -> Result<Vec<Parameter>> {
     let mut out: Vec<Parameter> = Vec::new();
+    let mut names = HashSet::new();
     let none = || {
         Error::new(root.at.clone(), "no tolerances")
             .expected("[[tolerance]] tables, each with a part and what of it may be off")
@@ -83,7 +86,7 @@ pub fn parameters(root: &Value, scene: &Scene) -> Result<Vec<Parameter>> {
         }
         for row in value.list().ok_or_else(|| value.wrong("`tolerance`", "[[tolerance]] tables"))? {
             for parameter in of_row(row, scene)? {
-                if out.iter().any(|other| other.name == parameter.name) {
+                if !names.insert(parameter.name.clone()) {
                     let what = format!("{} is there twice", parameter.name);
                     return Err(Error::new(parameter.at, what).expected("each parameter once"));
                 }
@@ -145,6 +148,15 @@ fn of_row(row: &Value, scene: &Scene) -> Result<Vec<Parameter>> {
             return Err(value.unknown_key(key, "a tolerance", &KEYS));
         }
     }
+    let stray = |key: &str, needs: &[&str]| match row.get(key) {
+        Some(value) if needs.iter().all(|need| row.get(need).is_none()) => {
+            Err(Error::new(value.at.clone(), format!("`{key}` means nothing here"))
+                .expected(format!("beside it {}", needs.join(", "))))
+        }
+        Some(_) | None => Ok(()),
+    };
+    stray("face", &["radius_percent", "thickness_mm", "wedge_arcmin"])?;
+    stray("about_mm", &["tilt_arcmin"])?;
     let law = match row.get("distribution") {
         None => Law::Normal,
         Some(value) => match value.text() {
@@ -195,7 +207,10 @@ fn of_row(row: &Value, scene: &Scene) -> Result<Vec<Parameter>> {
             let face = face_of(row, value, scene, &parts, &name)?;
             match what {
                 "radius" => {
-                    let has = scene.parts[parts[0]].faces[face].shape.with_radius(1.0).is_some();
+                    let own = &scene.parts[parts[0]].faces[face];
+                    // Lamps are their triangles, and what is not there has no surface.
+                    let traced = own.emitter.is_none() && own.finish != Finish::None;
+                    let has = traced && own.shape.with_radius(1.0).is_some();
                     if !has {
                         return Err(Error::new(value.at.clone(), format!("face {face} of {name} has no radius"))
                             .expected("a face with an exact surface that is curved"));

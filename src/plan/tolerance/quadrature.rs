@@ -15,7 +15,18 @@ const UNIFORM: [[f64; 2]; 2] =
 pub struct Node {
     pub parameter: usize,
     pub weight: f64,
-    pub values: Vec<f64>,
+    pub value: f64,
+}
+
+impl Node {
+    /// The values of all of `count` parameters.
+    pub fn values(&self, count: usize) -> Vec<f64> {
+        let mut values = vec![0.0; count];
+        if let Some(own) = values.get_mut(self.parameter) {
+            *own = self.value;
+        }
+        values
+    }
 }
 
 /// All of them; the middle node of each is the nominal design.
@@ -27,30 +38,29 @@ pub fn nodes(parameters: &[Parameter]) -> Vec<Node> {
             Law::Uniform => UNIFORM,
         };
         for ([node, weight], side) in rule.into_iter().flat_map(|pair| [(pair, 1.0), (pair, -1.0)]) {
-            let mut values = vec![0.0; parameters.len()];
-            values[parameter] = side * node * row.size;
-            out.push(Node { parameter, weight, values });
+            out.push(Node { parameter, weight, value: side * node * row.size });
         }
     }
     out
 }
 
-/// What each parameter makes of a figure by itself, largest first: `found` at the nodes, `nominal` without any. Those where a node
-/// has no figure are left out.
+/// What each parameter makes of a figure by itself, largest first: `found` at the nodes, `nominal` without any. Not known where a
+/// node has no figure, which comes first: the face is missed or hidden there.
 pub fn shares(parameters: &[Parameter], nodes: &[Node], found: &[f64], nominal: f64) -> Vec<Share> {
     let mut out: Vec<Share> = parameters
         .iter()
         .enumerate()
-        .filter_map(|(index, parameter)| {
+        .map(|(index, parameter)| {
             // Differences from the nominal design: a large figure takes no digits from a small variance.
             let own = || nodes.iter().zip(found).filter(move |(node, _)| node.parameter == index);
             let moment =
                 |power: i32| own().map(|(node, value)| node.weight * (value - nominal).powi(power)).sum::<f64>();
             let variance = moment(2) - moment(1).powi(2);
-            variance.is_finite().then(|| Share { name: parameter.name.clone(), variance: variance.max(0.0) })
+            Share { name: parameter.name.clone(), variance: variance.is_finite().then_some(variance.max(0.0)) }
         })
         .collect();
-    out.sort_by(|a, b| b.variance.total_cmp(&a.variance));
+    let rank = |share: &Share| share.variance.unwrap_or(f64::INFINITY);
+    out.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
     out
 }
 
@@ -75,13 +85,20 @@ mod tests {
         let nodes = nodes(&parameters);
         let found: Vec<f64> = nodes
             .iter()
-            .map(|n| 5.0 + 2.0 * n.values[0] + n.values[0].powi(2) + 3.0 * n.values[1] - n.values[1].powi(2))
+            .map(|node| node.values(2))
+            .map(|v| 5.0 + 2.0 * v[0] + v[0].powi(2) + 3.0 * v[1] - v[1].powi(2))
             .collect();
         let shares = shares(&parameters, &nodes, &found, 5.0);
         let normal = 4.0 * 0.7f64.powi(2) + 2.0 * 0.7f64.powi(4);
         let even = 9.0 * 0.3f64.powi(2) / 3.0 + 4.0 * 0.3f64.powi(4) / 45.0;
         assert_eq!(shares[0].name, "Normal");
-        assert!((shares[0].variance / normal - 1.0).abs() < 1e-12, "{}", shares[0].variance);
-        assert!((shares[1].variance / even - 1.0).abs() < 1e-12, "{}", shares[1].variance);
+        let [first, second] = [0, 1].map(|index: usize| shares[index].variance.unwrap());
+        assert!((first / normal - 1.0).abs() < 1e-12, "{first}");
+        assert!((second / even - 1.0).abs() < 1e-12, "{second}");
+        // A node without the figure: nobody knows, and that is told first.
+        let mut torn = found;
+        torn[4] = f64::NAN;
+        let shares = super::shares(&parameters, &nodes, &torn, 5.0);
+        assert_eq!((shares[0].name.as_str(), shares[0].variance), ("Uniform", None));
     }
 }

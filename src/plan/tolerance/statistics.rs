@@ -9,8 +9,8 @@ pub const PERCENT: [f64; 5] = [1.0, 5.0, 50.0, 95.0, 99.0];
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Share {
     pub name: String,
-    /// Of the figure, in its unit squared.
-    pub variance: f64,
+    /// Of the figure, in its unit squared; none where one of the designs in which it alone is off does not have the figure.
+    pub variance: Option<f64>,
 }
 
 /// A figure over all draws.
@@ -19,7 +19,7 @@ pub struct Statistics {
     #[serde(flatten)]
     pub figure: Figure,
     pub nominal: f64,
-    /// Draws that have the figure.
+    /// Draws that have the figure. The others' numbers are NaN if there is none.
     pub draws: usize,
     pub mean: f64,
     /// Standard deviation, and the standard error of that: from the fourth moment, so that it holds for any distribution.
@@ -33,11 +33,15 @@ pub struct Statistics {
     pub shares: Vec<Share>,
 }
 
-/// None of a figure that the nominal design does not have and no draw either.
+/// None of a figure that the nominal design does not have, and no draw either.
 pub fn of(figure: &Figure, nominal: f64, seen: &[f64], shares: Vec<Share>) -> Option<Statistics> {
     let mut sorted: Vec<f64> = seen.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
-    let (Some(least), Some(most)) = (sorted.first().copied(), sorted.last().copied()) else { return None };
+    if sorted.is_empty() && !nominal.is_finite() {
+        return None;
+    }
+    let end = |value: Option<&f64>| value.copied().unwrap_or(f64::NAN);
+    let (least, most) = (end(sorted.first()), end(sorted.last()));
     let count = sorted.len() as f64;
     // About the nominal value: digits of a large figure are not lost.
     let from = if nominal.is_finite() { nominal } else { least };
@@ -56,6 +60,7 @@ pub fn of(figure: &Figure, nominal: f64, seen: &[f64], shares: Vec<Share>) -> Op
         value(below) + (at - at.floor()) * (value(below + 1) - value(below))
     });
     let (figure, draws) = (figure.clone(), sorted.len());
+    let percentiles = percentiles.map(|value| if draws == 0 { f64::NAN } else { value });
     Some(Statistics { figure, nominal, draws, mean, sigma, sigma_error, least, most, percentiles, shares })
 }
 
@@ -73,5 +78,8 @@ mod tests {
         // (n² − 1)/12 over n, as a sample.
         assert!((found.mean - 50.0).abs() < 1e-12 && (found.sigma - f64::sqrt(858.5)).abs() < 1e-9, "{}", found.sigma);
         assert!(of(&figure, f64::NAN, &[f64::NAN], Vec::new()).is_none());
+        // The design has it, and nothing that is made of it.
+        let lost = of(&figure, 40.0, &[f64::NAN], Vec::new()).unwrap();
+        assert!(lost.draws == 0 && lost.mean.is_nan() && lost.percentiles.iter().all(|value| value.is_nan()));
     }
 }

@@ -21,9 +21,11 @@ pub fn lines(found: &Tolerances) -> Vec<String> {
     ];
     out.extend(found.figures.iter().map(line));
     if let Some(why) = &found.why {
+        let failed = found.failed + found.failed_alone;
         out.push(format!(
             "warning: {} of {} designs could not be traced, the first of them: {why}",
-            found.failed, found.draws
+            failed,
+            found.draws + 4 * found.parameters.len()
         ));
     }
     let fewest = found.figures.iter().map(|figure| figure.draws).min().unwrap_or(0);
@@ -36,10 +38,14 @@ pub fn lines(found: &Tolerances) -> Vec<String> {
 fn line(figure: &Statistics) -> String {
     let [one, _, half, _, most] = figure.percentiles;
     // By itself each; what is left of the whole is of several together.
-    let whole: f64 = figure.shares.iter().map(|share| share.variance).sum();
-    let told = figure.shares.iter().filter(|share| share.variance > 0.0).take(OFFENDERS);
-    let offenders: Vec<String> =
-        told.map(|share| format!("{:.0} % {}", 100.0 * share.variance / whole, share.name)).collect();
+    let whole: f64 = figure.shares.iter().filter_map(|share| share.variance).sum();
+    let told = figure.shares.iter().filter(|share| share.variance != Some(0.0)).take(OFFENDERS);
+    let offenders: Vec<String> = told
+        .map(|share| match share.variance {
+            Some(variance) => format!("{:.0} % {}", 100.0 * variance / whole, share.name),
+            None => format!("unknown: {}", share.name),
+        })
+        .collect();
     format!(
         "{:12.5} {:12.5} {:11.5} {one:12.5} {half:12.5} {most:12.5}  {}, {}{}{}",
         figure.nominal,
