@@ -85,6 +85,53 @@ impl Finish {
         }
     }
 
+    /// The grating, if it is one.
+    pub fn grating(&self) -> Option<GratingId> {
+        match self {
+            Finish::Grating { grating } => Some(*grating),
+            Finish::None
+            | Finish::Polished
+            | Finish::Rough { .. }
+            | Finish::Lambert { .. }
+            | Finish::Gauss { .. }
+            | Finish::CosM { .. }
+            | Finish::Abg { .. }
+            | Finish::Measured { .. }
+            | Finish::MirrorMetal { .. }
+            | Finish::MirrorIdeal { .. }
+            | Finish::Polariser { .. }
+            | Finish::ReflectivePolariser { .. }
+            | Finish::Retarder { .. }
+            | Finish::Surface { .. }
+            | Finish::Absorber
+            | Finish::WavePlate { .. }
+            | Finish::CircularPolariser { .. } => None,
+        }
+    }
+
+    /// The wave plate, if it has one.
+    pub fn wave_plate(&self) -> Option<WavePlateId> {
+        match self {
+            Finish::WavePlate { plate, .. } | Finish::CircularPolariser { plate, .. } => Some(*plate),
+            Finish::None
+            | Finish::Polished
+            | Finish::Rough { .. }
+            | Finish::Lambert { .. }
+            | Finish::Gauss { .. }
+            | Finish::CosM { .. }
+            | Finish::Abg { .. }
+            | Finish::Measured { .. }
+            | Finish::MirrorMetal { .. }
+            | Finish::MirrorIdeal { .. }
+            | Finish::Polariser { .. }
+            | Finish::ReflectivePolariser { .. }
+            | Finish::Retarder { .. }
+            | Finish::Surface { .. }
+            | Finish::Absorber
+            | Finish::Grating { .. } => None,
+        }
+    }
+
     /// A Gaussian lobe narrower than this is `G` in event strings: photons are not gathered there, the gathering
     /// waits for the first broad lobe. At 1° a lobe's solid angle 2πσ² is 1.9e-3 sr.
     pub const NARROW_SIGMA_DEG: f64 = 1.0;

@@ -186,8 +186,8 @@ fn fits_follow_the_unit_and_say_their_residual() {
     // The same bend is 10 µm in millimetres and 10 nm in micrometres.
     assert_eq!(
         fault("unit=0.001"),
-        "hud.optics.toml:13: part ROOT/LENS face 4: the plane misses the points by 2.50 µm rms, 2.50 µm max; expected at \
-         most 0.0500 µm"
+        "hud.optics.toml:13: part ROOT/LENS face 4: the plane misses the points by 2.50 µm rms, 2.50 µm max at (2, 1, 0); \
+         expected at most 0.0500 µm"
     );
     assert_eq!(fault("unit=1e-6"), "fits");
     let mut squashed = assembly(&["LENS"]);

@@ -140,8 +140,26 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
             put("look", across.0);
             put("up", across.1);
         }
-        // Three numbers may all be 0, and then they're no direction.
-        "finish" => put("axis", across.0),
+        "finish" => {
+            // Three numbers may all be 0, and then they're no direction.
+            put("axis", across.0.clone());
+            put("direction", across.0);
+            put("ordinary_index", value(Data::Number(1.5)));
+            put("extraordinary_index", value(Data::Number(1.5 + 0.01 * (1.0 + turn))));
+            let retardance = if pick < 3 {
+                value(Data::Number(1.0 + turn))
+            } else {
+                table_rows(&[[400.0, 1.0], [500.0 + turn, 2.0]])
+            };
+            put("retardance_nm", retardance.clone());
+            put("retardance_waves", retardance);
+            let order = |m: f64, side: &str| {
+                table([("order", m), (side, 0.25)].map(|(k, x)| (k.to_owned(), value(Data::Number(x)))).to_vec())
+            };
+            // −1 is an order, too.
+            let orders = [order(1.0, "T"), order(-1.0, "R"), order(2.0, "T")];
+            put("orders", value(Data::List(orders[..1 + pick % 3].to_vec())));
+        }
         "shape" => {
             put("axis", across.0);
             put("x", list(&[1.0, turn, 5.0]));
@@ -152,6 +170,14 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
         // Shares that together are at most 1; a metal or a reflectance.
         ("finish", Some("mirror")) => {
             all.retain(|(key, _)| (key == "reflectance") == pick.is_multiple_of(2) || key == "kind")
+        }
+        ("finish", Some("reflective_polariser")) => {
+            all.retain(|(key, _)| !["transmittance", "transmittance_leak"].contains(&key.as_str()))
+        }
+        // One retardance.
+        ("finish", Some("retarder" | "circular_polariser")) => {
+            let other = ["retardance_nm", "retardance_waves"][pick % 2];
+            all.retain(|(key, _)| key != other)
         }
         ("finish", _) => all.retain(|(key, _)| key != "transmittance"),
         ("emitter", _) => {

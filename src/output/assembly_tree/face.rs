@@ -4,7 +4,8 @@ use super::look::LookReport;
 use crate::base::Where;
 use crate::scene::angular::Spread;
 use crate::scene::{
-    Angular, Coating, Emitter, Face, Finish, Part, Polarisation, PolarisedLight, Residual, Scene, Shape, Spectrum,
+    Angular, Coating, Emitter, Face, Finish, Grating, Part, Polarisation, PolarisedLight, Residual, Scene, Shape,
+    Spectrum, WavePlate,
 };
 use glam::DVec3;
 
@@ -14,6 +15,11 @@ pub struct FaceReport {
     pub finish: Finish,
     /// Of a finish that is an ordinary material.
     pub look: Option<LookReport>,
+    /// Of a finish that is a grating or a wave plate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grating: Option<Grating>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wave_plate: Option<WavePlate>,
     /// Share of the light that gets through a polished face beside what else says it, linear Rec.709.
     pub tint: Option<[f64; 3]>,
     pub coating: Option<Coating>,
@@ -80,6 +86,8 @@ pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
         number,
         finish: face.finish,
         look: look(scene, part, face.finish),
+        grating: face.finish.grating().map(|id| scene.grating(id).clone()),
+        wave_plate: face.finish.wave_plate().map(|id| scene.wave_plate(id).clone()),
         tint: face.tint,
         coating: face.coating.and_then(|id| scene.coatings.get(id.index())).cloned(),
         shape: face.shape.clone(),

@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::base::Where;
-use crate::base::ids::{CoatingId, GroupId, MediumId, MeshId, SlideId};
+use crate::base::ids::{CoatingId, GratingId, GroupId, MediumId, MeshId, SlideId, WavePlateId};
 use crate::scene::{
-    Absorption, Angular, Coating, Dispersion, Emitter, Face, FaceRange, FilmLayer, Finish, Group, Led, Medium, Mesh,
-    Part, Photometry, Residual, Shape, Slide, Spectrum,
+    Absorption, Angular, Coating, Dispersion, Emitter, Face, FaceRange, FilmLayer, Finish, Grating, Group, Led, Medium,
+    Mesh, Order, Part, Photometry, Residual, Retardance, Shape, Slide, Spectrum, WavePlate,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
@@ -227,4 +227,25 @@ fn without_optics_and_with_broken_tables_nothing_panics() {
     scene.parts[4].path = "A/".repeat(2000);
     let text = AssemblyTree::new(&scene).text();
     assert_eq!(text.matches("LED_").count(), 3, "every part is shown once: {text}");
+}
+
+#[test]
+fn gratings_and_wave_plates_say_what_they_are() {
+    let mut scene = scene();
+    let orders = vec![Order { order: 1, transmittance: 0.3, reflectance: 0.05 }];
+    scene.gratings.push(Grating { direction: DVec3::Y, lines_per_mm: 600.0, orders, rest_in_zero_order: true });
+    let retardance = Retardance::Nm(vec![[500.0, 130.0], [600.0, 150.0]]);
+    scene.wave_plates.push(WavePlate { retardance, indices: Some([1.544, 1.553]) });
+    scene.parts[0].faces[0] = face(Finish::Grating { grating: GratingId(0) });
+    scene.parts[0].faces[1] = face(Finish::WavePlate { axis: DVec3::X, plate: WavePlateId(0) });
+    let tree = AssemblyTree::new(&scene);
+    let text = tree.text();
+    for line in [
+        "grating, 600 lines/mm across (0, 1, 0), orders +1 R 0.05 T 0.3; the rest goes on in order 0",
+        "retarder about (1, 0, 0), 0.25455 waves at 550 nm, by the angle with indices 1.544 and 1.553",
+    ] {
+        assert!(text.contains(line), "{text}");
+    }
+    let json = serde_json::to_string(&tree).unwrap();
+    assert!(json.contains("\"lines_per_mm\":600.0") && json.contains("\"indices\":[1.544,1.553]"), "{json}");
 }

@@ -4,7 +4,7 @@ use super::face::{EmitterReport, FaceReport, SlideReport};
 use super::look::LookReport;
 use super::parts::MediumReport;
 pub use crate::base::units::significant as number;
-use crate::scene::{Angular, Coating, CoatingLaw, Finish, Shape};
+use crate::scene::{Angular, Coating, CoatingLaw, Finish, Grating, Shape, WavePlate};
 use glam::DVec3;
 
 /// Metres as mm.
@@ -55,6 +55,8 @@ pub fn face(face: &FaceReport, traced_nm: f64) -> String {
     // A face with a slide transmits straight through, whatever its finish, unless it is a display that shows it.
     if face.slide.is_none() || face.emitter.is_some() {
         all.push(face.look.as_ref().map_or_else(|| finish(face.finish), LookReport::text));
+        all.extend(face.grating.as_ref().map(grating));
+        all.extend(face.wave_plate.as_ref().map(|plate| wave_plate(plate, traced_nm)));
     }
     if let Some(tint) = face.tint {
         let [r, g, b] = tint.map(|c| number(c, 3));
@@ -64,6 +66,24 @@ pub fn face(face: &FaceReport, traced_nm: f64) -> String {
     all.extend(shape(face));
     all.extend(face.emitter.as_ref().map(emitter));
     all.join(", ")
+}
+
+fn grating(grating: &Grating) -> String {
+    let orders = grating.orders.iter().map(|order| {
+        format!("{:+} R {} T {}", order.order, number(order.reflectance, 4), number(order.transmittance, 4))
+    });
+    let lines = number(grating.lines_per_mm, 6);
+    let rest = if grating.rest_in_zero_order { "goes on in order 0" } else { "is absorbed" };
+    let orders = orders.collect::<Vec<_>>().join("; ");
+    format!("{lines} lines/mm across {}, orders {orders}; the rest {rest}", direction(grating.direction))
+}
+
+fn wave_plate(plate: &WavePlate, traced_nm: f64) -> String {
+    let mut text = format!("{} waves at {traced_nm} nm", number(plate.retardance.waves(traced_nm), 5));
+    if let Some([ordinary, extraordinary]) = plate.indices {
+        text += &format!(", by the angle with indices {} and {}", number(ordinary, 6), number(extraordinary, 6));
+    }
+    text
 }
 
 fn finish(finish: Finish) -> String {
@@ -93,8 +113,8 @@ fn finish(finish: Finish) -> String {
         Finish::Retarder { axis, retardance_nm } => {
             format!("retarder about {}, {} nm", direction(axis), number(retardance_nm, 5))
         }
-        Finish::Grating { grating } => format!("grating {}", grating.0),
-        Finish::WavePlate { axis, .. } => format!("retarder about {}, by wavelength or angle", direction(axis)),
+        Finish::Grating { .. } => "grating".to_owned(),
+        Finish::WavePlate { axis, .. } => format!("retarder about {}", direction(axis)),
         Finish::CircularPolariser { axis, transmittance, extinction, right, front, .. } => {
             let (hand, side) = (if right { "right" } else { "left" }, if front { "front" } else { "back" });
             let (along, other) = (number(transmittance, 4), number(transmittance * extinction, 3));

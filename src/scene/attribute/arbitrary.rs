@@ -134,7 +134,21 @@ pub fn of(row: &'static Row) -> Values {
         Form::Length => length(row.range),
         Form::Numbers(count) => numbers(row.range, count),
         Form::Integers(count) => {
-            let item = (1..65536).prop_map(|x| value(Data::Number(f64::from(x))));
+            let range = row.range;
+            let fits = (1..65536).prop_filter("out of range", move |x| range.holds(f64::from(*x)));
+            let bounded = match range {
+                // Rejecting most of them would take for ever.
+                Range::Within(low, high) => (low.max(1.0) as i32..=high.min(65535.0) as i32).boxed(),
+                Range::Any
+                | Range::AtLeast(_)
+                | Range::AtLeastOrInfinite(_)
+                | Range::Positive
+                | Range::PositiveOrInfinite
+                | Range::NonZero
+                | Range::Above(..)
+                | Range::Between(..) => fits.boxed(),
+            };
+            let item = bounded.prop_map(|x| value(Data::Number(f64::from(x))));
             proptest::collection::vec(item, count).prop_map(list).boxed()
         }
         Form::Place => proptest::collection::vec(length(row.range), 3).prop_map(list).boxed(),

@@ -3,7 +3,7 @@
 //!
 //! - a kind: a token with its name, and one property for each parameter below it;
 //! - a table: one property for each entry below it, nothing for the table itself;
-//! - a list of tables: parallel arrays; [`UNSAID`] or `""` where a table lacks an entry;
+//! - a list of tables: parallel arrays; [`unsaid`] or `""` where a table lacks an entry;
 //! - a text, a length with its unit: a token; a file: an asset path; a whole number: an int;
 //! - a number that may also be a table of rows: a double, or the rows as `…:table`.
 //!
@@ -23,8 +23,11 @@ pub use layout::{Property, properties};
 use super::{Noun, Row, own_rows, row};
 use crate::base::Where;
 
-/// What stands for a number that isn't said in one of several parallel arrays. No row of a list of tables allows it.
-pub const UNSAID: f64 = -1.0;
+/// What stands for a number that isn't said in one of several parallel arrays, which the row doesn't allow: −1, or −∞ where it
+/// allows all numbers.
+pub fn unsaid(row: &Row) -> f64 {
+    if row.range.holds(-1.0) { f64::NEG_INFINITY } else { -1.0 }
+}
 
 /// The namespace of all our properties.
 pub const NAMESPACE: &str = "eyebox:";

@@ -1,6 +1,6 @@
 //! Attributes → USD properties.
 
-use super::{Entry, Level, NAMESPACE, UNSAID, UsdProperty, UsdValue, entry, keys, whole};
+use super::{Entry, Level, NAMESPACE, UsdProperty, UsdValue, entry, keys, unsaid, whole};
 use crate::base::error::Result;
 use crate::base::{Code, Error};
 use crate::scene::attribute::{self, Form, Noun, Row, union};
@@ -134,9 +134,10 @@ fn columns(row: &Row, fields: &[&str], name: &str, value: &Value, out: &mut Vec<
             continue;
         }
         let cells = items.iter().map(|item| item.get(key));
-        let column = match field(row.noun, fields, key, value)?.form {
+        let own = field(row.noun, fields, key, value)?;
+        let column = match own.form {
             Form::Number => UsdValue::Doubles(
-                cells.map(|cell| cell.map_or(Ok(UNSAID), |value| number(value, key))).collect::<Result<_>>()?,
+                cells.map(|cell| cell.map_or(Ok(unsaid(own)), |value| number(value, key))).collect::<Result<_>>()?,
             ),
             Form::Integer
             | Form::Text

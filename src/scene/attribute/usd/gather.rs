@@ -1,6 +1,6 @@
 //! USD properties → attributes.
 
-use super::{Entry, Level, NAMESPACE, UNSAID, UsdProperty, UsdType, UsdValue, entry, keys, layout, whole};
+use super::{Entry, Level, NAMESPACE, UsdProperty, UsdType, UsdValue, entry, keys, layout, unsaid, whole};
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
 use crate::scene::attribute::{self, Form, Noun, Row, kinds};
@@ -220,11 +220,12 @@ fn records(row: &Row, fields: &[&str], name: &str, pool: &Pool) -> Result<Option
     for field in fields {
         let Some(property) = pool.take(&format!("{name}:{field}")) else { continue };
         let at = &property.at;
-        let cells: Vec<Option<Data>> = match (attribute::row(row.noun, field).map(|row| row.form), &property.value) {
-            (Some(Form::Number), UsdValue::Doubles(numbers)) => {
-                numbers.iter().map(|n| (*n != UNSAID).then_some(Data::Number(*n))).collect()
+        let own = attribute::row(row.noun, field);
+        let cells: Vec<Option<Data>> = match (own.filter(|own| own.form == Form::Number), &property.value) {
+            (Some(own), UsdValue::Doubles(numbers)) => {
+                numbers.iter().map(|n| (*n != unsaid(own)).then_some(Data::Number(*n))).collect()
             }
-            (Some(Form::Number), _) => return Err(wrong(property, UsdType::Doubles)),
+            (Some(_), _) => return Err(wrong(property, UsdType::Doubles)),
             (_, UsdValue::Tokens(texts)) => {
                 texts.iter().map(|text| (!text.is_empty()).then(|| Data::Text(text.clone()))).collect()
             }

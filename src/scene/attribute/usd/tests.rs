@@ -81,7 +81,7 @@ fn every_row_has_a_place_in_usd() {
         if let Form::Records(fields) = row.form {
             for field in fields.iter().filter_map(|name| super::row(row.noun, name)) {
                 // What stands for "unsaid" can't be said.
-                assert!(field.form != Form::Number || !field.range.holds(UNSAID), "{}", field.name);
+                assert!(field.form != Form::Number || !field.range.holds(unsaid(field)), "{}", field.name);
             }
         }
     }
@@ -116,7 +116,7 @@ fn readable_properties() {
         said(&[
             token("eyebox:coating", "stack"),
             property("eyebox:coating:stack:thickness_nm", UsdValue::Doubles(vec![99.6, 50.0])),
-            property("eyebox:coating:stack:n", UsdValue::Doubles(vec![1.38, UNSAID])),
+            property("eyebox:coating:stack:n", UsdValue::Doubles(vec![1.38, -1.0])),
             property("eyebox:coating:stack:material", UsdValue::Tokens(vec![String::new(), "SiO2".into()])),
         ]),
         "{ coating = { kind = \"stack\", stack = [{ n = 1.38, thickness_nm = 99.6 }, { material = \"SiO2\", thickness_nm = 50 }] } }"
