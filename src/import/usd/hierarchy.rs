@@ -2,65 +2,17 @@
 //! walked once per prototype; further instances copy its nodes and share its meshes.
 
 use super::attribute::PrimView;
+use super::handed::{Above, Handed, MOST_DEEP, Template};
 use super::paint::Painted;
 use super::reader::Reader;
-use super::round_trip::{Fold, RoundTrip};
+use super::round_trip::RoundTrip;
 use super::xform::{self, Local};
-use super::{binding, camera, implicit, instancer, light, material, mesh, optics, skel};
+use super::{binding, camera, implicit, instancer, light, material, mesh, optics, skel, skel_binding};
 use crate::base::Where;
 use crate::base::error::Result;
 use crate::import::assembly::Node;
 use openusd::sdf::{self, Specifier};
 use openusd::usd::Prim;
-use std::collections::{HashMap, HashSet};
-use std::ops::Range;
-
-/// Deeper than any assembly; each level is a level of recursion here and in composition.
-pub(super) const MOST_DEEP: usize = 500;
-
-/// What prims take over from those above them.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub(super) struct Handed {
-    /// By purpose: `default` and `render` are, `proxy` and `guide` are not.
-    pub shown: bool,
-    pub material: binding::Inherited,
-    /// Colours of what has no material.
-    pub painted: Painted,
-    pub skel: skel::Inherited,
-}
-
-/// Where the walk is.
-#[derive(Debug, Clone)]
-pub(super) struct Above {
-    pub node: Option<usize>,
-    pub handed: Handed,
-    /// The innermost instance and its prototype: what is below both is one and the same.
-    pub instance: Option<(sdf::Path, sdf::Path)>,
-    pub depth: usize,
-    /// Roots of instancers' prototypes need not be defined.
-    pub may_be_over: bool,
-}
-
-/// The nodes below a node that others may copy.
-#[derive(Debug, Clone)]
-pub(super) struct Template {
-    top: usize,
-    nodes: Range<usize>,
-    cameras: Range<usize>,
-    lights: Range<usize>,
-}
-
-/// What the walk remembers.
-#[derive(Debug, Default)]
-pub(super) struct Placed {
-    instances: HashMap<(String, Handed), Template>,
-    /// Nodes that start afresh from the world.
-    pub resets: HashSet<usize>,
-    /// Nodes that our own writer made for what another node holds.
-    pub folds: HashMap<usize, Fold>,
-    /// The outermost instances.
-    pub outermost: Vec<String>,
-}
 
 /// Fills `assembly.nodes`, `meshes`, `cameras` and `lights`, depth first in the order of the stage.
 pub(super) fn read(reader: &mut Reader) -> Result<()> {
@@ -68,7 +20,7 @@ pub(super) fn read(reader: &mut Reader) -> Result<()> {
         shown: true,
         material: binding::Inherited::default(),
         painted: Painted::default(),
-        skel: skel::Inherited::default(),
+        skel: skel_binding::Inherited::default(),
     };
     let above = Above { node: None, handed, instance: None, depth: 0, may_be_over: false };
     let root = sdf::Path::abs_root();
@@ -380,10 +332,4 @@ fn content(reader: &mut Reader, view: &PrimView, type_name: &str, below: &Above)
     };
     reader.assembly.nodes[node].mesh = found;
     Ok(())
-}
-
-/// The path by which the instances of a prototype know a prim: the same for all of them.
-pub(super) fn shared_path(view: &PrimView, below: &Above) -> String {
-    let moved = below.instance.as_ref().and_then(|(from, to)| view.path().replace_prefix(from, to));
-    moved.as_ref().unwrap_or(view.path()).as_str().to_owned()
 }

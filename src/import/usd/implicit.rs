@@ -2,7 +2,7 @@
 //! surface.
 
 use super::attribute::PrimView;
-use super::hierarchy::Above;
+use super::handed::Above;
 use super::mesh::Made;
 use super::reader::Reader;
 use super::{binding, mesh, tessellate};

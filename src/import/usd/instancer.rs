@@ -2,9 +2,10 @@
 
 use super::attribute::PrimView;
 use super::binding::Inherited;
-use super::hierarchy::{self, Above, Handed, Template};
+use super::handed::{Above, Handed, MOST_DEEP, Template};
+use super::hierarchy;
 use super::reader::Reader;
-use super::skel;
+use super::skel_binding;
 use super::value;
 use super::xform::{self, Local};
 use crate::base::error::Result;
@@ -95,10 +96,10 @@ fn walk(reader: &mut Reader, view: &PrimView, path: &sdf::Path, node: usize, bel
 }
 
 /// What the prims above a prototype bind: materials and skeletons go by where it stands on the stage, not by who repeats it.
-fn inherited(reader: &mut Reader, path: &sdf::Path) -> Result<(Inherited, skel::Inherited)> {
-    let mut above: Vec<sdf::Path> = path.strict_ancestors_below_root().take(hierarchy::MOST_DEEP).collect();
+fn inherited(reader: &mut Reader, path: &sdf::Path) -> Result<(Inherited, skel_binding::Inherited)> {
+    let mut above: Vec<sdf::Path> = path.strict_ancestors_below_root().take(MOST_DEEP).collect();
     above.reverse();
-    let (mut out, mut bound) = (Inherited::default(), skel::Inherited::default());
+    let (mut out, mut bound) = (Inherited::default(), skel_binding::Inherited::default());
     for path in above {
         let prim = reader.stage.prim(path.clone()).map_err(|error| reader.moment.failed(&path, error))?;
         let failed = |error| reader.moment.failed(&path, error);

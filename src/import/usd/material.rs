@@ -7,7 +7,7 @@ use super::reads::{Folding, Reads};
 use super::round_trip::RoundTrip;
 use super::shader::{self, End};
 use super::surface::{self, Row};
-use super::{hierarchy, light, network, optics, texture};
+use super::{handed, light, network, optics, texture};
 use crate::base::Where;
 use crate::base::error::Result;
 use crate::import::assembly::Material;
@@ -63,7 +63,7 @@ pub(super) fn met(reader: &mut Reader, view: &PrimView) -> Result<()> {
 /// # Errors
 /// Values of the wrong kind; too many prims.
 pub(super) fn meet_below(reader: &mut Reader, view: &PrimView, depth: usize) -> Result<()> {
-    if depth > hierarchy::MOST_DEEP {
+    if depth > handed::MOST_DEEP {
         return Ok(());
     }
     for child in view.children()? {

@@ -1,8 +1,8 @@
 //! Primvars of a mesh: values that vary over it in one of USD's ways, perhaps through indices.
 
 use super::attribute::PrimView;
-use super::mesh::Corners;
 use super::notes::Ledger;
+use super::polygons::Corners;
 use super::value;
 use crate::base::error::Result;
 use openusd::sdf::Value;

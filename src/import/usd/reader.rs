@@ -1,15 +1,15 @@
 //! What is carried through the reading of a stage.
 
 use super::attribute::Moment;
+use super::caches::{KnownMeshes, KnownSkeletons};
 use super::composition_budget::CompositionBudget;
+use super::handed::Placed;
 use super::notes::Ledger;
 use super::reads::Folding;
 use super::resolver::Opened;
-use super::{hierarchy, implicit, layer_units, material, mesh, optics, render, round_trip, skel, stage, variants};
+use super::{material, render, stage};
 use crate::base::error::Result;
-use crate::base::{Code, Where};
 use crate::import::assembly::Assembly;
-use crate::import::variants::VariantChoice;
 use openusd::sdf;
 use openusd::usd::{Prim, Stage};
 use std::path::Path;
@@ -22,11 +22,11 @@ pub(super) struct Reader {
     pub ledger: Ledger,
     pub bound: CompositionBudget,
     pub assembly: Assembly,
-    pub placed: hierarchy::Placed,
-    pub meshes: mesh::Known,
+    pub placed: Placed,
+    pub meshes: KnownMeshes,
     pub materials: material::Known,
     pub folding: Folding,
-    pub skeletons: skel::Known,
+    pub skeletons: KnownSkeletons,
     pub render: render::Known,
 }
 
@@ -41,42 +41,13 @@ impl Reader {
             opened,
             ledger: Ledger::new(),
             assembly: Assembly { file: file.to_owned(), ..Assembly::default() },
-            placed: hierarchy::Placed::default(),
-            meshes: mesh::Known::default(),
+            placed: Placed::default(),
+            meshes: KnownMeshes::default(),
             materials: material::Known::default(),
             folding: Folding::default(),
-            skeletons: skel::Known::default(),
+            skeletons: KnownSkeletons::default(),
             render: render::Known::default(),
         })
-    }
-
-    pub fn run(mut self, variants: &[VariantChoice]) -> Result<Assembly> {
-        variants::choose(&mut self, variants)?;
-        self.assembly.variants = variants.iter().map(ToString::to_string).collect();
-        let Reader { stage, moment, assembly, ledger, .. } = &mut self;
-        stage::measures(stage, moment, assembly, ledger)?;
-        self.assembly.optics = optics::root(&mut self)?;
-        hierarchy::read(&mut self)?;
-        implicit::flatten_stretched(&mut self);
-        material::sort(&mut self);
-        render::read(&mut self)?;
-        self.assembly.stage = Some(stage::facts(&self.stage, &mut self.placed.outermost));
-        round_trip::fold(&mut self.assembly, &self.placed.folds);
-        let Reader { stage, moment, assembly, ledger, .. } = &mut self;
-        layer_units::check(stage, moment, assembly, ledger);
-        stage::note_errors(stage, moment, ledger);
-        if self.assembly.nodes.is_empty() {
-            self.ledger.warn_of(
-                Code::NothingToTrace,
-                Where::file(&self.moment.file),
-                "the stage has no prims that are placed anywhere",
-            );
-        }
-        let mut dependencies = stage::dependencies(&self.moment.file, &self.opened);
-        dependencies.append(&mut self.assembly.dependencies);
-        self.assembly.dependencies = dependencies;
-        self.assembly.notes = self.ledger.notes.finish();
-        Ok(self.assembly)
     }
 
     /// Whether a node starts afresh from the world.

@@ -1,8 +1,8 @@
 //! Which polygons make a face, and the triangles they are cut into.
 
 use super::super::faces::Partition;
+use super::super::polygons::{Corners, Polygons};
 use super::super::triangulate::{self, Met};
-use super::polygons::{Corners, Polygons};
 use glam::DVec3;
 
 /// The polygons of a face, in order.

@@ -1,23 +1,13 @@
 //! Which meshes are one and the same: references share nothing in USD, but they do here.
 
 use super::super::attribute::PrimView;
-use super::super::hierarchy::{self, Above, Handed};
+use super::super::caches::Alike;
+use super::super::handed::{self, Above};
 use super::super::reader::Reader;
 use crate::base::error::Result;
 use crate::import::assembly::MeshSource;
 use crate::import::value::Value;
 use crate::scene::Mesh;
-use std::collections::HashMap;
-
-/// Meshes by where they come from, with what is handed down to them, and by what they are.
-#[derive(Debug, Default)]
-pub(in crate::import::usd) struct Known {
-    by_source: HashMap<(String, Handed), Option<usize>>,
-    /// By numbers of vertices and triangles.
-    by_size: HashMap<(usize, usize), Alike>,
-    /// Of implicit shapes.
-    pub(in crate::import::usd) shapes: HashMap<String, usize>,
-}
 
 /// What building a mesh ends in.
 pub(in crate::import::usd) enum Made {
@@ -27,13 +17,6 @@ pub(in crate::import::usd) enum Made {
     Known(usize),
 }
 
-/// Meshes of one size. The first is hashed when there is a second: most large meshes are the only one of their size.
-#[derive(Debug, Default)]
-struct Alike {
-    unhashed: Option<usize>,
-    by_content: HashMap<blake3::Hash, Vec<usize>>,
-}
-
 /// The mesh of a prim, an index of `Assembly::meshes`; built if its source was not met before.
 pub(in crate::import::usd) fn shared(
     reader: &mut Reader,
@@ -41,7 +24,7 @@ pub(in crate::import::usd) fn shared(
     below: &Above,
     build: impl FnOnce(&mut Reader, &PrimView, &Above) -> Result<Made>,
 ) -> Result<Option<usize>> {
-    let key = (hierarchy::shared_path(view, below), below.handed.clone());
+    let key = (handed::shared_path(view, below), below.handed.clone());
     if let Some(&known) = reader.meshes.by_source.get(&key) {
         return Ok(known);
     }

@@ -3,7 +3,6 @@
 mod carried; // what vertices have beside position and normal
 mod cut; // polygons → faces → triangles
 mod known; // which meshes are one and the same
-mod polygons; // points and topology as the file has them
 mod varied; // what is refined with a subdivision surface
 mod vertices; // points → vertices
 
@@ -12,7 +11,8 @@ mod tests;
 
 use super::attribute::PrimView;
 use super::faces::Partition;
-use super::hierarchy::Above;
+use super::handed::Above;
+use super::polygons::{self, Polygons};
 use super::reader::Reader;
 use super::{binding, faces, optics, paint, primvar, skel, subdivide};
 use crate::base::Code;
@@ -28,9 +28,8 @@ use cut::Own;
 use varied::Varied;
 use vertices::Scratch;
 
-pub(super) use known::{Known, Made, keep, shared};
-pub(super) use polygons::{Corners, Polygons};
-pub(super) use vertices::Data;
+pub(super) use known::{Made, keep, shared};
+use vertices::Data;
 
 /// Bytes of a vertex with normal, and of a triangle.
 const VERTEX: usize = 24;
@@ -113,7 +112,14 @@ fn shaped(
 ) -> Result<Data> {
     let (Some(scheme), is_said) = subdivide::scheme(view)? else { return Ok(data) };
     let varied = Varied::of(carried);
-    let Some(fine) = subdivide::limit(reader, view, (scheme, is_said), &data, &varied.channels())? else {
+    let Some(fine) = subdivide::limit(
+        reader,
+        view,
+        (scheme, is_said),
+        (&data.polygons, data.normals.is_some()),
+        &varied.channels(),
+    )?
+    else {
         return Ok(data);
     };
     varied.replace(carried, fine.primvars);

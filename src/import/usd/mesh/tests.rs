@@ -1,11 +1,11 @@
 //! The quick ways through against the general one, and that against a plain one, on small random meshes.
 
+use super::super::polygons::{Corners, Polygons, Wrong};
 use super::super::primvar::{Interpolation, Primvar, Sizes};
 use super::super::tests::kit::assembly;
 use super::super::triangulate;
 use super::carried::{Carried, Held};
 use super::cut::Own;
-use super::polygons::{Corners, Polygons, Wrong};
 use super::vertices::{self, Data, Scratch};
 use crate::import::gltf::primitive::FaceMesh;
 use glam::DVec3;

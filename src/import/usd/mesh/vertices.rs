@@ -1,9 +1,9 @@
 //! The vertices of a face: points where all values follow points, else each different combination of values.
 
+use super::super::polygons::{Corners, Polygons};
 use super::super::primvar::Primvar;
 use super::carried::{Carried, Held};
 use super::cut::{self, Own};
-use super::polygons::{Corners, Polygons};
 use crate::import::gltf::primitive::FaceMesh;
 use std::rc::Rc;
 

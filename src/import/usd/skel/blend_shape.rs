@@ -1,10 +1,11 @@
 //! Blend shapes: weighted offsets of points and normals, through the shapes in between (UsdSkelBlendShape).
 
 use super::super::attribute::PrimView;
+use super::super::caches::Skeleton;
 use super::super::reader::Reader;
+use super::super::skel_binding::{Bound, Inherited, name_of};
 use super::super::value;
-use super::skeleton::Skeleton;
-use super::{Bound, Inherited, name_of, saying, view_at};
+use super::{saying, view_at};
 use crate::base::error::Result;
 use glam::DVec3;
 

@@ -1,10 +1,12 @@
 //! Which joints move a point, and by how much: `skel:jointIndices` and `skel:jointWeights`.
 
 use super::super::attribute::PrimView;
+use super::super::caches::Skeleton;
 use super::super::reader::Reader;
+use super::super::skel_binding::{Bound, Inherited, name_of};
 use super::super::value;
-use super::skeleton::{Skeleton, affine};
-use super::{Bound, Inherited, name_of, saying};
+use super::saying;
+use super::skeleton::affine;
 use crate::base::error::{Result, nearest_name};
 use glam::DAffine3;
 

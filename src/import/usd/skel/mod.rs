@@ -9,9 +9,11 @@ mod skeleton; // where joints are at the moment
 mod tests;
 
 use super::attribute::PrimView;
-use super::mesh::Corners;
+use super::caches::Skeleton;
+use super::polygons::Corners;
 use super::primvar::Primvar;
 use super::reader::Reader;
+use super::skel_binding::{Bound, Inherited, name_of};
 use super::xform;
 use crate::base::Code;
 use crate::base::error::Result;
@@ -20,79 +22,6 @@ use crate::import::skinning::{self, Blend};
 use glam::{DAffine3, DVec3};
 use influences::Influences;
 use openusd::sdf;
-use skeleton::Skeleton;
-
-pub(super) use skeleton::Known;
-
-/// The properties of UsdSkelBindingAPI that are inherited.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Bound {
-    Skeleton,
-    Animation,
-    Joints,
-    Indices,
-    Weights,
-    GeomBind,
-    Method,
-    BlendShapes,
-    BlendShapeTargets,
-}
-
-const BOUND: [(Bound, &str); 9] = [
-    (Bound::Skeleton, "skel:skeleton"),
-    (Bound::Animation, "skel:animationSource"),
-    (Bound::Joints, "skel:joints"),
-    (Bound::Indices, "primvars:skel:jointIndices"),
-    (Bound::Weights, "primvars:skel:jointWeights"),
-    (Bound::GeomBind, "primvars:skel:geomBindTransform"),
-    (Bound::Method, "primvars:skel:skinningMethod"),
-    (Bound::BlendShapes, "skel:blendShapes"),
-    (Bound::BlendShapeTargets, "skel:blendShapeTargets"),
-];
-
-/// What a prim hands down: which prim says each property. Two instances of a prototype share their meshes only if they hand
-/// down the same.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
-pub(super) struct Inherited {
-    /// Whether a SkelRoot is above: without one nothing is bent.
-    is_rooted: bool,
-    by: [Option<sdf::Path>; BOUND.len()],
-    /// The instance, where what is bound is outside of it.
-    within: Option<sdf::Path>,
-}
-
-impl Inherited {
-    /// With what `view` says itself: for the prim and those below it.
-    pub fn below(&self, view: &PrimView, type_name: &str) -> Inherited {
-        let mut out = self.clone();
-        out.is_rooted |= type_name == "SkelRoot";
-        if view.property_names().iter().any(|name| name.contains("skel:")) {
-            for ((_, name), by) in BOUND.iter().zip(&mut out.by) {
-                if view.has(name) {
-                    *by = Some(view.path().clone());
-                }
-            }
-        }
-        out
-    }
-
-    /// For the prims inside of the instance `view`.
-    pub fn inside(&mut self, view: &PrimView) {
-        if self.by.iter().any(Option::is_some) {
-            self.within = Some(view.path().clone());
-        }
-    }
-
-    /// The prim that says a property.
-    fn by(&self, bound: Bound) -> Option<&sdf::Path> {
-        let place = BOUND.iter().position(|(known, _)| *known == bound)?;
-        self.by.get(place)?.as_ref()
-    }
-}
-
-fn name_of(bound: Bound) -> &'static str {
-    BOUND.iter().find(|(known, _)| *known == bound).map_or("", |(_, name)| name)
-}
 
 /// The prim that says a property for those with `inherited`.
 fn saying(reader: &mut Reader, inherited: &Inherited, bound: Bound) -> Result<Option<PrimView>> {
@@ -271,7 +200,7 @@ fn world(reader: &mut Reader, view: &PrimView) -> Result<DAffine3> {
 /// Where the parent of a prim stands; nowhere but in the world if the prim resets.
 fn above(reader: &mut Reader, view: &PrimView, resets: bool) -> Result<DAffine3> {
     let (mut out, mut resets) = (DAffine3::IDENTITY, resets);
-    for path in view.path().strict_ancestors_below_root().take(super::hierarchy::MOST_DEEP) {
+    for path in view.path().strict_ancestors_below_root().take(super::handed::MOST_DEEP) {
         if resets {
             break;
         }

@@ -1,30 +1,17 @@
 //! Skeletons: joints by their paths, where they were when meshes were bound, and where they are at the moment.
 
 use super::super::attribute::PrimView;
+use super::super::caches::Skeleton;
 use super::super::reader::Reader;
+use super::super::skel_binding::{Bound, Inherited, name_of};
 use super::super::value;
 use super::super::xform;
-use super::{Bound, Inherited, target};
+use super::target;
 use crate::base::error::Result;
 use glam::{DAffine3, DMat3, DVec3};
 use openusd::sdf::Value;
 use std::collections::HashMap;
 use std::rc::Rc;
-
-/// Skeletons by path, and what binds their animation.
-pub(in crate::import::usd) type Known = HashMap<(String, Option<String>), Rc<Skeleton>>;
-
-/// A skeleton at the moment.
-#[derive(Debug, Default)]
-pub(in crate::import::usd) struct Skeleton {
-    /// The joints' paths.
-    pub joints: Vec<String>,
-    pub by_path: HashMap<String, usize>,
-    /// Where a joint takes what was bound to it, both in the skeleton's axes.
-    pub skinning: Vec<DAffine3>,
-    /// Weights of blend shapes by their names.
-    pub shapes: HashMap<String, f64>,
-}
 
 /// Joints deeper than this are no skeleton.
 const MOST_DEEP: usize = 512;
@@ -56,9 +43,9 @@ pub(super) fn alone(reader: &mut Reader, inherited: &Inherited) -> Result<Rc<Ske
 
 /// `skel:animationSource` of the skeleton or of the nearest prim above it.
 fn animation_of(reader: &mut Reader, view: &PrimView, inherited: &Inherited) -> Result<Option<PrimView>> {
-    let name = super::name_of(Bound::Animation);
+    let name = name_of(Bound::Animation);
     let mut above = vec![view.path().clone()];
-    above.extend(view.path().strict_ancestors_below_root().take(super::super::hierarchy::MOST_DEEP));
+    above.extend(view.path().strict_ancestors_below_root().take(super::super::handed::MOST_DEEP));
     for path in above {
         let own = PrimView::new(reader.prim(&path)?, &reader.moment)?;
         if own.has(name) {

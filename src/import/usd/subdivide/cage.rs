@@ -2,7 +2,7 @@
 //! are taken (UsdGeomMesh, "Subdivision").
 
 use super::super::attribute::PrimView;
-use super::super::mesh::Polygons;
+use super::super::polygons::Polygons;
 use super::super::reader::Reader;
 use super::super::value;
 use super::Scheme;

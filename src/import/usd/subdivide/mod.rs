@@ -9,7 +9,7 @@ mod refine; // the crate
 mod tests;
 
 use super::attribute::PrimView;
-use super::mesh::{Corners, Data, Polygons};
+use super::polygons::{Corners, Polygons};
 use super::primvar::Primvar;
 use super::reader::Reader;
 use crate::base::error::Result;
@@ -79,11 +79,9 @@ pub(super) fn limit(
     reader: &mut Reader,
     view: &PrimView,
     (scheme, is_said): (Scheme, bool),
-    data: &Data,
+    (polygons, has_normals): (&Polygons, bool),
     primvars: &[Primvar<[f32; 3]>],
 ) -> Result<Option<Fine>> {
-    let Data { polygons, normals, .. } = data;
-    let has_normals = normals.is_some();
     let cage = match Cage::read(reader, view, scheme, polygons)? {
         Ok(cage) => cage,
         Err(why) => return Ok(left_alone(reader, view, scheme, &why)),

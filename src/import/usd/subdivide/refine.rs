@@ -1,6 +1,6 @@
 //! Refining with the crate: values go from level to level in f64, then onto the limit surface.
 
-use super::super::mesh::{Corners, Polygons};
+use super::super::polygons::{Corners, Polygons};
 use super::super::primvar::{Interpolation, Primvar};
 use super::cage::Cage;
 use super::normals::Rings;

@@ -1,7 +1,7 @@
 //! Subdivision against closed forms: B-splines of quadratics, the cube's limit, creases that leave a cube a cube. And the
 //! normals against themselves: those of a point of the cage are the same from every level.
 
-use super::super::mesh::{Corners, Polygons};
+use super::super::polygons::{Corners, Polygons};
 use super::super::primvar::{Interpolation, Primvar};
 use super::super::tests::kit::{assembly, fault, notes};
 use super::cage::Cage;

@@ -1,16 +1,16 @@
 //! The topology of a mesh: points, and the polygons over them, read in an order that holds few arrays at a time.
 
-use super::super::attribute::PrimView;
-use super::super::primvar::Sizes;
-use super::super::reader::Reader;
-use super::super::value;
+use super::attribute::PrimView;
+use super::primvar::Sizes;
+use super::reader::Reader;
+use super::value;
 use crate::base::error::Result;
 use crate::base::{Code, Error};
 use crate::scene::Severity;
 
 /// Polygons as the file has them, checked.
 #[derive(Debug, Clone)]
-pub(in crate::import::usd) struct Polygons {
+pub(super) struct Polygons {
     pub points: Vec<[f32; 3]>,
     pub corners: Corners,
     /// Sorted.
@@ -20,7 +20,7 @@ pub(in crate::import::usd) struct Polygons {
 
 /// The points of all corners, polygon by polygon.
 #[derive(Debug, Clone)]
-pub(in crate::import::usd) enum Corners {
+pub(super) enum Corners {
     /// Nothing but triangles: the array that the scene gets in the end, if all goes well.
     Triangles(Vec<[u32; 3]>),
     Mixed {
@@ -32,7 +32,7 @@ pub(in crate::import::usd) enum Corners {
 
 /// What is wrong with counts and indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::import::usd) enum Wrong {
+pub(super) enum Wrong {
     Negative { polygon: usize, count: i32 },
     Corners { counted: u32, indices: usize },
 }

@@ -1,0 +1,39 @@
+//! The steps in which a stage becomes an assembly.
+
+use super::reader::Reader;
+use super::{hierarchy, implicit, layer_units, material, optics, render, round_trip, stage, variants};
+use crate::base::error::Result;
+use crate::base::{Code, Where};
+use crate::import::assembly::Assembly;
+use crate::import::variants::VariantChoice;
+
+impl Reader {
+    pub fn run(mut self, variants: &[VariantChoice]) -> Result<Assembly> {
+        variants::choose(&mut self, variants)?;
+        self.assembly.variants = variants.iter().map(ToString::to_string).collect();
+        let Reader { stage, moment, assembly, ledger, .. } = &mut self;
+        stage::measures(stage, moment, assembly, ledger)?;
+        self.assembly.optics = optics::root(&mut self)?;
+        hierarchy::read(&mut self)?;
+        implicit::flatten_stretched(&mut self);
+        material::sort(&mut self);
+        render::read(&mut self)?;
+        self.assembly.stage = Some(stage::facts(&self.stage, &mut self.placed.outermost));
+        round_trip::fold(&mut self.assembly, &self.placed.folds);
+        let Reader { stage, moment, assembly, ledger, .. } = &mut self;
+        layer_units::check(stage, moment, assembly, ledger);
+        stage::note_errors(stage, moment, ledger);
+        if self.assembly.nodes.is_empty() {
+            self.ledger.warn_of(
+                Code::NothingToTrace,
+                Where::file(&self.moment.file),
+                "the stage has no prims that are placed anywhere",
+            );
+        }
+        let mut dependencies = stage::dependencies(&self.moment.file, &self.opened);
+        dependencies.append(&mut self.assembly.dependencies);
+        self.assembly.dependencies = dependencies;
+        self.assembly.notes = self.ledger.notes.finish();
+        Ok(self.assembly)
+    }
+}
