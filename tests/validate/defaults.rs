@@ -71,6 +71,13 @@ fn needed(attribute: &str, parameter: &str) -> &'static str {
         ("finish", "g") => "2",
         ("finish", "file") => "\"scatter.csv\"",
         ("finish", "retardance_nm") => "137.5",
+        ("finish", "retardance_waves") => "0.25",
+        ("finish", "ordinary_index") => "1.5",
+        ("finish", "extraordinary_index") => "1.51",
+        ("finish", "handedness") => "\"left\"",
+        ("finish", "direction") => "[1, 0, 0]",
+        ("finish", "lines_per_mm") => "600",
+        ("finish", "orders") => "[{ order = -1, T = 0.3 }, { order = 0, T = 0.6 }]",
         ("coating", "stack") => "[{ n = 1.38, thickness_nm = 99.6 }, { material = \"N-BK7\", thickness_nm = 80 }]",
         ("coating", "table") => "[{ wavelength_nm = 550, angle_deg = 0, R_s = 0.1, R_p = 0.1, T_s = 0.8, T_p = 0.8 }]",
         ("shape", "vertex") => "[0, 0, 0.5]",
@@ -80,6 +87,8 @@ fn needed(attribute: &str, parameter: &str) -> &'static str {
         ("shape", "conic") => "0",
         ("shape", "even" | "coeffs") => "[0]",
         ("shape", "norm_radius") => "50",
+        ("shape", "half") => "[100, 100]",
+        ("shape", "spans") => "[1, 1]",
         ("shape", "tolerance_um") => "1",
         ("angular", "file") => "\"lamp.ies\"",
         ("angular", "fwhm_deg") => "40",
@@ -106,10 +115,16 @@ fn value(kind: &Kind) -> String {
     let left_out = |parameter: &str| match (kind.attribute, kind.name, parameter) {
         // A name is for others to refer to; a fit finds these itself.
         ("coating", _, "name") | ("shape", "fit", "radius" | "conic" | "tube_radius") => true,
+        // Of two ways to say a thing one is enough.
+        ("finish", "retarder", "retardance_waves") | ("finish", "circular_polariser", "retardance_nm") => true,
         _ => row(noun, parameter).is_some_and(|row| row.default.is_some()),
     };
     let said: String = (kind.parameters.iter().filter(|parameter| !left_out(parameter)))
-        .map(|parameter| format!(", {parameter} = {}", needed(kind.attribute, parameter)))
+        .map(|parameter| match (kind.name, *parameter) {
+            // (1 + 3)² heights.
+            ("bspline", "coeffs") => format!(", coeffs = {:?}", [0; 16]),
+            _ => format!(", {parameter} = {}", needed(kind.attribute, parameter)),
+        })
         .collect();
     format!("{{ kind = \"{}\"{said} }}", kind.name)
 }
