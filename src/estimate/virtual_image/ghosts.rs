@@ -49,23 +49,36 @@ fn over(main: &Subject, hits: &[Landed]) -> Option<Subject> {
     Some(Subject { train: hits.first()?.train.clone(), points: points.collect::<Option<_>>()?, ..main.clone() })
 }
 
-/// What an eye at `eye` (world, m) sees of a ghost, at the points that it sees of both. Shares of light are those of polarised
-/// paths: what a face sends back of one polarisation it lacks behind it. `right`: the eye's, unit.
-pub fn beside(
+/// A point of an image that an eye sees.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen {
+    dir: DVec3,
+    /// The share of the point's light.
+    light: f64,
+}
+
+/// What an eye at `eye` (world, m) sees of a subject, point by point. Shares of light are those of polarised paths: what a face
+/// sends back of one polarisation it lacks behind it.
+pub fn seen(
     tracing: (&World, &Optics<Mono>),
     polarised: &Optics<MonoStokes>,
-    (main, ghost): (&Subject, &Subject),
-    (eye, right): (DVec3, DVec3),
-) -> Vec<GhostPoint> {
-    let seen = |subject: &Subject, point: &Point| {
+    subject: &Subject,
+    eye: DVec3,
+) -> Vec<Option<Seen>> {
+    let one = |point: &Point| {
         let sight = aim(tracing, subject, point, (subject.from, point.near), eye);
         let Sight::Seen(dir) = sight else { return None };
-        Some((dir, carried_along((tracing.0, polarised), subject, point, eye, dir)?))
+        Some(Seen { dir, light: carried_along((tracing.0, polarised), subject, point, eye, dir)? })
     };
-    let pairs = main.points.iter().zip(&ghost.points);
+    subject.points.iter().map(one).collect()
+}
+
+/// A ghost beside the main image, at the points that are seen of both. `right`: the eye's, unit.
+pub fn beside(subject: &Subject, main: &[Option<Seen>], ghost: &[Option<Seen>], right: DVec3) -> Vec<GhostPoint> {
+    let pairs = subject.points.iter().zip(main.iter().zip(ghost));
     pairs
-        .filter_map(|(own, other)| {
-            let ((dir, light), (second, less)) = (seen(main, own)?, seen(ghost, other)?);
+        .filter_map(|(own, (main, ghost))| {
+            let (Seen { dir, light }, Seen { dir: second, light: less }) = ((*main)?, (*ghost)?);
             let separation = separation(dir, second, right)?;
             let ratio = Some(less / light).filter(|ratio| ratio.is_finite())?;
             Some(GhostPoint { cell: own.cell, separation_arcmin: separation.to_array(), ratio })

@@ -1,7 +1,7 @@
 //! The picture's second images from one position, named by the parts that make them.
 
 use super::tuning::ghosts::{LEAST, MOST};
-use crate::estimate::virtual_image::ghosts::{GhostPoint, beside, find};
+use crate::estimate::virtual_image::ghosts::{self, GhostPoint, find};
 use crate::estimate::virtual_image::subject::Subject;
 use crate::plan::paths::Visits;
 use crate::scene::{Eye, Scene};
@@ -57,12 +57,14 @@ pub fn trains(scene: &Scene, tracing: (&World, &Optics<Mono>), main: &Subject) -
 }
 
 /// All of them that are seen from `eye`, with their largest first.
-pub fn seen(tracing: (&World, &Optics<Mono>), main: &Subject, ghosts: &[Named], eye: &Eye) -> Vec<Ghost> {
+pub fn seen(tracing: (&World, &Optics<Mono>), main: &Subject, named: &[Named], eye: &Eye) -> Vec<Ghost> {
     let polarised = MonoStokes::optics(tracing.0, 0, 0);
-    let mut out: Vec<Ghost> = ghosts
+    let images = |subject: &Subject| ghosts::seen(tracing, &polarised, subject, eye.position);
+    let own = if named.is_empty() { Vec::new() } else { images(main) };
+    let mut out: Vec<Ghost> = named
         .iter()
         .filter_map(|ghost| {
-            let points = beside(tracing, &polarised, (main, &ghost.subject), (eye.position, eye.right()));
+            let points = ghosts::beside(main, &own, &images(&ghost.subject), eye.right());
             let count = points.len();
             (count > 0).then(|| Ghost {
                 by: ghost.by.clone(),
