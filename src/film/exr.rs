@@ -1,5 +1,6 @@
 //! EXR → frame. The file is not trusted: sizes are checked against the file's length before anything is allocated.
 
+mod b44;
 mod luminance_chroma;
 mod subsampled;
 

@@ -99,14 +99,14 @@ fn only_what_is_encoded_is_taken_as_srgb() {
     assert!((0..png.len() - 12).all(|length| Still::of_srgb(&png[..length]).is_err()));
 }
 
-/// A file of luminance and chroma as the format's description has it, not compressed: BY and RY have a sample for 2 × 2 pixels,
-/// odd lines have none of them. The chroma is that of (1, 0.5, 0.25) everywhere, the luminance doubles from pixel to pixel.
-#[test]
-fn luminance_and_chroma() {
-    const COLOUR: [f32; 3] = [1.0, 0.5, 0.25];
-    // IEC 61966-2-1.
-    let y = 0.2126 * COLOUR[0] + 0.7152 * COLOUR[1] + 0.0722 * COLOUR[2];
-    let (width, height) = (4i32, 4i32);
+/// A file with the channels BY, RY, Y of this sample type, whose chroma has a sample for 2 × 2 pixels: blocks of so many rows
+/// with these bytes (OpenEXR file layout).
+fn luminance_chroma_file(
+    [width, height]: [i32; 2],
+    (compression, sample): (u8, i32),
+    rows: i32,
+    blocks: &[Vec<u8>],
+) -> Vec<u8> {
     let mut file = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
     let mut put = |name: &str, kind: &str, value: &[u8]| {
         file.extend(name.bytes().chain([0]).chain(kind.bytes()).chain([0]));
@@ -117,11 +117,11 @@ fn luminance_and_chroma() {
     let mut channels = Vec::new();
     for (name, step) in [("BY", 2), ("RY", 2), ("Y", 1)] {
         channels.extend(name.bytes().chain([0]));
-        channels.extend(numbers(&[2, 0, step, step]));
+        channels.extend(numbers(&[sample, 0, step, step]));
     }
     channels.push(0);
     put("channels", "chlist", &channels);
-    put("compression", "compression", &[0]);
+    put("compression", "compression", &[compression]);
     let window = numbers(&[0, 0, width - 1, height - 1]);
     put("dataWindow", "box2i", &window);
     put("displayWindow", "box2i", &window);
@@ -130,6 +130,60 @@ fn luminance_and_chroma() {
     put("screenWindowCenter", "v2f", &[0; 8]);
     put("screenWindowWidth", "float", &1f32.to_le_bytes());
     file.push(0);
+    let chunk = |(row, data): (i32, &Vec<u8>)| [numbers(&[row, data.len() as i32]), data.clone()].concat();
+    let chunks: Vec<Vec<u8>> = (0..).step_by(rows as usize).zip(blocks).map(chunk).collect();
+    let mut offset = file.len() + 8 * chunks.len();
+    for chunk in &chunks {
+        file.extend((offset as u64).to_le_bytes());
+        offset += chunk.len();
+    }
+    chunks.iter().for_each(|chunk| file.extend(chunk));
+    file
+}
+
+/// The same in B44 compression: chroma without a hue, of one cell a channel, and luminances in four cells; one of them has
+/// steps from sample to sample, and ten rows need a second one below it, cut at the edge.
+#[test]
+fn luminance_and_chroma_in_b44() {
+    // Half floats: 0x3c00 is 1, the next ones 1/1024 apart.
+    let alike = |bits: u16| [(bits | 0x8000).to_be_bytes().to_vec(), vec![0xfc]].concat();
+    // Along each row 0, 1, 2, 3 steps up: the first column as it is, each next difference 1 over the bias of 32.
+    let steps: [u8; 14] = {
+        let (down, across) = (0x20u32, 0x21u32);
+        let head = [0xbc, 0x00, (down >> 4) as u8, (down << 4 | down >> 2) as u8, (down << 6 | down) as u8];
+        let three =
+            [(across << 2 | across >> 4) as u8, (across << 4 | across >> 2) as u8, (across << 6 | across) as u8];
+        [&head[..], &three, &three, &three].concat().try_into().expect("14 bytes")
+    };
+    let none = [0x80, 0x00, 0xfc].to_vec();
+    let lower = [alike(0x3800), alike(0x3400)].concat();
+    // Chroma has 4 × 5 samples of 8 × 10 pixels: two cells a channel.
+    let block = [none.clone(), none.clone(), none.clone(), none.clone(), steps.to_vec(), alike(0x4000)].concat();
+    let block = [block, lower.clone(), lower].concat();
+    let file = luminance_chroma_file([8, 10], (6, 1), 32, &[block]);
+    let still = Still::of_exr(&file, None).expect("a picture");
+    let Light::Rgb(pixels) = &still.light else { panic!("it has colours") };
+    for (index, pixel) in pixels.iter().enumerate() {
+        let (x, y) = (index % 8, index / 8);
+        let want = match (x < 4, y < 4) {
+            (true, true) => 1.0 + x as f32 / 1024.0,
+            (false, true) => 2.0,
+            (true, false) => 0.5,
+            (false, false) => 0.25,
+        };
+        assert!(pixel.iter().all(|lane| (lane - want).abs() < 1e-6), "{x} {y}: {pixel:?} for {want}");
+    }
+    assert!((0..file.len()).all(|length| Still::of_exr(&file[..length], None).is_err()));
+}
+
+/// A file of luminance and chroma as the format's description has it, not compressed: BY and RY have a sample for 2 × 2 pixels,
+/// odd lines have none of them. The chroma is that of (1, 0.5, 0.25) everywhere, the luminance doubles from pixel to pixel.
+#[test]
+fn luminance_and_chroma() {
+    const COLOUR: [f32; 3] = [1.0, 0.5, 0.25];
+    // IEC 61966-2-1.
+    let y = 0.2126 * COLOUR[0] + 0.7152 * COLOUR[1] + 0.0722 * COLOUR[2];
+    let (width, height) = (4i32, 4i32);
     let lines: Vec<Vec<u8>> = (0..height)
         .map(|row| {
             let mut samples = Vec::new();
@@ -138,16 +192,10 @@ fn luminance_and_chroma() {
                 samples.extend([(COLOUR[0] - y) / y; 2]);
             }
             samples.extend((0..width).map(|column| y * 2f32.powi(column + row)));
-            let data: Vec<u8> = samples.iter().flat_map(|sample| sample.to_le_bytes()).collect();
-            [numbers(&[row, data.len() as i32]), data].concat()
+            samples.iter().flat_map(|sample| sample.to_le_bytes()).collect()
         })
         .collect();
-    let mut offset = file.len() + 8 * lines.len();
-    for line in &lines {
-        file.extend((offset as u64).to_le_bytes());
-        offset += line.len();
-    }
-    lines.iter().for_each(|line| file.extend(line));
+    let mut file = luminance_chroma_file([width, height], (0, 2), 1, &lines);
     let still = Still::of_exr(&file, None).expect("a picture");
     let Light::Rgb(pixels) = &still.light else { panic!("it has colours") };
     for (index, pixel) in pixels.iter().enumerate() {

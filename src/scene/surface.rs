@@ -10,6 +10,8 @@ pub struct StandardSurface {
     pub base_color: Colour,
     /// Whether the colours of the mesh's vertices multiply the base colour and the opacity.
     pub vertex_colors: bool,
+    /// 0 to 1, of the diffuse base: EON's (Portsmouth, Kutz and Hill 2025). 0 scatters as Lambert says.
+    pub diffuse_roughness: Scalar,
     /// 0 dielectric to 1 metal.
     pub metallic: Scalar,
     /// 0 to 1; its square is the α of Trowbridge and Reitz's distribution.
@@ -136,6 +138,7 @@ impl Default for StandardSurface {
             name: String::new(),
             base_color: WHITE,
             vertex_colors: false,
+            diffuse_roughness: Scalar::new(0.0),
             metallic: Scalar::new(0.0),
             roughness: Scalar::new(1.0),
             ior: 1.5,
@@ -179,6 +182,7 @@ impl StandardSurface {
     /// Every reading of a texture by what scatters.
     pub fn textures(&self) -> impl Iterator<Item = &TextureInput> {
         let scalars = [
+            &self.diffuse_roughness,
             &self.metallic,
             &self.roughness,
             &self.specular,
@@ -211,6 +215,7 @@ impl StandardSurface {
             &mut self.sheen_color,
         ];
         let scalars = [
+            &mut self.diffuse_roughness,
             &mut self.metallic,
             &mut self.roughness,
             &mut self.specular,

@@ -231,6 +231,9 @@ impl Looks<'_> {
 
         self.anisotropy(surface, extensions);
         self.film(surface, extensions);
+        if surface.diffuse_roughness.factor > 0.0 {
+            self.warn("roughness of the diffuse base", "glTF's diffuse base scatters as Lambert says: not written");
+        }
         const WHITE: Colour = Colour::new([1.0; 3]);
         if surface.metallic.factor > 0.0 && surface.metal_edge != WHITE {
             self.warn(

@@ -91,6 +91,9 @@ impl Layers<'_, '_> {
         let paint =
             (surface.vertex_colors && self.network.vertices.is_some()).then(|| self.vertices("displayColor", "color3"));
         self.colour("base_color", &surface.base_color, paint, "base colour");
+        if surface.diffuse_roughness != Scalar::new(0.0) {
+            self.scalar("base_diffuse_roughness", &surface.diffuse_roughness, None, "roughness of the diffuse base");
+        }
         self.scalar("base_metalness", &surface.metallic, None, "metallic");
         self.roughness(surface);
         if let Some(ior) = optics.ior {

@@ -1,10 +1,10 @@
 //! Channels with fewer samples than pixels, as luminance and chroma have them. The decoder knows how such blocks are
 //! compressed but refuses their headers: it is shown headers without the sampling, and blocks with it.
 
-use super::copy_samples;
+use super::{b44, copy_samples};
 use crate::film::frame::Frame;
-use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::{Chunk, CompressedBlock};
+use ::exr::block::{BlockIndex, UncompressedBlock};
 use ::exr::compression::Compression;
 use ::exr::error::{Error, Result};
 use ::exr::meta::MetaData;
@@ -57,15 +57,11 @@ impl Sampling {
             return UncompressedBlock::decompress_chunk(chunk, meta, false);
         }
         let header = meta.headers.get(part).ok_or_else(|| Error::Invalid("chunk layer index".into()))?;
-        if matches!(header.compression, Compression::B44 | Compression::B44A) {
-            // The decoder counts the samples of such channels wrongly there (exr 1.74.2).
-            return Err(Error::NotSupported("subsampled channels in B44 compression".into()));
-        }
-        if !matches!(chunk.compressed_block, CompressedBlock::ScanLine(_)) {
+        let CompressedBlock::ScanLine(packed) = &chunk.compressed_block else {
             return Err(Error::Invalid("subsampling is only allowed in flat scan line images".into()));
-        }
-        let at =
-            header.get_absolute_block_pixel_coordinates(header.get_block_data_indices(&chunk.compressed_block)?)?;
+        };
+        let indices = header.get_block_data_indices(&chunk.compressed_block)?;
+        let at = header.get_absolute_block_pixel_coordinates(indices)?;
         let first = at.position.to_usize("block")?.1;
         let mut own = MetaData { headers: meta.headers.clone(), ..meta.clone() };
         let header = own.headers.get_mut(part).ok_or_else(|| Error::Invalid("chunk layer index".into()))?;
@@ -75,6 +71,18 @@ impl Sampling {
         }
         // The decoder multiplies the area by this; lines without chroma are shorter.
         let bytes = lines(&header.channels, first, at.size).map(|line| line.samples * line.bytes).sum::<usize>();
+        // What packing would have made larger is stored as it is.
+        let is_packed = packed.compressed_pixels_le.len() != bytes;
+        if is_packed && matches!(header.compression, Compression::B44 | Compression::B44A) {
+            let channels = (&*header, &header.channels);
+            let data = b44::unpacked(meta, channels, &packed.compressed_pixels_le, (first, at.size))?;
+            let pixel_position = at.position.to_usize("block")?;
+            let level = indices.level_index;
+            return Ok(UncompressedBlock {
+                data,
+                index: BlockIndex { layer: part, pixel_position, level, pixel_size: at.size },
+            });
+        }
         if at.size.area() == 0 || bytes % at.size.area() != 0 {
             return Err(Error::NotSupported("this pattern of subsampling".into()));
         }
@@ -147,15 +155,15 @@ impl Sampling {
 }
 
 /// A line of a channel in a block.
-struct Line {
-    y: usize,
-    channel: usize,
-    samples: usize,
-    bytes: usize,
+pub(super) struct Line {
+    pub y: usize,
+    pub channel: usize,
+    pub samples: usize,
+    pub bytes: usize,
 }
 
 /// The lines of a block that begins at row `first`, in the order of the file.
-fn lines(channels: &ChannelList, first: usize, size: Vec2<usize>) -> impl Iterator<Item = Line> + '_ {
+pub(super) fn lines(channels: &ChannelList, first: usize, size: Vec2<usize>) -> impl Iterator<Item = Line> + '_ {
     (first..first + size.1).flat_map(move |y| {
         channels.list.iter().enumerate().filter_map(move |(index, channel)| {
             let Vec2(across, down) = channel.sampling;

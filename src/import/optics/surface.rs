@@ -33,6 +33,7 @@ pub fn surface(fields: &Fields<'_>, notes: &mut Vec<Note>) -> Result<StandardSur
     Ok(StandardSurface {
         name: "surface".to_owned(),
         base_color: read.colour("base_color", [0.8; 3])?,
+        diffuse_roughness: read.number("diffuse_roughness", 0.0)?,
         metallic: read.number("metallic", 0.0)?,
         roughness: read.number("roughness", 0.3)?,
         ior: fields.number("ior")?.unwrap_or(1.5),

@@ -39,7 +39,7 @@ pub(super) const OPEN_PBR: Model = Model {
     film_default: 1.4,
     film_nm: 1000.0,
     film_weight: Some("thin_film_weight"),
-    other: &["subsurface_weight", "base_diffuse_roughness"],
+    other: &["subsurface_weight"],
 };
 
 pub(super) const STANDARD: Model = Model {
@@ -54,7 +54,7 @@ pub(super) const STANDARD: Model = Model {
     film_default: 1.5,
     film_nm: 1.0,
     film_weight: None,
-    other: &["subsurface", "transmission_extra_roughness", "diffuse_roughness"],
+    other: &["subsurface", "transmission_extra_roughness"],
 };
 
 pub(super) fn layered(inputs: &mut Inputs<'_>, model: &Model) -> Result<Surface> {

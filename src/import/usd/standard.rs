@@ -77,6 +77,7 @@ pub(super) fn layered(reader: &mut Reader, view: &PrimView, open_pbr: bool) -> R
         film,
         coat_normal: coat_normal(&mut shader, [names.normal, names.coat_normal])?,
         metallic,
+        diffuse_roughness: shader.scalar(names.diffuse_roughness, 0.0)?,
         roughness: shader.scalar("specular_roughness", names.roughness)?,
         ior: shader.plain(names.ior, 1.5)?.max(1.0),
         specular: shader.scalar(names.specular, 1.0)?,
@@ -169,6 +170,7 @@ fn opacity(alpha: Scalar, by_vertices: bool, threshold: f64) -> Opacity {
 struct Names {
     base: &'static str,
     base_color: &'static str,
+    diffuse_roughness: &'static str,
     metallic: &'static str,
     roughness: f64,
     ior: &'static str,
@@ -190,6 +192,7 @@ struct Names {
 const OPEN_PBR: Names = Names {
     base: "base_weight",
     base_color: "base_color",
+    diffuse_roughness: "base_diffuse_roughness",
     metallic: "base_metalness",
     roughness: 0.3,
     ior: "specular_ior",
@@ -211,6 +214,7 @@ const OPEN_PBR: Names = Names {
 const STANDARD: Names = Names {
     base: "base",
     base_color: "base_color",
+    diffuse_roughness: "diffuse_roughness",
     metallic: "metalness",
     roughness: 0.2,
     ior: "specular_IOR",

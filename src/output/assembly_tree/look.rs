@@ -48,6 +48,7 @@ impl LookReport {
         let tinted = metallic.factor > 0.0 && surface.metal_edge != Colour::new([1.0; 3]);
         let layers = [
             (surface.anisotropy.as_ref().is_some_and(|found| some(&found.strength)), "anisotropy"),
+            (some(&surface.diffuse_roughness), "rough base"),
             (tinted, "metal edge"),
             (some(&surface.transmission), "transmission"),
             (some(&surface.diffuse_transmission), "diffuse transmission"),
@@ -122,6 +123,7 @@ fn textures(surface: &StandardSurface) -> Vec<TextureReport> {
         scalar("coat roughness", &surface.coat_roughness),
         input("coat normal", coat_normal),
         colour("sheen", &surface.sheen_color),
+        scalar("diffuse roughness", &surface.diffuse_roughness),
         scalar("sheen roughness", &surface.sheen_roughness),
         input("normal", surface.normal.as_ref().map(|(input, _)| input)),
         input("emission", surface.emission.as_ref()),

@@ -46,9 +46,11 @@ pub const EMITTER: [&str; 12] = [
 pub const SLIDE: [&str; 10] =
     ["name", "image", "layer", "size", "u", "v", "centre", "transmittance", "contrast", "polarisation"];
 /// The parameters of an ordinary material.
-const SURFACE: [&str; 38] = [
+const SURFACE: [&str; 40] = [
     "base_color",
     "base_color_texture",
+    "diffuse_roughness",
+    "diffuse_roughness_texture",
     "metallic",
     "metallic_texture",
     "roughness",
@@ -154,6 +156,8 @@ pub const ROWS: &[Row] = &[
     new(Finish, "color_texture", File, "", Any, "picture that multiplies color, sRGB").or("no picture"),
     new(Finish, "base_color", Numbers(3), "", Within(0.0, 1.0), "albedo of the body, or reflectance of the metal straight on, linear Rec.709").or("[0.8, 0.8, 0.8], or white where there is a texture"),
     new(Finish, "base_color_texture", File, "", Any, "picture that multiplies base_color, sRGB").or("no picture"),
+    new(Finish, "diffuse_roughness", Number, "", Within(0.0, 1.0), "of the diffuse base: 0 scatters as Lambert says, 1 as dust does (EON)").or("0"),
+    new(Finish, "diffuse_roughness_texture", File, "", Any, "picture whose red multiplies diffuse_roughness, linear").or("no picture"),
     new(Finish, "metallic", Number, "", Within(0.0, 1.0), "0 dielectric to 1 metal").or("0"),
     new(Finish, "metallic_texture", File, "", Any, "picture whose red multiplies metallic, linear").or("no picture"),
     new(Finish, "roughness", Number, "", Within(0.0, 1.0), "its square is the alpha of the facets, after Trowbridge and Reitz (GGX)").or("0.3, or 1 where there is a texture"),

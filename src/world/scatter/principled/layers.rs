@@ -1,5 +1,6 @@
 //! How much each layer of a standard surface reflects and leaves to those below.
 
+use super::diffuse::Body;
 use super::film::{FilmLook, Interference};
 use super::look::{self, Look, Tint};
 use super::{COAT_IOR, Principled, energy};
@@ -12,8 +13,10 @@ pub(super) struct Layers {
     /// Below coat and sheen; below the sheen.
     pub under: f64,
     pub under_sheen: f64,
-    /// Of the body, below all of them.
+    /// Of what the body scatters through and, where it is smooth, back: below all of them.
     pub body: f64,
+    /// Of what it scatters back, with its colour.
+    pub back: f64,
     /// Of what facets lose.
     pub again: f64,
     /// Share of the dielectric that is a rough sheet.
@@ -137,29 +140,55 @@ impl Principled {
             let reflected = self.filmed(bare, look, look.specular, |table, nm| table.mean(nm, look.roughness()));
             return (1.0 - reflected).max(0.0);
         }
+        POINTS.iter().map(|[cos, weight]| 2.0 * cos * weight * self.ring(*cos, look)).sum()
+    }
+
+    /// The same of light from all round under a cosine.
+    pub(super) fn ring(&self, cos: f64, look: &Look) -> f64 {
         let round = if look.coat_normal.is_some() {
             &ALL_ROUND[..]
         } else if look.stretch.is_some() {
             &QUADRANT[..]
         } else {
+            // From where does not matter.
             &QUADRANT[..1]
         };
         let turn = look.stretch.map_or([1.0, 0.0], |stretch| stretch.turn);
-        let ring = |cos: f64| -> f64 {
-            let sin = (1.0 - cos * cos).sqrt();
-            let at = |[x, y]: [f64; 2]| {
-                DVec3::new(sin * (turn[0] * x - turn[1] * y), sin * (turn[1] * x + turn[0] * y), cos)
-            };
-            round.iter().map(|direction| self.opening(at(*direction), look)).sum::<f64>() / round.len() as f64
-        };
-        POINTS.iter().map(|[cos, weight]| 2.0 * cos * weight * ring(*cos)).sum()
+        let sin = (1.0 - cos * cos).sqrt();
+        let at =
+            |[x, y]: [f64; 2]| DVec3::new(sin * (turn[0] * x - turn[1] * y), sin * (turn[1] * x + turn[0] * y), cos);
+        round.iter().map(|direction| self.opening(at(*direction), look)).sum::<f64>() / round.len() as f64
+    }
+
+    /// What the body scatters back between two directions, with its colour: `smooth` is what a white and smooth one does.
+    fn scatters_back(&self, between: [DVec3; 2], open: [f64; 2], smooth: f64, mean: f64, look: &Look) -> f64 {
+        if look.diffuse_roughness > 0.0 {
+            Body::new(self, look, mean).value(between, open, look.tint)
+        } else {
+            smooth * look.tint.base
+        }
+    }
+
+    /// Share of light that has got into the body from a direction that it scatters, if all is scattered back.
+    pub(super) fn body_albedo(&self, w: DVec3, look: &Look, tint: Tint) -> f64 {
+        if look.diffuse_roughness == 0.0 {
+            return tint.base;
+        }
+        let mean = self.mean_opening(look);
+        if mean > 0.0 { Body::new(self, look, mean).albedo(w.z.abs(), tint) } else { 0.0 }
     }
 
     /// What layers leave to those below, between two directions.
     pub(super) fn layers(&self, wi: DVec3, wo: DVec3, look: &Look) -> Layers {
         let dielectric = (1.0 - look.metallic) * (1.0 - look.transmission);
         let mean = if dielectric > 0.0 { self.mean_opening(look) } else { 0.0 };
-        let body = if mean > 0.0 { self.opening(wi, look) * self.opening(wo, look) / (PI * mean) } else { 0.0 };
+        let [body, back] = if mean > 0.0 {
+            let open = [wi, wo].map(|w| self.opening(w, look));
+            let smooth = open[0] * open[1] / (PI * mean);
+            [smooth, self.scatters_back([wi, wo], open, smooth, mean, look)]
+        } else {
+            [0.0; 2]
+        };
         let sheet = if look.is_clear() { 0.0 } else { (1.0 - look.metallic) * look.transmission };
         let again = if look.metallic > 0.0 || sheet > 0.0 {
             let lost = |w: DVec3| 1.0 - self.energy(w, look)[0];
@@ -179,6 +208,7 @@ impl Principled {
             under: (under_sheen * (1.0 - coat)).max(0.0),
             under_sheen: under_sheen.max(0.0),
             body: dielectric * body,
+            back: dielectric * back,
             again,
             sheet,
         }
@@ -186,7 +216,7 @@ impl Principled {
 }
 
 /// Gauss and Legendre's six points of 0 to 1 (Abramowitz and Stegun 25.4.30), and their weights.
-const POINTS: [[f64; 2]; 6] = [
+pub(super) const POINTS: [[f64; 2]; 6] = [
     [0.033_765_242_898_424, 0.085_662_246_189_585],
     [0.169_395_306_766_868, 0.180_380_786_524_069],
     [0.380_690_406_958_402, 0.233_956_967_286_346],

@@ -26,6 +26,8 @@ pub struct Look {
     /// Means over the primaries: what lobes are chosen by, alike for all lanes.
     pub mean: Tint,
     pub metallic: f64,
+    /// Of the body.
+    pub diffuse_roughness: f64,
     /// Of the facets of the base.
     pub alpha: f64,
     /// Where they are not alike all round.

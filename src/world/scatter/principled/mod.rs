@@ -4,7 +4,7 @@
 //! Facets are those of [`rough`](super::rough), with one bounce. What a metal's lose by their masking comes back by the lobe of
 //! Kulla and Conty, "Revisiting Physically Based Shading at Imageworks" (SIGGRAPH 2017 courses), with its colour. Under the
 //! facets of a dielectric the body is Lambertian but for what gets in and out: ρ T(i) T(o)/(π T̄), T = what all
-//! layers above leave under that cosine. That is reciprocal, and nothing is lost of a white body (Ashikhmin and Shirley, "An Anisotropic
+//! layers above leave under that cosine ([`diffuse`]: of a rough one). That is reciprocal, and nothing is lost of a white body (Ashikhmin and Shirley, "An Anisotropic
 //! Phong BRDF Model", JGT 5(2), 2000, by numbers instead of Schlick's form). To lobes of facets a coat and a sheen
 //! leave 1 − the larger of what they reflect under the two cosines: reciprocal, and never a gain.
 //!
@@ -13,6 +13,7 @@
 //! A coat with normals of its own has facets about those, times what the cosines about both normals have in common:
 //! min(1, cos coat/cos base) at both ends, which is reciprocal and gives no light that was not there.
 
+mod diffuse;
 pub mod energy;
 mod film;
 mod layers;
@@ -106,7 +107,7 @@ impl Principled {
             return body * look.tint.through * look.diffuse_transmission
                 + layers.under * layers.sheet * look.tint.base * (sheet + layers.again);
         }
-        let mut sum = body * look.tint.base * (1.0 - look.diffuse_transmission);
+        let mut sum = layers.back * (1.0 - look.diffuse_transmission);
         if look.metallic > 0.0 {
             sum += layers.under * look.metallic * layers.again * self.again(look, look.tint);
         }
@@ -222,7 +223,8 @@ impl Principled {
         let (inside, facets) = self.facets(wi, look, look.tint);
         let layers = self.layers(wi, wi, look);
         let d = look.diffuse_transmission;
-        let body = (1.0 - look.transmission) * ((1.0 - d) * look.tint.base + d * look.tint.through);
+        let body =
+            (1.0 - look.transmission) * ((1.0 - d) * self.body_albedo(wi, look, look.tint) + d * look.tint.through);
         let sheet = if layers.sheet > 0.0 { look.transmission * look.tint.base } else { 0.0 };
         let lost = 1.0 - self.energy(wi, look)[0];
         let again = if look.metallic > 0.0 { look.metallic * lost * self.again(look, look.tint) } else { 0.0 };

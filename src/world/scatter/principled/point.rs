@@ -244,6 +244,7 @@ impl Point {
                 tint: white,
                 mean: white,
                 metallic: share(&surface.metallic),
+                diffuse_roughness: share(&surface.diffuse_roughness),
                 alpha: alpha_of_facets,
                 stretch,
                 film,

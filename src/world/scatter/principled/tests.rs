@@ -41,6 +41,13 @@ fn some() -> Vec<Case> {
     };
     vec![
         case("plastic", plain.clone()),
+        case(
+            "dust",
+            with(&|s| {
+                (s.diffuse_roughness, s.specular) = (Scalar::new(0.9), Scalar::new(0.7));
+                (s.coat, s.coat_roughness) = (Scalar::new(0.3), Scalar::new(0.5));
+            }),
+        ),
         case("metal", with(&|s| s.metallic = Scalar::new(1.0))),
         case("half metal", with(&|s| (s.metallic, s.roughness) = (Scalar::new(0.5), Scalar::new(0.8)))),
         case("paper", with(&|s| (s.diffuse_transmission, s.specular) = (Scalar::new(0.4), Scalar::new(0.5)))),
@@ -141,6 +148,7 @@ fn random(rng: &mut Rng, white: bool) -> StandardSurface {
         diffuse_transmission: share(),
         ..StandardSurface::default()
     };
+    out.diffuse_roughness = share();
     if share().factor > 0.5 {
         let laws = [AnisotropyLaw::Gltf, AnisotropyLaw::OpenPbr, AnisotropyLaw::MaterialX];
         // Strengths have tables of their own: few of them.
@@ -235,5 +243,42 @@ fn smooth_metals_show_their_colour() {
         let want = base + (1.0 - base) * (1.0 - theta.to_radians().cos()).powi(5);
         let all = furnace(&surface, theta, 64, &mut Rng::new(24, Stream::Check, 0, 0));
         assert!((all.mean - want).abs() < 3e-3, "{theta}: {} for {want}", all.mean);
+    }
+}
+
+/// EON (Portsmouth, Kutz and Hill 2025, equations 7 to 22), which a bare body has to be: its value between some directions,
+/// and its albedo by quadrature.
+#[test]
+fn a_bare_rough_body_is_eon() {
+    use std::f64::consts::PI;
+    for (roughness, rho) in [(0.3, 0.2), (0.7, 0.8), (1.0, 0.95)] {
+        let (principled, look) = principled(StandardSurface {
+            base_color: Colour::new([rho; 3]),
+            diffuse_roughness: Scalar::new(roughness),
+            specular: Scalar::new(0.0),
+            ..StandardSurface::default()
+        });
+        let a = 1.0 / (1.0 + (0.5 - 2.0 / (3.0 * PI)) * roughness);
+        let albedo = |cos: f64| {
+            let sin = (1.0 - cos * cos).sqrt();
+            let g = sin * (cos.acos() - sin * cos) + 2.0 / 3.0 * (sin / cos * (1.0 - sin.powi(3)) - sin);
+            a + roughness * a * g / PI
+        };
+        let mean = a * (1.0 + (2.0 / 3.0 - 28.0 / (15.0 * PI)) * roughness);
+        let many = rho * rho * mean / (1.0 - rho * (1.0 - mean)) / (PI * (1.0 - mean));
+        for (theta, other, turn) in
+            [(10.0f64, 70.0f64, 0.0f64), (60.0, 60.0, 180.0), (45.0, 20.0, 100.0), (80.0, 75.0, 30.0)]
+        {
+            let d_in = incoming(theta);
+            let turned = turn.to_radians();
+            let sin = other.to_radians().sin();
+            let wo = DVec3::new(sin * turned.cos(), sin * turned.sin(), other.to_radians().cos());
+            let s = -d_in.dot(wo) - wo.z * -d_in.z;
+            let t = if s > 0.0 { wo.z.max(-d_in.z) } else { 1.0 };
+            let once = rho / PI * a * (1.0 + roughness * s / t);
+            let want = once + many * (1.0 - albedo(wo.z)) * (1.0 - albedo(-d_in.z));
+            let got = principled.eval(d_in, wo, &look);
+            assert!((got - want).abs() < 2e-3 * want, "{theta} {other}: {got} for {want}");
+        }
     }
 }
