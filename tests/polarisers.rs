@@ -3,7 +3,7 @@
 
 use crate::common::*;
 use eyebox::base::Complex;
-use eyebox::base::ids::CoatingId;
+use eyebox::base::ids::{CoatingId, SurfaceId};
 use eyebox::film::plan::Estimator;
 use eyebox::plan::{Asked, Choice, Guides, Polarisation};
 use eyebox::scene::*;
@@ -22,9 +22,14 @@ fn sheet(s: &mut Scene, z: f64, turn_deg: f64, finish: Finish) -> usize {
 
 /// A panel of 1 m behind the sheets, or above the eye's line of sight, whose light is polarised along x.
 fn panel(s: &mut Scene, to_world: DAffine3, half: f64) {
+    panel_along(s, DVec3::X, to_world, half);
+}
+
+/// The same, polarised along an axis of its own frame.
+fn panel_along(s: &mut Scene, axis: DVec3, to_world: DAffine3, half: f64) {
     let group = add_group(s, "panel");
     let mut shining = face(Finish::Absorber);
-    let polarisation = Some(PolarisedLight { axis: DVec3::X, degree: 1.0 });
+    let polarisation = Some(PolarisedLight { axis, degree: 1.0 });
     shining.emitter = lamp(group, LUMINANCE).map(|emitter| Emitter { polarisation, ..emitter });
     let square = mesh(&[quad(DVec3::ZERO, DVec3::X * half, DVec3::Y * half)]);
     let part = add_part(s, "panel", square, DVec3::ZERO, None, vec![shining]);
@@ -121,6 +126,91 @@ fn estimators_agree_about_a_reflective_polariser() {
     }
 }
 
+/// An ordinary material as a finish of the scene's.
+fn surface(s: &mut Scene, surface: StandardSurface) -> Finish {
+    s.surfaces.push(surface.into());
+    Finish::Surface { surface: SurfaceId::from_index(s.surfaces.len() - 1) }
+}
+
+/// Where what the eye looks at straight ahead, turned by so much, mirrors the line of sight to, in metres from there.
+fn mirrored(turn_deg: f64, distance: f64) -> DAffine3 {
+    let (sin, cos) = (2.0 * turn_deg).to_radians().sin_cos();
+    let turn = DAffine3::from_rotation_x((180.0 - 2.0 * turn_deg).to_radians());
+    DAffine3::from_translation(DVec3::new(0.0, sin, cos) * distance - DVec3::Z * 0.3) * turn
+}
+
+/// Facets of an ordinary material and of its coat part the polarisations by Fresnel's equations: light polarised across the
+/// plane of incidence, and in it.
+#[test]
+fn glossy_plates_polarise_by_fresnel() {
+    let black = StandardSurface {
+        base_color: Colour::new([0.0; 3]),
+        roughness: Scalar::new(0.0),
+        ..StandardSurface::default()
+    };
+    let coated = StandardSurface { specular: Scalar::new(0.0), coat: Scalar::new(1.0), ..black.clone() };
+    for (looks, angle) in [(&black, 30.0f64), (&black, 56.3), (&coated, 45.0), (&coated, 70.0)] {
+        let cos = angle.to_radians().cos();
+        let inside = (1.0 - angle.to_radians().sin().powi(2) / 2.25).sqrt();
+        let r_s = ((cos - 1.5 * inside) / (cos + 1.5 * inside)).powi(2);
+        let r_p = ((1.5 * cos - inside) / (1.5 * cos + inside)).powi(2);
+        for (axis, share) in [(DVec3::X, r_s), (DVec3::Y, r_p)] {
+            let mut s = narrow();
+            let finish = surface(&mut s, looks.clone());
+            sheet(&mut s, -0.3, -angle, finish);
+            panel_along(&mut s, axis, mirrored(angle, 0.3), 0.1);
+            let (got, sigma) = seen(&s, BACKWARD, Polarisation::Auto, 64);
+            let want = LUMINANCE * share;
+            println!("{angle}° {axis}: {got} ± {sigma}, want {want}");
+            // Rays are up to 0.1° off, which tells by 2e-3 of the range of 0 to R_s.
+            assert!(
+                (got - want).abs() < 4.0 * sigma + 3e-3 * LUMINANCE * r_s,
+                "{angle}° {axis}: {got} ± {sigma}, {want}"
+            );
+            let (got, sigma) = seen(&s, BACKWARD, Polarisation::Off, 64);
+            let want = LUMINANCE * (r_s + r_p) / 2.0;
+            assert!((got - want).abs() < 4.0 * sigma + 3e-3 * want, "unpolarised: {got} ± {sigma}, {want}");
+        }
+    }
+}
+
+/// Polarised light that a mirror sends onto a rough plate: photons bring it as they are polarised, and so find what paths
+/// from the eye do; unpolarised it would be less.
+#[test]
+fn photons_bring_their_polarisation_to_facets() {
+    let mut s = narrow();
+    (s.eye.fov_deg, s.eye.resolution) = (6.0, [6, 6]);
+    let glossy = StandardSurface {
+        base_color: Colour::new([0.1; 3]),
+        roughness: Scalar::new(0.65),
+        ..StandardSurface::default()
+    };
+    let finish = surface(&mut s, glossy);
+    sheet(&mut s, -0.3, -55.0, finish);
+    // The mirror lies where the plate mirrors the line of sight to; the lamp shines onto it from the side of the plate.
+    let mirror = add_part(
+        &mut s,
+        "mirror",
+        mesh(&[quad(DVec3::ZERO, DVec3::X * 0.1, DVec3::Y * 0.1)]),
+        DVec3::ZERO,
+        None,
+        vec![face(Finish::MirrorIdeal { reflectance: 0.9 })],
+    );
+    s.parts[mirror].to_world = mirrored(55.0, 0.15);
+    // Beside that line, so that it does not stand in the light; its image in the mirror is 19° off it.
+    let beside = DAffine3::from_translation(DVec3::new(0.09, 0.0, -0.05));
+    let turned = DAffine3::from_rotation_x(180f64.to_radians());
+    panel_along(&mut s, DVec3::X, mirrored(55.0, 0.0) * beside * turned, 0.05);
+    let (want, sigma) = seen(&s, BACKWARD, Polarisation::Auto, 4096);
+    let (plain, _) = seen(&s, BACKWARD, Polarisation::Off, 1024);
+    assert!(sigma < 0.02 * want, "noise {sigma} of {want}");
+    assert!((want - plain).abs() > 8.0 * sigma, "nothing is to be seen of the polarisation: {want}, {plain}");
+    let (got, noise) = seen(&s, Choice::Only(Estimator::Photon), Polarisation::Auto, 64);
+    println!("{got} ± {noise}, want {want} ± {sigma}, unpolarised {plain}");
+    assert!(noise < 0.03 * want, "noise {noise} of {want}");
+    assert!((got - want).abs() < 4.0 * noise.hypot(sigma), "{got} ± {noise}, want {want} ± {sigma}");
+}
+
 /// Of two polarisations in the axes of the room.
 type Jones = [[Complex; 2]; 2];
 
@@ -189,7 +279,7 @@ fn the_folded_path_of_a_pancake_lens() {
             want += LUMINANCE * (out[0][0].norm_sq() + out[1][0].norm_sq());
             here = times(times(wave, times(mirror, wave)), times(back, here));
         }
-        let (got, sigma) = seen(&s, BACKWARD, Polarisation::Auto, 512);
+        let (got, sigma) = seen(&s, BACKWARD, Polarisation::Auto, 4096);
         println!("{retardance_deg}° {rp_axis_deg}°: {got} ± {sigma}, want {want}");
         assert!(sigma < 0.02 * LUMINANCE, "noise {sigma}");
         assert!((got - want).abs() < 4.0 * sigma + 1e-3 * want, "{got} ± {sigma}, want {want}");

@@ -4,6 +4,7 @@
 pub mod adaptive_kernel;
 mod tuning;
 
+use super::throughput::{Polarisation, Throughput};
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::lpe::LpeState;
@@ -12,6 +13,7 @@ use crate::estimate::manifold::receiver::Claim;
 use crate::film::accumulate::Light;
 use crate::world::geometry::Site;
 use crate::world::mode::Mode;
+use crate::world::stokes::Facets;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -25,6 +27,7 @@ pub struct Photon<M: Mode> {
     pub dir: DVec3,
     /// Per lane, lm.
     pub flux: M::Lanes<Light>,
+    pub polarisation: Polarisation<M>,
     /// Dispersion has parted the lanes: the first stands for all.
     pub alone: bool,
     pub group: GroupId,
@@ -47,6 +50,7 @@ impl<M: Mode> Photon<M> {
             position: vertex.hit.point,
             dir: walker.ray.dir,
             flux,
+            polarisation: walker.beam.polarisation(),
             alone,
             group,
             trail: walker.trail,
@@ -55,6 +59,18 @@ impl<M: Mode> Photon<M> {
             site: vertex.hit.site,
             outside: vertex.outside,
         }
+    }
+}
+
+impl<M: Mode> Throughput<M> {
+    /// A path from the eye along `dir` where a scatterer sends it a photon's light: with facets it sees how that is polarised.
+    #[must_use]
+    pub fn gathering(mut self, facets: Option<&M::Lanes<Facets>>, dir: DVec3, photon: &Photon<M>) -> Self {
+        if facets.is_some() {
+            self.scatter(facets, [dir, -photon.dir], true);
+            self = self.meeting(&photon.polarisation, -photon.dir);
+        }
+        self
     }
 }
 
@@ -214,6 +230,7 @@ pub(super) mod tests {
             position,
             dir: DVec3::Z,
             flux: [Light { value: 1.0, ..Light::default() }],
+            polarisation: Throughput::<Mono>::new([1.0], DVec3::Z).polarisation(),
             alone: false,
             group: GroupId(0),
             trail: Trail::START.then(Event::Specular),

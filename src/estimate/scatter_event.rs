@@ -7,7 +7,7 @@ use crate::base::path::Event;
 use crate::base::warp::Frame;
 use crate::world::mode::{Mode, lanes};
 use crate::world::scatter::{Look, Point, Principled, Scatter, Sides};
-use crate::world::stokes::Amount;
+use crate::world::stokes::{Amount, Facets};
 use glam::DVec3;
 
 /// Refractive indices on both sides of a face that scatters, or what an ordinary material is there.
@@ -45,6 +45,23 @@ impl<M: Mode> FaceSides<M> {
         let used = if alone { 1 } else { M::LANES };
         let values = lanes::<M, _>(|lane| if lane < used { scatter.eval(d_in, d_out, self.of(lane)) } else { 0.0 });
         (values, alone)
+    }
+
+    /// What facets do to the polarisation of these values; none where the face depolarises or nothing is polarised.
+    pub fn facets(
+        &self,
+        scatter: &Scatter,
+        (d_in, d_out): (DVec3, DVec3),
+        values: &M::Lanes<f64>,
+    ) -> Option<M::Lanes<Facets>> {
+        if !M::Amount::POLARISED {
+            return None;
+        }
+        let (principled, looks) = (scatter.principled()?, self.looks.as_ref()?);
+        Some(lanes::<M, _>(|lane| {
+            let facets = principled.polarises(d_in, d_out, &looks[lane]);
+            if values[lane] > 0.0 { facets.scaled(1.0 / values[lane]) } else { Facets::NONE }
+        }))
     }
 }
 
@@ -122,7 +139,8 @@ impl<'w, M: Mode> Walker<'w, M> {
         };
         let through = sampled.dir.z < 0.0;
         self.tell(Letter::of(scatter.event(), through));
-        if M::LANES == 1 || !sides.matter {
+        let mut facets = None;
+        if !sides.matter || M::LANES == 1 && !M::Amount::POLARISED {
             self.beam.scale(sampled.weight);
         } else {
             let (values, alone) = sides.eval(scatter, d_in, sampled.dir);
@@ -131,13 +149,15 @@ impl<'w, M: Mode> Walker<'w, M> {
             if alone {
                 self.beam.part();
             }
+            facets = sides.facets(scatter, (d_in, sampled.dir), &values);
         }
+        let dir = frame.to_world(sampled.dir);
+        self.beam.scatter(facets.as_ref(), [self.ray.dir, dir], self.is_from_eye());
         if scatter.principled().is_some() {
             // What it takes is known by what is left, on average.
             self.absorb(part, before - self.beam.carried(), ledger);
         }
-        self.beam.depolarise(frame.to_world(sampled.dir));
-        match self.go(vertex, frame.to_world(sampled.dir), through, ledger) {
+        match self.go(vertex, dir, through, ledger) {
             Meeting::Went => Some(sampled.pdf),
             Meeting::Ended | Meeting::Scatter(..) => None,
         }

@@ -5,10 +5,17 @@ use crate::film::accumulate::Light;
 use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
 use crate::world::slide::SlideMap;
-use crate::world::stokes::Amount;
+use crate::world::stokes::{Amount, Facets};
 use glam::DVec3;
 
 type Axis<M> = <<M as Mode>::Amount as Amount>::Axis;
+
+/// How light that is kept is polarised; of no size where paths carry no polarisation.
+#[derive(Debug, Clone, Copy)]
+pub struct Polarisation<M: Mode> {
+    states: M::Lanes<<M::Amount as Amount>::State>,
+    axis: Axis<M>,
+}
 
 /// Throughput of a path. The slides' factors are kept apart: decisions of the path (roulette) must not depend on the
 /// contrast, so that pictures for two contrasts share every path.
@@ -102,11 +109,39 @@ impl<M: Mode> Throughput<M> {
 
     /// Forgets the polarisation: what a scatterer sends out along `dir` is unpolarised.
     #[inline]
-    pub fn depolarise(&mut self, dir: DVec3) {
+    fn depolarise(&mut self, dir: DVec3) {
         if M::Amount::POLARISED {
             self.amounts = lanes::<M, _>(|lane| M::Amount::plain(self.amounts[lane].power()));
             self.axis = M::Amount::any_axis(dir);
         }
+    }
+
+    /// Goes on from a scatterer along `dirs[1]`, having come along `dirs[0]`: what its facets do to the polarisation, apart
+    /// from how much they send; without facets there is none left. `from_eye`: the path started at the eye.
+    pub fn scatter(&mut self, facets: Option<&M::Lanes<Facets>>, dirs: [DVec3; 2], from_eye: bool) {
+        if !M::Amount::POLARISED {
+            return;
+        }
+        let Some(facets) = facets else { return self.depolarise(dirs[1]) };
+        // About the normal that mirrors one direction into the other.
+        let axis = M::Amount::face_axis(self.axis, dirs[0], (dirs[1] - dirs[0]).normalize_or_zero());
+        let old = *self;
+        self.amounts =
+            lanes::<M, _>(|lane| old.amounts[lane].turned(old.axis, axis, dirs[0]).scattered(&facets[lane], from_eye));
+        self.axis = axis;
+    }
+
+    /// How what is carried is polarised.
+    pub fn polarisation(&self) -> Polarisation<M> {
+        Polarisation { states: lanes::<M, _>(|lane| self.amounts[lane].state()), axis: self.axis }
+    }
+
+    /// A path from the eye along `dir` where it meets light that is polarised so.
+    #[must_use]
+    pub fn meeting(mut self, light: &Polarisation<M>, dir: DVec3) -> Self {
+        let old = self.amounts;
+        self.amounts = lanes::<M, _>(|lane| old[lane].meets(self.axis, dir, light.states[lane], light.axis));
+        self
     }
 
     /// Light along `dir` that a lamp has polarised along `axis` to this degree; `from_eye`: the lamp is what a path from

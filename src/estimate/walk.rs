@@ -146,6 +146,11 @@ impl<'w, M: Mode> Walker<'w, M> {
         Self::with_weights((world, optics), travel, ray, lanes::<M, _>(|_| weight), interior, rng)
     }
 
+    /// Whether it carries importance, and not light.
+    pub fn is_from_eye(&self) -> bool {
+        self.travel == Travel::FromEye
+    }
+
     /// A path that starts with these weights.
     pub fn with_weights(
         (world, optics): (&'w World, &'w Optics<M>),

@@ -60,7 +60,8 @@ impl<M: Mode> Walker<'_, M> {
         ledger: &mut Ledger,
     ) -> bool {
         let (d_in, d_out) = (frame.to_local(self.ray.dir), frame.to_local(dir));
-        let (values, alone) = self.sides(vertex, scatter).eval(scatter, d_in, d_out);
+        let sides = self.sides(vertex, scatter);
+        let (values, alone) = sides.eval(scatter, d_in, d_out);
         if values.as_slice().iter().all(|value| *value <= 0.0) {
             return false;
         }
@@ -71,7 +72,8 @@ impl<M: Mode> Walker<'_, M> {
         if alone {
             self.beam.part();
         }
-        self.beam.depolarise(dir);
+        let facets = sides.facets(scatter, (d_in, d_out), &values);
+        self.beam.scatter(facets.as_ref(), [self.ray.dir, dir], self.is_from_eye());
         matches!(self.go(vertex, dir, through, ledger), Meeting::Went)
     }
 

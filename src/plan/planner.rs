@@ -18,6 +18,7 @@ use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
 use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::mode::Mono;
+use crate::world::surface::Surface;
 use std::collections::BTreeSet;
 
 /// What the pilots are run with.
@@ -139,6 +140,22 @@ impl Planner<'_> {
         !given_up.is_empty()
     }
 
+    /// Whether what a face scatters depends on how light is polarised.
+    fn polarises(&self, part: u32, face: u32) -> bool {
+        let found = self.world.faces.get(part as usize).and_then(|faces| faces.get(face as usize));
+        found.is_some_and(|face| match &face.surface {
+            Surface::Scatter(scatter) => scatter.principled().is_some_and(|principled| principled.has_facets()),
+            Surface::Absent
+            | Surface::Absorber
+            | Surface::Interface(_)
+            | Surface::Mirror(_)
+            | Surface::Splitter(_)
+            | Surface::Slide(_)
+            | Surface::Sheet(_)
+            | Surface::Grating(_) => false,
+        })
+    }
+
     /// Photons and the connections of lamps with faces that scatter.
     fn photons(&self, plan: &mut Plan) {
         let caustics = plan.rows.iter().any(|row| row.class == Class::Caustic && is_connected(row));
@@ -148,7 +165,12 @@ impl Planner<'_> {
         let pixel_m = pilots::pixel_m(self.world, self.checked.scene().eye.resolution);
         let seen = VisibleReceivers::look(self.world, pixel_m, self.stop);
         if caustics {
-            plan.screens = chains::screens(self.world, plan, self.groups(), &seen.faces(), None, self.stop);
+            let mut faces = seen.faces();
+            if plan.mode.polarised {
+                // A connection knows the power of its light alone.
+                faces.retain(|(part, face)| !self.polarises(*part, *face));
+            }
+            plan.screens = chains::screens(self.world, plan, self.groups(), &faces, None, self.stop);
             // What follows sees the light of a train as connected where a coarse table has it; so where that has nothing, the
             // train is the photons'. Of weak ones that is not worth finding out.
             let joined = |screen: &Screen| !self.made.screens(self.world, std::slice::from_ref(screen)).is_empty();

@@ -37,6 +37,36 @@ impl Turning {
     }
 }
 
+/// What facets of a scatterer do with both polarisations, s being across the plane of both directions: shares of all that
+/// goes between them, sums over the lobes, and the sum of a_s a_p*. What is left of 1 is unpolarised.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facets {
+    pub s: f64,
+    pub p: f64,
+    pub cross: Complex,
+}
+
+impl Facets {
+    pub const NONE: Facets = Facets { s: 0.0, p: 0.0, cross: Complex::ZERO };
+
+    /// Adds a lobe that reflects `value` of unpolarised light, split as `turning` does.
+    pub fn add(&mut self, value: f64, turning: &Turning) {
+        let (s, p) = (turning.power.r_s, turning.power.r_p);
+        let all = s + p;
+        if all > 0.0 && value > 0.0 {
+            let [s, p] = [s, p].map(|share| 2.0 * value * share / all);
+            self.s += s;
+            self.p += p;
+            self.cross = self.cross + turning.reflected * (s * p).sqrt();
+        }
+    }
+
+    #[must_use]
+    pub fn scaled(self, by: f64) -> Self {
+        Facets { s: self.s * by, p: self.p * by, cross: self.cross * by }
+    }
+}
+
 /// What becomes of an amount at a face: shares of its power, which add up to 1, and the two amounts that leave.
 #[derive(Debug, Clone, Copy)]
 pub struct Parted<A> {
@@ -79,6 +109,15 @@ pub trait Amount: Copy + Debug + Send + Sync + 'static {
     fn turned(self, from: Self::Axis, to: Self::Axis, dir: DVec3) -> Self;
     /// Parts an amount given with respect to s. `from_eye`: it is importance.
     fn part(self, turning: &Turning, from_eye: bool) -> Parted<Self>;
+    /// What a scatterer sends on of an amount given with respect to s; `from_eye`: it is importance.
+    #[must_use]
+    fn scattered(self, facets: &Facets, from_eye: bool) -> Self;
+    /// How light is polarised, apart from its power; nothing of light without polarisation.
+    type State: Copy + Debug + Send + Sync;
+    fn state(self) -> Self::State;
+    /// The power that importance, along `dir`, has of light in this state that comes the other way.
+    #[must_use]
+    fn meets(self, axis: Self::Axis, dir: DVec3, state: Self::State, of_state: Self::Axis) -> Self;
     /// Through a slide that ignores the polarisation of what it gets and gives light polarised along its axis to this
     /// degree; its transmittance is not in it.
     #[must_use]
@@ -118,6 +157,17 @@ impl Amount for f64 {
         let p = &turning.power;
         let shares = [p.reflectance(), p.transmittance(), p.absorptance()];
         Parted { shares, reflected: self * shares[0], transmitted: self * shares[1], departs: 0.0 }
+    }
+    #[inline]
+    fn scattered(self, _: &Facets, _: bool) -> Self {
+        self
+    }
+    type State = ();
+    #[inline]
+    fn state(self) {}
+    #[inline]
+    fn meets(self, (): (), _: DVec3, (): (), (): ()) -> Self {
+        self
     }
     #[inline]
     fn polarised_by_slide(self, _: f64, _: bool) -> Self {
@@ -192,6 +242,24 @@ impl Amount for Stokes {
             transmitted: self.through(p.t_s, p.t_p, turning.transmitted, from_eye),
             departs: (0.5 * (p.r_s - p.r_p) * self.0[1]).abs(),
         }
+    }
+    fn scattered(self, facets: &Facets, from_eye: bool) -> Self {
+        let [i, q, u, v] = self.0;
+        let (mean, half) = (0.5 * (facets.s + facets.p), 0.5 * (facets.s - facets.p));
+        let cross = if from_eye { facets.cross.conj() } else { facets.cross };
+        let z = Complex::new(u, v) * cross;
+        Stokes([i + half * q, half * i + mean * q, z.re, z.im])
+    }
+    type State = [f64; 3];
+    fn state(self) -> [f64; 3] {
+        let [i, q, u, v] = self.0;
+        [q, u, v].map(|part| if i > 0.0 { part / i } else { 0.0 })
+    }
+    fn meets(self, axis: DVec3, dir: DVec3, [q, u, v]: [f64; 3], of_state: DVec3) -> Self {
+        let Stokes([_, q, u, v]) = Stokes([1.0, q, u, v]).turned(of_state, axis, -dir);
+        let own = self.0;
+        // y points the other way of light that comes along the ray: U and V change their signs.
+        Stokes::plain(own[0] + own[1] * q - own[2] * u - own[3] * v)
     }
     fn polarised_by_slide(self, degree: f64, from_eye: bool) -> Self {
         let [i, q, _, _] = self.0;

@@ -106,15 +106,25 @@ proptest! {
             (if step.reflects { parted.reflected } else { parted.transmitted }, s)
         };
         let (mut light, mut axis) = (Stokes([1.0, 1.0, 0.0, 0.0]), start);
+        let mut between = vec![(light, axis)];
         for step in &steps {
             (light, axis) = go(light, step, axis, step.dir, step.normal, false);
+            between.push((light, axis));
             prop_assert!(light.degree() < 1.0 + 1e-9, "{light:?}");
         }
         let (mut seen, mut axis_back) = (Stokes::plain(1.0), Stokes::any_axis(-steps[steps.len() - 1].out));
         for step in steps.iter().rev() {
             // The other way round: refracted light meets the face from behind.
             let normal = if step.reflects { step.normal } else { -step.normal };
+            // Where importance meets the light, wherever that is, they have the power that arrives.
+            let met = |(seen, axis): (Stokes, DVec3), dir: DVec3, (light, of_light): (Stokes, DVec3)| {
+                seen.meets(axis, dir, light.state(), of_light).power() * light.power()
+            };
+            let (after, before) = (between.pop().expect("one a step"), between[between.len() - 1]);
+            let on = met((seen, axis_back), -step.out, after);
             (seen, axis_back) = go(seen, step, axis_back, -step.out, normal, true);
+            let back = met((seen, axis_back), -step.dir, before);
+            prop_assert!((on - field.power()).abs() < 1e-10 && (back - field.power()).abs() < 1e-10, "{on} {back}");
         }
         let met = seen.turned(axis_back, start, -dir).polarised_by_slide(1.0, true).power();
         let want = field.power();

@@ -40,6 +40,8 @@ struct Sent<'a, M: Mode> {
     source: Source,
     /// The picture that it comes through, and its values there.
     shown: Option<(&'a SlideMap, M::Lanes<f64>)>,
+    /// The direction that it is polarised along, and to which degree.
+    polarisation: Option<(DVec3, f64)>,
 }
 
 /// What a ray finds that leaves the scene.
@@ -90,7 +92,9 @@ impl<M: Mode> Backward<'_, M> {
             }
         };
         let by_chance = true;
-        self.connect(here, &Sent { dir, distance, target, luminance, pdf, by_chance, group, source, shown }, out);
+        let polarisation = lamp.polarisation;
+        let sent = Sent { dir, distance, target, luminance, pdf, by_chance, group, source, shown, polarisation };
+        self.connect(here, &sent, out);
     }
 
     /// `scratch`: what is booked of directions that are followed through panes; its work counts.
@@ -109,7 +113,8 @@ impl<M: Mode> Backward<'_, M> {
         if pdf > 0.0 {
             let luminance = here.walker.optics.sky(sky, dir);
             let (distance, target, group, source) = (f64::INFINITY, None, sky.group, Source::Sky);
-            let sent = Sent { dir, distance, target, luminance, pdf, by_chance: true, group, source, shown: None };
+            let (by_chance, shown, polarisation) = (true, None, None);
+            let sent = Sent { dir, distance, target, luminance, pdf, by_chance, group, source, shown, polarisation };
             if !self.connect(here, &sent, out) {
                 self.through_panes(here, &sent, Beyond::Sky, out, scratch);
             }
@@ -141,7 +146,8 @@ impl<M: Mode> Backward<'_, M> {
         let tint = here.walker.optics.light(index);
         let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
         let (dir, distance, source) = (toward.dir, toward.distance, Source::Light);
-        let sent = Sent { dir, distance, target: None, luminance, pdf, by_chance, group, source, shown: None };
+        let (target, shown, polarisation) = (None, None, None);
+        let sent = Sent { dir, distance, target, luminance, pdf, by_chance, group, source, shown, polarisation };
         if !self.connect(here, &sent, out) {
             if by_chance {
                 self.through_panes(here, &sent, Beyond::Disc(index), out, scratch);
@@ -166,7 +172,7 @@ impl<M: Mode> Backward<'_, M> {
     /// Adds the light that comes from a lamp, if nothing is in between; false if something is.
     fn connect(&self, here: &Here<'_, '_, M>, sent: &Sent<'_, M>, out: &mut [Light]) -> bool {
         let Here { walker, vertex, scatter, frame } = *here;
-        let Sent { dir, distance, target, luminance, pdf, by_chance, group, source, shown } = *sent;
+        let Sent { dir, distance, target, luminance, pdf, by_chance, group, source, shown, polarisation } = *sent;
         let (d_in, d_out) = (frame.to_local(walker.ray.dir), frame.to_local(dir));
         let sides = walker.sides(vertex, scatter);
         let (values, alone) = sides.eval(scatter, d_in, d_out);
@@ -195,6 +201,12 @@ impl<M: Mode> Backward<'_, M> {
         let mut beam = walker.beam;
         if alone {
             beam.part();
+        }
+        if let Some(facets) = sides.facets(scatter, (d_in, d_out), &values) {
+            beam.scatter(Some(&facets), [walker.ray.dir, dir], true);
+            if let Some(light) = polarisation {
+                beam = beam.polarised(light, dir, true);
+            }
         }
         if let Some((slide, s)) = &shown {
             beam.show(slide, s);

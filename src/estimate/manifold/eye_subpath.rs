@@ -131,6 +131,11 @@ fn gather<M: Mode>(
         });
         let factors = lanes::<M, _>(|lane| values[lane] * d_out.z.abs());
         let light = (&incoming.light, incoming.alone || alone);
-        walker.beam.join(walker.optics, plane_of::<M>(out, plane), light, &factors);
+        let mut beam = walker.beam;
+        // Of a connection the power alone is known: receivers that would tell more of its light are not connected.
+        if let Some(facets) = sides.facets(scatter, (d_in, d_out), &values) {
+            beam.scatter(Some(&facets), [walker.ray.dir, incoming.dir], true);
+        }
+        beam.join(walker.optics, plane_of::<M>(out, plane), light, &factors);
     });
 }

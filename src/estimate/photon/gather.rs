@@ -296,7 +296,9 @@ impl<M: Mode> PhotonMapper<'_, M> {
             let factors = lanes::<M, _>(|lane| values[lane] * density / (index[lane] * index[lane]));
             let light = plane_of::<M>(&mut out.light, plane);
             let before = out.components.luminance_value(light);
-            walker.beam.join(walker.optics, light, (&photon.flux, photon.alone || alone), &factors);
+            let facets = sides.facets(scatter, (d_in, d_out), &values);
+            let beam = walker.beam.gathering(facets.as_ref(), walker.ray.dir, photon);
+            beam.join(walker.optics, light, (&photon.flux, photon.alone || alone), &factors);
             let own = out.components.luminance_value(light) - before;
             if density > 0.0 {
                 out.beyond += own * (1.0 - part / density);

@@ -111,7 +111,9 @@ impl<M: Mode> Deposits<M> {
             let factors = lanes::<M, _>(|lane| values[lane] * density / (index[lane] * index[lane]));
             let out = sums.entry(photon.group.0).or_default();
             let flux = (&photon.flux, photon.alone || alone);
-            walker.beam.join(walker.optics, &mut out[..M::COMPONENTS], flux, &factors);
+            let facets = sides.facets(scatter, (d_in, d_out), &values);
+            let beam = walker.beam.gathering(facets.as_ref(), walker.ray.dir, photon);
+            beam.join(walker.optics, &mut out[..M::COMPONENTS], flux, &factors);
         });
         for (index, out) in sums {
             let Some(from) = self.origins.get(index as usize) else { continue };

@@ -104,6 +104,12 @@ impl Principled {
         self.filmed(bare, look, look.specular, |table, nm| table.whole(nm, look.roughness(), cos))
     }
 
+    /// Reflectance of a facet of the coat at a cosine.
+    pub(super) fn coat_facet(&self, cos: f64) -> f64 {
+        let straight = energy::normal_reflectance(COAT_IOR);
+        straight + (1.0 - straight) * energy::towards_grazing(self.coat.ior(), cos)
+    }
+
     /// What the coat reflects of light from a direction.
     pub(super) fn coat_reflects(&self, w: DVec3, look: &Look) -> f64 {
         let cos = match look.coat_normal {

@@ -20,6 +20,7 @@ mod layers;
 mod lobe;
 mod look;
 mod point;
+mod polarisation;
 mod stretched;
 
 pub use look::Look;
@@ -119,9 +120,7 @@ impl Principled {
         if look.coat > 0.0
             && let Some(([value, _, cos], common)) = coat_facets(wi, d_out, look)
         {
-            let straight = energy::normal_reflectance(COAT_IOR);
-            let share = straight + (1.0 - straight) * energy::towards_grazing(COAT_IOR, cos);
-            sum += layers.under_sheen * look.coat * share * value * common;
+            sum += layers.under_sheen * look.coat * self.coat_facet(cos) * value * common;
         }
         sum + look.tint.sheen * sheen(wi, d_out, look.sheen_alpha)
     }

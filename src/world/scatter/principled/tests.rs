@@ -282,3 +282,32 @@ fn a_bare_rough_body_is_eon() {
         }
     }
 }
+
+/// What facets reflect is no more than all that is scattered, all of it where there is nothing else, and s and p as Fresnel's
+/// equations have them (Born and Wolf, 1.5.2) about the facet: none of p at Brewster's angle.
+#[test]
+fn facets_part_polarisations() {
+    let black = StandardSurface {
+        base_color: Colour::new([0.0; 3]),
+        roughness: Scalar::new(0.6),
+        ..StandardSurface::default()
+    };
+    let (principled, look) = principled(black);
+    for (theta, other, turn) in
+        [(20.0f64, 50.0f64, 0.3f64), (56.309_932_474_02, 56.309_932_474_02, 0.0), (80.0, 30.0, 2.0)]
+    {
+        let d_in = incoming(theta);
+        let across = DVec3::Z.cross(d_in).normalize_or_zero();
+        let forward = DVec3::new(d_in.x, d_in.y, 0.0).normalize_or_zero();
+        let sin = other.to_radians().sin();
+        let wo = forward * (sin * turn.cos()) + across * (sin * turn.sin()) + DVec3::Z * other.to_radians().cos();
+        let facets = principled.polarises(d_in, wo, &look);
+        let all = principled.eval(d_in, wo, &look);
+        let cos = -d_in.dot((wo - d_in).normalize());
+        let inside = (1.0 - (1.0 - cos * cos) / 2.25).sqrt();
+        let (s, p) = ((cos - 1.5 * inside) / (cos + 1.5 * inside), (1.5 * cos - inside) / (1.5 * cos + inside));
+        assert!((facets.s + facets.p - 2.0 * all).abs() < 1e-12 * all, "{facets:?} of {all}");
+        assert!((facets.s * p * p - facets.p * s * s).abs() < 1e-12 * facets.s, "{facets:?}: {s} {p}");
+        assert!((facets.cross.norm_sq() - facets.s * facets.p).abs() < 1e-12 * facets.s * facets.s, "{facets:?}");
+    }
+}
