@@ -215,13 +215,22 @@ impl Lamp {
     /// What a place has of the mean light, linear Rec.709, whose luminance is 1 on average; none of a lamp that shines evenly.
     pub fn glow(&self, triangle: u32, position: DVec3) -> Option<[f64; 3]> {
         let glow = self.glow.as_ref()?;
-        let at = self.triangles.binary_search_by_key(&triangle, |triangle| triangle.index).ok()?;
+        let at = self.place_of(triangle)?;
         let Triangle { origin, edges: [e, f], .. } = self.triangles[at];
         // Shares of the corners, seen along the normal.
         let normal = e.cross(f);
         let (off, whole) = (position - origin, normal.length_squared());
         let (v, w) = (off.cross(f).dot(normal) / whole, e.cross(off).dot(normal) / whole);
         Some(glow.at(at, [1.0 - v - w, v, w]))
+    }
+
+    /// The place of a triangle among the lamp's.
+    fn place_of(&self, triangle: u32) -> Option<usize> {
+        // A lamp often has all triangles from its first one on.
+        let is_at = |place: &usize| self.triangles.get(*place).is_some_and(|found| found.index == triangle);
+        let guess = triangle.checked_sub(self.triangles.first()?.index)? as usize;
+        let search = || self.triangles.binary_search_by_key(&triangle, |found| found.index).ok();
+        Some(guess).filter(is_at).or_else(search)
     }
 
     /// Whether it shines alike from all of its places.

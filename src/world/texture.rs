@@ -14,31 +14,13 @@ fn linear(encoded: f64) -> f64 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// A texel before it is scaled; alpha is never encoded.
-fn texel(input: &TextureInput, index: usize) -> [f64; 4] {
-    match (&input.texture.texels, input.encoding) {
-        // A scene holds none of these.
-        (Texels::Encoded(_), _) | (_, Encoding::OfFile) => [0.0; 4],
-        (Texels::Bytes(bytes), encoding) => {
-            let [r, g, b, a] = bytes.get(index).copied().unwrap_or_default();
-            let plain = |byte: u8| f64::from(byte) / 255.0;
-            let colour = |byte: u8| match encoding {
-                Encoding::Srgb => SRGB[usize::from(byte)],
-                Encoding::Linear | Encoding::OfFile => plain(byte),
-            };
-            [colour(r), colour(g), colour(b), plain(a)]
-        }
-        (Texels::Floats(floats), Encoding::Linear) => floats.get(index).copied().unwrap_or_default().map(f64::from),
-        (Texels::Floats(floats), Encoding::Srgb) => {
-            let [r, g, b, a] = floats.get(index).copied().unwrap_or_default().map(f64::from);
-            [linear(r), linear(g), linear(b), a]
-        }
-    }
-}
-
-/// The texel that a whole coordinate means; none outside of a picture that ends in black.
+/// The column or row that a whole coordinate means; none outside of a picture that ends in black.
 fn wrapped(at: f64, count: usize, wrap: Wrap) -> Option<usize> {
     let size = count as f64;
+    // Most are inside; the remainder of a division takes longer than all the rest.
+    if (0.0..size).contains(&at) {
+        return Some(at as usize);
+    }
     let inside = match wrap {
         Wrap::Repeat => at.rem_euclid(size),
         Wrap::Mirror => {
@@ -46,7 +28,6 @@ fn wrapped(at: f64, count: usize, wrap: Wrap) -> Option<usize> {
             if twice < size { twice } else { 2.0 * size - 1.0 - twice }
         }
         Wrap::Clamp => at.clamp(0.0, size - 1.0),
-        Wrap::Black if (0.0..size).contains(&at) => at,
         Wrap::Black => return None,
     };
     // Rounding may reach the end of a wide picture.
@@ -55,33 +36,62 @@ fn wrapped(at: f64, count: usize, wrap: Wrap) -> Option<usize> {
 
 /// What a parameter reads at texture coordinates of the mesh: red, green, blue, alpha.
 pub fn read(input: &TextureInput, [u, v]: [f64; 2]) -> [f64; 4] {
-    let (width, height) = (input.texture.width, input.texture.height);
     let [across, down] = input.to_picture.map(|[a, b, c]| a * u + b * v + c);
-    let (x, y) = (across * width as f64, down * height as f64);
-    let at = |x: f64, y: f64| -> [f64; 4] {
-        match (wrapped(x, width, input.wrap[0]), wrapped(y, height, input.wrap[1])) {
-            (Some(x), Some(y)) => texel(input, y * width + x),
+    let at = [across * input.texture.width as f64, down * input.texture.height as f64];
+    // The kind of texels is asked once, not at each. Alpha is never encoded.
+    let found = match (&input.texture.texels, input.encoding) {
+        // A scene holds none of these.
+        (Texels::Encoded(_), _) | (_, Encoding::OfFile) => [0.0; 4],
+        (Texels::Bytes(bytes), Encoding::Srgb) => {
+            let table = &*SRGB;
+            filtered(input, at, |index| {
+                let [r, g, b, a] = bytes.get(index).copied().unwrap_or_default();
+                let colour = |byte: u8| table[usize::from(byte)];
+                [colour(r), colour(g), colour(b), f64::from(a) / 255.0]
+            })
+        }
+        (Texels::Bytes(bytes), Encoding::Linear) => filtered(input, at, |index| {
+            bytes.get(index).copied().unwrap_or_default().map(|byte| f64::from(byte) / 255.0)
+        }),
+        (Texels::Floats(floats), Encoding::Linear) => {
+            filtered(input, at, |index| floats.get(index).copied().unwrap_or_default().map(f64::from))
+        }
+        (Texels::Floats(floats), Encoding::Srgb) => filtered(input, at, |index| {
+            let [r, g, b, a] = floats.get(index).copied().unwrap_or_default().map(f64::from);
+            [linear(r), linear(g), linear(b), a]
+        }),
+    };
+    std::array::from_fn(|c| input.channels[c].of(found) * input.scale[c] + input.bias[c])
+}
+
+/// Between the texels about a place, in texels.
+fn filtered(input: &TextureInput, [x, y]: [f64; 2], texel: impl Fn(usize) -> [f64; 4]) -> [f64; 4] {
+    if !(x.is_finite() && y.is_finite()) {
+        return [0.0; 4];
+    }
+    let (width, height) = (input.texture.width, input.texture.height);
+    let column = |x: f64| wrapped(x, width, input.wrap[0]);
+    let row = |y: f64| wrapped(y, height, input.wrap[1]);
+    let at = |x: Option<usize>, y: Option<usize>| -> [f64; 4] {
+        match (x, y) {
+            (Some(x), Some(y)) => texel(y * width + x),
             (None, _) | (_, None) => [0.0; 4],
         }
     };
-    let found = if !(x.is_finite() && y.is_finite()) {
-        [0.0; 4]
-    } else {
-        match input.filter {
-            Filter::Nearest => at(x.floor(), y.floor()),
-            Filter::Linear => {
-                let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
-                let (s, t) = (x - 0.5 - left, y - 0.5 - top);
-                let row = |y: f64| -> [f64; 4] {
-                    let (a, b) = (at(left, y), at(left + 1.0, y));
-                    std::array::from_fn(|c| a[c] + (b[c] - a[c]) * s)
-                };
-                let (a, b) = (row(top), row(top + 1.0));
-                std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t)
-            }
+    match input.filter {
+        Filter::Nearest => at(column(x.floor()), row(y.floor())),
+        Filter::Linear => {
+            let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());
+            let (s, t) = (x - 0.5 - left, y - 0.5 - top);
+            let (columns, rows) = ([column(left), column(left + 1.0)], [row(top), row(top + 1.0)]);
+            let along = |y: Option<usize>| -> [f64; 4] {
+                let (a, b) = (at(columns[0], y), at(columns[1], y));
+                std::array::from_fn(|c| a[c] + (b[c] - a[c]) * s)
+            };
+            let (a, b) = (along(rows[0]), along(rows[1]));
+            std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t)
         }
-    };
-    std::array::from_fn(|c| input.channels[c].of(found) * input.scale[c] + input.bias[c])
+    }
 }
 
 /// Texture coordinates of a place, by set.
