@@ -154,6 +154,7 @@ impl Case {
             look: DVec3::Z,
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
+            adapts: false,
             focus_distance_m: f64::INFINITY,
             fov_deg: 20.0,
             resolution: [1, 1],

@@ -79,6 +79,7 @@ fn value(row: &Row) -> String {
         Form::File => "file name".to_owned(),
         Form::Length => "length with unit".to_owned(),
         Form::Numbers(count) => format!("{count} numbers"),
+        Form::LengthOr(words) => format!("length with unit, or {}", words.join(", ")),
         Form::Place => "3 lengths with units".to_owned(),
         Form::Word(words) => words.join(", ").replacen(", ", " or ", usize::from(words.len() == 2)),
         Form::Integers(count) => format!("{count} whole numbers"),

@@ -1,5 +1,6 @@
 //! The two sample HUDs, from sidecar to frame, against the prescription that they were built from.
 
+mod adaptation;
 mod agreement; // estimator against estimator, frames of reference
 mod colour; // lateral colour
 mod guided; // guided emission, even points

@@ -34,6 +34,7 @@ pub fn scene(fov_deg: f64, pixels: usize) -> Scene {
             look: DVec3::NEG_Z,
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
+            adapts: false,
             focus_distance_m: f64::INFINITY,
             fov_deg,
             resolution: [pixels, pixels],

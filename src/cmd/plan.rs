@@ -60,7 +60,7 @@ pub fn run(args: &PlanArgs) -> Result<ExitCode> {
 }
 
 fn traced(args: &PlanArgs) -> Result<ExitCode> {
-    let mut scene = args.source.import()?.scene;
+    let mut scene = args.source.import_to_trace(&|| false)?.scene;
     if let Some(resolution) = args.resolution {
         scene.eye.resolution = resolution;
     }

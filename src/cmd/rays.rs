@@ -89,7 +89,7 @@ fn traced(args: &RaysArgs) -> Result<ExitCode> {
         return Err(Error::new(Where::Option("--pixel".to_owned()), "a pixel is looked through from the eye")
             .expected("--from eye"));
     }
-    let built = args.source.import()?;
+    let built = args.source.import_to_trace(&|| false)?;
     let Built { scene, .. } = &built;
     let checked = check(scene)?;
     let world = World::freeze(scene)?;

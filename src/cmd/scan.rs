@@ -100,7 +100,7 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
         check_writable(path)?;
     }
     let signals = Signals::install();
-    let scene = args.source.import()?.scene;
+    let scene = args.source.import_to_trace(&|| signals.caught().is_some())?.scene;
     let polarisation = args.polarisation.asked();
     let light = LightAsked {
         resolution: args.resolution.unwrap_or_else(|| smaller(scene.eye.resolution)),

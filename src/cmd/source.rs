@@ -1,10 +1,13 @@
 //! The asset that a command looks at, as `--set` and `--frame` change it: the same arguments and the same import for all.
 
 use super::moment::Moment;
-use crate::base::Result;
+use crate::base::{Result, Where};
 use crate::check::facets;
 use crate::check::rules::eb0103;
+use crate::estimate::ShouldStop;
 use crate::import::{Built, ImportOptions, ReadOptions, Set, import};
+use crate::plan::adaptation::{Adapted, adapt};
+use crate::scene::Note;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -30,6 +33,24 @@ impl Source {
         let mut built = import(&self.asset, &self.options()?)?;
         built.scene.notes.extend(facets::warnings(&built.scene));
         built.scene.notes.extend(eb0103::warnings(&built.scene));
+        Ok(built)
+    }
+
+    /// The same to be traced: an eye that adapts has the pupil that its picture gives it, which a note says. Once `stop` says
+    /// true the search for it is left, and what is then traced is worthless. Faults besides: of a scene that cannot be traced.
+    pub fn import_to_trace(&self, stop: &ShouldStop<'_>) -> Result<Built> {
+        let mut built = self.import()?;
+        if built.scene.eye.adapts
+            && let Some(found) = adapt(&mut built.scene, stop)?
+        {
+            let Adapted { diameter_m, luminance_cd_m2, field_deg2, age } = found;
+            let text = format!(
+                "pupil of {:.2} mm: both eyes, {age} years old, are adapted to the picture's mean of {luminance_cd_m2:.4} cd/m² \
+                 over {field_deg2:.4} deg² (Watson and Yellott 2012)",
+                1e3 * diameter_m
+            );
+            built.scene.notes.push(Note::info(Where::file(&self.asset), text));
+        }
         Ok(built)
     }
 

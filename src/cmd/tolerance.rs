@@ -83,7 +83,7 @@ pub fn run(args: &ToleranceArgs) -> Result<ExitCode> {
 fn drawn(args: &ToleranceArgs) -> Result<ExitCode> {
     let written = args.output.as_deref().map(TableFile::of).transpose()?;
     let signals = Signals::install();
-    let scene = args.source.import()?.scene;
+    let scene = args.source.import_to_trace(&|| signals.caught().is_some())?.scene;
     let parameters = parameters(&toml::read_as(&args.tolerances, "file of tolerances")?, &scene)?;
     let asked = ToleranceAsked {
         draws: args.draws,

@@ -43,6 +43,7 @@ pub fn eye(assembly: &Assembly, unit_m: f64, resolution: [usize; 2], fov_deg: f6
         look,
         up,
         pupil_diameter_m: 0.0,
+        adapts: false,
         focus_distance_m: f64::INFINITY,
         fov_deg,
         resolution,

@@ -79,8 +79,8 @@ pub fn eye(
         let fov_deg = spec.fov_deg.unwrap_or(defaults::FOV_DEG);
         if let Some((eye, note)) = defaults::eye(assembly, unit_m, resolution, fov_deg) {
             notes.push(note);
-            let EyeSpec { pupil_diameter_m, focus_distance_m, age, .. } = spec;
-            return Ok(Some(Eye { pupil_diameter_m, focus_distance_m, age, ..eye }));
+            let EyeSpec { pupil_diameter_m, adapts, focus_distance_m, age, .. } = spec;
+            return Ok(Some(Eye { pupil_diameter_m, adapts, focus_distance_m, age, ..eye }));
         }
     }
     // A camera gives what the eye leaves open only if the eye says nothing of where it stands.
@@ -143,6 +143,7 @@ pub fn eye(
         look: look.normalize(),
         up: up.normalize(),
         pupil_diameter_m: spec.pupil_diameter_m,
+        adapts: spec.adapts,
         focus_distance_m: spec.focus_distance_m,
         fov_deg,
         resolution,

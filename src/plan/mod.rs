@@ -1,5 +1,6 @@
 //! Floor 5: decides who owns which (light group, path class), with reasons, and how much work a pass is; scans an eyebox.
 
+pub mod adaptation;
 pub mod forecast;
 mod mode;
 pub mod paths;

@@ -64,6 +64,8 @@ pub enum Form {
     File,
     /// A text with a number and its unit: `"4 mm"`.
     Length,
+    /// The same, or one of these words.
+    LengthOr(&'static [&'static str]),
     /// One of these words.
     Word(&'static [&'static str]),
     /// A list of that many numbers.
@@ -188,6 +190,9 @@ impl Row {
             Form::Text => "a text".to_owned(),
             Form::File => "a file name".to_owned(),
             Form::Length => "a length with its unit, e.g. \"4 mm\"".to_owned(),
+            Form::LengthOr(words) => {
+                format!("a length with its unit, e.g. \"4 mm\", or one of {}", words.join(", "))
+            }
             Form::Numbers(count) => format!("a list of {count} numbers{unit}"),
             Form::Place => "a list of three lengths with their units, e.g. [\"0 mm\", \"0 mm\", \"120 mm\"]".to_owned(),
             Form::Integers(count) => format!("a list of {count} whole numbers{unit}"),
@@ -251,6 +256,7 @@ impl Form {
             | Form::Text
             | Form::File
             | Form::Length
+            | Form::LengthOr(_)
             | Form::Word(_)
             | Form::Numbers(_)
             | Form::Integers(_)

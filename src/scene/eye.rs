@@ -16,6 +16,10 @@ pub struct Eye {
     pub up: DVec3,
     /// Diameter of the pupil, m; 0 is a pinhole.
     pub pupil_diameter_m: f64,
+    /// The pupil is still to be found: that of an eye which is adapted to the picture (`plan::adaptation`). Until then the diameter
+    /// is where the search begins.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub adapts: bool,
     /// Distance of the plane of focus, m; infinite is allowed.
     pub focus_distance_m: f64,
     /// Full horizontal field of view, degrees, in (0, 180).

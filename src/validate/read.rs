@@ -137,6 +137,7 @@ pub fn no_scene() -> Scene {
             look: DVec3::NEG_Z,
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
+            adapts: false,
             focus_distance_m: f64::INFINITY,
             fov_deg: 1.0,
             resolution: [1, 1],

@@ -63,6 +63,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
             look: DVec3::NEG_Z,
             up: DVec3::Y,
             pupil_diameter_m: 0.004,
+            adapts: false,
             focus_distance_m: f64::INFINITY,
             fov_deg: 10.0,
             resolution: [1, 1],

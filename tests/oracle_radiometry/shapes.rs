@@ -10,7 +10,17 @@ pub const MM: f64 = 1e-3;
 
 pub fn eye(position: DVec3, look: DVec3, pupil_diameter_m: f64, fov_deg: f64) -> Eye {
     let focus_distance_m = f64::INFINITY;
-    Eye { position, look, up: DVec3::Y, pupil_diameter_m, focus_distance_m, fov_deg, resolution: [1, 1], age: 30.0 }
+    Eye {
+        position,
+        look,
+        up: DVec3::Y,
+        pupil_diameter_m,
+        focus_distance_m,
+        fov_deg,
+        resolution: [1, 1],
+        age: 30.0,
+        adapts: false,
+    }
 }
 
 /// A lamp from triangles in mm, counter-clockwise seen from where they shine to.

@@ -40,6 +40,10 @@ fn form(row: &Row, carrier: Carrier) -> Value {
         Form::Text => json!({ "type": "string" }),
         Form::File => json!({ "type": "string", "format": "uri-reference" }),
         Form::Length => length(carrier),
+        Form::LengthOr(words) => {
+            let words = words_schema(words.iter().map(|word| (*word, "")), carrier);
+            json!({ "anyOf": [length(carrier), words] })
+        }
         Form::Word(words) => words_schema(words.iter().map(|word| (*word, "")), carrier),
         Form::Numbers(count) => json!({ "type": "array", "items": number, "minItems": count, "maxItems": count }),
         Form::Integers(count) => {

@@ -166,6 +166,7 @@ fn line(row: &Row) -> String {
         Form::Text | Form::Word(_) => "string".to_owned(),
         Form::File => "string, a URI".to_owned(),
         Form::Length => "string, a length with its unit".to_owned(),
+        Form::LengthOr(words) => format!("string, a length with its unit, or {}", words.join(", ")),
         Form::Numbers(count) => format!("array of {count} numbers{range}"),
         Form::Integers(count) => format!("array of {count} integers{range}"),
         Form::Place => "array of 3 lengths with units".to_owned(),

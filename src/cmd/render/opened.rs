@@ -26,7 +26,8 @@ pub struct Opened {
 impl Run<'_> {
     pub fn open(&self) -> Result<Opened> {
         let args = &self.args;
-        let Built { mut scene, layers, .. } = args.source.import()?;
+        let opened = self.pool.install(|| args.source.import_to_trace(&|| self.is_stopped()));
+        let Built { mut scene, layers, .. } = opened?;
         let own = scene.eye.resolution;
         if let Some(resolution) = args.resolution {
             scene.eye.resolution = resolution;
@@ -61,6 +62,8 @@ impl Run<'_> {
         };
         let mut scene = args.of_frame(args.output.clone(), frame + 1.0).source.import()?.scene;
         scene.eye.resolution = resolution;
+        // Where things are is asked of it, not how they look.
+        scene.eye.adapts = false;
         Ok(scene)
     }
 }

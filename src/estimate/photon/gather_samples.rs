@@ -99,6 +99,7 @@ mod tests {
             look: DVec3::Z,
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
+            adapts: false,
             focus_distance_m: f64::INFINITY,
             fov_deg: 20.0,
             resolution: size,

@@ -1,6 +1,6 @@
 //! `eye`: where the picture is seen from.
 
-use super::fields::{Fields, not_yet};
+use super::fields::Fields;
 use super::slide::ORTHOGONAL;
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
@@ -8,6 +8,9 @@ use crate::import::value::Value;
 use crate::scene::Note;
 use crate::scene::attribute::Noun;
 use glam::DVec3;
+
+/// Where the search for the pupil of an adapted eye begins: that of an eye by day.
+const ADAPTED_M: f64 = 4e-3;
 
 /// Where an eye stands and looks, in its frame: metres from the frame's origin along its axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +30,8 @@ pub struct EyeSpec {
     /// None if neither position, look, up nor frame is said.
     pub pose: Option<Pose>,
     pub pupil_diameter_m: f64,
+    /// The pupil follows from the picture.
+    pub adapts: bool,
     pub focus_distance_m: f64,
     pub fov_deg: Option<f64>,
     pub resolution: Option<[usize; 2]>,
@@ -68,9 +73,8 @@ pub fn eye(value: &Value, lens: Lens, notes: &mut Vec<Note>) -> Result<EyeSpec> 
     } else {
         None
     };
-    if let Some(value) = fields.value("pupil_diameter").filter(|value| value.text() == Some("auto")) {
-        return Err(not_yet(&value.at, "`pupil_diameter` \"auto\" (from adaptation)").code(Code::EyeImpossible));
-    }
+    let adapts = fields.value("pupil_diameter").and_then(|value| value.text()) == Some("auto");
+    let pupil_diameter_m = if adapts { Some(ADAPTED_M) } else { fields.length_m("pupil_diameter")? };
     let lens = if pose.is_none() { lens } else { Lens::default() };
     let mut or = |given: Option<f64>, name: &str, default: f64| {
         given.unwrap_or_else(|| {
@@ -91,7 +95,8 @@ pub fn eye(value: &Value, lens: Lens, notes: &mut Vec<Note>) -> Result<EyeSpec> 
     Ok(EyeSpec {
         at: value.at.clone(),
         pose,
-        pupil_diameter_m: or(fields.length_m("pupil_diameter")?.or(lens.pupil_diameter_m), "pupil_diameter", 4e-3),
+        pupil_diameter_m: or(pupil_diameter_m.or(lens.pupil_diameter_m), "pupil_diameter", 4e-3),
+        adapts,
         focus_distance_m: or(
             fields.length_m("focus_distance")?.or(lens.focus_distance_m),
             "focus_distance",

@@ -381,11 +381,11 @@ fn scatter_and_coatings() {
 }
 
 #[test]
-fn what_is_not_rendered_yet_is_said() {
+fn a_pupil_is_a_length_or_a_word() {
     check(&[(
         "",
-        &["eye.pupil_diameter=auto"],
-        "--set eye.pupil_diameter=auto: `pupil_diameter` \"auto\" (from adaptation) is not rendered by this version yet",
+        &["eye.pupil_diameter=wide"],
+        "--set eye.pupil_diameter=wide: `pupil_diameter`: `wide` is not a length; write a number and a unit, e.g. `4 mm`; expected a length with its unit, e.g. \"4 mm\", or one of auto",
     )]);
 }
 

@@ -116,6 +116,7 @@ fn scene() -> Scene {
             look: DVec3::NEG_Z,
             up: DVec3::Y,
             pupil_diameter_m: 0.004,
+            adapts: false,
             focus_distance_m: f64::INFINITY,
             fov_deg: 20.0,
             resolution: [40, 20],

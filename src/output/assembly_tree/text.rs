@@ -271,11 +271,15 @@ fn lamps_and_eye(tree: &AssemblyTree, out: &mut String) {
     let [_, half] = eye.half_tangents();
     let _ = writeln!(
         out,
-        "\neye\n  at {} mm, looks along {}, up {}\n  pupil {} mm, focus at {focus}, field {} x {} deg, {} x {} pixels, age {}",
+        "\neye\n  at {} mm, looks along {}, up {}\n  pupil {}, focus at {focus}, field {} x {} deg, {} x {} pixels, age {}",
         words::place(eye.position, extent),
         words::direction(eye.look),
         words::direction(eye.up),
-        words::mm(eye.pupil_diameter_m),
+        if eye.adapts {
+            "adapted to the picture".to_owned()
+        } else {
+            format!("{} mm", words::mm(eye.pupil_diameter_m))
+        },
         words::number(eye.fov_deg, 4),
         words::number(2.0 * half.atan().to_degrees(), 4),
         eye.resolution[0],

@@ -100,6 +100,7 @@ fn half_a_pane() -> Scene {
         look: DVec3::new(0.0, -0.96, 0.28),
         up: DVec3::new(0.0, 0.28, 0.96),
         pupil_diameter_m: 2e-3,
+        adapts: false,
         fov_deg: 60.0,
         resolution: [64, 64],
         ..scene.eye

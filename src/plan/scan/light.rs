@@ -78,9 +78,9 @@ pub fn white(
     let Some([low, high]) = places.bounds() else { return Ok(None) };
     let own = scene.eye.clone();
     scene.eye = looking_at(&own, [low, high]);
-    let rendered = render(scene, light, stop);
+    let seen = rendered(scene, light, stop);
     scene.eye = own;
-    let Some((frame, world)) = rendered? else { return Ok(None) };
+    let Some((frame, world)) = seen? else { return Ok(None) };
     let image = display(&frame)?;
     let independent = pixels_are_independent(&frame);
     let (size, pixel) = ([frame.width, frame.height], DVec2::from_array(world.eye.pixel()));
@@ -125,7 +125,11 @@ pub fn white(
 }
 
 /// The frame of a short rendering and its world. None if `stop` said true.
-fn render(scene: &Scene, light: &LightAsked, stop: &ShouldStop<'_>) -> Result<Option<(Frame, World)>> {
+pub(in crate::plan) fn rendered(
+    scene: &Scene,
+    light: &LightAsked,
+    stop: &ShouldStop<'_>,
+) -> Result<Option<(Frame, World)>> {
     let (checked, world) = (check(scene)?, World::freeze(scene)?);
     let Some(mut plan) = plan_unless(&checked, &world, light.asked, stop) else { return Ok(None) };
     plan.errors = ErrorDetail::Layers;

@@ -144,6 +144,7 @@ mod tests {
             look: -glam::DVec3::Z,
             up: glam::DVec3::Y,
             pupil_diameter_m: 0.0,
+            adapts: false,
             focus_distance_m: 1.0,
             fov_deg: 12.0,
             resolution: [40, 20],

@@ -132,6 +132,10 @@ pub fn of(row: &'static Row) -> Values {
         Form::File => "[a-z0-9_]{1,8}(/[a-z]{1,4})?\\.(png|exr)".prop_map(text).boxed(),
         Form::Word(words) => prop::sample::select(words).prop_map(text).boxed(),
         Form::Length => length(row.range),
+        Form::LengthOr(words) => {
+            let word = prop::sample::select(words).prop_map(text);
+            prop_oneof![3 => length(row.range), 1 => word].boxed()
+        }
         Form::Numbers(count) => numbers(row.range, count),
         Form::Integers(count) => {
             let range = row.range;

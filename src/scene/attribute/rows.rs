@@ -2,8 +2,8 @@
 
 use super::{Form, Kind, Noun, Range, Row, Support};
 use Form::{
-    Coefficients, File, Integer, Integers, Length, Number, NumberOrRows, Numbers, Place, Record, Records, Rows, Text,
-    Thing, Word,
+    Coefficients, File, Integer, Integers, Length, LengthOr, Number, NumberOrRows, Numbers, Place, Record, Records,
+    Rows, Text, Thing, Word,
 };
 use Noun::{Asset, Coating, Emitter, Eye, Finish, Medium, Shape, Sky, Slide, Sun};
 use Range::{Above, Any, AtLeast, AtLeastOrInfinite, Between, NonZero, Positive, PositiveOrInfinite, Within};
@@ -294,7 +294,7 @@ pub const ROWS: &[Row] = &[
     new(Eye, "look", Numbers(3), "", Any, "viewing direction, not zero"),
     new(Eye, "up", Numbers(3), "", Any, "up direction, orthogonal to look"),
     new(Eye, "frame", Text, "", Any, "\"asset\", or the node in whose axes position, look and up are given").or("asset"),
-    new(Eye, "pupil_diameter", Length, "", AtLeast(0.0), "diameter of the pupil; 0 is a pinhole").or("4 mm"),
+    new(Eye, "pupil_diameter", LengthOr(&["auto"]), "", AtLeast(0.0), "diameter of the pupil; 0 is a pinhole, auto what an eye of this age has that is adapted to the picture").or("4 mm"),
     new(Eye, "focus_distance", Length, "", PositiveOrInfinite, "distance of the plane of focus").or("inf"),
     new(Eye, "fov_deg", Number, "deg", Between(0.0, 180.0), "full horizontal field of view"),
     new(Eye, "resolution", Integers(2), "pixels", Within(1.0, 65536.0), "width and height of the picture").or("360 x 180"),

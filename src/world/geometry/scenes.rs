@@ -231,6 +231,7 @@ pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
             look: DVec3::Z,
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
+            adapts: false,
             focus_distance_m: f64::INFINITY,
             fov_deg: 10.0,
             resolution: [4, 4],

@@ -58,7 +58,7 @@ fn put(row: &Row, name: &str, value: &Value, out: &mut Vec<UsdProperty>) -> Resu
         Form::Integer => UsdValue::Int(integer(value, row.name)?),
         Form::Text | Form::Word(_) => UsdValue::Token(text(value, row.name)?.to_owned()),
         Form::File => UsdValue::Asset(text(value, row.name)?.to_owned()),
-        Form::Length => UsdValue::Token(length(value, row.name)?),
+        Form::Length | Form::LengthOr(_) => UsdValue::Token(length(value, row.name)?),
         Form::Numbers(2) => UsdValue::Double2(numbers(value, row)?),
         Form::Numbers(3) => UsdValue::Double3(numbers(value, row)?),
         Form::Numbers(_) | Form::Coefficients { .. } => {
@@ -143,6 +143,7 @@ fn columns(row: &Row, fields: &[&str], name: &str, value: &Value, out: &mut Vec<
             | Form::Text
             | Form::File
             | Form::Length
+            | Form::LengthOr(_)
             | Form::Word(_)
             | Form::Numbers(_)
             | Form::Integers(_)

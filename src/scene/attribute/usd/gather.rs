@@ -150,6 +150,7 @@ fn pull(row: &Row, name: &str, pool: &Pool) -> Result<Option<Value>> {
         | Form::Text
         | Form::File
         | Form::Length
+        | Form::LengthOr(_)
         | Form::Word(_)
         | Form::Numbers(_)
         | Form::Integers(_)

@@ -41,7 +41,8 @@ pub(super) fn of(form: Form) -> UsdType {
     match form {
         Form::Number | Form::NumberOrRows(_) => UsdType::Double,
         Form::Integer => UsdType::Int,
-        Form::Text | Form::Length | Form::Word(_) | Form::Kind | Form::Thing(_) => UsdType::Token,
+        Form::Text | Form::Length | Form::LengthOr(_) => UsdType::Token,
+        Form::Word(_) | Form::Kind | Form::Thing(_) => UsdType::Token,
         Form::Record(_) | Form::Records(_) => UsdType::Token,
         Form::File => UsdType::Asset,
         Form::Numbers(2) => UsdType::Double2,
@@ -72,6 +73,7 @@ fn add(row: &'static Row, name: &str, out: &mut Vec<Property>) {
         | Form::Text
         | Form::File
         | Form::Length
+        | Form::LengthOr(_)
         | Form::Numbers(_)
         | Form::Integers(_)
         | Form::Place
