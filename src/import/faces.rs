@@ -5,7 +5,7 @@ use super::binding_slots::{PartBound, Rank, Slot, Slots};
 use super::build::{Builder, intern};
 use super::files;
 use super::frames;
-use super::optics::{self, FinishSpec, ShapeSpec, SpectrumSpec};
+use super::optics::{self, FinishSpec, MeasuredFile, ShapeSpec, SpectrumSpec};
 use super::select::Candidate;
 use super::value::{Data, Value};
 use crate::base::error::Result;
@@ -13,7 +13,7 @@ use crate::base::ids::{CoatingId, GratingId, MediumId, MeshId, ScatterId, WavePl
 use crate::base::{Code, Error, Where};
 use crate::scene::{Absorption, Face, Finish, Medium, Note, Part, Shape, Spectrum, WavePlate, Wavelengths, glass};
 use glam::DAffine3;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// Whether light gets from outside of a face to what is behind it, so that the medium there counts.
 fn lets_in(face: &Face) -> bool {
@@ -166,7 +166,7 @@ impl Builder<'_> {
                     Finish::Grating { grating }
                 }
                 FinishSpec::Plate { plate, of } => self.plate(plate, of),
-                FinishSpec::Measured { file, at } => self.measured_finish(&file, &at)?,
+                FinishSpec::Measured { files } => self.measured_finish(&files)?,
                 FinishSpec::Surface { surface, at } => Finish::Surface { surface: self.given_surface(*surface, &at)? },
             },
             None if slots.get(Slot::Slide).is_some() && !shines => Finish::None,
@@ -228,16 +228,20 @@ impl Builder<'_> {
         (finish == Finish::Polished && root != [1.0; 3]).then_some(root)
     }
 
-    /// The finish of a file of measured scattering.
-    fn measured_finish(&mut self, name: &str, at: &Where) -> Result<Finish> {
-        let file = files::resolve(name, at);
-        let known = self.scatters.iter().position(|table| Path::new(&table.file) == file);
+    /// The finish of files of measured scattering.
+    fn measured_finish(&mut self, named: &[(String, Where)]) -> Result<Finish> {
+        let paths: Vec<PathBuf> = named.iter().map(|(name, at)| files::resolve(name, at)).collect();
+        let name = optics::name_of_table(&paths);
+        let known = self.scatters.iter().position(|table| table.file == name);
         let index = match known {
             Some(index) => index,
             None => {
-                let bytes = files::read(&file, at, "measured scattering")?;
-                self.scatters.push(optics::scatter_table(&bytes, &file, at)?);
-                self.files.push(file);
+                let mut sources = Vec::new();
+                for (path, (_, at)) in paths.iter().zip(named) {
+                    sources.push(MeasuredFile { bytes: files::read(path, at, "measured scattering")?, file: path, at });
+                }
+                self.scatters.push(optics::scatter_table(&sources, &mut self.notes)?);
+                self.files.extend(paths);
                 self.scatters.len() - 1
             }
         };

@@ -20,10 +20,9 @@ pub enum FinishSpec {
         of: PlateOf,
     },
     Grating(Grating),
-    /// The file as it is written, and where.
+    /// The files as they are written, one or one of each side, and where.
     Measured {
-        file: String,
-        at: Where,
+        files: Vec<(String, Where)>,
     },
     /// An ordinary material, its pictures still to be read.
     Surface {
@@ -140,9 +139,10 @@ pub fn finish(value: &Value, notes: &mut Vec<Note>) -> Result<FinishSpec> {
             reflectance: fields.number_or("reflectance", 0.0, notes)?,
         },
         "measured" => {
-            let file = fields.need_text("file")?.to_owned();
-            let at = fields.value("file").map_or_else(|| value.at.clone(), |value| value.at.clone());
-            return Ok(FinishSpec::Measured { file, at });
+            let at = |name: &str| fields.value(name).map_or_else(|| value.at.clone(), |value| value.at.clone());
+            let mut files = vec![(fields.need_text("file")?.to_owned(), at("file"))];
+            files.extend(fields.text("other_file")?.map(|file| (file.to_owned(), at("other_file"))));
+            return Ok(FinishSpec::Measured { files });
         }
         name => return Err(super::fields::not_yet(&value.at, &format!("finish `{name}`"))),
     }))

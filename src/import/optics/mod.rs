@@ -17,6 +17,7 @@ mod sun;
 mod surface;
 mod wave_plate;
 mod wavelengths;
+mod zemax_bsdf;
 
 pub use coating::{coating, unknown as unknown_coating};
 pub use emitter::{ATTRIBUTES as EMITTER, EmitterSpec, STRENGTHS, Spreading, Strength, emitter, group_name};
@@ -24,7 +25,7 @@ pub use eye::{EyeSpec, Lens, Pose, eye};
 pub use fields::{Fields, Union, not_yet, number, stray, union};
 pub use finish::{FinishSpec, PlateOf, finish};
 pub use medium::{absorption, entries as medium_entries, index, law, possible, priority};
-pub use scatter_table::scatter_table;
+pub use scatter_table::{MeasuredFile, name_of_table, scatter_table};
 pub use shape::{ShapeSpec, shape};
 pub use sky::{SkyKind, SkySpec, Up, goes_with as goes_with_sky, kind_of as kind_of_sky, sky};
 pub use slide::{ATTRIBUTES as SLIDE, ORTHOGONAL, SlideSpec, slide};

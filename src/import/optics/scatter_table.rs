@@ -2,21 +2,86 @@
 //! (1/sr), separated by commas; the lines of a side make a whole grid, in any order. `#` starts a comment, a first line of
 //! names is allowed.
 
+use super::zemax_bsdf::{self, ZemaxBsdf};
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
-use crate::scene::ScatterTable;
 use crate::scene::scatter_table::{Flaw, Measurement};
+use crate::scene::{Note, ScatterTable};
 use std::path::Path;
 
 /// The names of the columns.
 const COLUMNS: &str = "side,theta_in_deg,theta_out_deg,phi_deg,bsdf_per_sr";
 
-/// The table in these bytes of `file`, which is named at `at`.
+/// A file of measured scattering, and where it is named.
+pub struct MeasuredFile<'a> {
+    pub bytes: Vec<u8>,
+    pub file: &'a Path,
+    pub at: &'a Where,
+}
+
+/// Reflected and transmitted.
+type BothSides = [Option<Measurement>; 2];
+
+const SIDES: [&str; 2] = ["R", "T"];
+
+/// What a table of these files is called.
+pub fn name_of_table(files: &[impl AsRef<Path>]) -> String {
+    files.iter().map(|file| file.as_ref().display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// The table that the files give together: ours, or those of [`zemax_bsdf`].
 ///
 /// # Errors
-/// By its line: what is no number or out of range, a point twice. A grid with holes, a table that gains energy.
-pub fn scatter_table(bytes: &[u8], file: &Path, at: &Where) -> Result<ScatterTable> {
-    let text = String::from_utf8_lossy(bytes);
+/// By its line: what is no number or out of range, a point twice. A grid with holes, a side that two files have, a table that gains
+/// energy.
+pub fn scatter_table(files: &[MeasuredFile<'_>], notes: &mut Vec<Note>) -> Result<ScatterTable> {
+    let mut measured: BothSides = [None, None];
+    for source in files {
+        let found = sides_of(source, notes)?;
+        for (side, new) in found.into_iter().enumerate() {
+            if new.is_some() && measured[side].is_some() {
+                let what = format!("measured scattering: side {} is in both files", SIDES[side]);
+                return Err(Error::new(source.at.clone(), what).expected("a file of each side"));
+            }
+            measured[side] = new.or(measured[side].take());
+        }
+    }
+    let name = name_of_table(&files.iter().map(|source| source.file).collect::<Vec<_>>());
+    ScatterTable::new(&name, &measured).map_err(|flaw| {
+        let code = match flaw {
+            Flaw::TooLarge { .. } => None,
+            Flaw::GainsEnergy { .. } => Some(Code::ScatterGainsEnergy),
+        };
+        let at = files.first().map_or(Where::Nowhere, |source| source.at.clone());
+        Error::new(at, format!("measured scattering {name}: {flaw}"))
+            .expected("a table that scatters at most what arrives")
+            .code(code)
+    })
+}
+
+fn sides_of(source: &MeasuredFile<'_>, notes: &mut Vec<Note>) -> Result<BothSides> {
+    /// Of the total that a file says, what the sum of its values may miss unsaid.
+    const ALIKE: f64 = 0.1;
+    let text = String::from_utf8_lossy(&source.bytes);
+    if !zemax_bsdf::is_zemax(&text) {
+        return rows(&text, source);
+    }
+    let ZemaxBsdf { side, measurement, worst } = zemax_bsdf::read(&text, source.file)?;
+    if let Some([angle, said, sum]) = worst.filter(|[_, said, sum]| (said - sum).abs() > ALIKE * said) {
+        let what = format!(
+            "measured scattering {}: of light at {angle}° its values add up to {sum:.4}, it says TIS {said}: the values count",
+            source.file.display()
+        );
+        notes.push(Note::warning(source.at.clone(), what));
+    }
+    let mut out: BothSides = [None, None];
+    out[side] = Some(measurement);
+    Ok(out)
+}
+
+/// Lines of our own form.
+fn rows(text: &str, source: &MeasuredFile<'_>) -> Result<BothSides> {
+    let (file, at) = (source.file, source.at);
     let mut sides: [Vec<[f64; 4]>; 2] = [Vec::new(), Vec::new()];
     for (index, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or("").trim();
@@ -52,21 +117,13 @@ pub fn scatter_table(bytes: &[u8], file: &Path, at: &Where) -> Result<ScatterTab
     if sides.iter().all(Vec::is_empty) {
         return Err(wrong("it has no lines".to_owned()).expected(COLUMNS));
     }
-    let names = ["R", "T"];
     let mut measured = [None, None];
     for (side, rows) in sides.into_iter().enumerate() {
         if !rows.is_empty() {
-            measured[side] = Some(grid(rows).map_err(|why| wrong(format!("side {}: {why}", names[side])))?);
+            measured[side] = Some(grid(rows).map_err(|why| wrong(format!("side {}: {why}", SIDES[side])))?);
         }
     }
-    let name = file.display().to_string();
-    ScatterTable::new(&name, &measured).map_err(|flaw| {
-        let code = match flaw {
-            Flaw::TooLarge { .. } => None,
-            Flaw::GainsEnergy { .. } => Some(Code::ScatterGainsEnergy),
-        };
-        wrong(flaw.to_string()).expected("a table that scatters at most what arrives").code(code)
-    })
+    Ok(measured)
 }
 
 /// Rows (deg, deg, deg, 1/sr) as a grid.
@@ -100,7 +157,8 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<ScatterTable> {
-        scatter_table(text.as_bytes(), Path::new("a.csv"), &Where::Nowhere)
+        let source = MeasuredFile { bytes: text.as_bytes().to_vec(), file: Path::new("a.csv"), at: &Where::Nowhere };
+        scatter_table(&[source], &mut Vec::new())
     }
 
     #[test]
