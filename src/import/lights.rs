@@ -255,17 +255,19 @@ impl Builder<'_> {
     /// A uniform sky, or a panorama in the axes of the dome's node.
     fn dome(&mut self, light: &LightSource, scale: f64, image: Option<&Path>, to_asset: &DAffine3) -> Result<Sky> {
         let group = self.light_group(light, None)?;
-        let (mut read, file) = match image {
-            None => (
-                Picture { width: 1, height: 1, pixels: vec![1.0], rgb: None, clipped: 0, remarks: Vec::new() },
-                "uniform".to_owned(),
-            ),
-            Some(file) => {
-                let bytes = files::read(file, &light.at, "dome image")?;
+        let (mut read, file) = match image.map(|file| (files::read(file, &light.at, "dome image"), file)) {
+            None => (evenly_lit(), "uniform".to_owned()),
+            Some((Ok(bytes), file)) => {
                 let mut read = image::panorama(&bytes, None, file, &light.at)?;
                 self.notes.extend(read.notes(&file.display().to_string(), &light.at));
                 self.files.push(file.to_owned());
                 (read, file.display().to_string())
+            }
+            // Without its picture an asset can still be looked at, as without those of its materials.
+            Some((Err(fault), _)) => {
+                let text = format!("{}; the dome {} lights evenly, in its own colour", fault.what, light.name);
+                self.notes.push(Note::warning(fault.at.clone(), text));
+                (evenly_lit(), "uniform".to_owned())
             }
         };
         // The strength has the luminance of the light's colour in it.
@@ -280,6 +282,11 @@ impl Builder<'_> {
         let to_world = self.assembly.axes * rotation(&to_asset.matrix3, &light.at)?;
         Ok(Sky { group, width: read.width, height: read.height, luminance, rgb, to_world, file })
     }
+}
+
+/// A panorama of one pixel.
+fn evenly_lit() -> Picture {
+    Picture { width: 1, height: 1, pixels: vec![1.0], rgb: None, clipped: 0, remarks: Vec::new() }
 }
 
 /// The rotation in a node's axes; scale is taken off.

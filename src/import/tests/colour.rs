@@ -172,6 +172,26 @@ fn a_tinted_dome_tints_its_picture() {
     assert!((f64::from(sky.luminance[6]) / 8.0 - 1.0).abs() < 1e-6);
 }
 
+/// An asset is looked at without its dome's picture, as without those of its materials; a broken one stays an error.
+#[test]
+fn a_dome_without_its_picture_lights_evenly() {
+    let folder = pictures();
+    let domed = |name: &str| {
+        let mut asset = assembly(&["LENS"]);
+        let image = Some(folder.path().join(name));
+        asset.lights.push(light(LightForm::Dome { scale_cd_m2: 4.0, image }, [1.0, 0.5, 0.5], None));
+        built_on(asset, &visible(), &[])
+    };
+    let built = domed("lost.hdr").unwrap();
+    let warned = |note: &&crate::scene::Note| note.severity == Severity::Warning && note.text.contains("lost.hdr");
+    let note = built.scene.notes.iter().find(warned).unwrap();
+    assert!(note.text.contains("no such file") && note.text.contains("lights evenly"), "{}", note.text);
+    let sky = built.scene.sky.unwrap();
+    assert!((sky.luminance[0] - 4.0).abs() < 1e-6 && sky.luminance.len() == 1);
+    std::fs::write(folder.path().join("broken.hdr"), b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 9 +X 9\n").unwrap();
+    assert!(domed("broken.hdr").is_err());
+}
+
 #[test]
 fn glasses_beyond_their_range_are_warned_of_once() {
     let text = "[[bind]]\npath = \"LED_*\"\nglass = \"PMMA\"\n[[bind]]\npath = \"LENS\"\nglass = \"N-SF6\"\nfinish = \"polished\"\n\

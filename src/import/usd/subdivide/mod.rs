@@ -41,6 +41,9 @@ const TOO_MANY_POLYGONS: usize = 4_000_000;
 /// Bytes that a polygon takes while it is refined: its corners and edges, all levels, positions; and for each primvar.
 const POLYGON: usize = 600;
 const PRIMVAR: usize = 150;
+/// Bytes that are charged for it as part of the mesh, and for each primvar.
+const KEPT: usize = 2 * (3 * 24 + 2 * 12);
+const KEPT_PRIMVAR: usize = 2 * 3 * 16;
 
 /// A mesh on the limit surface.
 pub(super) struct Fine {
@@ -86,14 +89,21 @@ pub(super) fn limit(
         Ok(cage) => cage,
         Err(why) => return Ok(left_alone(reader, view, scheme, &why)),
     };
-    let level = level(cage.sizes.iter().sum(), cage.sizes.len(), scheme);
+    let level = level(reader, &cage, scheme, primvars.len());
     let fine = count(&cage, level, scheme);
     if fine > TOO_MANY_POLYGONS {
         return Ok(left_alone(reader, view, scheme, &format!("it would have {fine} polygons after one level")));
     }
-    reader.charge(view.path(), fine, POLYGON + PRIMVAR * primvars.len())?;
+    let before = reader.ledger.taken();
+    if fine > MOST_POLYGONS {
+        reader.charge(view.path(), fine, POLYGON + PRIMVAR * primvars.len())?;
+    }
     let refined = match refine::refined(&cage, scheme, level, polygons, primvars) {
-        Ok(refined) => refined,
+        Ok(refined) => {
+            reader.ledger.release(before);
+            reader.ledger.allow_fine(kept(fine, primvars.len()));
+            refined
+        }
         Err(why) => return Ok(left_alone(reader, view, scheme, &why)),
     };
     let by =
@@ -120,13 +130,23 @@ fn left_alone(reader: &mut Reader, view: &PrimView, scheme: Scheme, why: &str) -
     None
 }
 
-/// How often a cage of so many corners and polygons is refined.
-fn level(corners: usize, polygons: usize, scheme: Scheme) -> usize {
+/// How often a cage is refined: less where the asset has many cages that are finer than their files.
+fn level(reader: &Reader, cage: &Cage, scheme: Scheme, primvars: usize) -> usize {
+    let share = reader.ledger.fine_share();
     let mut level = *LEVELS.start();
-    while level < *LEVELS.end() && at_level(corners, polygons, level + 1, scheme) <= MOST_POLYGONS {
+    while level < *LEVELS.end() {
+        let next = count(cage, level + 1, scheme);
+        if next > MOST_POLYGONS || kept(next, primvars) > share {
+            break;
+        }
         level += 1;
     }
     level
+}
+
+/// What is charged for a fine mesh that is kept, two triangles a polygon with vertices of their own; bytes.
+fn kept(polygons: usize, primvars: usize) -> usize {
+    polygons.saturating_mul(KEPT + KEPT_PRIMVAR * primvars)
 }
 
 /// Catmull–Clark makes a quad of each corner first, then four of each polygon; Loop four triangles of each.

@@ -1,6 +1,7 @@
 //! Assets that multiply inside composition end in a result or a fault, and soon.
 
-use super::kit::Folder;
+use super::kit::{Folder, assembly};
+use crate::import::Assembly;
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
@@ -140,4 +141,28 @@ fn twenty_thousand_references_to_one_part_are_no_attack() {
         let part = format!("{ROOT}def Xform \"P0\" {{ {part} }}\n");
         assert_eq!(said("references", &[("a.usda", &root), ("part.usda", &part)]), Ok(40_001));
     }
+}
+
+/// Small cages of a small file become fine meshes all the same; of very many, each is less fine.
+#[test]
+fn subdivision_does_not_count_as_repeating() {
+    let grid = |x: usize| {
+        let points: Vec<String> = (0..81).map(|i| format!("({}, {}, {})", x + i % 9, i / 9, (i * x) % 7)).collect();
+        let corners = |i: usize| format!("{i}, {}, {}, {}", i + 1, i + 10, i + 9);
+        let quads: Vec<String> = (0..64).map(|i| corners(i / 8 * 9 + i % 8)).collect();
+        let (points, quads, sizes) = (points.join(", "), quads.join(", "), vec!["4"; 64].join(", "));
+        format!(
+            "def Mesh \"M{x}\" {{ int[] faceVertexCounts = [{sizes}]\n int[] faceVertexIndices = [{quads}]\n \
+             point3f[] points = [{points}] }}\n"
+        )
+    };
+    let stage = |count: usize| -> String { (0..count).map(|x| grid(x + 1)).collect() };
+    let levels = |assembly: &Assembly| -> Vec<usize> {
+        assembly.meshes.iter().map(|source| source.mesh.triangles.len()).collect()
+    };
+    let few = assembly(&stage(4));
+    assert_eq!(levels(&few), [131_072; 4]);
+    // The same cage again is the same mesh, whatever came between.
+    let again = assembly(&format!("{}def Xform \"X\" {{ {} }}\n", stage(2), stage(1)));
+    assert_eq!(levels(&again), [131_072; 2]);
 }
