@@ -10,6 +10,7 @@ pub mod exr; // a file → a frame
 pub mod finish;
 pub mod frame;
 pub mod guide;
+pub mod jpeg;
 pub mod kernel_bias;
 pub mod layer;
 pub mod layer_moments;

@@ -3,12 +3,17 @@
 
 use super::exr::{About, COLOR_INTEROP_ID, WHITE_LUMINANCE, decode_all};
 use super::frame::Frame;
+use super::jpeg::is_cut_short;
 use super::names;
 use crate::base::colour::FileSpace;
 use crate::base::error::nearest_name;
 
-/// More pixels than this are a broken header, not a picture.
-const MAX_PIXELS: usize = 1 << 28;
+/// More pixels than this are a broken header, not a picture: 16384 × 8192.
+const MAX_PIXELS: usize = 1 << 27;
+/// Bytes that all channels of an EXR may take once they are decoded, as f32: a few bytes can be zeros for ever.
+const MAX_DECODED: usize = 1 << 33;
+/// What is said of a JPEG that ends before its picture does.
+pub const CUT_SHORT: &str = "it is cut short: a part of the picture is missing";
 /// A display window of so many pixels is believed however small the data window is; and so many times that.
 const ALWAYS_SHOWN: usize = 1 << 24;
 const MOST_AROUND: usize = 64;
@@ -52,6 +57,7 @@ impl Still {
     /// The picture of an EXR file: its default image, its only picture or the layer that is asked for, as its display window
     /// shows it. Errors: what is wrong with the file, or which layers it has.
     pub fn of_exr(bytes: &[u8], layer: Option<&str>) -> Result<Still, String> {
+        check_size(bytes)?;
         let (frame, about) = decode_all(bytes)?;
         let mut remarks = Vec::new();
         let layer = chosen(&frame, layer, &mut remarks)?;
@@ -90,7 +96,11 @@ impl Still {
         if !matches!(format, image::ImageFormat::Png | image::ImageFormat::Jpeg) {
             return Err(format!("it is {}", format.extensions_str().first().unwrap_or(&"of another format")));
         }
-        let decoded = image::load_from_memory_with_format(bytes, format).map_err(|error| error.to_string())?;
+        let decoded =
+            image::load_from_memory_with_format(bytes, format).map_err(|error| undecoded(&error, bytes, format))?;
+        if format == image::ImageFormat::Jpeg && is_cut_short(bytes) {
+            return Err(CUT_SHORT.to_owned());
+        }
         let (width, height) = (decoded.width() as usize, decoded.height() as usize);
         let linear =
             |pixel: &image::Rgb<f32>| FileSpace::SRGB.to_rec709(pixel.0.map(f64::from)).map(|value| value as f32);
@@ -101,6 +111,41 @@ impl Still {
         let light = Light::Rgb(decoded.to_rgb32f().pixels().map(linear).collect());
         Ok(Still { width, height, light, white_cd_m2: None, remarks })
     }
+}
+
+/// Whether [`Still::of_srgb`] is for a file of this beginning.
+pub fn is_srgb(bytes: &[u8]) -> bool {
+    matches!(image::guess_format(bytes), Ok(image::ImageFormat::Png | image::ImageFormat::Jpeg))
+}
+
+/// Why a picture could not be decoded: what it claims, where that is more than is allowed.
+pub fn undecoded(error: &image::ImageError, bytes: &[u8], format: image::ImageFormat) -> String {
+    let size = || image::ImageReader::with_format(std::io::Cursor::new(bytes), format).into_dimensions().ok();
+    match (error, size()) {
+        (image::ImageError::Limits(_), Some((width, height))) => {
+            format!("it claims {width} × {height} pixels, more than a picture may have")
+        }
+        (image::ImageError::Limits(_), None) => "it claims more pixels than a picture may have".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
+/// Errors: a size that an EXR claims and no picture has. What else is wrong with the header its decoder says.
+fn check_size(bytes: &[u8]) -> Result<(), String> {
+    let Ok(meta) = ::exr::meta::MetaData::read_from_buffered(std::io::Cursor::new(bytes), false) else { return Ok(()) };
+    let mut decoded = 0usize;
+    for header in &meta.headers {
+        let (width, height) = (header.layer_size.0, header.layer_size.1);
+        let area = width.checked_mul(height).filter(|area| *area <= MAX_PIXELS);
+        let all = area.and_then(|area| area.checked_mul(header.channels.list.len() * size_of::<f32>()));
+        decoded = match all.and_then(|all| decoded.checked_add(all)) {
+            Some(decoded) if decoded <= MAX_DECODED => decoded,
+            Some(_) | None => {
+                return Err(format!("it claims {width} × {height} pixels, more than a picture may have"));
+            }
+        };
+    }
+    Ok(())
 }
 
 /// Red, green and blue of a layer, also where they are called by small letters or by their names.

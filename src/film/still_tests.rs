@@ -209,3 +209,20 @@ fn luminance_and_chroma() {
     file[at..at + 4].fill(0);
     assert!(Still::of_exr(&file, None).is_err());
 }
+
+/// A few bytes can be zeros for ever: what they claim is looked at before they are unpacked.
+#[test]
+fn sizes_that_no_picture_has() {
+    let small = file([4, 2], [0, 0], ([0, 0], [4, 2]), &[0.0; 8], false);
+    let window = |right: i32, bottom: i32| [0, 0, right, bottom].map(i32::to_le_bytes).concat();
+    let claims = |right: i32, bottom: i32| {
+        let mut bytes = small.clone();
+        let starts: Vec<usize> = (0..bytes.len() - 16).filter(|at| bytes[*at..*at + 16] == window(3, 1)).collect();
+        assert_eq!(starts.len(), 2);
+        starts.iter().for_each(|at| bytes[*at..*at + 16].copy_from_slice(&window(right, bottom)));
+        Still::of_exr(&bytes, None)
+    };
+    assert!(claims(3, 1).is_ok());
+    assert_eq!(claims(20_000, 9_999), Err("it claims 20001 × 10000 pixels, more than a picture may have".to_owned()));
+    assert!(claims(11, 1).is_err());
+}

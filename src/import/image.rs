@@ -3,7 +3,7 @@
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::film::exr::is_exr;
-use crate::film::still::{Light, Remark, Still};
+use crate::film::still::{Light, Remark, Still, is_srgb, undecoded};
 use crate::scene::{Note, Severity};
 use std::io::Cursor;
 use std::path::Path;
@@ -95,7 +95,8 @@ pub fn slide(bytes: &[u8], layer: Option<&str>, path: &Path, at: &Where) -> Resu
     }
     no_layer(layer, path, at)?;
     let reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png);
-    let decoded = reader.decode().map_err(|error| broken(path, at, error).expected("a PNG of 8 or 16 bits"))?;
+    let why = |error| undecoded(&error, bytes, image::ImageFormat::Png);
+    let decoded = reader.decode().map_err(|error| broken(path, at, why(error)).expected("a PNG of 8 or 16 bits"))?;
     if decoded.color().has_alpha() {
         return Err(broken(path, at, "it has an alpha channel").expected("a grey PNG of 8 or 16 bits"));
     }
@@ -130,12 +131,13 @@ pub fn panorama(bytes: &[u8], layer: Option<&str>, path: &Path, at: &Where) -> R
     } else if bytes.starts_with(b"#?") {
         no_layer(layer, path, at)?;
         let reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Hdr);
-        let decoded = reader.decode().map_err(|error| broken(path, at, error))?;
+        let decoded =
+            reader.decode().map_err(|error| broken(path, at, undecoded(&error, bytes, image::ImageFormat::Hdr)))?;
         let (width, height) = (decoded.width() as usize, decoded.height() as usize);
         Picture::coloured(width, height, decoded.to_rgb32f().pixels().map(|pixel| pixel.0).collect())
-    } else if let Ok(still) = Still::of_srgb(bytes) {
+    } else if is_srgb(bytes) {
         no_layer(layer, path, at)?;
-        still_picture(still)
+        still_picture(Still::of_srgb(bytes).map_err(|why| broken(path, at, why))?)
     } else {
         let fault = broken(path, at, "it is none of OpenEXR, Radiance HDR, PNG and JPEG");
         return Err(fault.expected("a .exr or .hdr file, or a picture whose brightest is 1"));

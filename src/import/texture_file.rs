@@ -3,7 +3,8 @@
 use crate::base::error::Result;
 use crate::base::{Error, Where, package};
 use crate::film::exr::is_exr;
-use crate::film::still::{Light, Still};
+use crate::film::jpeg::is_cut_short;
+use crate::film::still::{CUT_SHORT, Light, Still, undecoded};
 use crate::scene::Texture;
 use crate::scene::texture::{Encoding, Texels};
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
@@ -51,8 +52,14 @@ pub(super) fn decoded(bytes: &[u8], name: &str, at: &Where) -> Result<(Texture, 
     let mut limits = Limits::default();
     limits.max_alloc = Some(MOST_BYTES);
     reader.limits(limits);
-    let decoded = reader.decode().map_err(|error| broken(error.to_string()))?;
+    let decoded = reader.decode().map_err(|error| broken(undecoded(&error, bytes, format)))?;
+    if format == ImageFormat::Jpeg && is_cut_short(bytes) {
+        return Err(broken(CUT_SHORT.to_owned()));
+    }
     let (width, height) = (decoded.width() as usize, decoded.height() as usize);
+    if width == 0 || height == 0 {
+        return Err(broken("it has no pixels".to_owned()));
+    }
     let is_colour = matches!(decoded, DynamicImage::ImageRgb8(_) | DynamicImage::ImageRgba8(_));
     let texels = match decoded {
         DynamicImage::ImageLuma8(_)
@@ -208,5 +215,13 @@ mod tests {
             let fault = decoded(bytes, "t", &Where::Nowhere).unwrap_err();
             assert!(fault.what.starts_with("can't read the texture t: "), "{}", fault.what);
         }
+        let said = |bytes: &[u8]| decoded(bytes, "t", &Where::Nowhere).unwrap_err().what;
+        assert!(said(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 0 +X 0\n").ends_with("it has no pixels"));
+        let claims = said(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60000 +X 50000\n");
+        assert!(claims.contains("it claims 50000 × 60000 pixels"), "{claims}");
+        let mut jpeg = Vec::new();
+        DynamicImage::new_rgb8(40, 40).write_to(&mut Cursor::new(&mut jpeg), ImageFormat::Jpeg).unwrap();
+        assert!(decoded(&jpeg, "t", &Where::Nowhere).is_ok());
+        assert!(said(&jpeg[..jpeg.len() - 20]).contains("cut short"));
     }
 }
