@@ -3,6 +3,7 @@
 use super::diffuse::Body;
 use super::film::{FilmLook, Interference};
 use super::look::{self, Look, Tint};
+use super::sheen::sheen_reflects;
 use super::{COAT_IOR, Principled, energy};
 use energy::Tally;
 use glam::DVec3;
@@ -132,7 +133,7 @@ impl Principled {
             open *= 1.0 - look.coat * self.coat_reflects(w, look);
         }
         if look.most_sheen > 0.0 {
-            open *= 1.0 - look.most_sheen * look::sheen_reflects(w.z.abs(), look.sheen_alpha);
+            open *= 1.0 - look.most_sheen * sheen_reflects(w.z.abs(), look.sheen_alpha);
         }
         open.max(0.0)
     }
@@ -209,7 +210,7 @@ impl Principled {
             0.0
         };
         let grazing = wi.z.abs().min(wo.z.abs());
-        let under_sheen = 1.0 - look.most_sheen * look::sheen_reflects(grazing, look.sheen_alpha);
+        let under_sheen = 1.0 - look.most_sheen * sheen_reflects(grazing, look.sheen_alpha);
         Layers {
             under: (under_sheen * (1.0 - coat)).max(0.0),
             under_sheen: under_sheen.max(0.0),

@@ -3,9 +3,7 @@
 use super::energy;
 use super::film::FilmLook;
 use super::lobe::{Lobe, Stretch};
-use super::sheen;
 use glam::DVec3;
-use std::sync::LazyLock;
 
 /// Its colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,44 +82,6 @@ pub fn lacks(straight: f64, edge: f64) -> f64 {
 /// Reflectance of a metal: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994).
 pub fn schlick(straight: f64, cos: f64) -> f64 {
     straight + (1.0 - straight) * (1.0 - cos).clamp(0.0, 1.0).powi(5)
-}
-
-const COSINES: usize = 32;
-const ROUGHNESSES: usize = 16;
-
-/// What a white sheen reflects, by √α and cosine.
-static SHEEN: LazyLock<Vec<[f64; COSINES]>> = LazyLock::new(|| {
-    const STEPS: usize = 64;
-    let reflected = |alpha: f64, cos: f64| -> f64 {
-        let wi = DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
-        let one = |turn: usize, tilt: usize| {
-            // Uniform in the square of the cosine: what counts is near the horizon as well.
-            let phi = std::f64::consts::PI * (turn as f64 + 0.5) / STEPS as f64;
-            let z = (tilt as f64 + 0.5) / STEPS as f64;
-            let sin = (1.0 - z * z).sqrt();
-            sheen(wi, DVec3::new(sin * phi.cos(), sin * phi.sin(), z), alpha) * z
-        };
-        let sum: f64 = (0..STEPS * STEPS).map(|i| one(i / STEPS, i % STEPS)).sum();
-        2.0 * std::f64::consts::PI * sum / (STEPS * STEPS) as f64
-    };
-    (0..ROUGHNESSES)
-        .map(|r| {
-            let alpha = sheen_alpha(r as f64 / (ROUGHNESSES - 1) as f64);
-            std::array::from_fn(|c| reflected(alpha, (c as f64 / (COSINES - 1) as f64).max(0.01)))
-        })
-        .collect()
-});
-
-/// α of a sheen's roughness: below it fibres are hardly more than a rim of light.
-pub fn sheen_alpha(roughness: f64) -> f64 {
-    (roughness * roughness).clamp(0.01, 1.0)
-}
-
-/// Share of light under a cosine that a white sheen reflects; at most all of it.
-pub fn sheen_reflects(cos: f64, alpha: f64) -> f64 {
-    let ((r, s), (c, t)) = (energy::place(alpha.sqrt(), ROUGHNESSES), energy::place(cos, COSINES));
-    let row = |r: usize| SHEEN[r][c] + (SHEEN[r][c + 1] - SHEEN[r][c]) * t;
-    (row(r) + (row(r + 1) - row(r)) * s).min(1.0)
 }
 
 /// Roughness as facets have it.

@@ -21,6 +21,7 @@ mod lobe;
 mod look;
 mod point;
 mod polarisation;
+mod sheen;
 mod stretched;
 
 pub use look::Look;
@@ -35,6 +36,7 @@ use energy::Energy;
 use film::Interference;
 use glam::DVec3;
 use lobe::Lobe;
+use sheen::{sheen, sheen_reflects};
 use std::f64::consts::PI;
 use std::sync::Arc;
 use stretched::Stretched;
@@ -122,7 +124,10 @@ impl Principled {
         {
             sum += layers.under_sheen * look.coat * self.coat_facet(cos) * value * common;
         }
-        sum + look.tint.sheen * sheen(wi, d_out, look.sheen_alpha)
+        if look.tint.sheen > 0.0 {
+            sum += look.tint.sheen * sheen(wi, d_out, look.sheen_alpha);
+        }
+        sum
     }
 
     /// What rough facets of a sheet send through it, to the mirror image of `wo`, without the tint.
@@ -228,7 +233,7 @@ impl Principled {
         let lost = 1.0 - self.energy(wi, look)[0];
         let again = if look.metallic > 0.0 { look.metallic * lost * self.again(look, look.tint) } else { 0.0 };
         let coat = layers.under_sheen * look.coat * self.coat_reflects(wi, look);
-        let sheen = look.tint.sheen * look::sheen_reflects(wi.z.abs(), look.sheen_alpha);
+        let sheen = look.tint.sheen * sheen_reflects(wi.z.abs(), look.sheen_alpha);
         (layers.under * (inside * (body + sheet) + facets + again) + coat + sheen).min(1.0)
     }
 }
@@ -257,16 +262,6 @@ fn coat_facets(wi: DVec3, wo: DVec3, look: &Look) -> Option<([f64; 3], f64)> {
     }
     let common = (own_in.z / wi.z).min(1.0) * (own_out.z / wo.z).min(1.0);
     lobe.mirrored(own_in, own_out).map(|found| (found, common))
-}
-
-/// Fibres: the distribution of Estevez and Kulla, "Production Friendly Microfacet Sheen BRDF" (SIGGRAPH 2017 courses), with
-/// the visibility of Ashikhmin and Premože, "Distribution-based BRDFs" (2007), as KHR_materials_sheen has it.
-fn sheen(wi: DVec3, wo: DVec3, alpha: f64) -> f64 {
-    let h = (wi + wo).normalize_or_zero();
-    let sin = (1.0 - h.z * h.z).max(0.0).sqrt();
-    let distribution = (2.0 + 1.0 / alpha) * sin.powf(1.0 / alpha) / (2.0 * PI);
-    let value = distribution / (4.0 * (wi.z + wo.z - wi.z * wo.z));
-    if value.is_finite() { value } else { 0.0 }
 }
 
 #[cfg(test)]
