@@ -153,3 +153,70 @@ fn materialx_files_are_layers() {
     let [r, g, b] = row(&asset, 8)[0].map(|x| x / SKY);
     assert!((r - 0.25).abs() < 0.02 && (g - 0.5).abs() < 0.02 && b.abs() < 0.02, "{r} {g} {b}");
 }
+
+/// A normal map leans the normal for optics, not the face: light that comes from behind the face is none of its, whichever
+/// way paths are drawn. A matt face that leans by β before an even sky then shows ρ (1 + cos β)/2 of it (the view factor of
+/// an inclined plane and the upper half of the sphere; Siegel and Howell, Thermal Radiation Heat Transfer).
+#[test]
+fn a_mapped_normal_gets_no_light_from_behind_the_face() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // A quarter of the texels each: upright, and leaning to the right by some 30, 45 and 60 degrees.
+    let lean = [0.0f64, 0.5, std::f64::consts::FRAC_1_SQRT_2, 0.75f64.sqrt()];
+    let byte = |x: f64| ((x * 0.5 + 0.5) * 255.0).round() as u8;
+    let texel = |sin: f64| [byte(sin), byte(0.0), byte((1.0 - sin * sin).sqrt())];
+    let map = image::RgbImage::from_fn(4, 1, |x, _| image::Rgb(texel(lean[x as usize])));
+    map.save(folder.path().join("lean.png")).expect("a picture");
+    let asset = folder.path().join("lean.usda");
+    std::fs::write(&asset, LEANING).expect("a file");
+    for (x, (found, sin)) in row(&asset, 4).into_iter().zip(lean).enumerate() {
+        let normal = texel(sin).map(|value| f64::from(value) / 255.0 * 2.0 - 1.0);
+        let cos = normal[2] / normal.map(|component| component * component).iter().sum::<f64>().sqrt();
+        let want = 0.5 * (1.0 + cos) / 2.0;
+        assert!((found[0] / SKY - want).abs() < 0.01, "{x}: {} of {SKY}, {want}", found[0]);
+    }
+}
+
+const LEANING: &str = r#"#usda 1.0
+(
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+def DomeLight "sky" {
+    float inputs:intensity = 100
+}
+def Camera "eye" {
+    float horizontalAperture = 40
+    float verticalAperture = 10
+    float focalLength = 1000
+    double3 xformOp:translate = (2, 0.5, 100)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Mesh "plate" (prepend apiSchemas = ["MaterialBindingAPI"]) {
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(0, 0, 0), (4, 0, 0), (4, 1, 0), (0, 1, 0)]
+    texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")
+    rel material:binding = </M>
+}
+def Material "M" {
+    token outputs:mtlx:surface.connect = </M/S.outputs:out>
+    def Shader "S" {
+        uniform token info:id = "ND_standard_surface_surfaceshader"
+        color3f inputs:base_color = (0.5, 0.5, 0.5)
+        float inputs:specular = 0
+        float3 inputs:normal.connect = </M/normal.outputs:out>
+        token outputs:out
+    }
+    def Shader "normal" {
+        uniform token info:id = "ND_normalmap"
+        float3 inputs:in.connect = </M/image.outputs:out>
+        float3 outputs:out
+    }
+    def Shader "image" {
+        uniform token info:id = "ND_image_vector3"
+        asset inputs:file = @lean.png@
+        string inputs:filtertype = "closest"
+    }
+}
+"#;

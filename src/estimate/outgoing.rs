@@ -85,9 +85,7 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     /// Leaves a vertex in `dir`, through the face or back from it.
     pub(super) fn go(&mut self, vertex: &Vertex, dir: DVec3, through: bool, ledger: &mut Ledger) -> Meeting<'w> {
-        let leaves_outside = dir.dot(vertex.hit.normal) > 0.0;
-        if leaves_outside != (vertex.outside != through) {
-            // Only the interpolated normals of meshes can do this.
+        if !vertex.is_left_by(dir, through) {
             ledger.wrong_side += self.beam.carried();
             return Meeting::Ended;
         }

@@ -112,6 +112,12 @@ impl Vertex {
         self.point.get_or_init(read)
     }
 
+    /// Whether a direction that the normal for optics says to lead `through` the face, or back from it, does so by the face
+    /// itself. Interpolated and mapped normals can tell it otherwise: no light goes that way.
+    pub fn is_left_by(&self, dir: DVec3, through: bool) -> bool {
+        (dir.dot(self.hit.normal) > 0.0) == (self.outside != through)
+    }
+
     /// What a ray that leaves here, `through` the face or back from it, meets at no distance.
     pub fn at_once(&self, through: bool) -> Option<&Hit> {
         if through { self.then.as_ref() } else { self.back.as_ref() }

@@ -176,10 +176,10 @@ impl<M: Mode> Backward<'_, M> {
         let (d_in, d_out) = (frame.to_local(walker.ray.dir), frame.to_local(dir));
         let sides = walker.sides(vertex, scatter);
         let (values, alone) = sides.eval(scatter, d_in, d_out);
-        if values.as_slice().iter().all(|value| *value <= 0.0) {
+        let through = d_out.z < 0.0;
+        if values.as_slice().iter().all(|value| *value <= 0.0) || !vertex.is_left_by(dir, through) {
             return true;
         }
-        let through = d_out.z < 0.0;
         let ray = Ray { origin: vertex.hit.point, dir, from: Some(vertex.hit.site) };
         let at_once = vertex.at_once(through).is_some_and(|hit| !self.world.is_absent(hit.site));
         if at_once || self.world.geometry.occluded_beside(&ray, vertex.beside, distance, target) {

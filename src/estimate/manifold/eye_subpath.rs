@@ -120,7 +120,8 @@ fn gather<M: Mode>(
         let Some(share) = manifold.route.from_eye(lamp.group, trail) else { return };
         let d_out = frame.to_local(incoming.dir);
         let (values, alone) = sides.eval(scatter, d_in, d_out);
-        if values.as_slice().iter().all(|value| *value == 0.0) {
+        let kept = vertex.is_left_by(incoming.dir, d_out.z < 0.0);
+        if values.as_slice().iter().all(|value| *value == 0.0) || !kept {
             return;
         }
         let plane = manifold.route.plane(share, |sieve| {
