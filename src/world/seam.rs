@@ -19,12 +19,13 @@ struct Obstacle {
     face: usize,
     lo: DVec3,
     hi: DVec3,
-    triangles: Vec<Corners>,
 }
 
 /// What may stand on faces.
-pub struct Obstacles {
+pub struct Obstacles<'a> {
     all: Vec<Obstacle>,
+    /// The triangles of a face of a part, world: made where they are looked at, for a mesh may stand in a thousand places.
+    triangles: Box<dyn Fn(usize, usize) -> Vec<Corners> + 'a>,
     /// What f64 may be off by, m.
     grain: f64,
 }
@@ -34,15 +35,26 @@ fn bounds(triangles: &[Corners]) -> (DVec3, DVec3) {
     corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), corner| (lo.min(*corner), hi.max(*corner)))
 }
 
-impl Obstacles {
-    pub fn new(scene: &Scene, geometry: &Geometry, faces: &[Vec<FaceOptics>]) -> Obstacles {
+/// The triangles of a face of a part, world.
+fn placed_triangles(scene: &Scene, geometry: &Geometry, part: usize, face: usize) -> Vec<Corners> {
+    let mesh = scene.parts.get(part).and_then(|placed| scene.meshes.get(placed.mesh.index()));
+    let (Some(mesh), Ok(number)) = (mesh, u32::try_from(part)) else { return Vec::new() };
+    let Some(range) = mesh.faces.get(face) else { return Vec::new() };
+    let to_world = geometry.part_to_world(number);
+    let corner = |v: u32| {
+        let place = mesh.positions.get(v as usize)?;
+        Some(to_world.transform_point3(DVec3::from(place.map(f64::from))))
+    };
+    let triangles = mesh.triangles.get(range.triangles()).unwrap_or_default();
+    triangles.iter().filter_map(|[a, b, c]| Some([corner(*a)?, corner(*b)?, corner(*c)?])).collect()
+}
+
+impl<'a> Obstacles<'a> {
+    pub fn new(scene: &'a Scene, geometry: &'a Geometry, faces: &[Vec<FaceOptics>]) -> Obstacles<'a> {
         let mut all = Vec::new();
         for (part, (placed, optics)) in scene.parts.iter().zip(faces).enumerate() {
-            let (Some(mesh), Ok(number)) = (scene.meshes.get(placed.mesh.index()), u32::try_from(part)) else {
-                continue;
-            };
-            let to_world = geometry.part_to_world(number);
-            for (face, (range, optics)) in mesh.faces.iter().zip(optics).enumerate() {
+            let Some(mesh) = scene.meshes.get(placed.mesh.index()) else { continue };
+            for (face, optics) in (0..mesh.faces.len()).zip(optics) {
                 let is_there = match &optics.surface {
                     Surface::Absent | Surface::Slide(_) | Surface::Sheet(_) => false,
                     Surface::Absorber
@@ -55,18 +67,12 @@ impl Obstacles {
                 if !is_there {
                     continue;
                 }
-                let corner = |v: u32| {
-                    let place = mesh.positions.get(v as usize)?;
-                    Some(to_world.transform_point3(DVec3::from(place.map(f64::from))))
-                };
-                let triangles = mesh.triangles.get(range.triangles()).unwrap_or_default();
-                let triangles: Vec<Corners> =
-                    triangles.iter().filter_map(|[a, b, c]| Some([corner(*a)?, corner(*b)?, corner(*c)?])).collect();
-                let (lo, hi) = bounds(&triangles);
-                all.push(Obstacle { part, face, lo, hi, triangles });
+                let (lo, hi) = bounds(&placed_triangles(scene, geometry, part, face));
+                all.push(Obstacle { part, face, lo, hi });
             }
         }
-        Obstacles { all, grain: grain(geometry) }
+        let triangles = Box::new(move |part, face| placed_triangles(scene, geometry, part, face));
+        Obstacles { all, triangles, grain: grain(geometry) }
     }
 
     /// The seams of a face with this rim; lines along the rim are none.
@@ -74,13 +80,16 @@ impl Obstacles {
         let mut seams = Vec::new();
         let is_own = |obstacle: &&Obstacle| (obstacle.part, obstacle.face) == (part, face);
         let Some(own) = self.all.iter().find(is_own) else { return seams };
+        let mut of_own: Option<Vec<Corners>> = None;
         for other in self.all.iter().filter(|other| !is_own(other)) {
             let least = (own.hi - own.lo).length().min((other.hi - other.lo).length());
             let reach = TOUCHING * least + self.grain;
             let apart = (other.lo - own.hi).max(own.lo - other.hi).max_element();
             // Not so for what is no number.
             if apart <= reach {
-                pairs(own, other, reach, |one, two| {
+                let of_own = of_own.get_or_insert_with(|| (self.triangles)(own.part, own.face));
+                let of_other = (self.triangles)(other.part, other.face);
+                pairs((own, of_own), (other, &of_other), reach, |one, two| {
                     let along_rim = |Edge([a, b]): &Edge| {
                         let mut along = false;
                         rim.near(0.5 * (*a + *b), reach, |Edge(ends)| along |= lies_on(&ends, [*a, *b], reach));
@@ -95,13 +104,18 @@ impl Obstacles {
 }
 
 /// Calls `visit` with the pairs of triangles whose boxes come within `reach` of each other, in a fixed order.
-fn pairs(own: &Obstacle, other: &Obstacle, reach: f64, mut visit: impl FnMut(&Corners, &Corners)) {
+fn pairs(
+    (own, of_own): (&Obstacle, &[Corners]),
+    (other, of_other): (&Obstacle, &[Corners]),
+    reach: f64,
+    mut visit: impl FnMut(&Corners, &Corners),
+) {
     let reaching = DVec3::splat(reach);
     // Only what lies where both are; along the axis on which that is longest they are swept.
     let (lo, hi) = (own.lo.max(other.lo) - reaching, own.hi.min(other.hi) + reaching);
     let axis = (hi - lo).max_position();
-    let listed = |obstacle: &Obstacle| {
-        let boxes = obstacle.triangles.iter().enumerate().map(|(index, triangle)| {
+    let listed = |triangles: &[Corners]| {
+        let boxes = triangles.iter().enumerate().map(|(index, triangle)| {
             let (low, high) = bounds(std::slice::from_ref(triangle));
             (index, low, high)
         });
@@ -110,7 +124,7 @@ fn pairs(own: &Obstacle, other: &Obstacle, reach: f64, mut visit: impl FnMut(&Co
         list.sort_by(|a, b| a.1[axis].total_cmp(&b.1[axis]));
         list
     };
-    let (first, second) = (listed(own), listed(other));
+    let (first, second) = (listed(of_own), listed(of_other));
     let mut open: Vec<usize> = Vec::new();
     let mut next = 0;
     for (index, low, high) in &first {
@@ -123,7 +137,7 @@ fn pairs(own: &Obstacle, other: &Obstacle, reach: f64, mut visit: impl FnMut(&Co
         for (its, its_low, its_high) in open.iter().map(|place| &second[*place]) {
             let apart = (*its_low - *high).max(*low - *its_high).max_element();
             if apart <= reach {
-                visit(&own.triangles[*index], &other.triangles[*its]);
+                visit(&of_own[*index], &of_other[*its]);
             }
         }
     }
@@ -246,12 +260,13 @@ mod tests {
     }
 
     /// The first is face 0 of a part.
-    fn obstacles(faces: Vec<Vec<Corners>>) -> Obstacles {
-        let of = |(face, triangles): (usize, Vec<Corners>)| {
-            let (lo, hi) = bounds(&triangles);
-            Obstacle { part: 0, face, lo, hi, triangles }
+    fn obstacles(faces: Vec<Vec<Corners>>) -> Obstacles<'static> {
+        let of = |(face, triangles): (usize, &Vec<Corners>)| {
+            let (lo, hi) = bounds(triangles);
+            Obstacle { part: 0, face, lo, hi }
         };
-        Obstacles { all: faces.into_iter().enumerate().map(of).collect(), grain: 1e-14 }
+        let all = faces.iter().enumerate().map(of).collect();
+        Obstacles { all, triangles: Box::new(move |_, face| faces[face].clone()), grain: 1e-14 }
     }
 
     /// A floor of 2 × 2 with these about it: the length of its seams.
