@@ -96,8 +96,9 @@ pub(super) fn check_required(root: &At<'_>) -> Result<()> {
                     .code(Code::RequiredExtensionUnknown));
             }
             None => {
-                let fault = at.fault("the asset requires an extension that is not known here");
-                return Err(fault
+                let what = format!("the asset requires an extension that is not known here: {}", name.escape_debug());
+                return Err(at
+                    .fault(what)
                     .nearest(name, KNOWN.iter().map(|(own, _)| *own))
                     .code(Code::RequiredExtensionUnknown));
             }

@@ -115,8 +115,10 @@ fn check_version(root: &At<'_>, notes: &mut Notes) -> Result<()> {
         let (major, minor) = text.split_once('.')?;
         Some((major.parse().ok()?, minor.parse().ok()?))
     };
-    if !matches!(parse(version.text()?), Some((2, _))) {
-        return Err(version.fault("this version of glTF is not read").expected("\"2.0\" (or a later 2.x)"));
+    let stated = if version.json.is_number() { version.json.to_string() } else { version.text()?.to_owned() };
+    if !matches!(parse(&stated), Some((2, _))) || version.json.is_number() {
+        let what = format!("this version of glTF is not read: {}", stated.escape_debug());
+        return Err(version.fault(what).expected("\"2.0\" (or a later 2.x)"));
     }
     if let Some(least) = asset.get("minVersion")? {
         match parse(least.text()?) {
