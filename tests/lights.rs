@@ -437,6 +437,7 @@ fn asset(lights: Vec<(&str, LightForm)>) -> Assembly {
         lights: lights.into_iter().map(light).collect(),
         cameras: vec![Camera {
             name: "eye".to_owned(),
+            node: Some(0),
             to_world: DAffine3::IDENTITY,
             yfov: Some(0.5),
             aspect: Some(1.0),

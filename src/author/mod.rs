@@ -4,6 +4,7 @@
 pub mod gltf; // .gltf and .glb
 mod picture; // the files of pictures
 pub mod schema; // JSON and USD schemas from the attribute table
+mod tracks; // which frames of a motion are written
 pub mod usd; // .usda, .usdc and .usdz
 
 use crate::base::error::Result;

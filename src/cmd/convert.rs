@@ -39,7 +39,7 @@ pub struct ConvertArgs {
 /// Runs the command.
 pub fn run(args: &ConvertArgs) -> Result<ExitCode> {
     check_writable(&args.output)?;
-    let (mut assembly, sidecar) = import::read(&args.asset, &args.moment.reading())?;
+    let (mut assembly, sidecar) = import::moving(&args.asset, &args.moment.reading())?;
     let sidecar = sidecar.map(|(_, value)| value);
     annotate(&assembly, sidecar.as_ref(), &folder_of(&args.output))?.apply(&mut assembly);
     let written = author::convert(&assembly, &args.output)?;

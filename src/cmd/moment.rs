@@ -29,6 +29,7 @@ impl Moment {
             fps: self.fps,
             animation: self.animation.clone(),
             variants: self.variants.clone(),
+            motion: false,
         }
     }
 }

@@ -24,6 +24,7 @@ mod light_shapes; // meshes of the formats' round and flat lights
 mod lights; // lights that are no geometry in the format
 mod material_mapping; // what a format's own material fields mean
 mod measure; // normals and bounds of CAD faces
+mod moving; // an asset at one frame after the other
 pub mod normals; // vertex normals that contradict their triangles
 pub mod optics; // readers of the attribute vocabulary
 mod outline; // the geometry alone
@@ -55,6 +56,7 @@ use build::build_within;
 pub use build::{Built, build};
 pub use deps::dependencies;
 pub use explain::Explained;
+pub use moving::moving;
 pub use outline::{geometry, outline};
 pub use set::Set;
 pub use variants::VariantChoice;
@@ -84,6 +86,8 @@ pub struct ReadOptions {
     pub animation: Option<String>,
     /// Variants of a USD stage, taken in this order, or of the materials of a glTF asset.
     pub variants: Vec<VariantChoice>,
+    /// Also what moves and bends: `Assembly::clock`, the rigs of meshes; a mesh that a node may bend is this node's alone.
+    pub motion: bool,
 }
 
 /// What textures may take of memory where nobody says, bytes.

@@ -56,6 +56,7 @@ pub fn assembly(names: &[&str]) -> Assembly {
             mesh: box_mesh(name, [-2.0, -1.0, 0.0], [2.0, 1.0, 0.5]).into(),
             materials: vec![Some(0); 6],
             attributes: vec![None; 6],
+            rig: None,
             at: pointer(format!("/meshes/{i}")),
         });
     }

@@ -270,8 +270,13 @@ mod tests {
             positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0]],
             ..Mesh::default()
         };
-        let source =
-            MeshSource { mesh: mesh.into(), materials: vec![None], attributes: vec![None], at: Where::Nowhere };
+        let source = MeshSource {
+            mesh: mesh.into(),
+            materials: vec![None],
+            attributes: vec![None],
+            rig: None,
+            at: Where::Nowhere,
+        };
         let turned = DAffine3::from_quat(DQuat::from_rotation_z(std::f64::consts::FRAC_PI_4));
         let node = Node {
             name: "A".into(),

@@ -1,6 +1,7 @@
 //! What a format reader delivers: the node hierarchy with geometry, names, transforms and whatever optical attributes
 //! the asset itself carries, before any optical meaning is decided.
 
+use super::motion::{Clock, Motion, Rig};
 use super::value::Value;
 use super::{Mesh, Note, StandardSurface};
 use crate::base::{Shared, Where};
@@ -42,6 +43,10 @@ pub struct Assembly {
     pub stage: Option<StageFacts>,
     /// Variants that were asked for: with others it is another scene.
     pub variants: Vec<String>,
+    /// When something happens, if the reader was asked for that.
+    pub clock: Option<Clock>,
+    /// How it moves, if it does and the reader was asked for that; the rest of the assembly is a moment of it.
+    pub motion: Option<Motion>,
 }
 
 /// What a USD stage says beside its prims.
@@ -73,6 +78,8 @@ impl Default for Assembly {
             notes: Vec::new(),
             stage: None,
             variants: Vec::new(),
+            clock: None,
+            motion: None,
         }
     }
 }
@@ -116,6 +123,8 @@ pub struct MeshSource {
     pub materials: Vec<Option<usize>>,
     /// Optical attributes of each face (glTF: the primitive's `EYEBOX_optics`: shape).
     pub attributes: Vec<Option<Value>>,
+    /// What bends it, if the reader was asked for that: `mesh` is bent already.
+    pub rig: Option<Box<Rig>>,
     pub at: Where,
 }
 
@@ -149,6 +158,8 @@ pub struct Material {
 #[derive(Debug, Clone)]
 pub struct Camera {
     pub name: String,
+    /// The node that holds it, an index of `Assembly::nodes`.
+    pub node: Option<usize>,
     /// Camera → asset world: looks along −z, up +y.
     pub to_world: DAffine3,
     /// Full vertical field of view, radians; none for an orthographic camera (which we cannot use).

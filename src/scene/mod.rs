@@ -15,6 +15,7 @@ pub mod glass;
 pub mod grating;
 pub mod lamp;
 pub mod mesh;
+pub mod motion; // how an assembly moves
 pub mod note;
 pub mod part;
 pub mod profile; // measured intensity distributions

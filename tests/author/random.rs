@@ -64,7 +64,13 @@ fn mesh(seed: u32, corners: &[usize], materials: usize, rows: Vec<Option<Value>>
     let material = |face: usize| (!face.is_multiple_of(3)).then_some((seed as usize + face) % materials);
     let mut attributes = rows;
     attributes.resize(faces, None);
-    MeshSource { mesh: mesh.into(), materials: (0..faces).map(material).collect(), attributes, at: Where::Nowhere }
+    MeshSource {
+        mesh: mesh.into(),
+        materials: (0..faces).map(material).collect(),
+        attributes,
+        rig: None,
+        at: Where::Nowhere,
+    }
 }
 
 prop_compose! {
@@ -127,7 +133,7 @@ prop_compose! {
             mesh(seed, &corners, count, rows)
         }).collect();
         let last = all.nodes.len() - 1;
-        all.cameras.push(Camera { name: "C".into(), to_world: all.nodes[last].to_world, yfov: Some(yfov), aspect, pupil: None, focus: None });
+        all.cameras.push(Camera { name: "C".into(), node: Some(last), to_world: all.nodes[last].to_world, yfov: Some(yfov), aspect, pupil: None, focus: None });
         all.lights.push(LightSource {
             name: "L".into(), node: last, form: LightForm::Point { intensity_cd: strength, cone: None },
             color: [1.0; 3], kelvin: None, profile: None, attributes: None, at: Where::Nowhere,

@@ -14,10 +14,14 @@ const NORMALS: usize = 1;
 const UVS: usize = 2;
 const COLORS: usize = 3;
 const INDICES: usize = 4;
+const JOINTS: usize = 5;
+const WEIGHTS: usize = 6;
+/// What no vertex has: keys, inverse bind matrices.
+const REST: usize = 7;
 
 #[derive(Debug, Default)]
 pub struct Binary {
-    views: [View; 5],
+    views: [View; 8],
     /// (view, byte offset, the rest of the accessor)
     accessors: Vec<(usize, usize, Json)>,
 }
@@ -50,6 +54,38 @@ impl Binary {
         self.add(INDICES, bytes, values.len() * 3, json!({ "componentType": 5125, "type": "SCALAR" }))
     }
 
+    /// Four joints a vertex.
+    pub fn joints(&mut self, values: &[[u16; 4]]) -> usize {
+        let bytes = values.as_flattened().iter().flat_map(|index| index.to_le_bytes());
+        self.add(JOINTS, bytes, values.len(), json!({ "componentType": 5123, "type": "VEC4" }))
+    }
+    /// The weights of four joints a vertex.
+    pub fn weights(&mut self, values: &[[f32; 4]]) -> usize {
+        self.floats(WEIGHTS, "VEC4", values, json!({}))
+    }
+    pub fn matrices(&mut self, values: &[[f32; 16]]) -> usize {
+        self.floats(REST, "MAT4", values, json!({}))
+    }
+    /// Animated vectors.
+    pub fn vectors(&mut self, values: &[[f32; 3]]) -> usize {
+        self.floats(REST, "VEC3", values, json!({}))
+    }
+    /// Animated rotations: x, y, z, w.
+    pub fn quaternions(&mut self, values: &[[f32; 4]]) -> usize {
+        self.floats(REST, "VEC4", values, json!({}))
+    }
+    /// Single numbers; those of times with their bounds, which glTF wants.
+    pub fn numbers(&mut self, values: &[f32], are_times: bool) -> usize {
+        let own: Vec<[f32; 1]> = values.iter().map(|x| [*x]).collect();
+        let bound = |x: Option<&f32>| x.map_or(0.0, |x| f64::from(*x));
+        let more = if are_times {
+            json!({ "min": [bound(values.first())], "max": [bound(values.last())] })
+        } else {
+            json!({})
+        };
+        self.floats(REST, "SCALAR", &own, more)
+    }
+
     fn floats<const N: usize>(&mut self, view: usize, kind: &str, values: &[[f32; N]], more: Json) -> usize {
         let mut rest = json!({ "componentType": 5126, "type": kind });
         if let (Some(rest), Json::Object(more)) = (rest.as_object_mut(), more) {
@@ -69,15 +105,17 @@ impl Binary {
 
     /// The buffer's bytes, `bufferViews`, `accessors`.
     pub fn finish(self) -> (Vec<u8>, Vec<Json>, Vec<Json>) {
-        let (mut bytes, mut views, mut places) = (Vec::new(), Vec::new(), [0; 5]);
+        let (mut bytes, mut views, mut places) = (Vec::new(), Vec::new(), [0; 8]);
         for (index, view) in self.views.into_iter().enumerate().filter(|(_, view)| !view.bytes.is_empty()) {
             places[index] = views.len();
             let mut json = json!({ "buffer": 0, "byteOffset": bytes.len(), "byteLength": view.bytes.len() });
-            json["target"] = Json::from(if index == INDICES { 34963 } else { 34962 });
+            if index != REST {
+                json["target"] = Json::from(if index == INDICES { 34963 } else { 34962 });
+            }
             let stride = match index {
-                INDICES => None,
-                UVS => Some(8),
-                COLORS => Some(16),
+                INDICES | REST => None,
+                UVS | JOINTS => Some(8),
+                COLORS | WEIGHTS => Some(16),
                 _ => Some(12),
             };
             if let Some(stride) = stride {

@@ -25,6 +25,8 @@ pub struct Document {
     pub nodes: Vec<Json>,
     pub cameras: Vec<Json>,
     pub lights: Vec<Json>,
+    pub skins: Vec<Json>,
+    pub animations: Vec<Json>,
     /// The accessor of a single point, which stands for an empty face.
     pub point: Option<usize>,
     /// Whether the assembly's second texture coordinate grows upwards.
@@ -69,7 +71,7 @@ impl Document {
 pub fn write(assembly: &Assembly, out: &Path) -> Result<Written> {
     let mut document = Document { up: assembly.st_runs_up(), ..Document::default() };
     let document_mut = &mut document;
-    let meshes = assembly.meshes.iter().map(|mesh| geometry::mesh(document_mut, assembly, mesh));
+    let meshes = (0..assembly.meshes.len()).map(|mesh| geometry::mesh(document_mut, assembly, mesh));
     let meshes = meshes.collect::<Result<Vec<_>>>()?;
     let materials = (0..assembly.materials.len()).map(|index| material::material(document_mut, assembly, index));
     let materials = materials.collect::<Result<Vec<_>>>()?;
@@ -80,7 +82,8 @@ pub fn write(assembly: &Assembly, out: &Path) -> Result<Written> {
         document.note(&Where::file(&assembly.file), text.into());
     }
 
-    let Document { binary, textures, nodes, cameras, lights, mut used, required, notes, .. } = document;
+    let Document { binary, textures, nodes, cameras, lights, skins, animations, mut used, required, notes, .. } =
+        document;
     let (mut bytes, mut views, accessors) = binary.finish();
     let packed = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
     let folder = format!("{}_textures", out.file_stem().unwrap_or_default().to_string_lossy());
@@ -125,6 +128,8 @@ pub fn write(assembly: &Assembly, out: &Path) -> Result<Written> {
         list(key, items);
     }
     list("cameras", cameras);
+    list("skins", skins);
+    list("animations", animations);
     list("accessors", accessors);
     list("bufferViews", views);
     if !roots.is_empty() {

@@ -1,5 +1,6 @@
 //! glTF 2.0: a whole assembly as `.gltf` or `.glb`, or rows put into a copy of one.
 
+mod animation;
 mod annotate;
 mod binary;
 mod document;
@@ -7,6 +8,7 @@ mod geometry;
 mod light;
 mod material;
 mod node;
+mod skin;
 mod splice;
 mod surface;
 mod texture;

@@ -1,7 +1,10 @@
 //! The hierarchy: one node per node, in their order, with exact transforms.
 
+use super::animation::Animation;
 use super::document::Document;
+use super::geometry;
 use super::light::{self, PUNCTUAL};
+use super::skin::Skins;
 use super::value::{self, OPTICS};
 use crate::base::error::Result;
 use crate::scene::assembly::Assembly;
@@ -35,13 +38,25 @@ pub fn nodes(document: &mut Document, assembly: &Assembly) -> Result<Vec<usize>>
     }
     let cameras = cameras(document, assembly)?;
     let lights = lights(document, assembly);
+    let mut animation = Animation::of(document, assembly);
+    let motion = assembly.motion.as_ref();
     for (index, node) in assembly.nodes.iter().enumerate() {
         let mut out = Map::new();
         out.insert("name".into(), Json::from(node.name.as_str()));
         if let Some(children) = children.get(index).filter(|children| !children.is_empty()) {
             out.insert("children".into(), json!(children));
         }
-        out.extend(matrix(&node.local));
+        let moved = motion.and_then(|motion| Some((motion, motion.of_node(index)?)));
+        let parts =
+            moved.and_then(|(motion, moved)| animation.node(document, motion, index, (node.local, &moved.locals)));
+        if parts.is_none() && moved.is_some() {
+            let text = format!("`{}` moves with a shear, which glTF cannot say: it stands still", node.path);
+            document.note(&node.at, text);
+        }
+        match parts {
+            Some(parts) => out.extend(parts),
+            None => out.extend(matrix(&node.local)),
+        }
         if let Some(mesh) = node.mesh {
             out.insert("mesh".into(), Json::from(mesh));
         }
@@ -61,6 +76,27 @@ pub fn nodes(document: &mut Document, assembly: &Assembly) -> Result<Vec<usize>>
         }
         document.nodes.push(Json::Object(out));
     }
+    let mut skins = Skins::default();
+    for (index, node) in assembly.nodes.iter().enumerate() {
+        let Some(mesh) = node.mesh else { continue };
+        if let Some(skin) = skins.of(document, &mut animation, assembly, index)
+            && let Some(Json::Object(own)) = document.nodes.get_mut(index)
+        {
+            own.insert("skin".into(), Json::from(skin));
+        }
+        let Some(motion) = motion else { continue };
+        let weights = match (motion.of_rig(mesh), motion.of_mesh(mesh)) {
+            (Some(rig), _) => rig.poses.iter().map(|pose| pose.weights.clone()).collect(),
+            (None, Some(moved)) => geometry::tents(motion, moved),
+            (None, None) => continue,
+        };
+        let still = weights.first();
+        if still.is_some_and(|still| weights.iter().any(|own| own != still)) {
+            animation.weights(document, motion, index, &weights);
+        }
+    }
+    document.animations.extend(animation.finish(motion));
+    roots.extend(skins.roots);
     let unit = unit(assembly);
     if unit == 1.0 && assembly.axes == DMat3::IDENTITY || roots.is_empty() {
         return Ok(roots);
@@ -90,7 +126,7 @@ fn depth_first(roots: &[usize], children: &[Vec<usize>]) -> bool {
 }
 
 /// The entry `matrix`, column by column; none for the identity.
-fn matrix(local: &DAffine3) -> Option<(String, Json)> {
+pub fn matrix(local: &DAffine3) -> Option<(String, Json)> {
     let bits = |affine: &DAffine3| affine.to_cols_array().map(f64::to_bits);
     if bits(local) == bits(&DAffine3::IDENTITY) {
         return None;
@@ -123,9 +159,9 @@ fn cameras(document: &mut Document, assembly: &Assembly) -> Result<Vec<Option<us
         let stands = |index: &usize| {
             held.get(*index) == Some(&None) && assembly.nodes.get(*index).is_some_and(|n| n.to_world == camera.to_world)
         };
-        let named = |index: &usize| assembly.nodes.get(*index).is_some_and(|node| node.name == camera.name);
         let all = 0..assembly.nodes.len();
-        let place = all.clone().find(|index| named(index) && stands(index)).or_else(|| all.clone().find(stands));
+        let own = camera.node.filter(|node| held.get(*node) == Some(&None));
+        let place = own.or_else(|| all.clone().find(stands));
         match place.and_then(|place| held.get_mut(place)) {
             Some(place) => {
                 *place = Some(document.cameras.len());
@@ -133,7 +169,10 @@ fn cameras(document: &mut Document, assembly: &Assembly) -> Result<Vec<Option<us
             }
             None => {
                 let at = crate::base::Where::file(&assembly.file);
-                document.note(&at, format!("camera `{}` is on no node: not written", camera.name));
+                document.note(
+                    &at,
+                    format!("camera `{}` is on no node, or shares its node with another: not written", camera.name),
+                );
             }
         }
     }

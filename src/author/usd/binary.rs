@@ -128,7 +128,7 @@ fn property_spec(property: &Property) -> std::result::Result<SpecData, Invalid> 
         Ok(Value::PathListOp(sdf::ListOp::explicit(paths)))
     };
     Ok(match &property.body {
-        Body::Attribute { type_name, uniform, value, interpolation } => {
+        Body::Attribute { type_name, uniform, value, samples, interpolation, each } => {
             let mut spec = SpecData::new(SpecType::Attribute);
             spec.add(FieldKey::TypeName, Value::Token((*type_name).into()));
             spec.add(FieldKey::Variability, variability(*uniform));
@@ -137,6 +137,13 @@ fn property_spec(property: &Property) -> std::result::Result<SpecData, Invalid> 
             }
             if let Some(value) = value {
                 spec.add(FieldKey::Default, datum(value));
+            }
+            if !samples.is_empty() {
+                let samples = samples.iter().map(|(code, value)| (*code, datum(value))).collect();
+                spec.add(FieldKey::TimeSamples, Value::TimeSamples(samples));
+            }
+            if let Some(each) = each.and_then(|each| i32::try_from(each).ok()) {
+                spec.add("elementSize", Value::Int(each));
             }
             if let Some(interpolation) = interpolation {
                 spec.add("interpolation", Value::Token((*interpolation).into()));
@@ -187,7 +194,11 @@ fn datum(value: &Datum) -> Value {
         Datum::Double2s(list) => Value::Vec2dVec(list.iter().map(|p| (*p).into()).collect()),
         Datum::Double3(p) => Value::Vec3d((*p).into()),
         Datum::Double3s(list) => Value::Vec3dVec(list.iter().map(|p| (*p).into()).collect()),
+        Datum::Half3s(list) => Value::Vec3hVec(list.iter().map(|p| p.map(openusd::gf::f16::from_f32).into()).collect()),
+        Datum::Quat([w, x, y, z]) => Value::Quatd(gf::quatd(*w, *x, *y, *z)),
+        Datum::Quats(list) => Value::QuatfVec(list.iter().map(|[w, x, y, z]| gf::quatf(*w, *x, *y, *z)).collect()),
         Datum::Matrix(rows) => Value::Matrix4d((*rows).into()),
+        Datum::Matrices(list) => Value::Matrix4dVec(list.iter().map(|rows| (*rows).into()).collect()),
         Datum::Blocked(_) => Value::ValueBlock,
     }
 }

@@ -28,8 +28,14 @@ pub enum Datum {
     Double2s(Vec<[f64; 2]>),
     Double3([f64; 3]),
     Double3s(Vec<[f64; 3]>),
+    /// Written as half precision.
+    Half3s(Vec<[f32; 3]>),
+    /// w, x, y, z.
+    Quat([f64; 4]),
+    Quats(Vec<[f32; 4]>),
     /// Rows as USD writes them: a point is a row that stands left of the matrix.
     Matrix([[f64; 4]; 4]),
+    Matrices(Vec<[[f64; 4]; 4]>),
     /// Nothing, whatever weaker layers say, for a property of this type.
     Blocked(&'static str),
 }
@@ -61,7 +67,11 @@ impl Datum {
             Datum::Double2s(_) => "double2[]",
             Datum::Double3(_) => "double3",
             Datum::Double3s(_) => "double3[]",
+            Datum::Half3s(_) => "half3[]",
+            Datum::Quat(_) => "quatd",
+            Datum::Quats(_) => "quatf[]",
             Datum::Matrix(_) => "matrix4d",
+            Datum::Matrices(_) => "matrix4d[]",
             Datum::Blocked(type_name) => type_name,
         }
     }
@@ -83,17 +93,16 @@ pub enum Body {
         type_name: &'static str,
         uniform: bool,
         value: Option<Datum>,
+        /// Values by time code, increasing.
+        samples: Vec<(f64, Datum)>,
         interpolation: Option<&'static str>,
+        /// Elements of a list that are of one point.
+        each: Option<usize>,
     },
     /// An attribute that takes its value from another one (a path with its property).
-    Connected {
-        type_name: &'static str,
-        source: String,
-    },
+    Connected { type_name: &'static str, source: String },
     /// A relationship to prims.
-    Relationship {
-        targets: Vec<String>,
-    },
+    Relationship { targets: Vec<String> },
 }
 
 impl Property {
@@ -103,7 +112,14 @@ impl Property {
             name: name.into(),
             custom: false,
             color_space: None,
-            body: Body::Attribute { type_name, uniform: false, value: Some(value), interpolation: None },
+            body: Body::Attribute {
+                type_name,
+                uniform: false,
+                value: Some(value),
+                samples: Vec::new(),
+                interpolation: None,
+                each: None,
+            },
         }
     }
     /// An attribute that only declares itself: an output of a shader.
@@ -112,7 +128,14 @@ impl Property {
             name: name.into(),
             custom: false,
             color_space: None,
-            body: Body::Attribute { type_name, uniform: false, value: None, interpolation: None },
+            body: Body::Attribute {
+                type_name,
+                uniform: false,
+                value: None,
+                samples: Vec::new(),
+                interpolation: None,
+                each: None,
+            },
         }
     }
     pub fn connected(name: impl Into<String>, type_name: &'static str, source: String) -> Self {
@@ -120,6 +143,20 @@ impl Property {
     }
     pub fn relationship(name: impl Into<String>, targets: Vec<String>) -> Self {
         Property { name: name.into(), custom: false, color_space: None, body: Body::Relationship { targets } }
+    }
+    /// Values at times.
+    pub fn sampled(mut self, at: Vec<(f64, Datum)>) -> Self {
+        if let Body::Attribute { samples, .. } = &mut self.body {
+            *samples = at;
+        }
+        self
+    }
+    /// So many elements are of one point.
+    pub fn each(mut self, count: usize) -> Self {
+        if let Body::Attribute { each, .. } = &mut self.body {
+            *each = Some(count);
+        }
+        self
     }
     /// One value for all times.
     pub fn uniform(mut self) -> Self {

@@ -6,7 +6,7 @@ use super::name::Siblings;
 use super::optics;
 use super::stage::{Writing, matrix, named};
 use crate::base::error::Result;
-use crate::scene::assembly::{LightForm, LightSource, ProfileSource};
+use crate::scene::assembly::{Camera, LightForm, LightSource, ProfileSource};
 
 /// Appends a light below the node that holds it.
 ///
@@ -145,41 +145,56 @@ pub(super) fn write(
     Ok(())
 }
 
-/// Appends the cameras below the default prim, each where it stands in the asset's world.
+/// Appends the cameras that are on no node below the default prim, each where it stands in the asset's world.
 pub(super) fn cameras(writing: &Writing<'_>, siblings: &mut Siblings, prims: &mut Vec<Prim>) -> Result<()> {
-    for camera in &writing.assembly.cameras {
-        if !camera.to_world.is_finite() {
-            let what = format!("the place of camera `{}` is not finite", camera.name);
-            return Err(writing.fault(&crate::base::Where::Nowhere, what));
-        }
-        let mut prim = Prim::def(1, "Camera", siblings.name(&camera.name, "Camera"));
-        named(&mut prim, &camera.name);
-        prim.marks.push(("part", Datum::Bool(true)));
-        // Aperture and focal length are in tenths of a unit; only their ratio says something.
-        match camera.yfov {
-            Some(yfov) => {
-                let (focal, tall) = (50.0, 100.0 * (0.5 * yfov).tan());
-                let wide = tall * camera.aspect.unwrap_or(1.0);
-                prim.marks.push(("yfov", Datum::Double(yfov)));
-                prim.marks.extend(camera.aspect.map(|aspect| ("aspect", Datum::Double(aspect))));
-                prim.push(Property::new("focalLength", Datum::Float(focal)));
-                prim.push(Property::new("horizontalAperture", Datum::Float(wide as f32)));
-                prim.push(Property::new("verticalAperture", Datum::Float(tall as f32)));
-                if let Some(pupil) = camera.pupil {
-                    prim.marks.push(("pupil", Datum::Double(pupil)));
-                    prim.push(Property::new("fStop", Datum::Float((f64::from(focal) / 10.0 / pupil) as f32)));
-                }
-                if let Some(focus) = camera.focus {
-                    prim.marks.push(("focus", Datum::Double(focus)));
-                    prim.push(Property::new("focusDistance", Datum::Float(focus as f32)));
-                }
+    let nodes = writing.assembly.nodes.len();
+    for own in writing.assembly.cameras.iter().filter(|camera| camera.node.is_none_or(|node| node >= nodes)) {
+        camera(writing, (own, false), 1, siblings, prims)?;
+    }
+    Ok(())
+}
+
+/// Appends a camera: in the axes of the prim above it, which `is_held` says is its node, or in the asset's world.
+pub(super) fn camera(
+    writing: &Writing<'_>,
+    (camera, is_held): (&Camera, bool),
+    depth: usize,
+    siblings: &mut Siblings,
+    prims: &mut Vec<Prim>,
+) -> Result<()> {
+    if !camera.to_world.is_finite() {
+        let what = format!("the place of camera `{}` is not finite", camera.name);
+        return Err(writing.fault(&crate::base::Where::Nowhere, what));
+    }
+    let mut prim = Prim::def(depth, "Camera", siblings.name(&camera.name, "Camera"));
+    named(&mut prim, &camera.name);
+    prim.marks.push(("part", Datum::Bool(true)));
+    // Aperture and focal length are in tenths of a unit; only their ratio says something.
+    match camera.yfov {
+        Some(yfov) => {
+            let (focal, tall) = (50.0, 100.0 * (0.5 * yfov).tan());
+            let wide = tall * camera.aspect.unwrap_or(1.0);
+            prim.marks.push(("yfov", Datum::Double(yfov)));
+            prim.marks.extend(camera.aspect.map(|aspect| ("aspect", Datum::Double(aspect))));
+            prim.push(Property::new("focalLength", Datum::Float(focal)));
+            prim.push(Property::new("horizontalAperture", Datum::Float(wide as f32)));
+            prim.push(Property::new("verticalAperture", Datum::Float(tall as f32)));
+            if let Some(pupil) = camera.pupil {
+                prim.marks.push(("pupil", Datum::Double(pupil)));
+                prim.push(Property::new("fStop", Datum::Float((f64::from(focal) / 10.0 / pupil) as f32)));
             }
-            None => prim.push(Property::new("projection", Datum::Token("orthographic".to_owned()))),
+            if let Some(focus) = camera.focus {
+                prim.marks.push(("focus", Datum::Double(focus)));
+                prim.push(Property::new("focusDistance", Datum::Float(focus as f32)));
+            }
         }
+        None => prim.push(Property::new("projection", Datum::Token("orthographic".to_owned()))),
+    }
+    if !is_held {
         prim.push(Property::new("xformOp:transform", matrix(camera.to_world)));
         let order = vec!["!resetXformStack!".to_owned(), "xformOp:transform".to_owned()];
         prim.push(Property::new("xformOpOrder", Datum::Tokens(order)).uniform());
-        prims.push(prim);
     }
+    prims.push(prim);
     Ok(())
 }

@@ -3,7 +3,7 @@
 use super::layer::{Datum, Prim, Property};
 use super::name::Siblings;
 use super::stage::{Writing, named};
-use super::{material, optics};
+use super::{material, optics, samples, skel};
 use crate::base::error::Result;
 use crate::scene::assembly::MeshSource;
 use std::collections::BTreeSet;
@@ -12,28 +12,40 @@ use std::collections::BTreeSet;
 const FACES: &str = "cadFace";
 const BOUND: &str = "materialBind";
 
-/// Appends mesh `index` and its faces at `depth`.
+/// A mesh, and the node that has it; none for a prototype of several.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Own {
+    pub mesh: usize,
+    pub node: Option<usize>,
+}
+
+/// Appends a mesh and its faces at `depth`.
 ///
 /// # Errors
 /// Positions or normals that are not finite, faces that reach beyond the triangles or share some, more triangles than
 /// USD's indices count.
 pub(super) fn write(
     writing: &Writing<'_>,
-    index: usize,
+    own: Own,
     depth: usize,
     siblings: &mut Siblings,
     prims: &mut Vec<Prim>,
 ) -> Result<()> {
+    let index = own.mesh;
     let Some(source) = writing.assembly.meshes.get(index) else { return Ok(()) };
     let mesh = &source.mesh;
+    // Joints and blend shapes bend what nothing has bent yet.
+    let rest = source.rig.as_ref().map(|rig| &rig.rest);
+    let (positions, normals) = rest.map_or((&mesh.positions, &mesh.normals), |rest| (&rest.positions, &rest.normals));
+    let motion = writing.assembly.motion.as_ref();
+    let moved = motion.and_then(|motion| Some((motion, motion.of_mesh(index)?)));
     let fault = |what: &str| writing.fault(&source.at, format!("mesh `{}`: {what}", mesh.name));
-    if mesh.positions.iter().flatten().chain(mesh.normals.iter().flatten()).any(|x| !x.is_finite()) {
+    if positions.iter().flatten().chain(normals.iter().flatten()).any(|x| !x.is_finite()) {
         return Err(fault("positions or normals that are not finite"));
     }
-    let count = mesh.positions.len();
+    let count = positions.len();
     let fits = |own: usize| own == 0 || own == count;
-    if mesh.normals.len() != count || ![mesh.uvs.len(), mesh.second_uvs.len(), mesh.colors.len()].into_iter().all(fits)
-    {
+    if normals.len() != count || ![mesh.uvs.len(), mesh.second_uvs.len(), mesh.colors.len()].into_iter().all(fits) {
         return Err(fault("not one normal (and texture coordinate, and colour) per position"));
     }
     if i32::try_from(mesh.positions.len()).is_err() || i32::try_from(mesh.triangles.len()).is_err() {
@@ -46,13 +58,20 @@ pub(super) fn write(
     if mesh.triangles.iter().flatten().any(|index| *index as usize >= mesh.positions.len()) {
         return Err(fault("triangles with vertices that are not there"));
     }
-    if let Some(extent) = extent(&mesh.positions) {
-        prim.push(Property::new("extent", Datum::Float3s(extent.to_vec())));
+    if let Some(all) = extent(positions) {
+        let samples = samples::shapes(moved, |shape| {
+            Datum::Float3s(extent(&shape.positions).map_or_else(Vec::new, |extent| extent.to_vec()))
+        });
+        prim.push(Property::new("extent", Datum::Float3s(all.to_vec())).sampled(samples));
     }
     prim.push(Property::new("faceVertexCounts", Datum::Ints(vec![3; mesh.triangles.len()])));
     prim.push(Property::new("faceVertexIndices", Datum::Ints(indices)));
-    prim.push(Property::new("points", Datum::Float3s(mesh.positions.clone())).typed("point3f[]"));
-    prim.push(Property::new("normals", Datum::Float3s(mesh.normals.clone())).typed("normal3f[]").per("vertex"));
+    let points = samples::shapes(moved, |shape| Datum::Float3s(shape.positions.clone()));
+    let turned = samples::shapes(moved, |shape| Datum::Float3s(shape.normals.clone()));
+    prim.push(Property::new("points", Datum::Float3s(positions.clone())).typed("point3f[]").sampled(points));
+    prim.push(
+        Property::new("normals", Datum::Float3s(normals.clone())).typed("normal3f[]").per("vertex").sampled(turned),
+    );
     let up = |[u, v]: &[f32; 2]| if writing.assembly.st_runs_up() { [*u, *v] } else { [*u, 1.0 - *v] };
     for (name, set) in [("primvars:st", &mesh.uvs), ("primvars:st1", &mesh.second_uvs)] {
         if !set.is_empty() {
@@ -83,8 +102,17 @@ pub(super) fn write(
     prim.push(
         Property::new(format!("subsetFamily:{family}:familyType"), Datum::Token("partition".to_owned())).uniform(),
     );
+    let bound = own.node.and_then(|node| writing.skeletons.bound.get(&node));
+    let place = skel::path_below(prims, depth);
+    if let (Some(rig), Some(bound)) = (&source.rig, bound) {
+        skel::bind(writing, (rig, bound), &format!("{place}/{}", prim.name), &mut prim);
+    }
     prims.push(prim);
-    subsets(writing, source, family, depth + 1, prims)
+    subsets(writing, source, family, depth + 1, prims)?;
+    if let (Some(rig), Some(bound)) = (&source.rig, bound) {
+        skel::blend_shapes(rig, bound, depth + 1, prims);
+    }
+    Ok(())
 }
 
 fn material_of(source: &MeshSource, face: usize) -> Option<usize> {

@@ -20,6 +20,8 @@ mod optics; // attributes as properties
 mod pack; // the files that a package holds
 mod picture; // the pictures of materials
 mod preview; // looks as UsdPreviewSurface
+mod samples; // what moves, by time
+mod skel; // joints and blend shapes
 mod stage; // the hierarchy
 #[cfg(test)]
 mod tests;

@@ -9,10 +9,11 @@
 use super::layer::{Datum, Layer, Prim, Property, Specifier};
 use super::name::Siblings;
 use super::picture::Pictures;
-use super::{light, material, mesh, optics};
+use super::skel::{self, Skeletons};
+use super::{light, material, mesh, optics, samples};
 use crate::base::error::Result;
 use crate::base::{Error, Where};
-use crate::scene::assembly::{Assembly, LightSource, Node};
+use crate::scene::assembly::{Assembly, Camera, LightSource, Node};
 use glam::{DAffine3, DMat3};
 use std::collections::HashMap;
 use std::path::Path;
@@ -29,8 +30,10 @@ pub(super) struct Writing<'a> {
     pub materials: Vec<String>,
     /// The prototype of each mesh that several nodes use.
     pub prototypes: Vec<Option<String>>,
-    /// The lights of a node.
+    /// The lights of a node, and its cameras.
     pub lights: HashMap<usize, Vec<&'a LightSource>>,
+    pub cameras: HashMap<usize, Vec<&'a Camera>>,
+    pub skeletons: Skeletons,
 }
 
 impl Writing<'_> {
@@ -67,7 +70,9 @@ pub(super) fn layer(assembly: &Assembly, stem: &str, folder: &Path, pictures: &m
     }
     let mut top = Siblings::default();
     let mut below_top = Siblings::default();
-    let wrapped = roots.len() != 1;
+    // Joints are written in the axes of the world, below a root that is nowhere else.
+    let has_rigs = assembly.meshes.iter().any(|source| source.rig.is_some());
+    let wrapped = roots.len() != 1 || has_rigs;
     let root_name = match roots.as_slice() {
         [root] => top.name(&assembly.nodes[*root].name, "Node"),
         _ => top.name(stem, "Asset"),
@@ -93,14 +98,22 @@ pub(super) fn layer(assembly: &Assembly, stem: &str, folder: &Path, pictures: &m
         }
     }
     let prototypes = assembly.meshes.iter().zip(&uses).map(|(source, uses)| {
-        (*uses > 1).then(|| format!("/{library}/{}", of_prototypes.name(&source.mesh.name, "Mesh")))
+        (*uses > 1 && source.rig.is_none())
+            .then(|| format!("/{library}/{}", of_prototypes.name(&source.mesh.name, "Mesh")))
     });
     let prototypes = prototypes.collect();
     let mut lights: HashMap<usize, Vec<&LightSource>> = HashMap::new();
     for light in &assembly.lights {
         lights.entry(light.node).or_default().push(light);
     }
-    let writing = Writing { assembly, folder, materials, prototypes, lights };
+    let mut cameras: HashMap<usize, Vec<&Camera>> = HashMap::new();
+    for camera in &assembly.cameras {
+        if let Some(node) = camera.node.filter(|node| *node < assembly.nodes.len()) {
+            cameras.entry(node).or_default().push(camera);
+        }
+    }
+    let skeletons = Skeletons::of(assembly, &format!("/{root_name}"), &mut below_top);
+    let writing = Writing { assembly, folder, materials, prototypes, lights, cameras, skeletons };
 
     let mut layer = Layer {
         metadata: vec![
@@ -110,7 +123,13 @@ pub(super) fn layer(assembly: &Assembly, stem: &str, folder: &Path, pictures: &m
         ],
         ..Layer::default()
     };
-    let mut root = Prim::def(0, "Xform", root_name);
+    if let Some(motion) = &assembly.motion {
+        let times = [("startTimeCode", motion.frames.first()), ("endTimeCode", motion.frames.last())];
+        layer.metadata.extend(times.into_iter().filter_map(|(key, at)| Some((key, Datum::Double(*at?)))));
+        let rates = ["timeCodesPerSecond", "framesPerSecond"].map(|key| (key, Datum::Double(motion.rate)));
+        layer.metadata.extend(rates);
+    }
+    let mut root = Prim::def(0, if has_rigs { "SkelRoot" } else { "Xform" }, root_name);
     root.kind = Some("assembly");
     if wrapped {
         root.marks.push(("wrapper", Datum::Bool(true)));
@@ -131,7 +150,7 @@ fn prototypes_of(writing: &Writing<'_>, library: String, prims: &mut Vec<Prim>) 
     for (index, path) in writing.prototypes.iter().enumerate() {
         let Some(name) = path.as_deref().and_then(|path| path.rsplit('/').next()) else { continue };
         prims.push(Prim::def(1, "Xform", name));
-        mesh::write(writing, index, 2, &mut Siblings::default(), prims)?;
+        mesh::write(writing, mesh::Own { mesh: index, node: None }, 2, &mut Siblings::default(), prims)?;
     }
     Ok(())
 }
@@ -170,6 +189,7 @@ impl Walk<'_> {
             None => self.layer.prims.push(prim),
         }
         light::cameras(self.writing, siblings, &mut self.layer.prims)?;
+        skel::write(self.writing, &mut self.layer.prims);
         // To be written, the next one last.
         let mut open: Vec<(usize, String, usize)> =
             first.into_iter().rev().map(|(index, name)| (index, name, 1)).collect();
@@ -209,13 +229,14 @@ impl Walk<'_> {
         let writing = self.writing;
         let depth = prim.depth;
         named(&mut prim, &node.name);
-        transform(writing, node, &mut prim)?;
+        transform(writing, index, &mut prim)?;
         if let Some(attributes) = &node.attributes {
             optics::apply(writing, attributes, &mut prim)?;
         }
         let lights = writing.lights.get(&index).map_or(&[][..], Vec::as_slice);
         let prototype = node.mesh.and_then(|mesh| writing.prototypes.get(mesh)).and_then(Option::as_ref);
-        let leaf = !has_children && lights.is_empty() && depth > 0;
+        let cameras = writing.cameras.get(&index).map_or(&[][..], Vec::as_slice);
+        let leaf = !has_children && lights.is_empty() && cameras.is_empty() && depth > 0;
         match (node.mesh, prototype) {
             (Some(_), Some(prototype)) if leaf => {
                 prim.kind = Some("component");
@@ -235,23 +256,33 @@ impl Walk<'_> {
             }
             (Some(mesh), None) => {
                 self.layer.prims.push(prim);
-                mesh::write(writing, mesh, depth + 1, siblings, &mut self.layer.prims)?;
+                let own = mesh::Own { mesh, node: Some(index) };
+                mesh::write(writing, own, depth + 1, siblings, &mut self.layer.prims)?;
             }
             (None, _) => self.layer.prims.push(prim),
         }
         for source in lights {
             light::write(writing, source, depth + 1, siblings, &mut self.layer.prims)?;
         }
+        for camera in cameras {
+            light::camera(writing, (camera, true), depth + 1, siblings, &mut self.layer.prims)?;
+        }
         Ok(())
     }
 }
 
 /// The node's transform, unless it is none.
-fn transform(writing: &Writing<'_>, node: &Node, prim: &mut Prim) -> Result<()> {
+fn transform(writing: &Writing<'_>, index: usize, prim: &mut Prim) -> Result<()> {
+    let Some(node) = writing.assembly.nodes.get(index) else { return Ok(()) };
     if !node.local.is_finite() {
         return Err(writing.fault(&node.at, format!("the transform of node `{}` is not finite", node.path)));
     }
-    if node.local != DAffine3::IDENTITY {
+    let motion = writing.assembly.motion.as_ref();
+    if let Some((motion, moved)) = motion.and_then(|motion| Some((motion, motion.of_node(index)?))) {
+        for property in samples::transform(motion, node.local, &moved.locals) {
+            prim.push(property);
+        }
+    } else if node.local != DAffine3::IDENTITY {
         prim.push(Property::new("xformOp:transform", matrix(node.local)));
         prim.push(Property::new("xformOpOrder", Datum::Tokens(vec!["xformOp:transform".to_owned()])).uniform());
     }
@@ -260,8 +291,12 @@ fn transform(writing: &Writing<'_>, node: &Node, prim: &mut Prim) -> Result<()> 
 
 /// USD's rows: point · matrix.
 pub(super) fn matrix(affine: DAffine3) -> Datum {
+    Datum::Matrix(rows(affine))
+}
+
+pub(super) fn rows(affine: DAffine3) -> [[f64; 4]; 4] {
     let [x, y, z] = affine.matrix3.to_cols_array_2d();
     let t = affine.translation;
     let row = |[a, b, c]: [f64; 3], w: f64| [a, b, c, w];
-    Datum::Matrix([row(x, 0.0), row(y, 0.0), row(z, 0.0), row(t.to_array(), 1.0)])
+    [row(x, 0.0), row(y, 0.0), row(z, 0.0), row(t.to_array(), 1.0)]
 }

@@ -20,7 +20,13 @@ fn triangle(name: &str, faces: u32) -> MeshSource {
         positions,
     };
     let faces = faces as usize;
-    MeshSource { mesh: mesh.into(), materials: vec![None; faces], attributes: vec![None; faces], at: Where::Nowhere }
+    MeshSource {
+        mesh: mesh.into(),
+        materials: vec![None; faces],
+        attributes: vec![None; faces],
+        rig: None,
+        at: Where::Nowhere,
+    }
 }
 
 /// A node below `parent`.
@@ -74,6 +80,7 @@ fn one_of_everything() -> Assembly {
     });
     a.cameras.push(Camera {
         name: "Auge".into(),
+        node: None,
         to_world: turned,
         yfov: Some(0.3),
         aspect: Some(2.0),

@@ -114,23 +114,20 @@ impl Text {
     fn property(&mut self, property: &Property) {
         let name = &property.name;
         match &property.body {
-            Body::Attribute { type_name, uniform, value, interpolation } => {
+            Body::Attribute { type_name, uniform, value, samples, interpolation, each } => {
                 let uniform = if *uniform { "uniform " } else { "" };
                 let custom = if property.custom { "custom " } else { "" };
                 let head = format!("{custom}{uniform}{type_name} {name}");
-                let Some(value) = value else { return self.line(head) };
-                let more = [("interpolation", *interpolation), ("colorSpace", property.color_space)];
-                let more: Vec<_> = more.into_iter().filter_map(|(key, text)| Some((key, text?))).collect();
-                if more.is_empty() {
-                    return self.line(format_args!("{head} = {}", Shown(value)));
+                self.value(&head, value.as_ref(), (*interpolation, property.color_space, *each));
+                if !samples.is_empty() {
+                    self.line(format_args!("{head}.timeSamples = {{"));
+                    self.depth += 1;
+                    for (code, value) in samples {
+                        self.line(format_args!("{}: {},", double(*code), Shown(value)));
+                    }
+                    self.depth -= 1;
+                    self.line("}");
                 }
-                self.line(format_args!("{head} = {} (", Shown(value)));
-                self.depth += 1;
-                for (key, text) in more {
-                    self.line(format_args!("{key} = {}", quoted(text)));
-                }
-                self.depth -= 1;
-                self.line(")");
             }
             Body::Connected { type_name, source } => self.line(format_args!("{type_name} {name}.connect = <{source}>")),
             Body::Relationship { targets } => match targets.as_slice() {
@@ -142,6 +139,32 @@ impl Text {
                 }
             },
         }
+    }
+}
+
+impl Text {
+    /// The line of an attribute's own value, with its metadata.
+    fn value(
+        &mut self,
+        head: &str,
+        value: Option<&Datum>,
+        (interpolation, space, each): (Option<&str>, Option<&str>, Option<usize>),
+    ) {
+        let Some(value) = value else { return self.line(head) };
+        let texts = [("interpolation", interpolation), ("colorSpace", space)];
+        let mut more: Vec<String> =
+            texts.into_iter().filter_map(|(key, text)| Some(format!("{key} = {}", quoted(text?)))).collect();
+        more.extend(each.map(|each| format!("elementSize = {each}")));
+        if more.is_empty() {
+            return self.line(format_args!("{head} = {}", Shown(value)));
+        }
+        self.line(format_args!("{head} = {} (", Shown(value)));
+        self.depth += 1;
+        for line in more {
+            self.line(line);
+        }
+        self.depth -= 1;
+        self.line(")");
     }
 }
 
@@ -193,6 +216,11 @@ fn asset(path: &str) -> String {
     if path.contains('@') { format!("@@@{}@@@", path.replace("@@@", "\\@@@")) } else { format!("@{path}@") }
 }
 
+/// What half precision makes of a number.
+pub(super) fn half(x: f32) -> f32 {
+    openusd::gf::f16::from_f32(x).to_f32()
+}
+
 /// A value as text.
 struct Shown<'a>(&'a Datum);
 
@@ -220,7 +248,11 @@ impl Display for Shown<'_> {
             Datum::Double2s(list) => write_list(f, list, |f, p| doubles(f, p)),
             Datum::Double3(p) => doubles(f, p),
             Datum::Double3s(list) => write_list(f, list, |f, p| doubles(f, p)),
+            Datum::Half3s(list) => write_list(f, list, |f, p| singles(f, &p.map(half))),
+            Datum::Quat(q) => doubles(f, q),
+            Datum::Quats(list) => write_list(f, list, |f, q| singles(f, q)),
             Datum::Matrix(rows) => tuple(f, rows, |f, row| doubles(f, row)),
+            Datum::Matrices(list) => write_list(f, list, |f, rows| tuple(f, rows, |f, row| doubles(f, row))),
             Datum::Blocked(_) => f.write_str("None"),
         }
     }

@@ -11,6 +11,7 @@ use super::transform::unit_rotation;
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::import::ReadOptions;
+use crate::scene::motion::Clock;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
@@ -29,6 +30,9 @@ pub(super) fn moved(
 ) -> Result<HashMap<usize, Moved>> {
     let animations = document.root.list("animations")?;
     let Some(frame) = options.frame else {
+        if options.motion {
+            return Ok(HashMap::new());
+        }
         needs_frame(options)?;
         if let Some(first) = animations.first() {
             ledger.notes.info(first, "animations: nodes stand as they are written; `--frame` takes them at a time");
@@ -47,6 +51,46 @@ pub(super) fn moved(
     let text = format!("frame {frame} is {time_s} s at {fps} frames/s{by} of the animation `{name}`{of}");
     ledger.notes.info(at, text);
     channels(document, at, nodes, time_s, ledger)
+}
+
+/// When the animation that `options` ask for has its keys; none without animations. Steps jump: the last moment before one is a
+/// key, too.
+///
+/// # Errors
+/// As [`moved`].
+pub(super) fn clock(
+    document: &Document<'_>,
+    nodes: &[At<'_>],
+    options: &ReadOptions,
+    ledger: &mut Ledger,
+) -> Result<Option<Clock>> {
+    let animations = document.root.list("animations")?;
+    let Some(animation) = chosen(&animations, options)? else { return Ok(None) };
+    if options.frame.is_none() && animations.len() > 1 {
+        let text = format!("{} animations: one is taken, the others are left out (`--animation`)", animations.len());
+        ledger.notes.warn(animation, text);
+    }
+    let rate = options.fps.unwrap_or(DEFAULT_FPS);
+    let samplers = animation.want("samplers")?.items()?;
+    let (mut keys, mut seen) = (Vec::new(), HashSet::new());
+    for channel in animation.want("channels")?.items()? {
+        if target(&channel.want("target")?, nodes, ledger)?.is_none() {
+            continue;
+        }
+        let number = channel.want("sampler")?.index(samplers.len(), "sampler")?;
+        let Some(sampler) = samplers.get(number).filter(|_| seen.insert(number)) else { continue };
+        keys.extend(sampler::moments(document, sampler, ledger)?.into_iter().map(|time_s| frame_at(time_s, rate)));
+    }
+    keys.sort_by(f64::total_cmp);
+    keys.dedup();
+    let name = animation.get("name")?.map_or(Ok(""), |name| name.text())?.to_owned();
+    Ok(Some(Clock { rate, name, keys }))
+}
+
+/// The frame that is at `time_s`: the first that is not before it when it becomes a time again.
+fn frame_at(time_s: f64, rate: f64) -> f64 {
+    let frame = time_s * rate;
+    if frame / rate < time_s { frame.next_up() } else { frame }
 }
 
 /// # Errors

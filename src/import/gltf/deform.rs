@@ -18,6 +18,8 @@ pub(super) struct Deform {
     /// Of the morph targets; empty where all are 0.
     pub weights: Vec<f64>,
     pub bones: Option<Bones>,
+    /// Whether faces are to say which vertices of the file theirs are.
+    pub is_traced: bool,
 }
 
 /// A primitive and the vertices that its triangles use.

@@ -27,6 +27,7 @@ pub(super) mod notes;
 mod picture;
 mod pose;
 pub(super) mod primitive;
+mod rig;
 mod sampler;
 mod shapes;
 mod skin;

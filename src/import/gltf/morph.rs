@@ -15,6 +15,13 @@ pub(super) fn count(mesh: &At<'_>) -> usize {
     targets.and_then(|targets| targets.as_array()).map_or(0, Vec::len)
 }
 
+/// Whether targets of the mesh `at` change texture coordinates or colours.
+pub(super) fn changes_more(mesh: &At<'_>) -> bool {
+    let primitives = mesh.json.get("primitives").and_then(|list| list.as_array()).into_iter().flatten();
+    let mut targets = primitives.filter_map(|primitive| primitive.get("targets")?.as_array()).flatten();
+    targets.any(|target| ["TEXCOORD_0", "TEXCOORD_1", "COLOR_0"].iter().any(|key| target.get(key).is_some()))
+}
+
 /// Weights as a mesh or node says them; empty if all are 0, which bends nothing.
 ///
 /// # Errors

@@ -31,9 +31,14 @@ pub(super) fn read(
 ) -> Result<()> {
     let tree = hierarchy::read(document)?;
     let moved = animation::moved(document, &tree.nodes, options, ledger)?;
+    if options.motion {
+        assembly.clock = animation::clock(document, &tree.nodes, options, ledger)?;
+    }
     let pose = Pose::new(&tree, moved);
-    let shapes = Shapes::read(document, &pose, ledger)?;
+    let shapes = Shapes::read(document, &pose, options.motion, ledger)?;
     let mut source = Source { document, pose, shapes };
+    // Where each node of the file went.
+    let mut placed = vec![None; tree.nodes.len()];
     let Tree { nodes, children, mut roots, .. } = tree;
     let mut all_hidden = false;
     if let [root] = roots.as_slice()
@@ -54,6 +59,9 @@ pub(super) fn read(
         if hidden && !above_hidden {
             ledger.notes.info(at, "hidden by `KHR_node_visibility`, with meshes and lights below it: left out");
         }
+        if let Some(slot) = placed.get_mut(index) {
+            *slot = Some(place);
+        }
         one(&mut source, index, (parent, hidden), assembly, ledger)?;
         stack.extend(children[index].iter().rev().map(|&child| (child, Some(place), hidden)));
     }
@@ -61,6 +69,11 @@ pub(super) fn read(
         ledger.notes.warn_of(Code::NothingToTrace, &document.root, "the scene has no nodes");
     }
     assembly.meshes = source.shapes.finish(document, ledger)?;
+    for joint in
+        assembly.meshes.iter_mut().filter_map(|mesh| mesh.rig.as_mut()?.skin.as_mut()).flat_map(|skin| &mut skin.joints)
+    {
+        joint.node = joint.node.and_then(|node| placed.get(node).copied().flatten());
+    }
     Ok(())
 }
 
@@ -95,7 +108,8 @@ fn one(
         None => None,
     };
     if let Some(reference) = at.get("camera")? {
-        assembly.cameras.push(camera(document, &reference, &name, to_world)?);
+        let camera = camera(document, &reference, &name, to_world)?;
+        assembly.cameras.push(Camera { node: Some(assembly.nodes.len()), ..camera });
     }
     let attributes = if hidden {
         None
@@ -195,9 +209,9 @@ fn camera(document: &Document<'_>, reference: &At<'_>, node: &str, to_world: DAf
                 Some(field) => return Err(field.fault("aspect ratio out of range").expected("more than 0")),
                 None => None,
             };
-            Ok(Camera { name, to_world, yfov: Some(yfov), aspect, pupil: None, focus: None })
+            Ok(Camera { name, node: None, to_world, yfov: Some(yfov), aspect, pupil: None, focus: None })
         }
-        "orthographic" => Ok(Camera { name, to_world, yfov: None, aspect: None, pupil: None, focus: None }),
+        "orthographic" => Ok(Camera { name, node: None, to_world, yfov: None, aspect: None, pupil: None, focus: None }),
         other => Err(kind
             .fault("unknown camera type")
             .expected("perspective or orthographic")

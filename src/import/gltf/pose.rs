@@ -111,7 +111,7 @@ impl<'a> Pose<'a> {
         self.parent(node).map_or(Ok(DAffine3::IDENTITY), |parent| self.world(parent, ledger))
     }
 
-    fn parent(&self, node: usize) -> Option<usize> {
+    pub fn parent(&self, node: usize) -> Option<usize> {
         self.parents.get(node).copied().flatten()
     }
 }

@@ -23,6 +23,8 @@ pub(in crate::import) struct FaceMesh {
     /// Linear Rec.709 and alpha, one per position, or none.
     pub colors: Vec<[f32; 4]>,
     pub triangles: Vec<[u32; 3]>,
+    /// The vertex of the file (USD: the point) that each is, where somebody asks.
+    pub sources: Vec<u32>,
 }
 
 /// Mesh and number of a face, for people.
@@ -96,7 +98,11 @@ pub(super) fn read(
     };
     let target = Target { document, at, positions: &positions, used: &used };
     deform::apply(&target, deform, &mut face, ledger)?;
-    drop(used);
+    if deform.is_traced {
+        face.sources = used;
+    } else {
+        drop(used);
+    }
     match stored {
         Some(stored) => {
             let read = std::mem::take(&mut face.normals);

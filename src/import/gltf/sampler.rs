@@ -126,6 +126,26 @@ pub(super) fn value(
     }
 }
 
+/// The times of the keys of a sampler, seconds; of one with steps also the last moments before them.
+///
+/// # Errors
+/// As [`value`].
+pub(super) fn moments(document: &Document<'_>, at: &At<'_>, ledger: &mut Ledger) -> Result<Vec<f64>> {
+    let times = times(document, &at.want("input")?, &mut Checked::default(), ledger)?;
+    ledger.budget.charge(at, times.count, 4 * size_of::<f64>())?;
+    let steps = at.get("interpolation")?.is_some_and(|name| name.json == "STEP");
+    let mut out = Vec::with_capacity(if steps { 2 * times.count } else { times.count });
+    for key in 0..times.count {
+        let [time] = times.floats::<1>(key);
+        if steps && key > 0 {
+            // The next number of single precision, which glTF's times are of.
+            out.push(f64::from(time.next_down()));
+        }
+        out.push(f64::from(time));
+    }
+    Ok(out)
+}
+
 /// The times of a sampler, seconds.
 fn times<'d>(
     document: &'d Document<'_>,

@@ -7,7 +7,7 @@ use super::deform::Deform;
 use super::notes::Ledger;
 use super::pose::Pose;
 use super::skin::Bones;
-use super::{mesh, morph};
+use super::{mesh, morph, rig};
 use crate::base::error::Result;
 use crate::import::assembly::MeshSource;
 use glam::DAffine3;
@@ -28,6 +28,8 @@ pub(super) struct Shapes<'a> {
     own: Vec<(At<'a>, Option<MeshSource>)>,
     more: Vec<MeshSource>,
     known: HashMap<Key, usize>,
+    /// Whether rigs are read, and a mesh that a node may bend is this node's alone.
+    rigs: bool,
 }
 
 impl<'a> Shapes<'a> {
@@ -35,7 +37,7 @@ impl<'a> Shapes<'a> {
     ///
     /// # Errors
     /// As [`mesh::read`].
-    pub fn read(document: &Document<'a>, pose: &Pose<'_>, ledger: &mut Ledger) -> Result<Self> {
+    pub fn read(document: &Document<'a>, pose: &Pose<'_>, rigs: bool, ledger: &mut Ledger) -> Result<Self> {
         let list = document.root.list("meshes")?;
         let mut bent = vec![false; list.len()];
         for node in 0..pose.count() {
@@ -54,7 +56,7 @@ impl<'a> Shapes<'a> {
             let read = if bent { None } else { Some(mesh::read(document, &at, index, &Deform::default(), ledger)?) };
             own.push((at, read));
         }
-        Ok(Shapes { own, more: Vec::new(), known: HashMap::new() })
+        Ok(Shapes { own, more: Vec::new(), known: HashMap::new(), rigs })
     }
 
     /// The mesh that `reference` names, as the node with the index `node` shows it. `world` is where the node stands; none
@@ -80,7 +82,8 @@ impl<'a> Shapes<'a> {
             Vec::new()
         };
         let bits = weights.iter().map(|weight| weight.to_bits()).collect();
-        let key = Key { mesh: index, weights: bits, skinned: skin.as_ref().map(|_| node) };
+        let has_rig = self.rigs && (skin.is_some() || morph::count(at) > 0);
+        let key = Key { mesh: index, weights: bits, skinned: (skin.is_some() || has_rig).then_some(node) };
         if let Some(&known) = self.known.get(&key) {
             return Ok(known);
         }
@@ -94,7 +97,11 @@ impl<'a> Shapes<'a> {
             }
             None => None,
         };
-        let source = mesh::read(document, at, index, &Deform { weights, bones }, ledger)?;
+        let deform = Deform { weights, bones, is_traced: false };
+        let mut source = mesh::read(document, at, index, &deform, ledger)?;
+        if has_rig {
+            source.rig = rig::read(document, at, &deform, pose, ledger)?.map(Box::new);
+        }
         let place = if is_free { index } else { self.own.len() + self.more.len() };
         match self.own.get_mut(index).filter(|_| is_free) {
             Some((_, slot)) => *slot = Some(source),

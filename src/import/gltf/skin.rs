@@ -15,6 +15,11 @@ use glam::{DAffine3, DMat3, DVec3};
 #[derive(Debug)]
 pub(super) struct Bones {
     matrices: Vec<DAffine3>,
+    /// Joint → the axes in which the bent mesh is written, and mesh → joint: the matrices in two parts.
+    pub places: Vec<DAffine3>,
+    pub binds: Vec<DAffine3>,
+    /// Nodes of the file.
+    pub joints: Vec<usize>,
     /// The skin.
     pointer: String,
 }
@@ -37,20 +42,30 @@ impl Bones {
         if joints.is_empty() {
             return Err(joints_at.fault("a skin without joints").expected("at least 1"));
         }
-        ledger.budget.charge(&joints_at, joints.len(), size_of::<DAffine3>())?;
+        ledger.budget.charge(&joints_at, joints.len(), 3 * size_of::<DAffine3>())?;
         let binds = match at.get("inverseBindMatrices")? {
             Some(reference) => Some(matrices(document, &reference, joints.len(), ledger)?),
             None => None,
         };
-        let mut bones = Bones { matrices: Vec::with_capacity(joints.len()), pointer: at.pointer.clone() };
+        let mut bones = Bones {
+            matrices: Vec::with_capacity(joints.len()),
+            places: Vec::with_capacity(joints.len()),
+            binds: Vec::with_capacity(joints.len()),
+            joints: Vec::with_capacity(joints.len()),
+            pointer: at.pointer.clone(),
+        };
         for (number, joint) in joints.iter().enumerate() {
-            let world = pose.world(joint.index(pose.count(), "node")?, ledger)?;
+            let node = joint.index(pose.count(), "node")?;
+            let world = pose.world(node, ledger)?;
             let bind = binds.as_ref().map_or(Ok(DAffine3::IDENTITY), |binds| affine(binds, number, ledger))?;
             let matrix = from_world * (world * bind);
             if !matrix.is_finite() {
                 return Err(joint.fault("the joint's matrix overflows").expected("finite numbers"));
             }
             bones.matrices.push(matrix);
+            bones.places.push(from_world * world);
+            bones.binds.push(bind);
+            bones.joints.push(node);
         }
         Ok(bones)
     }
@@ -138,6 +153,40 @@ pub(super) fn apply(target: &Target<'_>, bones: &Bones, bent: &mut Bent<'_>, led
         ledger.notes.warn(target.at, text);
     }
     Ok(is_mirrored)
+}
+
+/// Joints and weights of the used vertices, each joint once; none for a primitive without joints.
+///
+/// # Errors
+/// As [`apply`].
+pub(super) fn weighed(target: &Target<'_>, bones: &Bones, ledger: &mut Ledger) -> Result<Option<Vec<Vec<(u32, f64)>>>> {
+    let sets = influences(target, ledger)?;
+    if sets.is_empty() {
+        return Ok(None);
+    }
+    ledger.budget.charge(target.at, target.used.len(), sets.len() * 4 * size_of::<(u32, f64)>())?;
+    let mut out = Vec::with_capacity(target.used.len());
+    for &vertex in target.used {
+        // Also proves the joints.
+        let has_weight = blend(&sets, bones, vertex as usize)?.mean().is_some();
+        let mut own: Vec<(u32, f64)> = Vec::new();
+        for set in &sets {
+            let (joints, weights) = (set.joints.floats::<4>(vertex as usize), set.weights.floats::<4>(vertex as usize));
+            for (joint, weight) in joints.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
+                match own.iter_mut().find(|(known, _)| *known == joint as u32) {
+                    Some((_, sum)) => *sum += f64::from(weight),
+                    None => own.push((joint as u32, f64::from(weight))),
+                }
+            }
+        }
+        if !has_weight {
+            first(&sets, bones, vertex as usize)?;
+            own =
+                sets.first().map(|set| (set.joints.floats::<4>(vertex as usize)[0] as u32, 1.0)).into_iter().collect();
+        }
+        out.push(own);
+    }
+    Ok(Some(out))
 }
 
 /// `JOINTS_0` and `WEIGHTS_0`, `JOINTS_1` and `WEIGHTS_1`, as far as they go.

@@ -239,7 +239,7 @@ impl Maker<'_> {
             at: at.clone(),
         });
         let (materials, attributes) = (vec![None; count], vec![None; count]);
-        self.assembly.meshes.push(MeshSource { mesh: mesh.into(), materials, attributes, at });
+        self.assembly.meshes.push(MeshSource { mesh: mesh.into(), materials, attributes, rig: None, at });
         self.parts.push(part);
     }
 }

@@ -147,6 +147,7 @@ fn what_is_no_optics_keeps_its_picture() {
     let mut asset = assembly(&["Helmet"]);
     asset.cameras.push(crate::import::assembly::Camera {
         name: "CAM".into(),
+        node: None,
         to_world: glam::DAffine3::IDENTITY,
         yfov: Some(0.5),
         aspect: Some(1.5),

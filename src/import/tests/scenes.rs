@@ -62,6 +62,7 @@ fn a_camera_serves_when_the_eye_says_nothing_of_its_place() {
         );
         asset.cameras.push(Camera {
             name: "CAM".into(),
+            node: None,
             to_world,
             yfov: Some(0.5),
             aspect: Some(1.5),

@@ -6,6 +6,7 @@ use crate::base::error::Result;
 use crate::base::{Error, Where};
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, ResolveInfoSource, TimeCode};
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -14,6 +15,8 @@ use std::rc::Rc;
 pub(super) struct Moment {
     pub file: PathBuf,
     pub frame: Option<f64>,
+    /// When what was read so far has values of its own, if somebody asks.
+    pub keys: Option<RefCell<Vec<f64>>>,
 }
 
 impl Moment {
@@ -99,6 +102,11 @@ impl PrimView {
             return Ok(None);
         }
         let attribute = self.prim.attribute(name);
+        if let Some(keys) = &self.moment.keys {
+            let failed = |error| Error::new(self.at_property(name), one_line(&format!("cannot be read: {error}")));
+            let own = attribute.time_samples_in_interval(f64::NEG_INFINITY..=f64::INFINITY).map_err(failed)?;
+            keys.borrow_mut().extend(own);
+        }
         let failed = |error| Error::new(self.at_property(name), one_line(&format!("cannot be read: {error}")));
         let authored = |time: Option<TimeCode>| {
             let found = attribute.get_at::<Value>(time).map_err(failed)?;

@@ -33,6 +33,9 @@ pub(super) struct Skeleton {
     pub by_path: HashMap<String, usize>,
     /// Where a joint takes what was bound to it, both in the skeleton's axes.
     pub skinning: Vec<DAffine3>,
+    /// Joint → skeleton at the moment, and when meshes were bound.
+    pub worlds: Vec<DAffine3>,
+    pub binds: Vec<DAffine3>,
     /// Weights of blend shapes by their names.
     pub shapes: HashMap<String, f64>,
 }

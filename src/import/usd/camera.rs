@@ -28,7 +28,7 @@ pub(super) fn read(view: &PrimView, to_world: DAffine3, ledger: &mut Ledger) -> 
     let name = marks.text("name").unwrap_or(view.name()).to_owned();
     if view.token("projection")?.as_deref() == Some("orthographic") {
         ledger.warn(view.at(), "an orthographic camera is no eye: not used");
-        return Ok(Camera { name, to_world, yfov: None, aspect: None, pupil: None, focus: None });
+        return Ok(Camera { name, node: None, to_world, yfov: None, aspect: None, pupil: None, focus: None });
     }
     let (width, height) = (positive("horizontalAperture", HORIZONTAL)?, positive("verticalAperture", VERTICAL)?);
     let focal = positive("focalLength", FOCAL_LENGTH)?;
@@ -43,6 +43,7 @@ pub(super) fn read(view: &PrimView, to_world: DAffine3, ledger: &mut Ledger) -> 
     let pupil = said("fStop")?.map(|number| focal * TENTH / number);
     Ok(Camera {
         name,
+        node: None,
         to_world,
         yfov: Some(refined(marks.number("yfov"), 2.0 * (0.5 * height / focal).atan())),
         aspect: Some(refined(marks.number("aspect"), width / height)),

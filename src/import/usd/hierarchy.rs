@@ -10,7 +10,7 @@ use super::xform::{self, Local};
 use super::{binding, camera, implicit, instancer, light, material, mesh, optics, skel, skel_binding};
 use crate::base::Where;
 use crate::base::error::Result;
-use crate::import::assembly::Node;
+use crate::import::assembly::{Camera, Node};
 use openusd::sdf::{self, Specifier};
 use openusd::usd::Prim;
 
@@ -304,7 +304,7 @@ fn content(reader: &mut Reader, view: &PrimView, type_name: &str, below: &Above)
             let to_world = reader.assembly.nodes[node].to_world;
             let camera = camera::read(view, to_world, &mut reader.ledger)?;
             reader.render.cameras.push((view.path().clone(), reader.assembly.cameras.len()));
-            reader.assembly.cameras.push(camera);
+            reader.assembly.cameras.push(Camera { node: Some(node), ..camera });
             None
         }
         "PointInstancer" => {

@@ -84,7 +84,8 @@ pub(super) fn of(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above
                 *slot = Some(shape);
             }
         }
-        let index = mesh::keep(reader, MeshSource { mesh: mesh.into(), materials, attributes, at: view.at() });
+        let index =
+            mesh::keep(reader, MeshSource { mesh: mesh.into(), materials, attributes, rig: None, at: view.at() });
         reader.meshes.shapes.extend(look.map(|look| (look, index)));
         Ok(Made::Known(index))
     })

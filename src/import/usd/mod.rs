@@ -87,9 +87,8 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Assembly> {
     }
     std::thread::scope(|scope| {
         let builder = std::thread::Builder::new().name("usd".to_owned()).stack_size(STACK_BYTES);
-        let reading = builder
-            .spawn_scoped(scope, || Reader::open(path, options.frame)?.run(&options.variants))
-            .map_err(failed)?;
+        let reading =
+            builder.spawn_scoped(scope, || Reader::open(path, options)?.run(&options.variants)).map_err(failed)?;
         // A panic in the crate is a defect of it, but ends here all the same.
         reading.join().unwrap_or_else(|_| {
             Err(Error::new(Where::file(path), "the USD library failed on this file (a defect in it)"))

@@ -9,9 +9,11 @@ use super::reads::Folding;
 use super::resolver::Opened;
 use super::{material, render, stage};
 use crate::base::error::Result;
+use crate::import::ReadOptions;
 use crate::import::assembly::Assembly;
 use openusd::sdf;
 use openusd::usd::{Prim, Stage};
+use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -28,16 +30,22 @@ pub(super) struct Reader {
     pub folding: Folding,
     pub skeletons: KnownSkeletons,
     pub render: render::Known,
+    /// Whether the rigs of meshes are read, too.
+    pub rigs: bool,
 }
 
 impl Reader {
-    pub fn open(file: &Path, frame: Option<f64>) -> Result<Self> {
+    pub fn open(file: &Path, options: &ReadOptions) -> Result<Self> {
         let opened = Opened::default();
         let stage = stage::open(file, &opened)?;
         Ok(Reader {
             bound: CompositionBudget::new(&stage, &opened),
             stage,
-            moment: Rc::new(Moment { file: file.to_owned(), frame }),
+            moment: Rc::new(Moment {
+                file: file.to_owned(),
+                frame: options.frame,
+                keys: options.motion.then(RefCell::default),
+            }),
             opened,
             ledger: Ledger::new(),
             assembly: Assembly { file: file.to_owned(), ..Assembly::default() },
@@ -47,6 +55,7 @@ impl Reader {
             folding: Folding::default(),
             skeletons: KnownSkeletons::default(),
             render: render::Known::default(),
+            rigs: options.motion,
         })
     }
 

@@ -125,6 +125,9 @@ fn renumber(assembly: &mut Assembly, into: &[Option<usize>]) {
     for light in &mut assembly.lights {
         light.node = new.get(light.node).copied().flatten().unwrap_or(0);
     }
+    for camera in &mut assembly.cameras {
+        camera.node = camera.node.and_then(|node| new.get(node).copied().flatten());
+    }
 }
 
 /// The exact number, if it is what was rounded to single precision; `rounded` if someone changed that since.

@@ -6,6 +6,10 @@ use crate::base::error::Result;
 use crate::base::{Code, Where};
 use crate::import::assembly::Assembly;
 use crate::import::variants::VariantChoice;
+use crate::scene::motion::Clock;
+
+/// What USD takes where a stage does not say its `timeCodesPerSecond`.
+const CODES_PER_SECOND: f64 = 24.0;
 
 impl Reader {
     pub fn run(mut self, variants: &[VariantChoice]) -> Result<Assembly> {
@@ -20,6 +24,7 @@ impl Reader {
         render::read(&mut self)?;
         self.assembly.stage = Some(stage::facts(&self.stage, &mut self.placed.outermost));
         round_trip::fold(&mut self.assembly, &self.placed.folds);
+        self.assembly.clock = self.clock();
         let Reader { stage, moment, assembly, ledger, .. } = &mut self;
         layer_units::check(stage, moment, assembly, ledger);
         stage::note_errors(stage, moment, ledger);
@@ -35,5 +40,17 @@ impl Reader {
         self.assembly.dependencies = dependencies;
         self.assembly.notes = self.ledger.notes.finish();
         Ok(self.assembly)
+    }
+
+    /// When what was read has values of its own, in time codes.
+    fn clock(&self) -> Option<Clock> {
+        let mut keys = self.moment.keys.as_ref()?.borrow().clone();
+        keys.retain(|key| key.is_finite());
+        keys.sort_by(f64::total_cmp);
+        keys.dedup();
+        let times = self.assembly.stage.as_ref().map_or(&[][..], |stage| &stage.times);
+        let said = times.iter().find(|(key, _)| *key == "timeCodesPerSecond").map(|(_, rate)| *rate);
+        let rate = said.filter(|rate| rate.is_finite() && *rate > 0.0).unwrap_or(CODES_PER_SECOND);
+        Some(Clock { rate, name: String::new(), keys })
     }
 }

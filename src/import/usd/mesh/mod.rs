@@ -22,6 +22,7 @@ use crate::import::gltf::mesh::append;
 use crate::import::gltf::normals::{Settled, are_sound, flat_shaded, settle};
 use crate::import::gltf::primitive::FaceMesh;
 use crate::import::normals::repair;
+use crate::scene::motion::{Rig, Vertices};
 use crate::scene::{Mesh, Note, Severity};
 use carried::{Carried, Shelf};
 use cut::Own;
@@ -43,12 +44,42 @@ pub(super) fn of(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<
 }
 
 fn build(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<MeshSource>> {
+    let Some(mut out) = made(reader, view, below, true)? else { return Ok(None) };
+    if reader.rigs && subdivide::scheme(view)?.0.is_none() {
+        // What is wrong was said.
+        let said = std::mem::take(&mut reader.ledger.notes);
+        let rig = rigged(reader, view, below, &out.source.mesh);
+        reader.ledger.notes = said;
+        out.source.rig = rig?.map(Box::new);
+    }
+    Ok(Some(out.source))
+}
+
+/// What bends the mesh, as data; none, where only its bent vertices say it.
+fn rigged(reader: &mut Reader, view: &PrimView, below: &Above, bent: &Mesh) -> Result<Option<Rig>> {
+    let Some(polygons) = polygons::read(reader, view)? else { return Ok(None) };
+    let Some(rig) = skel::rig(reader, view, &below.handed.skel, polygons.points.len())? else { return Ok(None) };
+    let Some(still) = made(reader, view, below, false)? else { return Ok(None) };
+    let mesh = still.source.mesh;
+    let fits = mesh.triangles == bent.triangles && still.sources.len() == bent.positions.len();
+    let rest = Vertices { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
+    Ok(fits.then(|| rig.of_vertices(rest, &still.sources)))
+}
+
+/// A mesh, and the point that each vertex is, where the reader asks for that.
+struct Traced {
+    source: MeshSource,
+    sources: Vec<u32>,
+}
+
+/// The mesh, bent or as nothing bends it.
+fn made(reader: &mut Reader, view: &PrimView, below: &Above, bends: bool) -> Result<Option<Traced>> {
     let Some(mut polygons) = polygons::read(reader, view)? else { return Ok(None) };
     let sizes = polygons.sizes();
     let mut normals = primvar::normals(view, sizes, &mut reader.ledger)?;
     let Polygons { points, corners, .. } = &mut polygons;
     let mut shape = skel::Shape { points, corners, normals: &mut normals };
-    let is_mirrored = skel::bend(reader, view, &below.handed.skel, &mut shape)?;
+    let is_mirrored = bends && skel::bend(reader, view, &below.handed.skel, &mut shape)?;
     polygons.left_handed ^= is_mirrored;
     let mut partition = faces::partition(reader, view, sizes.polygons)?;
     let whole = binding::bound(reader, view, &below.handed.material);
@@ -72,16 +103,19 @@ fn build(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<M
     }
     let mut mesh = Mesh { name: view.name().to_owned(), ..Mesh::default() };
     let mut carried = carried_by(reader, view, below, sizes, &materials)?;
-    let data = Data { polygons, normals, carried: Carried::default() };
+    let data = Data { polygons, normals, carried: Carried::default(), is_traced: !bends };
     let mut data = shaped(reader, view, data, &mut partition, &mut carried)?;
     let own = cut::grouped(&partition, &data.polygons);
     let (alone, mut scratch) = (own.len() == 1, Scratch::default());
+    let mut sources = Vec::new();
     for (number, own) in own.iter().enumerate() {
         data.carried = carried.get_mut(number).map(std::mem::take).unwrap_or_default();
         let face = face(reader, view, &mut data, own, Place { number, alone }, &mut scratch)?;
+        sources.extend_from_slice(&face.sources);
         append(&mut mesh, face).ok_or_else(|| view.fault("the mesh has more than 4294967295 vertices or triangles"))?;
     }
-    Ok(Some(MeshSource { mesh: mesh.into(), materials, attributes, at: view.at() }))
+    let source = MeshSource { mesh: mesh.into(), materials, attributes, rig: None, at: view.at() };
+    Ok(Some(Traced { source, sources }))
 }
 
 /// What the vertices of each face carry for its material.
@@ -127,7 +161,7 @@ fn shaped(
         let face = |parent: &u32| partition.of.get(*parent as usize).copied().unwrap_or(0);
         partition.of = fine.parents.iter().map(face).collect();
     }
-    Ok(Data { polygons: fine.polygons, normals: Some(fine.normals), carried: Carried::default() })
+    Ok(Data { polygons: fine.polygons, normals: Some(fine.normals), carried: Carried::default(), is_traced: false })
 }
 
 /// A face of a mesh.

@@ -71,6 +71,7 @@ fn mesh(dice: &mut Dice, triangles: bool) -> (Data, Data) {
         polygons: Polygons { points: points.clone(), corners, holes: holes.clone(), left_handed },
         normals: normals.clone(),
         carried: carried.clone(),
+        is_traced: false,
     };
     let quick = data(Corners::new(counts.clone(), indices.clone()).unwrap());
     let mixed = data(Corners::mixed(counts, indices).unwrap());
@@ -86,7 +87,7 @@ fn build(data: &Data, own: &Own, alone: bool) -> (Bits, usize) {
 
 /// As the documentation says it, with maps.
 fn plainly(data: &Data) -> Bits {
-    let Data { polygons, normals, carried } = data;
+    let Data { polygons, normals, carried, .. } = data;
     let points = polygons.corners.points();
     let mut corners = Vec::new();
     for polygon in (0..polygons.corners.polygons()).filter(|&polygon| !polygons.holes.contains(&(polygon as i32))) {

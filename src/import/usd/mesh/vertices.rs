@@ -14,6 +14,8 @@ pub(in crate::import::usd) struct Data {
     pub normals: Option<Primvar<[f32; 3]>>,
     /// Of the face that is made.
     pub carried: Carried,
+    /// Whether faces are to say which points their vertices are.
+    pub is_traced: bool,
 }
 
 /// Tables over all points, kept from face to face.
@@ -131,6 +133,7 @@ fn by_points(data: &mut Data, mut triangles: Vec<[u32; 3]>, alone: bool) -> Face
             Vec::new()
         },
         triangles,
+        sources: if data.is_traced { used } else { Vec::new() },
     }
 }
 
@@ -161,6 +164,7 @@ fn whole(data: &mut Data, triangles: Vec<[u32; 3]>) -> FaceMesh {
             Vec::new()
         },
         triangles,
+        sources: if data.is_traced { (0..count as u32).collect() } else { Vec::new() },
     }
 }
 
@@ -247,6 +251,9 @@ impl<'a> Welder<'a> {
         out.uvs.extend(uv);
         out.second_uvs.extend(second);
         out.colors.extend(color);
+        if self.data.is_traced {
+            out.sources.push(point as u32);
+        }
         self.scratch.next.push(NONE);
         if first == NONE {
             if let Some(used) = self.scratch.used.get_mut(point) {

@@ -68,6 +68,65 @@ pub(super) fn apply(
     Ok(normals)
 }
 
+/// Offsets of all points, with what they count at the moment.
+pub(super) struct Whole {
+    pub name: String,
+    pub weight: f64,
+    pub points: Vec<DVec3>,
+    pub normals: Vec<DVec3>,
+}
+
+/// All blend shapes, those in between as shapes of their own; empty where they are not used.
+///
+/// # Errors
+/// As [`apply`].
+pub(super) fn whole(
+    reader: &mut Reader,
+    inherited: &Inherited,
+    skeleton: &Skeleton,
+    count: usize,
+) -> Result<Vec<Whole>> {
+    let (Some(by), Some(led)) =
+        (saying(reader, inherited, Bound::BlendShapes)?, saying(reader, inherited, Bound::BlendShapeTargets)?)
+    else {
+        return Ok(Vec::new());
+    };
+    let names = by.tokens(name_of(Bound::BlendShapes))?.unwrap_or_default();
+    let targets = led.targets(name_of(Bound::BlendShapeTargets))?;
+    let mut out = Vec::new();
+    if names.len() != targets.len() {
+        return Ok(out);
+    }
+    for (name, path) in names.iter().zip(&targets) {
+        let weight = skeleton.shapes.get(name).copied().filter(|weight| weight.is_finite()).unwrap_or(0.0);
+        let Some(shape) = view_at(reader, &led, name_of(Bound::BlendShapeTargets), path)? else { continue };
+        let indices = shape.read("pointIndices", "int[]", value::integers)?;
+        let steps = steps(reader, &shape)?;
+        let upper = steps.partition_point(|step| step.weight <= weight).clamp(1, steps.len() - 1);
+        let (Some(from), Some(to)) = (steps.get(upper - 1), steps.get(upper)) else { continue };
+        let share = (weight - from.weight) / (to.weight - from.weight);
+        for (number, step) in steps.iter().enumerate().filter(|(_, step)| step.weight != 0.0) {
+            reader.charge(shape.path(), count, 2 * size_of::<DVec3>())?;
+            let mut own = Whole {
+                name: if step.weight == 1.0 { name.clone() } else { format!("{name}_{}", step.weight) },
+                weight: if number == upper {
+                    share
+                } else if number + 1 == upper {
+                    1.0 - share
+                } else {
+                    0.0
+                },
+                points: vec![DVec3::ZERO; count],
+                normals: vec![DVec3::ZERO; count],
+            };
+            add(reader, &shape, (&step.offsets, "offsets"), indices.as_deref(), 1.0, &mut own.points)?;
+            add(reader, &shape, (&step.normals, "normalOffsets"), indices.as_deref(), 1.0, &mut own.normals)?;
+            out.push(own);
+        }
+    }
+    Ok(out)
+}
+
 /// The shapes of one blend shape by their weights: nothing at 0, the full one at 1, those in between.
 fn steps(reader: &mut Reader, shape: &PrimView) -> Result<Vec<Step>> {
     let read = |name: &str| shape.read(name, "vector3f[]", value::wide_triples).map(Option::unwrap_or_default);

@@ -3,6 +3,7 @@
 
 mod blend_shape; // offsets of points
 mod influences; // joints and weights
+mod rig; // all of it as data
 mod skeleton; // where joints are at the moment
 
 #[cfg(test)]
@@ -22,6 +23,7 @@ use crate::import::skinning::{self, Blend};
 use glam::{DAffine3, DVec3};
 use influences::Influences;
 use openusd::sdf;
+pub(super) use rig::rig;
 
 /// The prim that says a property for those with `inherited`.
 fn saying(reader: &mut Reader, inherited: &Inherited, bound: Bound) -> Result<Option<PrimView>> {

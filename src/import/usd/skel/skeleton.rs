@@ -82,6 +82,7 @@ fn read(reader: &mut Reader, view: &PrimView, animation: Option<&PrimView>) -> R
             .ledger
             .warn(view.at(), "a skeleton without an animation and `restTransforms`: it stands as it was bound");
         out.skinning = vec![DAffine3::IDENTITY; out.joints.len()];
+        (out.worlds, out.binds) = (binds.clone(), binds);
         return Ok(out);
     };
     let worlds = worlds(view, &out, &locals)?;
@@ -93,6 +94,7 @@ fn read(reader: &mut Reader, view: &PrimView, animation: Option<&PrimView>) -> R
         }
         out.skinning.push(skinning);
     }
+    (out.worlds, out.binds) = (worlds, binds);
     Ok(out)
 }
 
@@ -135,6 +137,12 @@ fn animated(
     let translations = animation.read("translations", "float3[]", value::wide_triples)?.unwrap_or_default();
     let turns = animation.read("rotations", "quatf[]", value::quaternions)?.unwrap_or_default();
     let scales = animation.read("scales", "half3[]", value::wide_triples)?.unwrap_or_default();
+    // What half precision lost, if our own writer kept it.
+    let exact = animation.read("eyebox:scales", "float3[]", value::wide_triples)?.unwrap_or_default();
+    let scales: Vec<[f64; 3]> = match exact.len() == scales.len() {
+        true => exact.iter().zip(&scales).map(|(exact, rounded)| unhalved(*exact, *rounded)).collect(),
+        false => scales,
+    };
     let counts = [("translations", translations.len()), ("rotations", turns.len()), ("scales", scales.len())];
     if let Some((name, count)) = counts.into_iter().find(|(_, count)| *count != joints.len()) {
         if !joints.is_empty() {
@@ -165,6 +173,13 @@ fn animated(
     Ok(Some(out))
 }
 
+/// The exact numbers, where they are what was rounded to half precision: someone may have changed those since.
+fn unhalved(exact: [f64; 3], rounded: [f64; 3]) -> [f64; 3] {
+    // Eleven bits, and what is below the smallest normal number.
+    let near = |lane: usize| (exact[lane] - rounded[lane]).abs() <= exact[lane].abs() / 1024.0 + 6e-8;
+    std::array::from_fn(|lane| if near(lane) { exact[lane] } else { rounded[lane] })
+}
+
 /// Joint → skeleton: the product from the root. The parent of a joint is the nearest joint whose path is above its own.
 fn worlds(view: &PrimView, skeleton: &Skeleton, locals: &[DAffine3]) -> Result<Vec<DAffine3>> {
     let mut worlds: Vec<Option<DAffine3>> = vec![None; skeleton.joints.len()];
@@ -190,7 +205,7 @@ fn worlds(view: &PrimView, skeleton: &Skeleton, locals: &[DAffine3]) -> Result<V
     Ok(worlds.into_iter().map(|world| world.unwrap_or(DAffine3::IDENTITY)).collect())
 }
 
-fn parent(view: &PrimView, skeleton: &Skeleton, joint: usize) -> Result<Option<usize>> {
+pub(super) fn parent(view: &PrimView, skeleton: &Skeleton, joint: usize) -> Result<Option<usize>> {
     let mut path = skeleton.joints.get(joint).map_or("", String::as_str);
     for _ in 0..MOST_DEEP {
         let Some((above, _)) = path.rsplit_once('/') else { return Ok(None) };
