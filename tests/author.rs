@@ -5,6 +5,7 @@ mod bytes;
 mod kit;
 mod looks;
 mod looks_usd;
+mod motion;
 mod random;
 mod said;
 mod samples;

@@ -29,7 +29,7 @@ pub fn moving(path: &Path, options: &ReadOptions) -> Result<(Assembly, Option<(P
     let mut found = Found::default();
     for (number, frame) in frames.iter().enumerate() {
         let (now, _) = read(path, &ReadOptions { frame: Some(*frame), ..options.clone() })?;
-        found.compare(&assembly, now, number, *frame);
+        found.compare(&assembly, now, number);
     }
     let motion = Motion { rate: clock.rate, name: clock.name, frames, ..Motion::default() };
     found.finish(&mut assembly, motion);
@@ -77,7 +77,7 @@ impl Found {
     }
 
     /// Frame number `number`: `now`, of what is written as `still`.
-    fn compare(&mut self, still: &Assembly, now: Assembly, number: usize, frame: f64) {
+    fn compare(&mut self, still: &Assembly, now: Assembly, number: usize) {
         let file = Where::file(&still.file);
         let same_nodes = still.nodes.len() == now.nodes.len()
             && still.nodes.iter().zip(&now.nodes).all(|(a, b)| a.at == b.at && a.parent == b.parent);
@@ -91,8 +91,7 @@ impl Found {
             let same = was.local == is.local;
             follow(&mut self.nodes, index, number, same, || was.local, || is.local);
             if was.mesh != is.mesh {
-                let text = format!("`{}` shows another mesh at frame {frame}: it keeps its own", was.path);
-                self.leave(&was.at, text);
+                self.leave(&was.at, "a part that is another mesh at times: it keeps its own".to_owned());
             }
         }
         for (was, is) in still.lights.iter().zip(&now.lights).filter(|(was, is)| !is_same_light(was, is)) {

@@ -16,12 +16,13 @@ const COLORS: usize = 3;
 const INDICES: usize = 4;
 const JOINTS: usize = 5;
 const WEIGHTS: usize = 6;
-/// What no vertex has: keys, inverse bind matrices.
-const REST: usize = 7;
+/// What no vertex has: inverse bind matrices and the keys of animations, whose views glTF keeps apart.
+const BINDS: usize = 7;
+const KEYS: usize = 8;
 
 #[derive(Debug, Default)]
 pub struct Binary {
-    views: [View; 8],
+    views: [View; 9],
     /// (view, byte offset, the rest of the accessor)
     accessors: Vec<(usize, usize, Json)>,
 }
@@ -64,15 +65,15 @@ impl Binary {
         self.floats(WEIGHTS, "VEC4", values, json!({}))
     }
     pub fn matrices(&mut self, values: &[[f32; 16]]) -> usize {
-        self.floats(REST, "MAT4", values, json!({}))
+        self.floats(BINDS, "MAT4", values, json!({}))
     }
     /// Animated vectors.
     pub fn vectors(&mut self, values: &[[f32; 3]]) -> usize {
-        self.floats(REST, "VEC3", values, json!({}))
+        self.floats(KEYS, "VEC3", values, json!({}))
     }
     /// Animated rotations: x, y, z, w.
     pub fn quaternions(&mut self, values: &[[f32; 4]]) -> usize {
-        self.floats(REST, "VEC4", values, json!({}))
+        self.floats(KEYS, "VEC4", values, json!({}))
     }
     /// Single numbers; those of times with their bounds, which glTF wants.
     pub fn numbers(&mut self, values: &[f32], are_times: bool) -> usize {
@@ -83,7 +84,7 @@ impl Binary {
         } else {
             json!({})
         };
-        self.floats(REST, "SCALAR", &own, more)
+        self.floats(KEYS, "SCALAR", &own, more)
     }
 
     fn floats<const N: usize>(&mut self, view: usize, kind: &str, values: &[[f32; N]], more: Json) -> usize {
@@ -105,15 +106,15 @@ impl Binary {
 
     /// The buffer's bytes, `bufferViews`, `accessors`.
     pub fn finish(self) -> (Vec<u8>, Vec<Json>, Vec<Json>) {
-        let (mut bytes, mut views, mut places) = (Vec::new(), Vec::new(), [0; 8]);
+        let (mut bytes, mut views, mut places) = (Vec::new(), Vec::new(), [0; 9]);
         for (index, view) in self.views.into_iter().enumerate().filter(|(_, view)| !view.bytes.is_empty()) {
             places[index] = views.len();
             let mut json = json!({ "buffer": 0, "byteOffset": bytes.len(), "byteLength": view.bytes.len() });
-            if index != REST {
+            if !matches!(index, BINDS | KEYS) {
                 json["target"] = Json::from(if index == INDICES { 34963 } else { 34962 });
             }
             let stride = match index {
-                INDICES | REST => None,
+                INDICES | BINDS | KEYS => None,
                 UVS | JOINTS => Some(8),
                 COLORS | WEIGHTS => Some(16),
                 _ => Some(12),
