@@ -443,6 +443,7 @@ fn asset(lights: Vec<(&str, LightForm)>) -> Assembly {
             aspect: Some(1.0),
             pupil: None,
             focus: None,
+            frustum: Default::default(),
         }],
         ..Assembly::default()
     }

@@ -17,7 +17,7 @@ use std::process::ExitCode;
 The extension of OUT says the format. A sidecar as IN becomes part of the new asset. Names, hierarchy, instances and \
 geometry stay; what the format can't say is listed (docs/interchange.md). Pictures of materials are copied: into a .glb or \
 .usdz, else into the folder NAME_textures beside OUT. Pictures of skies and slides are not: OUT names them relative to its \
-own folder.
+own folder. What moves is written as it moves (nodes, joints, shapes of meshes), or with --frame as it stands at that moment.
 
 Examples:
   eyebox convert hud.optics.toml hud.glb

@@ -43,6 +43,8 @@ pub struct Assembly {
     pub stage: Option<StageFacts>,
     /// Variants that were asked for: with others it is another scene.
     pub variants: Vec<String>,
+    /// Variants of the asset's materials that nobody chose from.
+    pub unchosen: Vec<String>,
     /// When something happens, if the reader was asked for that.
     pub clock: Option<Clock>,
     /// How it moves, if it does and the reader was asked for that; the rest of the assembly is a moment of it.
@@ -78,6 +80,7 @@ impl Default for Assembly {
             notes: Vec::new(),
             stage: None,
             variants: Vec::new(),
+            unchosen: Vec::new(),
             clock: None,
             motion: None,
         }
@@ -168,6 +171,18 @@ pub struct Camera {
     /// Diameter of its aperture and distance that is sharp, in asset units, if it says them.
     pub pupil: Option<f64>,
     pub focus: Option<f64>,
+    /// What it means to other programs.
+    pub frustum: Frustum,
+}
+
+/// What a rasteriser takes of a camera, in asset units. It means nothing to light, and is kept for writing.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Frustum {
+    /// Nothing nearer is shown, and nothing beyond.
+    pub near: Option<f64>,
+    pub far: Option<f64>,
+    /// Half the width and half the height of what an orthographic camera shows.
+    pub half: Option<[f64; 2]>,
 }
 
 /// A light that the format has as such (KHR_lights_punctual, UsdLux). Lengths in asset units, in the light's own axes;

@@ -133,7 +133,7 @@ prop_compose! {
             mesh(seed, &corners, count, rows)
         }).collect();
         let last = all.nodes.len() - 1;
-        all.cameras.push(Camera { name: "C".into(), node: Some(last), to_world: all.nodes[last].to_world, yfov: Some(yfov), aspect, pupil: None, focus: None });
+        all.cameras.push(Camera { name: "C".into(), node: Some(last), to_world: all.nodes[last].to_world, yfov: Some(yfov), aspect, pupil: None, focus: None, frustum: Default::default() });
         all.lights.push(LightSource {
             name: "L".into(), node: last, form: LightForm::Point { intensity_cd: strength, cone: None },
             color: [1.0; 3], kelvin: None, profile: None, attributes: None, at: Where::Nowhere,

@@ -4,7 +4,7 @@ use super::document::Document;
 use super::value;
 use crate::base::error::Result;
 use crate::base::relative_path::{folder_of, relative, slashed};
-use crate::scene::assembly::{Assembly, Camera, LightForm, LightSource};
+use crate::scene::assembly::{Assembly, Camera, Frustum, LightForm, LightSource};
 use crate::scene::value::{Data, Value};
 use serde_json::{Value as Json, json};
 use std::path::Path;
@@ -81,20 +81,30 @@ pub fn sky(document: &mut Document, assembly: &Assembly, out: &Path) -> Option<V
     Some(Value::new(Data::Table(rows), light.at.clone()))
 }
 
-/// The glTF camera. Distances of clipping, which glTF wants, mean nothing to light.
-pub fn camera(camera: &Camera) -> Result<Json> {
+/// The glTF camera; `unit_m`: metres per unit of the asset. Distances of clipping, which glTF wants, mean nothing to light: where
+/// nobody says them, they are wide.
+pub fn camera(camera: &Camera, unit_m: f64) -> Result<Json> {
     let name = &camera.name;
+    let Frustum { near, far, half } = camera.frustum;
+    let near = near.map_or(0.01, |near| near * unit_m);
     Ok(match camera.yfov {
         Some(yfov) => {
-            let mut lens = json!({ "yfov": yfov, "znear": 0.01 });
+            let mut lens = json!({ "yfov": yfov, "znear": near });
             if let Some(aspect) = camera.aspect {
                 lens["aspectRatio"] = json!(aspect);
             }
+            if let Some(far) = far {
+                lens["zfar"] = json!(far * unit_m);
+            }
             json!({ "name": name, "type": "perspective", "perspective": lens })
         }
-        None => json!({
-            "name": name, "type": "orthographic",
-            "orthographic": { "xmag": 1, "ymag": 1, "zfar": 1000, "znear": 0.01 },
-        }),
+        None => {
+            let [x, y] = half.map_or([1.0; 2], |half| half.map(|x| x * unit_m));
+            let far = far.map_or(near + 1000.0, |far| far * unit_m);
+            json!({
+                "name": name, "type": "orthographic",
+                "orthographic": { "xmag": x, "ymag": y, "zfar": far, "znear": near },
+            })
+        }
     })
 }

@@ -165,7 +165,7 @@ fn cameras(document: &mut Document, assembly: &Assembly) -> Result<Vec<Option<us
         match place.and_then(|place| held.get_mut(place)) {
             Some(place) => {
                 *place = Some(document.cameras.len());
-                document.cameras.push(light::camera(camera)?);
+                document.cameras.push(light::camera(camera, unit(assembly))?);
             }
             None => {
                 let at = crate::base::Where::file(&assembly.file);

@@ -6,7 +6,7 @@ use super::name::Siblings;
 use super::optics;
 use super::stage::{Writing, matrix, named};
 use crate::base::error::Result;
-use crate::scene::assembly::{Camera, LightForm, LightSource, ProfileSource};
+use crate::scene::assembly::{Camera, Frustum, LightForm, LightSource, ProfileSource};
 
 /// Appends a light below the node that holds it.
 ///
@@ -188,7 +188,22 @@ pub(super) fn camera(
                 prim.push(Property::new("focusDistance", Datum::Float(focus as f32)));
             }
         }
-        None => prim.push(Property::new("projection", Datum::Token("orthographic".to_owned()))),
+        None => {
+            prim.push(Property::new("projection", Datum::Token("orthographic".to_owned())));
+            if let Some([x, y]) = camera.frustum.half {
+                prim.marks.extend([("half_width", Datum::Double(x)), ("half_height", Datum::Double(y))]);
+                prim.push(Property::new("horizontalAperture", Datum::Float((20.0 * x) as f32)));
+                prim.push(Property::new("verticalAperture", Datum::Float((20.0 * y) as f32)));
+            }
+        }
+    }
+    let Frustum { near, far, .. } = camera.frustum;
+    if near.is_some() || far.is_some() {
+        prim.marks.extend(near.map(|near| ("near", Datum::Double(near))));
+        prim.marks.extend(far.map(|far| ("far", Datum::Double(far))));
+        // The schema's own near end; a far end that no scene reaches.
+        let range = [near.unwrap_or(1.0), far.unwrap_or(1e30)].map(|x| x as f32);
+        prim.push(Property::new("clippingRange", Datum::Float2(range)));
     }
     if !is_held {
         prim.push(Property::new("xformOp:transform", matrix(camera.to_world)));

@@ -86,6 +86,7 @@ fn one_of_everything() -> Assembly {
         aspect: Some(2.0),
         pupil: Some(0.25),
         focus: Some(8.0),
+        frustum: Default::default(),
     });
     a
 }

@@ -10,7 +10,7 @@ use super::{animation, features, light, transform, world};
 use crate::base::Code;
 use crate::base::error::Result;
 use crate::import::ReadOptions;
-use crate::import::assembly::{Assembly, Camera, Node};
+use crate::import::assembly::{Assembly, Camera, Frustum, Node};
 use glam::{DAffine3, DQuat};
 use std::mem::size_of;
 
@@ -108,7 +108,7 @@ fn one(
         None => None,
     };
     if let Some(reference) = at.get("camera")? {
-        let camera = camera(document, &reference, &name, to_world)?;
+        let camera = camera(document, &reference, &name, to_world, assembly.unit_m)?;
         assembly.cameras.push(Camera { node: Some(assembly.nodes.len()), ..camera });
     }
     let attributes = if hidden {
@@ -189,11 +189,21 @@ fn instances(document: &Document<'_>, at: &At<'_>, ledger: &mut Ledger) -> Resul
     Ok(out)
 }
 
-fn camera(document: &Document<'_>, reference: &At<'_>, node: &str, to_world: DAffine3) -> Result<Camera> {
+fn camera(document: &Document<'_>, reference: &At<'_>, node: &str, to_world: DAffine3, unit_m: f64) -> Result<Camera> {
     let at = document.find("cameras", "camera", reference)?;
     let name = match at.get("name")? {
         Some(name) => name.text()?.to_owned(),
         None => node.to_owned(),
+    };
+    // Other programs' business, which is in metres, whatever scales the node: what is no number is nothing.
+    let length = |lens: &str, key: &str| {
+        let found = at.json.get(lens).and_then(|lens| lens.get(key)?.as_f64());
+        found.filter(|x| x.is_finite() && *x > 0.0).map(|x| x / unit_m)
+    };
+    let frustum = |lens: &str| Frustum {
+        near: length(lens, "znear"),
+        far: length(lens, "zfar"),
+        half: length(lens, "xmag").and_then(|x| Some([x, length(lens, "ymag")?])),
     };
     let kind = at.want("type")?;
     match kind.text()? {
@@ -209,9 +219,27 @@ fn camera(document: &Document<'_>, reference: &At<'_>, node: &str, to_world: DAf
                 Some(field) => return Err(field.fault("aspect ratio out of range").expected("more than 0")),
                 None => None,
             };
-            Ok(Camera { name, node: None, to_world, yfov: Some(yfov), aspect, pupil: None, focus: None })
+            Ok(Camera {
+                name,
+                node: None,
+                to_world,
+                yfov: Some(yfov),
+                aspect,
+                pupil: None,
+                focus: None,
+                frustum: frustum("perspective"),
+            })
         }
-        "orthographic" => Ok(Camera { name, node: None, to_world, yfov: None, aspect: None, pupil: None, focus: None }),
+        "orthographic" => Ok(Camera {
+            name,
+            node: None,
+            to_world,
+            yfov: None,
+            aspect: None,
+            pupil: None,
+            focus: None,
+            frustum: frustum("orthographic"),
+        }),
         other => Err(kind
             .fault("unknown camera type")
             .expected("perspective or orthographic")

@@ -153,6 +153,7 @@ fn what_is_no_optics_keeps_its_picture() {
         aspect: Some(1.5),
         pupil: None,
         focus: None,
+        frustum: Default::default(),
     });
     let skeleton = of(asset, "a.glb", Path::new("x.optics.toml")).expect("it is written");
     assert!(skeleton.fault.is_none() && skeleton.text.contains("\n# [eye] "), "{}", skeleton.text);

@@ -68,6 +68,7 @@ fn a_camera_serves_when_the_eye_says_nothing_of_its_place() {
             aspect: Some(1.5),
             pupil: None,
             focus: Some(250.0),
+            frustum: Default::default(),
         });
         asset
     };

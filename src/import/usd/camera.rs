@@ -3,8 +3,9 @@
 use super::attribute::PrimView;
 use super::notes::Ledger;
 use super::round_trip::{RoundTrip, refined};
+use super::value;
 use crate::base::error::Result;
-use crate::import::assembly::Camera;
+use crate::import::assembly::{Camera, Frustum};
 use glam::DAffine3;
 
 /// Fallbacks of the schema: a 50 mm lens before a 35 mm full aperture, in tenths of a unit.
@@ -13,6 +14,9 @@ const HORIZONTAL: f64 = 20.955;
 const VERTICAL: f64 = 15.2908;
 /// Scene units of a unit of focal length.
 const TENTH: f64 = 0.1;
+
+/// The far end of `clippingRange` where there is none.
+const ENDLESS: f64 = 1e30;
 
 /// # Errors
 /// Apertures or a focal length that are not > 0.
@@ -26,9 +30,16 @@ pub(super) fn read(view: &PrimView, to_world: DAffine3, ledger: &mut Ledger) -> 
     };
     let marks = RoundTrip::of(view)?;
     let name = marks.text("name").unwrap_or(view.name()).to_owned();
+    let mut frustum = clipping(view, &marks)?;
     if view.token("projection")?.as_deref() == Some("orthographic") {
         ledger.warn(view.at(), "an orthographic camera is no eye: not used");
-        return Ok(Camera { name, node: None, to_world, yfov: None, aspect: None, pupil: None, focus: None });
+        let half = |name: &str, mark: &str, fallback: f64| -> Result<f64> {
+            Ok(refined(marks.number(mark), 0.5 * TENTH * positive(name, fallback)?))
+        };
+        let (x, y) =
+            (half("horizontalAperture", "half_width", HORIZONTAL)?, half("verticalAperture", "half_height", VERTICAL)?);
+        frustum.half = Some([x, y]);
+        return Ok(Camera { name, node: None, to_world, yfov: None, aspect: None, pupil: None, focus: None, frustum });
     }
     let (width, height) = (positive("horizontalAperture", HORIZONTAL)?, positive("verticalAperture", VERTICAL)?);
     let focal = positive("focalLength", FOCAL_LENGTH)?;
@@ -49,5 +60,18 @@ pub(super) fn read(view: &PrimView, to_world: DAffine3, ledger: &mut Ledger) -> 
         aspect: Some(refined(marks.number("aspect"), width / height)),
         pupil: pupil.map(|pupil| refined(marks.number("pupil"), pupil)),
         focus: said("focusDistance")?.map(|focus| refined(marks.number("focus"), focus)),
+        frustum,
     })
+}
+
+/// `clippingRange`, in scene units.
+fn clipping(view: &PrimView, marks: &RoundTrip) -> Result<Frustum> {
+    let range = view.read("clippingRange", "two numbers", |found| value::pair(&found))?;
+    let side = |lane: usize, mark: &str| {
+        let own = range.map(|range| range[lane]).filter(|x| x.is_finite() && *x > 0.0);
+        own.map(|x| refined(marks.number(mark), x))
+    };
+    // As good as endless, for our own writer: USD has no such thing.
+    let far = side(1, "far").filter(|far| *far < ENDLESS);
+    Ok(Frustum { near: side(0, "near"), far, half: None })
 }
