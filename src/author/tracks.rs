@@ -1,7 +1,7 @@
 //! Which of the frames of a motion must be written: both formats go from one key to the next evenly, numbers one by one,
 //! quaternions along the shorter way, so that what lies on the way between its neighbours need not be.
 
-use crate::scene::motion::{MeshMotion, Motion, Parts, kept};
+use crate::scene::motion::{MeshMotion, Motion, Parts, Vertices, kept};
 use glam::{DQuat, DVec3};
 
 /// What may be lost by leaving a key out, as a share of the largest number: what single precision rounds.
@@ -58,14 +58,42 @@ pub fn of_numbers(motion: &Motion, all: &[Vec<f64>]) -> Vec<usize> {
     })
 }
 
-/// The frames of a mesh that moves by its vertices.
+/// Normals that turn by less between two shapes than a mixture of them is off are as good as those: 1e-3 is 0.06°.
+const TURNED: f64 = 1e-3;
+
+/// The frames of a mesh that moves by its vertices: positions as near as ever, normals as near as can be seen.
 pub fn of_shapes(motion: &Motion, moved: &MeshMotion) -> Vec<usize> {
-    let own = |at: usize| moved.shapes.get(at).map_or(&[][..], |shape| shape.positions.as_flattened());
-    let all = moved.shapes.iter().flat_map(|shape| shape.positions.as_flattened());
+    let positions = fits(motion, moved, |shape| &shape.positions);
+    let normals = within(motion, moved, |shape| &shape.normals, TURNED);
+    kept(motion.frames.len(), |from, at, to| positions(from, at, to) && normals(from, at, to))
+}
+
+/// The frames of one list of the vertices of a mesh alone.
+pub fn of_vertices(motion: &Motion, moved: &MeshMotion, of: fn(&Vertices) -> &Vec<[f32; 3]>) -> Vec<usize> {
+    kept(motion.frames.len(), fits(motion, moved, of))
+}
+
+fn fits<'a>(
+    motion: &'a Motion,
+    moved: &'a MeshMotion,
+    of: fn(&Vertices) -> &Vec<[f32; 3]>,
+) -> impl Fn(usize, usize, usize) -> bool + 'a {
+    let all = moved.shapes.iter().flat_map(move |shape| of(shape).as_flattened());
     let most = all.fold(0.0_f64, |most, x| most.max(f64::from(x.abs())));
-    kept(motion.frames.len(), |from, at, to| {
+    within(motion, moved, of, NEAR * most)
+}
+
+/// Whether a list of vertices lies on the way between two others but for so much.
+fn within<'a>(
+    motion: &'a Motion,
+    moved: &'a MeshMotion,
+    of: fn(&Vertices) -> &Vec<[f32; 3]>,
+    off: f64,
+) -> impl Fn(usize, usize, usize) -> bool + 'a {
+    move |from, at, to| {
+        let own = |at: usize| moved.shapes.get(at).map_or(&[][..], |shape| of(shape).as_flattened());
         let share = motion.share(from, at, to);
         let ends = own(from).iter().zip(own(to)).map(|(from, to)| (f64::from(*from), f64::from(*to)));
-        ends.zip(own(at)).all(|((from, to), at)| near(from * (1.0 - share) + to * share, f64::from(*at), most))
-    })
+        ends.zip(own(at)).all(|((from, to), at)| (from * (1.0 - share) + to * share - f64::from(*at)).abs() <= off)
+    }
 }

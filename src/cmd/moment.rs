@@ -1,6 +1,6 @@
 //! Which of the things that one asset can be is meant: `--frame`, what it means for formats that count in seconds, `--variant`.
 
-use crate::import::{ReadOptions, VariantChoice};
+use crate::import::{ReadOptions, Rigs, VariantChoice};
 use clap::Args;
 
 // No doc comment: clap would take it for the description of every command that has these arguments.
@@ -29,7 +29,7 @@ impl Moment {
             fps: self.fps,
             animation: self.animation.clone(),
             variants: self.variants.clone(),
-            motion: false,
+            rigs: Rigs::No,
         }
     }
 }

@@ -86,8 +86,19 @@ pub struct ReadOptions {
     pub animation: Option<String>,
     /// Variants of a USD stage, taken in this order, or of the materials of a glTF asset.
     pub variants: Vec<VariantChoice>,
-    /// Also what moves and bends: `Assembly::clock`, the rigs of meshes; a mesh that a node may bend is this node's alone.
-    pub motion: bool,
+    /// Whether what moves and bends is read, too.
+    pub rigs: Rigs,
+}
+
+/// Whether a reader says what moves and bends: `Assembly::clock`, the rigs of meshes. A mesh that a node may bend is this node's
+/// alone then.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rigs {
+    #[default]
+    No,
+    /// Of an asset that was read whole: where joints stand and what weights are is enough, if nothing else can differ.
+    Poses,
+    Whole,
 }
 
 /// What textures may take of memory where nobody says, bytes.

@@ -1,7 +1,7 @@
 //! How an asset moves: it is read at one frame after the other, and what differs is what moves. So a format's reader need not
 //! tell what a joint, a spline or a blend shape does to a part, and what is written is what a picture of that frame shows.
 
-use super::{Assembly, ReadOptions, Value, read};
+use super::{Assembly, ReadOptions, Rigs, Value, read};
 use crate::base::Where;
 use crate::base::error::Result;
 use crate::scene::Note;
@@ -22,13 +22,13 @@ pub fn moving(path: &Path, options: &ReadOptions) -> Result<(Assembly, Option<(P
     if options.frame.is_some() {
         return read(path, options);
     }
-    let options = ReadOptions { motion: true, ..options.clone() };
+    let options = ReadOptions { rigs: Rigs::Whole, ..options.clone() };
     let (mut assembly, sidecar) = read(path, &options)?;
     let clock = assembly.clock.clone().unwrap_or_default();
     let frames = frames(&mut assembly, &clock.keys);
     let mut found = Found::default();
     for (number, frame) in frames.iter().enumerate() {
-        let (now, _) = read(path, &ReadOptions { frame: Some(*frame), ..options.clone() })?;
+        let (now, _) = read(path, &ReadOptions { frame: Some(*frame), rigs: Rigs::Poses, ..options.clone() })?;
         found.compare(&assembly, now, number);
     }
     let motion = Motion { rate: clock.rate, name: clock.name, frames, ..Motion::default() };
@@ -137,7 +137,11 @@ impl Found {
         follow(&mut self.meshes, index, number, same, || vertices(was), || vertices(&is));
         if let Some(own) = &was.rig {
             let pose = match &is.rig {
-                Some(rig) if rig.rest == own.rest && rig.targets == own.targets && rig.skin == own.skin => &rig.pose,
+                Some(rig)
+                    if rig.is_pose() || rig.rest == own.rest && rig.targets == own.targets && rig.skin == own.skin =>
+                {
+                    &rig.pose
+                }
                 Some(_) | None => {
                     self.broken.push(index);
                     &own.pose

@@ -105,6 +105,13 @@ pub struct Joint {
     pub node: Option<usize>,
 }
 
+impl Rig {
+    /// Whether it says no more than where its joints stand and what its weights are.
+    pub fn is_pose(&self) -> bool {
+        self.rest.positions.is_empty()
+    }
+}
+
 impl Skin {
     /// The influences of each vertex, brought to the sum 1; `each` becomes the largest number of them.
     pub fn new(joints: Vec<Joint>, binds: Vec<DAffine3>, all: &[Vec<(u32, f64)>]) -> Skin {

@@ -270,3 +270,120 @@ fn joints_and_targets_bend_as_they_did() {
         survives(&file, &["a.usda", "b.glb", "c.usdc", "d.gltf"], &[0.0, 2.0, 5.0, 6.0, 9.0, 12.0, 17.0, 24.0, 30.0]);
     }
 }
+
+/// A stage whose points, transforms and camera move, by samples that neither lie on whole frames nor start at 0.
+const STAGE: &str = r#"#usda 1.0
+(
+    defaultPrim = "a"
+    metersPerUnit = 0.01
+    upAxis = "Z"
+    startTimeCode = 4
+    endTimeCode = 16
+    timeCodesPerSecond = 24
+)
+def Xform "a"
+{
+    float3 xformOp:rotateXYZ.timeSamples = { 4: (0, 0, 0), 10.5: (90, 20, 200), 16: (0, -40, 10) }
+    uniform token[] xformOpOrder = ["xformOp:rotateXYZ"]
+    def Mesh "wave"
+    {
+        int[] faceVertexCounts = [3, 3]
+        int[] faceVertexIndices = [0, 1, 2, 0, 2, 3]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        point3f[] points.timeSamples = {
+            4: [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)],
+            9: [(0, 0, 1), (1, 0, 0.5), (1, 1, 0), (0, 1, 2)],
+            14: [(0, 0, 1), (1, 0.25, 0.5), (2, 1, 0), (0, 1, -2)],
+        }
+        uniform token subdivisionScheme = "none"
+    }
+    def Xform "sheared"
+    {
+        matrix4d xformOp:transform.timeSamples = {
+            4: ( (1, 0, 0, 0), (0.5, 1, 0, 0), (0, 0, 1, 0), (3, 0, 0, 1) ),
+            12: ( (1, 0, 0, 0), (-0.5, 1, 0.25, 0), (0, 0, 1, 0), (3, 1, 0, 1) ),
+        }
+        uniform token[] xformOpOrder = ["xformOp:transform"]
+        def Sphere "ball"
+        {
+            double radius = 0.5
+        }
+    }
+    def Camera "eye"
+    {
+        float2 clippingRange = (0.5, 400)
+        double3 xformOp:translate.timeSamples = { 4: (0, 0, 10), 16: (4, 0, 10) }
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+        token projection = "orthographic"
+        float horizontalAperture = 30
+        float verticalAperture = 10
+    }
+}
+"#;
+
+#[test]
+fn what_a_stage_moves_is_where_it_was() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("stage.usda");
+    std::fs::write(&file, STAGE).expect("it is written");
+    survives(&file, &["a.usdc", "b.usdz"], &[4.0, 7.0, 9.0, 11.0, 16.0]);
+    let glb = folder.path().join("c.glb");
+    let (code, said, _) = eyebox(&[Path::new("convert"), &file, &glb]);
+    assert_eq!(code, Some(0));
+    let warnings: Vec<&str> = said.lines().filter(|line| line.starts_with("warning")).collect();
+    assert!(warnings.iter().any(|line| line.contains("mesh `wave` moves by its vertices")), "{warnings:?}");
+    for frame in [4.0, 7.0, 9.0, 11.0, 16.0] {
+        for ((path, points, _), (_, other, _)) in vertices(&file, Some(frame)).iter().zip(&vertices(&glb, Some(frame)))
+        {
+            let far = largest(points, other);
+            // Vertices in centimetres, of single precision. What is sheared stands still.
+            assert!(far < 1e-7 || path.ends_with("ball"), "frame {frame}, {path}: {far}");
+        }
+    }
+    let written = glb_json(&glb);
+    let camera = &written["cameras"][0]["orthographic"];
+    for (key, metres) in [("znear", 0.005), ("zfar", 4.0), ("xmag", 0.015), ("ymag", 0.005)] {
+        let found = camera[key].as_f64().expect("a number");
+        assert!((found - metres).abs() < 1e-9, "{key}: {found}");
+    }
+    let moved = written["animations"][0]["channels"].as_array().expect("channels");
+    let eye = written["nodes"].as_array().expect("nodes").iter().position(|node| node.get("camera").is_some());
+    assert!(moved.iter().any(|channel| channel["target"]["node"].as_u64() == eye.map(|eye| eye as u64)));
+}
+
+fn glb_json(file: &Path) -> Json {
+    let bytes = std::fs::read(file).expect("it is there");
+    let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
+    serde_json::from_slice(&bytes[20..20 + length]).expect("JSON")
+}
+
+/// A sheared node that moves stands still in glTF, which one line tells; frames before 0 start at 0.
+#[test]
+fn what_gltf_cannot_say_is_a_line_each() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("stage.usda");
+    std::fs::write(&file, STAGE.replace(" 4: (", " -8: (")).expect("it is written");
+    let (code, said, _) = eyebox(&[Path::new("convert"), &file, &folder.path().join("a.gltf")]);
+    assert_eq!(code, Some(0));
+    let about = |text: &str| said.lines().filter(|line| line.starts_with("warning") && line.contains(text)).count();
+    assert_eq!(
+        (about("moves with a shear"), about("frames before 0"), about("moves by its vertices")),
+        (1, 1, 1),
+        "{said}"
+    );
+}
+
+/// With a frame nothing moves: what is written is that moment.
+#[test]
+fn a_frame_is_a_moment() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = bent(folder.path(), 5);
+    let still = folder.path().join("still.gltf");
+    let (code, ..) = eyebox(&[Path::new("convert"), &file, &still, Path::new("--frame"), Path::new("7")]);
+    assert_eq!(code, Some(0));
+    let json: Json = serde_json::from_slice(&std::fs::read(&still).expect("it is there")).expect("JSON");
+    assert!(json.get("animations").is_none() && json.get("skins").is_none());
+    for ((path, points, _), (_, other, _)) in vertices(&file, Some(7.0)).iter().zip(&vertices(&still, None)) {
+        assert_eq!(largest(points, other), 0.0, "{path}");
+    }
+}

@@ -6,11 +6,16 @@ use super::stage::{Writing, named};
 use super::{material, optics, samples, skel};
 use crate::base::error::Result;
 use crate::scene::assembly::MeshSource;
+use crate::scene::motion::Vertices;
 use std::collections::BTreeSet;
 
 /// The family of subsets that are CAD faces; where they have materials of their own, USD wants its own word.
 const FACES: &str = "cadFace";
 const BOUND: &str = "materialBind";
+
+fn positions_of(shape: &Vertices) -> &Vec<[f32; 3]> {
+    &shape.positions
+}
 
 /// A mesh, and the node that has it; none for a prototype of several.
 #[derive(Debug, Clone, Copy)]
@@ -59,15 +64,15 @@ pub(super) fn write(
         return Err(fault("triangles with vertices that are not there"));
     }
     if let Some(all) = extent(positions) {
-        let samples = samples::shapes(moved, |shape| {
-            Datum::Float3s(extent(&shape.positions).map_or_else(Vec::new, |extent| extent.to_vec()))
+        let samples = samples::vertices(moved, positions_of, |all| {
+            Datum::Float3s(extent(all).map_or_else(Vec::new, |extent| extent.to_vec()))
         });
         prim.push(Property::new("extent", Datum::Float3s(all.to_vec())).sampled(samples));
     }
     prim.push(Property::new("faceVertexCounts", Datum::Ints(vec![3; mesh.triangles.len()])));
     prim.push(Property::new("faceVertexIndices", Datum::Ints(indices)));
-    let points = samples::shapes(moved, |shape| Datum::Float3s(shape.positions.clone()));
-    let turned = samples::shapes(moved, |shape| Datum::Float3s(shape.normals.clone()));
+    let points = samples::vertices(moved, positions_of, |all| Datum::Float3s(all.to_vec()));
+    let turned = samples::vertices(moved, |shape| &shape.normals, |all| Datum::Float3s(all.to_vec()));
     prim.push(Property::new("points", Datum::Float3s(positions.clone())).typed("point3f[]").sampled(points));
     prim.push(
         Property::new("normals", Datum::Float3s(normals.clone())).typed("normal3f[]").per("vertex").sampled(turned),

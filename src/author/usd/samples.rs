@@ -46,10 +46,13 @@ pub(super) fn transform(motion: &Motion, still: DAffine3, locals: &[DAffine3]) -
     ]
 }
 
-/// The shapes of a mesh that moves by its vertices.
-pub(super) fn shapes(moved: Option<(&Motion, &MeshMotion)>, value: impl Fn(&Vertices) -> Datum) -> Vec<(f64, Datum)> {
+/// A list of the vertices of a mesh that moves by them, as `value` says it.
+pub(super) fn vertices(
+    moved: Option<(&Motion, &MeshMotion)>,
+    of: fn(&Vertices) -> &Vec<[f32; 3]>,
+    value: impl Fn(&[[f32; 3]]) -> Datum,
+) -> Vec<(f64, Datum)> {
     let Some((motion, moved)) = moved else { return Vec::new() };
-    let empty = Vertices::default();
-    let kept = tracks::of_shapes(motion, moved);
-    sampled(motion, &kept, |at| value(moved.shapes.get(at).unwrap_or(&empty)))
+    let kept = tracks::of_vertices(motion, moved, of);
+    sampled(motion, &kept, |at| value(moved.shapes.get(at).map_or(&[][..], |shape| of(shape))))
 }

@@ -10,7 +10,7 @@ use super::sampler::{self, Checked, Kind};
 use super::transform::unit_rotation;
 use crate::base::error::Result;
 use crate::base::{Error, Where};
-use crate::import::ReadOptions;
+use crate::import::{ReadOptions, Rigs};
 use crate::scene::motion::Clock;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
@@ -30,7 +30,7 @@ pub(super) fn moved(
 ) -> Result<HashMap<usize, Moved>> {
     let animations = document.root.list("animations")?;
     let Some(frame) = options.frame else {
-        if options.motion {
+        if options.rigs != Rigs::No {
             return Ok(HashMap::new());
         }
         needs_frame(options)?;

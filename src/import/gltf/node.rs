@@ -9,8 +9,8 @@ use super::shapes::Shapes;
 use super::{animation, features, light, transform, world};
 use crate::base::Code;
 use crate::base::error::Result;
-use crate::import::ReadOptions;
 use crate::import::assembly::{Assembly, Camera, Frustum, Node};
+use crate::import::{ReadOptions, Rigs};
 use glam::{DAffine3, DQuat};
 use std::mem::size_of;
 
@@ -31,11 +31,11 @@ pub(super) fn read(
 ) -> Result<()> {
     let tree = hierarchy::read(document)?;
     let moved = animation::moved(document, &tree.nodes, options, ledger)?;
-    if options.motion {
+    if options.rigs != Rigs::No {
         assembly.clock = animation::clock(document, &tree.nodes, options, ledger)?;
     }
     let pose = Pose::new(&tree, moved);
-    let shapes = Shapes::read(document, &pose, options.motion, ledger)?;
+    let shapes = Shapes::read(document, &pose, options.rigs, ledger)?;
     let mut source = Source { document, pose, shapes };
     // Where each node of the file went.
     let mut placed = vec![None; tree.nodes.len()];

@@ -10,6 +10,7 @@ use super::pose::Pose;
 use super::primitive::{self, FaceMesh, FaceName, open};
 use super::skin::{self, Bones};
 use crate::base::error::Result;
+use crate::import::Rigs;
 use crate::scene::motion::{self, Joint, Rig, Skin, Vertices};
 use glam::DVec3;
 
@@ -22,9 +23,12 @@ pub(super) fn read(
     document: &Document<'_>,
     at: &At<'_>,
     deform: &Deform,
-    pose: &Pose<'_>,
+    (pose, rigs): (&Pose<'_>, Rigs),
     ledger: &mut Ledger,
 ) -> Result<Option<Rig>> {
+    if rigs == Rigs::Poses {
+        return Ok(Some(Rig { pose: posed(deform, morph::count(at)), ..Rig::default() }));
+    }
     // What is wrong with the mesh was said when it was read.
     let said = std::mem::take(&mut ledger.notes);
     let out = unsaid(document, at, deform, pose, ledger);
@@ -79,12 +83,19 @@ fn unsaid(
         rig.rest.positions.extend(face.positions);
         rig.rest.normals.extend(face.normals);
     }
-    rig.pose.weights = if deform.weights.is_empty() { vec![0.0; count] } else { deform.weights.clone() };
     if let Some(bones) = &deform.bones {
         rig.skin = Some(Skin::new(joints(bones, pose)?, bones.binds.clone(), &weighed));
-        rig.pose.joints.clone_from(&bones.places);
     }
+    rig.pose = posed(deform, count);
     Ok(Some(rig))
+}
+
+/// The weights of so many targets and the joints at the moment.
+fn posed(deform: &Deform, count: usize) -> motion::Pose {
+    motion::Pose {
+        weights: if deform.weights.is_empty() { vec![0.0; count] } else { deform.weights.clone() },
+        joints: deform.bones.as_ref().map(|bones| bones.places.clone()).unwrap_or_default(),
+    }
 }
 
 /// The names of the targets: `extras.targetNames`, which is where everybody looks.

@@ -9,6 +9,7 @@ use super::pose::Pose;
 use super::skin::Bones;
 use super::{mesh, morph, rig};
 use crate::base::error::Result;
+use crate::import::Rigs;
 use crate::import::assembly::MeshSource;
 use glam::DAffine3;
 use std::collections::HashMap;
@@ -29,7 +30,7 @@ pub(super) struct Shapes<'a> {
     more: Vec<MeshSource>,
     known: HashMap<Key, usize>,
     /// Whether rigs are read, and a mesh that a node may bend is this node's alone.
-    rigs: bool,
+    rigs: Rigs,
 }
 
 impl<'a> Shapes<'a> {
@@ -37,7 +38,7 @@ impl<'a> Shapes<'a> {
     ///
     /// # Errors
     /// As [`mesh::read`].
-    pub fn read(document: &Document<'a>, pose: &Pose<'_>, rigs: bool, ledger: &mut Ledger) -> Result<Self> {
+    pub fn read(document: &Document<'a>, pose: &Pose<'_>, rigs: Rigs, ledger: &mut Ledger) -> Result<Self> {
         let list = document.root.list("meshes")?;
         let mut bent = vec![false; list.len()];
         for node in 0..pose.count() {
@@ -82,7 +83,7 @@ impl<'a> Shapes<'a> {
             Vec::new()
         };
         let bits = weights.iter().map(|weight| weight.to_bits()).collect();
-        let has_rig = self.rigs && (skin.is_some() || morph::count(at) > 0);
+        let has_rig = self.rigs != Rigs::No && (skin.is_some() || morph::count(at) > 0);
         let key = Key { mesh: index, weights: bits, skinned: (skin.is_some() || has_rig).then_some(node) };
         if let Some(&known) = self.known.get(&key) {
             return Ok(known);
@@ -100,7 +101,7 @@ impl<'a> Shapes<'a> {
         let deform = Deform { weights, bones, is_traced: false };
         let mut source = mesh::read(document, at, index, &deform, ledger)?;
         if has_rig {
-            source.rig = rig::read(document, at, &deform, pose, ledger)?.map(Box::new);
+            source.rig = rig::read(document, at, &deform, (pose, self.rigs), ledger)?.map(Box::new);
         }
         let place = if is_free { index } else { self.own.len() + self.more.len() };
         match self.own.get_mut(index).filter(|_| is_free) {

@@ -9,8 +9,8 @@ use super::reads::Folding;
 use super::resolver::Opened;
 use super::{material, render, stage};
 use crate::base::error::Result;
-use crate::import::ReadOptions;
 use crate::import::assembly::Assembly;
+use crate::import::{ReadOptions, Rigs};
 use openusd::sdf;
 use openusd::usd::{Prim, Stage};
 use std::cell::RefCell;
@@ -44,7 +44,7 @@ impl Reader {
             moment: Rc::new(Moment {
                 file: file.to_owned(),
                 frame: options.frame,
-                keys: options.motion.then(RefCell::default),
+                keys: (options.rigs == Rigs::Whole).then(RefCell::default),
             }),
             opened,
             ledger: Ledger::new(),
@@ -55,7 +55,7 @@ impl Reader {
             folding: Folding::default(),
             skeletons: KnownSkeletons::default(),
             render: render::Known::default(),
-            rigs: options.motion,
+            rigs: options.rigs != Rigs::No,
         })
     }
 
