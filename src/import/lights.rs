@@ -3,7 +3,6 @@
 
 use super::build::{Builder, intern};
 use super::image::Picture;
-use super::light_shapes::{cylinder, disk, rect, sphere};
 use super::optics::{self, group_name};
 use super::scene_images::finite;
 use super::value::Value;
@@ -12,6 +11,7 @@ use crate::base::error::Result;
 use crate::base::ids::{GroupId, MeshId};
 use crate::base::{Error, Where};
 use crate::scene::assembly::{LightForm, LightProfile, LightSource, ProfileSource};
+use crate::scene::light_shapes::{cylinder, disk, rect, sphere};
 use crate::scene::{
     Angular, Beacon, BeaconForm, Emitter, Face, Finish, Group, LuminousProfile, Mesh, Note, Part, Photometry, Shape,
     Sky, Spectrum, SpotCone,

@@ -20,7 +20,6 @@ pub mod gltf; // .gltf and .glb
 mod image; // PNG, EXR, HDR → luminance
 pub mod json; // attributes that travel inside JSON
 mod lamps; // emitters of faces, the sun
-mod light_shapes; // meshes of the formats' round and flat lights
 mod lights; // lights that are no geometry in the format
 mod material_mapping; // what a format's own material fields mean
 mod measure; // normals and bounds of CAD faces

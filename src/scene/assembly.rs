@@ -132,9 +132,12 @@ pub struct MeshSource {
 }
 
 impl MeshSource {
-    /// Whether the asset says anything of its faces in our vocabulary.
+    /// Whether the asset says anything of its faces in our vocabulary. An exact surface alone says nothing of light: USD's
+    /// spheres have it, wherever they are written.
     fn carries_optics(&self) -> bool {
-        self.attributes.iter().flatten().any(|attributes| !self.is_own_shape(attributes))
+        let says_more =
+            |attributes: &Value| attributes.table().is_none_or(|rows| rows.iter().any(|(key, _)| key != "shape"));
+        self.attributes.iter().flatten().any(|attributes| !self.is_own_shape(attributes) && says_more(attributes))
     }
     /// Whether attributes of a face are the exact surface of a shape that the format itself has: a sphere of USD.
     pub fn is_own_shape(&self, attributes: &Value) -> bool {

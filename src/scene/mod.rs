@@ -14,6 +14,7 @@ pub mod finish;
 pub mod glass;
 pub mod grating;
 pub mod lamp;
+pub mod light_shapes; // meshes of the formats' round and flat lights
 pub mod mesh;
 pub mod motion; // how an assembly moves
 pub mod note;

@@ -189,18 +189,24 @@ fn turn(affine: &DAffine3) -> Option<DQuat> {
     Some(DQuat::from_mat3(&axes).normalize())
 }
 
+/// Values between two that are written: to look at all of more than that takes long, and would save little.
+const LONGEST: usize = 240;
+
 /// The indices of the values that must be written so that all others lie on the way between their neighbours: `fits(from, at, to)`
 /// says whether the value `at` does. The first and the last one are always among them, but for values that are all the same.
 pub fn kept(count: usize, fits: impl Fn(usize, usize, usize) -> bool) -> Vec<usize> {
     if count == 0 {
         return Vec::new();
     }
+    if count > 2 && (1..count - 1).all(|at| fits(0, at, count - 1)) {
+        return vec![0, count - 1];
+    }
     let mut out = vec![0];
     let mut from = 0;
     while from + 1 < count {
         let mut to = from + 1;
         // Only as far as all of those in between fit.
-        while to + 1 < count && (from + 1..=to).all(|at| fits(from, at, to + 1)) {
+        while to + 1 < count && to - from < LONGEST && (from + 1..=to).all(|at| fits(from, at, to + 1)) {
             to += 1;
         }
         out.push(to);

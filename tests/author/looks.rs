@@ -193,3 +193,32 @@ fn pictures_are_copied_and_nothing_else_is_there() {
     write(&again, &folder.path().join("out/x.gltf"));
     assert!(before == bytes("out/x.gltf"));
 }
+
+/// glTF's `doubleSided` makes a face glow on both sides; it needs no row of ours, which would be an emitter without a strength.
+#[test]
+fn what_glows_on_both_sides_still_does() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = rich(folder.path());
+    let mut json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(&file).expect("it is there")).expect("JSON");
+    let materials = json["materials"].as_array_mut().expect("a list");
+    for material in materials.iter_mut() {
+        material["doubleSided"] = json!(true);
+        material["emissiveFactor"] = json!([0.5, 0.25, 1.0]);
+    }
+    std::fs::write(&file, json.to_string()).expect("it is written");
+    let glowing = |file: &Path| -> Vec<bool> {
+        let scene = super::kit::scene(file);
+        let faces = scene.parts.iter().flat_map(|part| &part.faces);
+        faces.map(|face| face.emitter.as_ref().is_some_and(|emitter| emitter.both_sides)).collect()
+    };
+    let wanted = glowing(&file);
+    assert!(wanted.contains(&true));
+    let mut assembly = read(&file);
+    for name in ["a/x.usda", "b/x.glb", "c/x.usdz", "d/x.gltf"] {
+        let to = folder.path().join(name);
+        write(&assembly, &to);
+        assert_eq!(glowing(&to), wanted, "{name}");
+        assembly = read(&to);
+    }
+}

@@ -25,6 +25,8 @@ pub struct Document {
     pub nodes: Vec<Json>,
     pub cameras: Vec<Json>,
     pub lights: Vec<Json>,
+    /// Meshes and materials of lights, after those of the assembly.
+    pub lamps: Vec<(Json, Json)>,
     pub skins: Vec<Json>,
     pub animations: Vec<Json>,
     /// The accessor of a single point, which stands for an empty face.
@@ -82,8 +84,14 @@ pub fn write(assembly: &Assembly, out: &Path) -> Result<Written> {
         document.note(&Where::file(&assembly.file), text.into());
     }
 
-    let Document { binary, textures, nodes, cameras, lights, skins, animations, mut used, required, notes, .. } =
-        document;
+    let Document {
+        binary, textures, nodes, cameras, lights, lamps, skins, animations, mut used, required, notes, ..
+    } = document;
+    let (mut meshes, mut materials) = (meshes, materials);
+    for (mesh, material) in lamps {
+        meshes.push(mesh);
+        materials.push(material);
+    }
     let (mut bytes, mut views, accessors) = binary.finish();
     let packed = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
     let folder = format!("{}_textures", out.file_stem().unwrap_or_default().to_string_lossy());

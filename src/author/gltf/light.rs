@@ -11,6 +11,10 @@ use std::path::Path;
 
 pub const PUNCTUAL: &str = "KHR_lights_punctual";
 
+/// Entries of a camera's `extras`.
+const PUPIL: &str = "eyebox_pupil_m";
+const FOCUS: &str = "eyebox_focus_m";
+
 /// The light of `KHR_lights_punctual` that `light` is; none, with a note, for a form that glTF has not.
 pub fn light(document: &mut Document, light: &LightSource) -> Option<Json> {
     let name = &light.name;
@@ -23,11 +27,12 @@ pub fn light(document: &mut Document, light: &LightSource) -> Option<Json> {
             }
             ("directional", illuminance_lx, None)
         }
-        LightForm::Dome { .. } => return None,
-        LightForm::Rect { .. } | LightForm::Disk { .. } | LightForm::Sphere { .. } | LightForm::Cylinder { .. } => {
-            document.note(&light.at, format!("light `{name}` has a form that glTF has not: not written"));
-            return None;
-        }
+        // See `lamp`.
+        LightForm::Dome { .. }
+        | LightForm::Rect { .. }
+        | LightForm::Disk { .. }
+        | LightForm::Sphere { .. }
+        | LightForm::Cylinder { .. } => return None,
     };
     if light.profile.is_some() {
         document.note(&light.at, format!("light `{name}`: its intensity distribution is not written"));
@@ -46,7 +51,7 @@ pub fn light(document: &mut Document, light: &LightSource) -> Option<Json> {
     Some(json)
 }
 
-/// The sky that a dome light with a picture is, if nothing else says a sky.
+/// The sky that a dome light is, if nothing else says a sky.
 pub fn sky(document: &mut Document, assembly: &Assembly, out: &Path) -> Option<Value> {
     if assembly.optics.as_ref().is_some_and(|optics| optics.get("sky").is_some()) {
         return None;
@@ -64,9 +69,14 @@ pub fn sky(document: &mut Document, assembly: &Assembly, out: &Path) -> Option<V
     if domes.next().is_some() {
         document.note(&light.at, "of several dome lights only the first becomes the sky".into());
     }
+    let row = |key: &str, data: Data| (key.to_owned(), Value::new(data, light.at.clone()));
+    let [r, g, b] = light.color;
+    if r != g || g != b {
+        document.note(&light.at, format!("the colour of the dome light `{}` is not written", light.name));
+    }
     let Some(image) = image else {
-        document.note(&light.at, format!("dome light `{}` has no picture: not written", light.name));
-        return None;
+        let rows = vec![row("luminance_cd_m2", Data::Number(scale))];
+        return Some(Value::new(Data::Table(rows), light.at.clone()));
     };
     let name = if image.is_absolute() {
         image.to_string_lossy().into_owned()
@@ -75,7 +85,6 @@ pub fn sky(document: &mut Document, assembly: &Assembly, out: &Path) -> Option<V
         slashed(&relative(&folder_of(out), &folder_of(image)).join(file))
     };
     let frame = assembly.nodes.get(light.node)?.path.clone();
-    let row = |key: &str, data: Data| (key.to_owned(), Value::new(data, light.at.clone()));
     let rows =
         vec![row("image", Data::Text(name)), row("scale_cd_m2", Data::Number(scale)), row("frame", Data::Text(frame))];
     Some(Value::new(Data::Table(rows), light.at.clone()))
@@ -96,7 +105,14 @@ pub fn camera(camera: &Camera, unit_m: f64) -> Result<Json> {
             if let Some(far) = far {
                 lens["zfar"] = json!(far * unit_m);
             }
-            json!({ "name": name, "type": "perspective", "perspective": lens })
+            let mut out = json!({ "name": name, "type": "perspective", "perspective": lens });
+            // glTF's cameras are pinholes: what makes ours a lens, our reader takes from here, m.
+            for (key, length) in [(PUPIL, camera.pupil), (FOCUS, camera.focus)] {
+                if let Some(length) = length {
+                    out["extras"][key] = json!(length * unit_m);
+                }
+            }
+            out
         }
         None => {
             let [x, y] = half.map_or([1.0; 2], |half| half.map(|x| x * unit_m));

@@ -45,6 +45,8 @@ pub fn material(document: &mut Document, assembly: &Assembly, index: usize) -> R
                 put(document, "KHR_materials_emissive_strength", "emissiveStrength", strength);
             }
             ("emitter.spectrum", _) if glow(material).is_some() => {}
+            // What glows beside `doubleSided` does so on both sides; a row of ours would be an emitter without a strength.
+            ("emitter.sides", _) if is_double_sided(material) => {}
             ("coating", _) if film(item).is_some() => {
                 if let Some((n, thickness)) = film(item) {
                     let extension = "KHR_materials_iridescence";
@@ -84,8 +86,7 @@ pub fn material(document: &mut Document, assembly: &Assembly, index: usize) -> R
         }
         None => looks(material, &mut out),
     }
-    let sides = |(key, value): &(String, Value)| key == "double_sided" && matches!(value.data, Data::Bool(true));
-    if material.looks.iter().any(sides) {
+    if is_double_sided(material) {
         out.insert("doubleSided".into(), Json::from(true));
     }
     if own.is_some() || !all.is_empty() {
@@ -97,6 +98,11 @@ pub fn material(document: &mut Document, assembly: &Assembly, index: usize) -> R
         out.insert("extensions".into(), Json::Object(extensions));
     }
     Ok(Json::Object(out))
+}
+
+fn is_double_sided(material: &Material) -> bool {
+    let says = |(key, value): &(String, Value)| key == "double_sided" && matches!(value.data, Data::Bool(true));
+    material.looks.iter().any(says)
 }
 
 /// The colour of a material that glows, its largest lane 1, and its luminance; none if it isn't a colour with a luminance.

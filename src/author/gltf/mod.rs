@@ -5,6 +5,7 @@ mod annotate;
 mod binary;
 mod document;
 mod geometry;
+mod lamp;
 mod light;
 mod material;
 mod node;

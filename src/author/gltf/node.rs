@@ -3,6 +3,7 @@
 use super::animation::Animation;
 use super::document::Document;
 use super::geometry;
+use super::lamp;
 use super::light::{self, PUNCTUAL};
 use super::skin::Skins;
 use super::value::{self, OPTICS};
@@ -94,6 +95,9 @@ pub fn nodes(document: &mut Document, assembly: &Assembly) -> Result<Vec<usize>>
         if still.is_some_and(|still| weights.iter().any(|own| own != still)) {
             animation.weights(document, motion, index, &weights);
         }
+    }
+    for light in &assembly.lights {
+        lamp::write(document, assembly, light)?;
     }
     document.animations.extend(animation.finish(motion));
     roots.extend(skins.roots);

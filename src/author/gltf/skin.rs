@@ -68,6 +68,7 @@ impl Skins {
         }
         let first = document.nodes.len();
         let nodes: Vec<usize> = (first..first + joints.len()).collect();
+        let mut tops = Vec::new();
         for (number, joint) in joints.iter().enumerate() {
             let local = |all: &Vec<DAffine3>| {
                 let own = all.get(number).copied().unwrap_or_default();
@@ -82,7 +83,7 @@ impl Skins {
                 out.insert("children".into(), json!(children));
             }
             if joint.parent.is_none() {
-                self.roots.push(first + number);
+                tops.push(first + number);
             }
             let Some((still, frames)) = locals.split_first() else { continue };
             let moves = frames.iter().any(|local| local != still);
@@ -93,6 +94,13 @@ impl Skins {
                 None => out.extend(matrix(still)),
             }
             document.nodes.push(Json::Object(out));
+        }
+        // The joints of a skin must have a node in common that is above all of them (2.0, section 3.7.3.2).
+        if tops.len() > 1 {
+            self.roots.push(document.nodes.len());
+            document.nodes.push(json!({ "name": "joints", "children": tops }));
+        } else {
+            self.roots.extend(tops);
         }
         self.made.push(Made { joints: joints.to_vec(), worlds, nodes: nodes.clone() });
         nodes

@@ -225,8 +225,8 @@ fn camera(document: &Document<'_>, reference: &At<'_>, node: &str, to_world: DAf
                 to_world,
                 yfov: Some(yfov),
                 aspect,
-                pupil: None,
-                focus: None,
+                pupil: length("extras", "eyebox_pupil_m"),
+                focus: length("extras", "eyebox_focus_m"),
                 frustum: frustum("perspective"),
             })
         }

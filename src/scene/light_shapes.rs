@@ -1,6 +1,6 @@
 //! Meshes of the light shapes of USD that have no mesh of their own.
 
-use crate::scene::{FaceRange, Mesh};
+use super::{FaceRange, Mesh};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -24,7 +24,8 @@ fn mesh(points: impl IntoIterator<Item = (DVec3, DVec3)>, triangles: Vec<[u32; 3
     mesh
 }
 
-pub(super) fn rect(width: f64, height: f64) -> Mesh {
+/// A rectangle in the plane z = 0 that faces −z, as UsdLux lights do.
+pub fn rect(width: f64, height: f64) -> Mesh {
     let (x, y) = (width / 2.0, height / 2.0);
     let corners = [(-x, -y), (-x, y), (x, y), (x, -y)];
     mesh(corners.map(|(x, y)| (DVec3::new(x, y, 0.0), DVec3::NEG_Z)), vec![[0, 1, 2], [0, 2, 3]])
@@ -36,14 +37,15 @@ fn spoke(k: u32) -> DVec3 {
     DVec3::new(cos, sin, 0.0)
 }
 
-pub(super) fn disk(radius: f64) -> Mesh {
+/// A disc that faces −z, of the area of the circle.
+pub fn disk(radius: f64) -> Mesh {
     let rim = (0..AROUND).map(|k| (spoke(k) * radius * swell(), DVec3::NEG_Z));
     let triangles = (0..AROUND).map(|k| [0, 1 + (k + 1) % AROUND, 1 + k]).collect();
     mesh(std::iter::once((DVec3::ZERO, DVec3::NEG_Z)).chain(rim), triangles)
 }
 
 /// Along x, without caps.
-pub(super) fn cylinder(radius: f64, length: f64) -> Mesh {
+pub fn cylinder(radius: f64, length: f64) -> Mesh {
     let step = TAU / f64::from(AROUND);
     // The perimeter of the polygon is that of the circle.
     let radius = radius * (step / 2.0) / (step / 2.0).sin();
@@ -60,7 +62,8 @@ pub(super) fn cylinder(radius: f64, length: f64) -> Mesh {
     mesh(ring(-length / 2.0).chain(ring(length / 2.0)), quads.collect())
 }
 
-pub(super) fn sphere(radius: f64) -> Mesh {
+/// A sphere, of the area of the true one.
+pub fn sphere(radius: f64) -> Mesh {
     const RINGS: u32 = AROUND / 2;
     let at = |ring: u32, k: u32| {
         let (sin, cos) = (PI * f64::from(ring) / f64::from(RINGS)).sin_cos();
