@@ -5,7 +5,7 @@ use super::surface::{Fields, Looks};
 use super::value::{self, OPTICS};
 use crate::base::colour::luminance;
 use crate::base::error::Result;
-use crate::scene::assembly::{Assembly, Material};
+use crate::scene::assembly::{Assembly, Material, MeshSource};
 use crate::scene::value::{Data, Value};
 use serde_json::{Map, Value as Json, json};
 
@@ -84,7 +84,17 @@ pub fn material(document: &mut Document, assembly: &Assembly, index: usize) -> R
         Some(surface) => {
             Looks { document, assembly, material, index }.write(surface, &mut out, &mut extensions);
         }
-        None => looks(material, &mut out),
+        None if material.looks.iter().any(|(key, _)| LOOKS.contains(&key.as_str())) => looks(material, &mut out),
+        None => {
+            // Where nothing is said, glTF has polished metal; here it is matt, grey or as the colours of vertices are.
+            let of_it = |mesh: &MeshSource| mesh.materials.contains(&Some(index)) && !mesh.mesh.colors.is_empty();
+            let base = if assembly.meshes.iter().any(of_it) { 1.0 } else { 0.8 };
+            out.insert(
+                "pbrMetallicRoughness".into(),
+                json!({ "baseColorFactor": [base, base, base, 1], "metallicFactor": 0, "roughnessFactor": 1 }),
+            );
+            put(document, "KHR_materials_specular", "specularFactor", json!(0));
+        }
     }
     if is_double_sided(material) {
         out.insert("doubleSided".into(), Json::from(true));
@@ -124,6 +134,9 @@ fn film(coating: &Value) -> Option<(f64, f64)> {
     let (n, thickness) = (film.get("n")?.number()?, film.get("thickness_nm")?.number()?);
     (only && n >= 1.0 && n.is_finite() && thickness >= 0.0 && thickness.is_finite()).then_some((n, thickness))
 }
+
+/// What a format can say of looks that has no surface of ours.
+const LOOKS: [&str; 4] = ["base_color", "opacity", "metallic", "roughness"];
 
 /// `pbrMetallicRoughness` of what a format says of looks that has no surface of ours.
 fn looks(material: &Material, out: &mut Fields) {
