@@ -220,3 +220,57 @@ fn what_gltf_lacks_is_said_once_each() {
     let there: Vec<_> = std::fs::read_dir(folder.path().join("out/a_textures")).expect("a folder").collect();
     assert_eq!(there.len(), 1, "{there:?}");
 }
+
+/// glTF has no lights with an extent: they are meshes there that glow as much, where they were.
+#[test]
+fn lights_with_an_extent_glow_in_gltf() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let light = |kind: &str, lines: &str| {
+        format!("    def {kind} \"{kind}\"\n    {{\n        float inputs:intensity = 500\n        {lines}\n    }}\n")
+    };
+    let text = [
+        "#usda 1.0\n(\n    defaultPrim = \"a\"\n    metersPerUnit = 0.01\n    upAxis = \"Z\"\n)\ndef Xform \"a\"\n{\n"
+            .to_owned(),
+        "    double3 xformOp:translate = (1, 2, 3)\n    uniform token[] xformOpOrder = [\"xformOp:translate\"]\n"
+            .to_owned(),
+        "    def Cube \"box\"\n    {\n        double size = 1\n    }\n".to_owned(),
+        light("RectLight", "float inputs:width = 4"),
+        light("DiskLight", "float inputs:radius = 2"),
+        light("SphereLight", "color3f inputs:color = (1, 0.5, 0.25)"),
+        light("CylinderLight", "float inputs:length = 3"),
+        "}\n".to_owned(),
+    ];
+    let file = folder.path().join("lights.usda");
+    std::fs::write(&file, text.concat()).expect("it is written");
+    let to = folder.path().join("lights.glb");
+    let written = write(&read(&file), &to);
+    assert!(written.notes.is_empty(), "{:?}", written.notes);
+    let glowing = |file: &Path| {
+        let scene = super::kit::scene(file);
+        let mut out: Vec<(String, String, bool, Vec<[f32; 3]>)> = Vec::new();
+        for part in &scene.parts {
+            let Some(emitter) = part.faces.iter().find_map(|face| face.emitter.as_ref()) else { continue };
+            let points = &scene.meshes[part.mesh.index()].positions;
+            let world =
+                points.iter().map(|p| part.to_world.transform_point3(glam::Vec3::from(*p).as_dvec3()).as_vec3());
+            let world = world.map(|p| p.to_array()).collect();
+            let spectrum = format!("{:?} {:?}", emitter.photometry, emitter.spectrum.is_some());
+            out.push((part.name.clone(), spectrum, emitter.both_sides, world));
+        }
+        out.sort_by(|a, b| a.0.cmp(&b.0));
+        out
+    };
+    let (was, is) = (glowing(&file), glowing(&to));
+    assert_eq!(was.len(), 4);
+    assert_eq!(was.len(), is.len());
+    for (was, is) in was.iter().zip(&is) {
+        assert_eq!((&was.0, was.2), (&is.0, is.2));
+        let number = |text: &str| -> f64 {
+            let digits = text.split(['(', ')']).nth(1).expect("a number");
+            digits.parse().expect("a number")
+        };
+        assert!((number(&was.1) / number(&is.1) - 1.0).abs() < 1e-6, "{} {}", was.1, is.1);
+        let far = was.3.as_flattened().iter().zip(is.3.as_flattened()).map(|(a, b)| (a - b).abs());
+        assert!(was.3.len() == is.3.len() && far.fold(0.0, f32::max) < 1e-7, "{}", was.0);
+    }
+}

@@ -34,7 +34,7 @@ pub fn write(document: &mut Document, assembly: &Assembly, light: &LightSource) 
     let mesh = json!({
         "name": light.name, "primitives": [{ "attributes": attributes, "indices": indices, "material": material }],
     });
-    let material = glow(document, light, luminance)?;
+    let material = glow(document, assembly, light, luminance)?;
     document.lamps.push((mesh, material));
     let mesh = assembly.meshes.len() + number;
     let next = document.nodes.len();
@@ -50,8 +50,8 @@ pub fn write(document: &mut Document, assembly: &Assembly, light: &LightSource) 
     Ok(())
 }
 
-/// The material of a light.
-fn glow(document: &mut Document, light: &LightSource, luminance: f64) -> Result<Json> {
+/// The material of a light. Rows of ours only where the asset has some: without any it is looked at by default eyes and skies.
+fn glow(document: &mut Document, assembly: &Assembly, light: &LightSource, luminance: f64) -> Result<Json> {
     let most = light.color.iter().copied().fold(0.0, f64::max);
     let lanes = light.color.map(|lane| if most > 0.0 { (lane / most).clamp(0.0, 1.0) } else { 1.0 });
     let strength = value::number(luminance * if most > 0.0 { most } else { 1.0 }).unwrap_or_default();
@@ -70,15 +70,17 @@ fn glow(document: &mut Document, light: &LightSource, luminance: f64) -> Result<
         None if name.starts_with(|c: char| c.is_ascii_alphabetic()) => Json::from(name),
         None => Json::from(format!("light_{name}")),
     };
-    let strong = "KHR_materials_emissive_strength";
-    for extension in [OPTICS, strong] {
-        document.uses(extension);
+    let (strong, specular) = ("KHR_materials_emissive_strength", "KHR_materials_specular");
+    document.uses(strong);
+    document.uses(specular);
+    let mut extensions = json!({ strong: { "emissiveStrength": strength }, specular: { "specularFactor": 0 } });
+    if assembly.carries_optics() {
+        document.uses(OPTICS);
+        extensions[OPTICS] = json!({ "finish": "absorber", "emitter": emitter });
     }
     Ok(json!({
         "name": light.name, "emissiveFactor": lanes,
         "pbrMetallicRoughness": { "baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0, "roughnessFactor": 1 },
-        "extensions": {
-            strong: { "emissiveStrength": strength }, OPTICS: { "finish": "absorber", "emitter": emitter },
-        },
+        "extensions": extensions,
     }))
 }
