@@ -43,13 +43,7 @@ pub const WRITERS: &[Writer] = &[
 /// Writes `assembly` to `out`, whose extension says the format. Faults: none is known; the file can't be written; what
 /// the format can't hold.
 pub fn convert(assembly: &Assembly, out: &Path) -> Result<Written> {
-    let mut written = (writer(out)?.write)(assembly, out)?;
-    if !assembly.unchosen.is_empty() {
-        let text =
-            format!("variants of materials are not written ({}): --variant takes one", assembly.unchosen.join(", "));
-        written.notes.push(Note::warning(Where::file(&assembly.file), text));
-    }
-    Ok(written)
+    (writer(out)?.write)(assembly, out)
 }
 
 /// Writes a copy of the asset `assembly.file` to `out`, with the rows of `annotation`. Faults: as for [`convert`], and

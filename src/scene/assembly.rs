@@ -43,8 +43,6 @@ pub struct Assembly {
     pub stage: Option<StageFacts>,
     /// Variants that were asked for: with others it is another scene.
     pub variants: Vec<String>,
-    /// Variants of the asset's materials that nobody chose from.
-    pub unchosen: Vec<String>,
     /// When something happens, if the reader was asked for that.
     pub clock: Option<Clock>,
     /// How it moves, if it does and the reader was asked for that; the rest of the assembly is a moment of it.
@@ -80,7 +78,6 @@ impl Default for Assembly {
             notes: Vec::new(),
             stage: None,
             variants: Vec::new(),
-            unchosen: Vec::new(),
             clock: None,
             motion: None,
         }

@@ -168,7 +168,8 @@ pub fn parts(all: &[DAffine3]) -> Option<Vec<Parts>> {
         let own = Parts { translation: affine.translation, rotation: last, scale };
         let found = own.affine().matrix3.to_cols_array();
         let largest = m.to_cols_array().into_iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        if found.iter().zip(m.to_cols_array()).any(|(a, b)| !((a - b).abs() <= SHEAR * largest)) {
+        let near = |(a, b): (&f64, f64)| (a - b).abs() <= SHEAR * largest;
+        if !found.iter().zip(m.to_cols_array()).all(near) {
             return None;
         }
         out.push(own);

@@ -103,10 +103,6 @@ pub fn read_bytes(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<As
     }
     node::read(&document, options, &mut assembly, &mut ledger)?;
     assembly.variants = options.variants.iter().map(ToString::to_string).collect();
-    if variant.is_none() {
-        assembly.unchosen =
-            variants::names(&document.root)?.into_iter().map(|name| name.escape_debug().to_string()).collect();
-    }
     features::note_unused(&document.root, variant.is_some(), &mut ledger.notes)?;
     assembly.notes = ledger.notes.finish();
     Ok(assembly)

@@ -155,11 +155,14 @@ pub(super) fn apply(target: &Target<'_>, bones: &Bones, bent: &mut Bent<'_>, led
     Ok(is_mirrored)
 }
 
+/// Joints and weights of each vertex.
+pub(super) type Weighed = Vec<Vec<(u32, f64)>>;
+
 /// Joints and weights of the used vertices, each joint once; none for a primitive without joints.
 ///
 /// # Errors
 /// As [`apply`].
-pub(super) fn weighed(target: &Target<'_>, bones: &Bones, ledger: &mut Ledger) -> Result<Option<Vec<Vec<(u32, f64)>>>> {
+pub(super) fn weighed(target: &Target<'_>, bones: &Bones, ledger: &mut Ledger) -> Result<Option<Weighed>> {
     let sets = influences(target, ledger)?;
     if sets.is_empty() {
         return Ok(None);
