@@ -202,8 +202,10 @@ fn bent(folder: &Path, seed: u64) -> PathBuf {
     asset.write(folder, "bent")
 }
 
-/// The vertices of all parts in the world, by path, and their normals.
-fn vertices(file: &Path, frame: Option<f64>) -> Vec<(String, Vec<[f64; 3]>, Vec<[f64; 3]>)> {
+/// Parts by their paths: vertices in the world and their normals.
+type Parts = Vec<(String, Vec<[f64; 3]>, Vec<[f64; 3]>)>;
+
+fn vertices(file: &Path, frame: Option<f64>) -> Parts {
     let options =
         ImportOptions { reading: ReadOptions { frame, ..ReadOptions::default() }, ..ImportOptions::default() };
     let scene = import(file, &options).unwrap_or_else(|fault| panic!("{}: {fault}", file.display())).scene;
