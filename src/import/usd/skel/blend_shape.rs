@@ -53,10 +53,8 @@ pub(super) fn apply(
         let Some(shape) = view_at(reader, &led, name_of(Bound::BlendShapeTargets), path)? else { continue };
         let indices = shape.read("pointIndices", "int[]", value::integers)?;
         let steps = steps(reader, &shape)?;
-        // The two shapes on either side of the weight; beyond the last one the line through the last two goes on.
-        let upper = steps.partition_point(|step| step.weight <= weight).clamp(1, steps.len() - 1);
+        let Some((upper, share)) = about(&steps, weight) else { continue };
         let (Some(from), Some(to)) = (steps.get(upper - 1), steps.get(upper)) else { continue };
-        let share = (weight - from.weight) / (to.weight - from.weight);
         for (step, factor) in [(from, 1.0 - share), (to, share)] {
             add(reader, &shape, (&step.offsets, "offsets"), indices.as_deref(), factor, points)?;
             if !step.normals.is_empty() {
@@ -102,9 +100,7 @@ pub(super) fn whole(
         let Some(shape) = view_at(reader, &led, name_of(Bound::BlendShapeTargets), path)? else { continue };
         let indices = shape.read("pointIndices", "int[]", value::integers)?;
         let steps = steps(reader, &shape)?;
-        let upper = steps.partition_point(|step| step.weight <= weight).clamp(1, steps.len() - 1);
-        let (Some(from), Some(to)) = (steps.get(upper - 1), steps.get(upper)) else { continue };
-        let share = (weight - from.weight) / (to.weight - from.weight);
+        let Some((upper, share)) = about(&steps, weight) else { continue };
         for (number, step) in steps.iter().enumerate().filter(|(_, step)| step.weight != 0.0) {
             reader.charge(shape.path(), count, 2 * size_of::<DVec3>())?;
             let mut own = Whole {
@@ -125,6 +121,16 @@ pub(super) fn whole(
         }
     }
     Ok(out)
+}
+
+/// The upper of the two shapes on either side of a weight, and how much it counts against the one below; beyond the last one
+/// the line through the last two goes on.
+fn about(steps: &[Step], weight: f64) -> Option<(usize, f64)> {
+    let upper = steps
+        .partition_point(|step| step.weight <= weight)
+        .clamp(1, steps.len().checked_sub(1).filter(|last| *last > 0)?);
+    let (from, to) = (steps.get(upper - 1)?, steps.get(upper)?);
+    Some((upper, (weight - from.weight) / (to.weight - from.weight)))
 }
 
 /// The shapes of one blend shape by their weights: nothing at 0, the full one at 1, those in between.
