@@ -50,6 +50,8 @@ pub struct Surface {
     /// Turns and shifts the axes for itself and for all surfaces after it; such a surface is not met.
     pub turn: Option<Turn>,
     pub profile: Profile,
+    /// Lines per mm along y, and the order that all light takes.
+    pub grating: Option<[f64; 2]>,
     /// To the next surface along z.
     pub thickness: f64,
     pub after: After,

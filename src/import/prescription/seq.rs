@@ -123,7 +123,8 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
                     1.0 / curve
                 };
                 // A distance that stands for infinity.
-                let thickness = number(1)?;
+                let endless = words.get(1).is_some_and(|word| word.to_uppercase().starts_with("INF"));
+                let thickness = if endless { f64::INFINITY } else { number(1)? };
                 let thickness = if thickness.abs() >= 1e10 { f64::INFINITY } else { thickness };
                 let after = words.get(2).map_or(Ok(After::Air), |word| glass(word, &known, &at()))?;
                 let surface = Surface {
@@ -131,6 +132,7 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
                     comment: String::new(),
                     turn: None,
                     profile: Profile { curvature, ..Profile::PLANE },
+                    grating: None,
                     thickness,
                     after,
                     semi_diameter: 0.0,
@@ -221,6 +223,7 @@ fn spread(raw: Raw, last: bool, out: &mut Vec<Surface>) {
         comment: String::new(),
         turn: Some(turn),
         profile: Profile::PLANE,
+        grating: None,
         thickness,
         after: After::Air,
         semi_diameter: 0.0,

@@ -81,6 +81,17 @@ fn part(
         let is_mirror = prescription.surfaces[*surface].after == After::Mirror;
         let _ =
             writeln!(out, "faces = [{face}]                          # line {}", prescription.surfaces[*surface].line);
+        if let Some([lines, order]) = prescription.surfaces[*surface].grating {
+            let [x, y, z] = (own * frames[*surface]).transform_vector3(DVec3::Y).to_array();
+            let way = if is_mirror { "R" } else { "T" };
+            let _ = writeln!(
+                out,
+                "finish = {{ kind = \"grating\", direction = [{x}, {y}, {z}], lines_per_mm = {lines}, \
+                 orders = [{{ order = {order}, {way} = 1 }}] }}"
+            );
+            let _ = writeln!(out, "shape = {}", shape(*surface));
+            continue;
+        }
         let finish = match kind {
             Kind::Mirror => "finish = { kind = \"mirror\", reflectance = 1 }\n",
             Kind::Glass(_) if is_mirror => "finish = { kind = \"mirror\", reflectance = 1 }\n",
@@ -134,10 +145,17 @@ pub(super) fn find(name: &str, catalogues: &[String]) -> Option<&'static str> {
     {
         return Some(found.name);
     }
+    // Lytkarino's glasses have the maker before the name.
+    if let Some(own) = name.strip_prefix("LZ_")
+        && let Some(found) = glass::find(&format!("LZOS {own}"))
+    {
+        return Some(found.name);
+    }
     // Moulded glass has the melt's name, and lens files have short names for two materials.
     let name = name.strip_suffix("_MOLD").or(name.strip_suffix("_MOLD2014")).unwrap_or(name);
     let name = match name {
-        "SILICA" | "F_SILICA" => "fused silica",
+        // The last is Corning's code of it (HPFS 7980).
+        "SILICA" | "F_SILICA" | "C79-80" => "fused silica",
         "ACRYLIC" => "PMMA",
         "POLYCARB" => "polycarbonate",
         "CAF2" => "CaF2",

@@ -81,3 +81,40 @@ fn a_sequence_in_its_spellings() {
         assert!(fault.starts_with("x.seq") && !fault.contains('\n'), "{fault}");
     }
 }
+
+/// Fringe terms against their polynomials as they are printed (Wyant and Creath 1992, table III), on the sag of a plane that has
+/// one of them.
+#[test]
+fn fringe_terms() {
+    let radius = 20.0;
+    let printed: [(usize, fn(f64, f64) -> f64); 9] = [
+        (2, |r, t| r * t.cos()),
+        (3, |r, t| r * t.sin()),
+        (4, |r, _| 2.0 * r * r - 1.0),
+        (5, |r, t| r * r * (2.0 * t).cos()),
+        (8, |r, t| (3.0 * r * r - 2.0) * r * t.sin()),
+        (9, |r, _| 6.0 * r.powi(4) - 6.0 * r * r + 1.0),
+        (12, |r, t| (4.0 * r * r - 3.0) * r * r * (2.0 * t).cos()),
+        (16, |r, _| 20.0 * r.powi(6) - 30.0 * r.powi(4) + 12.0 * r * r - 1.0),
+        (37, |r, _| {
+            924.0 * r.powi(12) - 2772.0 * r.powi(10) + 3150.0 * r.powi(8) - 1680.0 * r.powi(6) + 420.0 * r.powi(4)
+                - 42.0 * r * r
+                + 1.0
+        }),
+    ];
+    for (number, polynomial) in printed {
+        let mut terms = format!("  XDAT 1 {number}\n  XDAT 2 {radius}\n");
+        terms += &format!("  XDAT {} 0.25\n", number + 2);
+        let text = SINGLET.replacen("TYPE EVENASPH", &format!("TYPE FZERNSAG\n{terms}"), 1);
+        let text: String = text.lines().filter(|line| !line.contains("PARM")).map(|line| format!("{line}\n")).collect();
+        let read = super::zmx::read(&text, Path::new("x.zmx")).unwrap();
+        let surface = read.surfaces.iter().find(|own| matches!(own.profile.form, profile::Form::Zernike { .. }));
+        let profile = surface.unwrap_or_else(|| panic!("no Zernike surface: {text}")).profile.clone();
+        let flat = profile::Profile { curvature: 0.0, conic: 0.0, ..profile };
+        for (x, y) in [(3.0f64, 4.0f64), (-7.0, 2.0), (10.0, -12.0)] {
+            let want = 0.25 * polynomial(x.hypot(y) / radius, y.atan2(x));
+            let got = flat.sag(x, y).unwrap();
+            assert!((got - want).abs() < 1e-12, "{number} at {x}, {y}: {got} for {want}");
+        }
+    }
+}

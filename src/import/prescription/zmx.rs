@@ -122,7 +122,8 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
     let refuse = |what: String| Err(Error::new(at.clone(), what).expected("a surface of another type"));
     let mut turn = None;
     let form = match raw.kind.as_str() {
-        "STANDARD" => Form::Conic,
+        // Of a grating the first number is of lines per µm, the second the order.
+        "STANDARD" | "DGRATING" => Form::Conic,
         "EVENASPH" => {
             let even = coefficients(&raw.parm, 1);
             if even.is_empty() { Form::Conic } else { Form::Even(even) }
@@ -142,17 +143,22 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
             }
             Form::Toroid { across: if parm(1) == 0.0 { 0.0 } else { 1.0 / parm(1) } }
         }
-        "XPOLYNOM" | "SZERNSAG" => {
+        "XPOLYNOM" | "SZERNSAG" | "FZERNSAG" => {
             let norm_radius = Some(of(&raw.xdat, 2)).filter(|radius| *radius > 0.0).unwrap_or(1.0);
             let count = of(&raw.xdat, 1) as usize;
             let given: Vec<f64> = coefficients(&raw.xdat, 3).into_iter().take(count).collect();
             if raw.parm.iter().any(|(_, value)| *value != 0.0) {
                 return refuse(format!("{} with aspheric terms beside its own cannot be traced", raw.kind));
             }
-            if raw.kind == "XPOLYNOM" { polynomial(&given, norm_radius) } else { standard(&given, norm_radius) }
+            match raw.kind.as_str() {
+                "XPOLYNOM" => polynomial(&given, norm_radius),
+                "SZERNSAG" => zernike(given.iter().enumerate().map(|(index, c)| (noll(index + 1), *c)), norm_radius),
+                _ => zernike(given.iter().enumerate().map(|(index, c)| fringe(index + 1, *c)), norm_radius),
+            }
         }
         other => return refuse(format!("surfaces of type {other} are not read")),
     };
+    let grating = (raw.kind == "DGRATING" && parm(1) != 0.0 && parm(2) != 0.0).then(|| [1e3 * parm(1), parm(2)]);
     let after = match raw.glass {
         None => After::Air,
         Some((name, _)) if name == "MIRROR" => After::Mirror,
@@ -175,6 +181,7 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
         comment: raw.comment,
         turn,
         profile: Profile { curvature: raw.curvature, conic: raw.conic, form },
+        grating,
         thickness: if last { 0.0 } else { raw.thickness },
         after: if turn.is_some() { After::Air } else { after },
         semi_diameter: if semi_diameter.is_finite() { semi_diameter.abs() } else { 0.0 },
@@ -194,22 +201,36 @@ fn polynomial(given: &[f64], norm_radius: f64) -> Form {
     Form::Polynomial(coeffs)
 }
 
-/// Standard Zernike coefficients are numbered as Noll does (J. Opt. Soc. Am. 66, 207, 1976): within an order by rising |m|,
-/// even numbers are cosines.
-fn standard(given: &[f64], norm_radius: f64) -> Form {
+/// Coefficients by n and m (below 0: sines) of polynomials whose mean square is 1.
+fn zernike(given: impl Iterator<Item = ([i64; 2], f64)>, norm_radius: f64) -> Form {
     let mut coeffs = Vec::new();
-    for (index, c) in given.iter().enumerate().filter(|(_, c)| **c != 0.0) {
-        let noll = index + 1;
-        let n = (0..).find(|n| (n + 1) * (n + 2) / 2 >= noll).unwrap_or(0);
-        let k = noll - n * (n + 1) / 2 - 1;
-        let size = if n % 2 == 0 { 2 * k.div_ceil(2) } else { 2 * (k / 2) + 1 };
-        let m = if noll % 2 == 0 { size as i64 } else { -(size as i64) };
-        let j = ((n * (n + 2)) as i64 + m) / 2;
-        let Ok(j) = usize::try_from(j) else { continue };
+    for ([n, m], c) in given.filter(|(_, c)| *c != 0.0) {
+        let Ok(j) = usize::try_from((n * (n + 2) + m) / 2) else { continue };
         if coeffs.len() <= j {
             coeffs.resize(j + 1, 0.0);
         }
         coeffs[j] += c;
     }
     if coeffs.is_empty() { Form::Conic } else { Form::Zernike { norm_radius, coeffs } }
+}
+
+/// Standard Zernike coefficients are numbered as Noll does (J. Opt. Soc. Am. 66, 207, 1976): within an order by rising |m|,
+/// even numbers are cosines.
+fn noll(number: usize) -> [i64; 2] {
+    let n = (0..).find(|n| (n + 1) * (n + 2) / 2 >= number).unwrap_or(0);
+    let k = number - n * (n + 1) / 2 - 1;
+    let size = if n % 2 == 0 { 2 * k.div_ceil(2) } else { 2 * (k / 2) + 1 };
+    [n as i64, if number % 2 == 0 { size as i64 } else { -(size as i64) }]
+}
+
+/// Fringe coefficients go by rising n + |m| and within that by falling |m|, cosine before sine, and their polynomials are 1 at
+/// the rim (Wyant and Creath, "Basic Wavefront Aberration Theory", 1992, table III); the thirty-seventh is that of n = 12.
+fn fringe(number: usize, c: f64) -> ([i64; 2], f64) {
+    let side = (1..).find(|side| side * side >= number).unwrap_or(1);
+    let behind = side * side - number;
+    let m = behind.div_ceil(2) as i64;
+    let n = 2 * (side as i64 - 1) - m;
+    let [n, m] = if number == 37 { [12, 0] } else { [n, if behind % 2 == 0 { m } else { -m }] };
+    let norm = ((2 * n + 2) as f64 / if m == 0 { 2.0 } else { 1.0 }).sqrt();
+    ([n, m], c / norm)
 }

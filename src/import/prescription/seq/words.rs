@@ -53,7 +53,7 @@ pub(super) fn bare(word: &str) -> String {
     word.replace(['\'', '"'], "")
 }
 
-/// What a word behind a surface means: REFL, AIR, a glass with its maker, or six digits and more of n and V.
+/// What a word behind a surface means: REFL, AIR, a glass with its maker, six digits and more of n and V, or both with a colon.
 pub(super) fn glass(word: &str, known: &BTreeMap<String, Vec<[f64; 2]>>, at: &Where) -> Result<After> {
     let upper = bare(&word.to_uppercase());
     if let Some(rows) = known.get(&upper).filter(|rows| !rows.is_empty()) {
@@ -65,6 +65,14 @@ pub(super) fn glass(word: &str, known: &BTreeMap<String, Vec<[f64; 2]>>, at: &Wh
         _ => {}
     }
     if word.starts_with(|c: char| c.is_ascii_digit()) && !word.contains(|c: char| c.is_ascii_alphabetic()) {
+        // Both numbers whole, as some programs write them: 1.5168:64.17.
+        if let Some((n, v)) = word.split_once(':')
+            && let (Ok(n), Ok(v)) = (n.parse::<f64>(), v.parse::<f64>())
+            && n >= 1.0
+            && v > 0.0
+        {
+            return Ok(After::Model([n, v]));
+        }
         let (n, v) = word.split_once('.').or_else(|| word.split_at_checked(3)).unwrap_or((word, ""));
         let digits = |text: &str, head: &str, whole: usize| {
             let (before, after) = text.split_at_checked(whole)?;
