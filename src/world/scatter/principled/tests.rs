@@ -209,6 +209,25 @@ fn furnaces() {
     println!("worst {}", worst.1);
 }
 
+/// Fibres give no more than they get, however light grazes them.
+#[test]
+fn grazed_fibres() {
+    for roughness in [0.0, 0.1, 0.2, 0.35, 0.7, 1.0] {
+        let cloth = StandardSurface {
+            base_color: Colour::new([0.0; 3]),
+            specular: Scalar::new(0.0),
+            sheen_color: Colour::new([1.0; 3]),
+            sheen_roughness: Scalar::new(roughness),
+            ..StandardSurface::default()
+        };
+        let mut rng = Rng::new(26, Stream::Check, 0, 0);
+        for theta in [80.0, 86.0, 88.0, 89.0, 89.7] {
+            let all = furnace(&cloth, theta, 1 << 15, &mut rng);
+            assert!(all.mean < 1.01 + 4.0 * all.stderr(), "{roughness}, {theta}°: {} ± {}", all.mean, all.stderr());
+        }
+    }
+}
+
 /// The furnace sees a lobe that is a hundredth too strong.
 #[test]
 fn the_furnace_bites() {
