@@ -56,7 +56,8 @@ pub fn run(args: &PathsArgs) -> Result<ExitCode> {
 }
 
 fn traced(args: &PathsArgs) -> Result<ExitCode> {
-    let Built { scene, .. } = args.source.import_to_trace(&|| false)?;
+    let Built { mut scene, .. } = args.source.import()?;
+    args.source.adapt_eye(&mut scene, args.polarisation.asked(), &|| false)?;
     let checked = check(&scene)?;
     let world = World::freeze(&scene)?;
     let asked = Asked { least: args.least, paths: args.paths, polarisation: args.polarisation.asked() };

@@ -60,10 +60,11 @@ pub fn run(args: &PlanArgs) -> Result<ExitCode> {
 }
 
 fn traced(args: &PlanArgs) -> Result<ExitCode> {
-    let mut scene = args.source.import_to_trace(&|| false)?.scene;
+    let mut scene = args.source.import()?.scene;
     if let Some(resolution) = args.resolution {
         scene.eye.resolution = resolution;
     }
+    args.source.adapt_eye(&mut scene, args.polarisation.asked(), &|| false)?;
     let checked = check(&scene)?;
     let world = World::freeze(&scene)?;
     let guides = if args.unguided { Guides::Off } else { Guides::On };

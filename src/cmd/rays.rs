@@ -8,6 +8,7 @@ use crate::base::{Error, Result, Where};
 use crate::check::check;
 use crate::import::Built;
 use crate::output::rays::{self, Space};
+use crate::plan::Polarisation;
 use crate::plan::paths::rays::{Asked, From, rays};
 use crate::scene::Severity;
 use crate::world::World;
@@ -89,7 +90,8 @@ fn traced(args: &RaysArgs) -> Result<ExitCode> {
         return Err(Error::new(Where::Option("--pixel".to_owned()), "a pixel is looked through from the eye")
             .expected("--from eye"));
     }
-    let built = args.source.import_to_trace(&|| false)?;
+    let mut built = args.source.import()?;
+    args.source.adapt_eye(&mut built.scene, Polarisation::Auto, &|| false)?;
     let Built { scene, .. } = &built;
     let checked = check(scene)?;
     let world = World::freeze(scene)?;

@@ -100,8 +100,9 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
         check_writable(path)?;
     }
     let signals = Signals::install();
-    let scene = args.source.import_to_trace(&|| signals.caught().is_some())?.scene;
+    let mut scene = args.source.import()?.scene;
     let polarisation = args.polarisation.asked();
+    args.source.adapt_eye(&mut scene, polarisation, &|| signals.caught().is_some())?;
     let light = LightAsked {
         resolution: args.resolution.unwrap_or_else(|| smaller(scene.eye.resolution)),
         passes: args.samples,

@@ -7,7 +7,8 @@ use crate::check::rules::eb0103;
 use crate::estimate::ShouldStop;
 use crate::import::{Built, ImportOptions, ReadOptions, Set, import};
 use crate::plan::adaptation::{Adapted, adapt};
-use crate::scene::Note;
+use crate::plan::{Asked, Polarisation};
+use crate::scene::{Note, Scene};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -36,22 +37,23 @@ impl Source {
         Ok(built)
     }
 
-    /// The same to be traced: an eye that adapts has the pupil that its picture gives it, which a note says. Once `stop` says
-    /// true the search for it is left, and what is then traced is worthless. Faults besides: of a scene that cannot be traced.
-    pub fn import_to_trace(&self, stop: &ShouldStop<'_>) -> Result<Built> {
-        let mut built = self.import()?;
-        if built.scene.eye.adapts
-            && let Some(found) = adapt(&mut built.scene, stop)?
-        {
-            let Adapted { diameter_m, luminance_cd_m2, field_deg2, age } = found;
+    /// Gives an eye that adapts the pupil that its picture asks for, which a note says: of the resolution that is traced, with as
+    /// much polarisation as is asked for. Once `stop` says true the search is left, and what is then traced is worthless.
+    /// Faults: of a scene that cannot be traced.
+    pub fn adapt_eye(&self, scene: &mut Scene, polarisation: Polarisation, stop: &ShouldStop<'_>) -> Result<()> {
+        if !scene.eye.adapts {
+            return Ok(());
+        }
+        let asked = Asked { polarisation, ..Asked::default() };
+        if let Some(Adapted { diameter_m, luminance_cd_m2, field_deg2, age }) = adapt(scene, asked, stop)? {
             let text = format!(
                 "pupil of {:.2} mm: both eyes, {age} years old, are adapted to the picture's mean of {luminance_cd_m2:.4} cd/m² \
                  over {field_deg2:.4} deg² (Watson and Yellott 2012)",
                 1e3 * diameter_m
             );
-            built.scene.notes.push(Note::info(Where::file(&self.asset), text));
+            scene.notes.push(Note::info(Where::file(&self.asset), text));
         }
-        Ok(built)
+        Ok(())
     }
 
     fn options(&self) -> Result<ImportOptions> {

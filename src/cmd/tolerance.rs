@@ -7,6 +7,7 @@ use super::threads::Threads;
 use super::{Format, print};
 use crate::base::Result;
 use crate::import::toml;
+use crate::plan::Polarisation;
 use crate::plan::tolerance::parameter::parameters;
 use crate::plan::tolerance::table::{csv, lines};
 use crate::plan::tolerance::{ToleranceAsked, Tolerances, tolerance};
@@ -83,7 +84,8 @@ pub fn run(args: &ToleranceArgs) -> Result<ExitCode> {
 fn drawn(args: &ToleranceArgs) -> Result<ExitCode> {
     let written = args.output.as_deref().map(TableFile::of).transpose()?;
     let signals = Signals::install();
-    let scene = args.source.import_to_trace(&|| signals.caught().is_some())?.scene;
+    let mut scene = args.source.import()?.scene;
+    args.source.adapt_eye(&mut scene, Polarisation::Auto, &|| signals.caught().is_some())?;
     let parameters = parameters(&toml::read_as(&args.tolerances, "file of tolerances")?, &scene)?;
     let asked = ToleranceAsked {
         draws: args.draws,

@@ -4,7 +4,7 @@
 pub mod adaptive_kernel;
 mod tuning;
 
-use super::throughput::{Polarisation, Throughput};
+use super::throughput::{KeptPolarisation, Throughput};
 use super::walk::{Vertex, Walker};
 use crate::base::ids::GroupId;
 use crate::base::lpe::LpeState;
@@ -27,7 +27,7 @@ pub struct Photon<M: Mode> {
     pub dir: DVec3,
     /// Per lane, lm.
     pub flux: M::Lanes<Light>,
-    pub polarisation: Polarisation<M>,
+    pub polarisation: KeptPolarisation<M>,
     /// Dispersion has parted the lanes: the first stands for all.
     pub alone: bool,
     pub group: GroupId,

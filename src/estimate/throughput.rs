@@ -12,7 +12,7 @@ type Axis<M> = <<M as Mode>::Amount as Amount>::Axis;
 
 /// How light that is kept is polarised; of no size where paths carry no polarisation.
 #[derive(Debug, Clone, Copy)]
-pub struct Polarisation<M: Mode> {
+pub struct KeptPolarisation<M: Mode> {
     states: M::Lanes<<M::Amount as Amount>::State>,
     axis: Axis<M>,
 }
@@ -132,13 +132,13 @@ impl<M: Mode> Throughput<M> {
     }
 
     /// How what is carried is polarised.
-    pub fn polarisation(&self) -> Polarisation<M> {
-        Polarisation { states: lanes::<M, _>(|lane| self.amounts[lane].state()), axis: self.axis }
+    pub fn polarisation(&self) -> KeptPolarisation<M> {
+        KeptPolarisation { states: lanes::<M, _>(|lane| self.amounts[lane].state()), axis: self.axis }
     }
 
     /// A path from the eye along `dir` where it meets light that is polarised so.
     #[must_use]
-    pub fn meeting(mut self, light: &Polarisation<M>, dir: DVec3) -> Self {
+    pub fn meeting(mut self, light: &KeptPolarisation<M>, dir: DVec3) -> Self {
         let old = self.amounts;
         self.amounts = lanes::<M, _>(|lane| old[lane].meets(self.axis, dir, light.states[lane], light.axis));
         self

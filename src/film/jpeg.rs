@@ -3,15 +3,23 @@
 /// Start of scan, after which coded data come; end of image (ITU-T T.81, table B.1).
 const START_OF_SCAN: u8 = 0xDA;
 const END_OF_IMAGE: u8 = 0xD9;
+/// Markers without a length: TEM and RST.
+const ALONE: u8 = 0x01;
+const FIRST_RESTART: u8 = 0xD0;
+const LAST_RESTART: u8 = 0xD7;
 
 /// No end after the first scan. Segments before it are stepped over by their lengths: they may hold small pictures with ends of
 /// their own. In coded data an FF is followed by 00, by a restart or by a marker that counts (T.81, B.1.1.5).
 pub fn is_cut_short(bytes: &[u8]) -> bool {
     let mut at = 2;
-    while let Some([0xFF, kind, high, low]) = bytes.get(at..at + 4) {
-        if *kind == 0xFF {
-            // A fill byte.
+    while let Some([mark, kind, high, low]) = bytes.get(at..at + 4) {
+        // Fill bytes, and what stands between segments and means nothing.
+        if *mark != 0xFF || matches!(*kind, 0x00 | 0xFF) {
             at += 1;
+            continue;
+        }
+        if matches!(*kind, ALONE | FIRST_RESTART..=LAST_RESTART) {
+            at += 2;
             continue;
         }
         at += 2 + usize::from(u16::from_be_bytes([*high, *low]));
@@ -45,5 +53,8 @@ mod tests {
         assert!(!is_cut_short(&with) && is_cut_short(&with[..with.len() - 2]));
         with.extend([0; 9]);
         assert!(!is_cut_short(&with));
+        // Bytes of no meaning between the segments.
+        let stray = [&bytes[..2], &[0, 7, 0xFF, 0x01], &bytes[2..]].concat();
+        assert!(!is_cut_short(&stray) && is_cut_short(&stray[..stray.len() - 2]));
     }
 }

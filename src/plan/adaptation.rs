@@ -28,17 +28,17 @@ const AGES: [f64; 2] = [20.0, 83.0];
 /// Gives the eye of `scene` the pupil that it has when it is adapted to its picture, both eyes open (Watson and Yellott 2012, as
 /// [`pupil_watson_yellott_mm`]): the picture's field and its mean luminance count. None if `stop` said true; the pupil is then
 /// where the search began. Errors: a scene that cannot be traced.
-pub fn adapt(scene: &mut Scene, stop: &ShouldStop<'_>) -> Result<Option<Adapted>> {
+pub fn adapt(scene: &mut Scene, asked: Asked, stop: &ShouldStop<'_>) -> Result<Option<Adapted>> {
     scene.eye.adapts = false;
     let own = scene.eye.clone();
     scene.eye.resolution = coarse(own.resolution);
-    let found = settle(scene, stop);
+    let found = settle(scene, asked, stop);
     scene.eye = Eye { pupil_diameter_m: scene.eye.pupil_diameter_m, ..own };
     found
 }
 
-fn settle(scene: &mut Scene, stop: &ShouldStop<'_>) -> Result<Option<Adapted>> {
-    let light = LightAsked { resolution: scene.eye.resolution, passes: PASSES, seed: 0, asked: Asked::default() };
+fn settle(scene: &mut Scene, asked: Asked, stop: &ShouldStop<'_>) -> Result<Option<Adapted>> {
+    let light = LightAsked { resolution: scene.eye.resolution, passes: PASSES, seed: 0, asked };
     let age = scene.eye.age.clamp(AGES[0], AGES[1]);
     let mut found = None;
     for _ in 0..MOST_STEPS {

@@ -179,7 +179,7 @@ fn union<'a>(angles: impl Iterator<Item = &'a f64>, end: f64) -> Vec<f64> {
 }
 
 /// The grid point at or below `x`, and how far on to the next it lies.
-fn place(grid: &[f64], x: f64) -> (usize, f64) {
+pub fn place(grid: &[f64], x: f64) -> (usize, f64) {
     let above = grid.partition_point(|g| *g <= x);
     let below = above.saturating_sub(1);
     match (grid.get(below), grid.get(below + 1)) {
@@ -188,7 +188,8 @@ fn place(grid: &[f64], x: f64) -> (usize, f64) {
     }
 }
 
-fn mix((at, part): (usize, f64), value: impl Fn(usize) -> f64) -> f64 {
+/// Between a grid point and the next.
+pub fn mix((at, part): (usize, f64), value: impl Fn(usize) -> f64) -> f64 {
     if part == 0.0 { value(at) } else { (1.0 - part) * value(at) + part * value(at + 1) }
 }
 

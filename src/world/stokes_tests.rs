@@ -102,8 +102,16 @@ proptest! {
 
         let go = |amount: Stokes, step: &Step, axis: DVec3, dir: DVec3, normal: DVec3, from_eye: bool| {
             let s = Stokes::face_axis(axis, dir, normal);
-            let parted = amount.turned(axis, s, dir).part(&step.turning, from_eye);
-            (if step.reflects { parted.reflected } else { parted.transmitted }, s)
+            let turned = amount.turned(axis, s, dir);
+            let parted = turned.part(&step.turning, from_eye);
+            if step.reflects {
+                // One facet that reflects all that is scattered does the same.
+                let mut facets = Facets::NONE;
+                let all = step.turning.power.reflectance();
+                facets.add(1.0, &step.turning);
+                return (turned.scattered(&facets, from_eye).scaled(all), s);
+            }
+            (parted.transmitted, s)
         };
         let (mut light, mut axis) = (Stokes([1.0, 1.0, 0.0, 0.0]), start);
         let mut between = vec![(light, axis)];

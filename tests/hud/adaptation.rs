@@ -3,6 +3,7 @@
 use super::kit::hud;
 use crate::common::{add_group, add_part, face, mesh, quad, scene};
 use eyebox::base::vision::{Eyes, pupil_watson_yellott_mm};
+use eyebox::plan::Asked;
 use eyebox::plan::adaptation::adapt;
 use eyebox::scene::{Finish, Sky};
 use glam::{DMat3, DVec3};
@@ -28,7 +29,7 @@ fn a_uniform_sky_tells_the_pupil() {
         });
         (s.eye.fov_deg, s.eye.resolution, s.eye.age) = (40.0, [300, 200], 30.0);
         (s.eye.adapts, s.eye.pupil_diameter_m) = (true, begin);
-        let found = adapt(&mut s, &|| false).expect("it can be traced").expect("nobody stops it");
+        let found = adapt(&mut s, Asked::default(), &|| false).expect("it can be traced").expect("nobody stops it");
         // A rectangle of half tangents a and b covers 4 asin(a b/√((1 + a²)(1 + b²))).
         let (a, b) = (20f64.to_radians().tan(), 20f64.to_radians().tan() / 1.5);
         let field = 4.0 * (a * b / ((1.0 + a * a) * (1.0 + b * b)).sqrt()).asin() * 1f64.to_degrees().powi(2);
@@ -46,7 +47,7 @@ fn pupil_and_picture_agree_where_lamps_do_not_fill_it() {
     let pupil = |begin_mm: f64| {
         let mut s = hud("direct", &[]);
         (s.eye.adapts, s.eye.pupil_diameter_m) = (true, 1e-3 * begin_mm);
-        let found = adapt(&mut s, &|| false).expect("it can be traced").expect("nobody stops it");
+        let found = adapt(&mut s, Asked::default(), &|| false).expect("it can be traced").expect("nobody stops it");
         (s.eye.pupil_diameter_m, found.luminance_cd_m2)
     };
     let ((narrow, brighter), (wide, dimmer)) = (pupil(2.0), pupil(7.0));

@@ -26,12 +26,13 @@ pub struct Opened {
 impl Run<'_> {
     pub fn open(&self) -> Result<Opened> {
         let args = &self.args;
-        let opened = self.pool.install(|| args.source.import_to_trace(&|| self.is_stopped()));
-        let Built { mut scene, layers, .. } = opened?;
+        let Built { mut scene, layers, .. } = args.source.import()?;
         let own = scene.eye.resolution;
         if let Some(resolution) = args.resolution {
             scene.eye.resolution = resolution;
         }
+        let polarisation = args.polarisation.asked();
+        self.pool.install(|| args.source.adapt_eye(&mut scene, polarisation, &|| self.is_stopped()))?;
         self.check_crop(scene.eye.resolution)?;
         check(&scene)?;
         check_layers(&args.layers, &scene.groups)?;

@@ -35,9 +35,18 @@ pub fn name_of_table(files: &[impl AsRef<Path>]) -> String {
 /// By its line: what is no number or out of range, a point twice. A grid with holes, a side that two files have, a table that gains
 /// energy.
 pub fn scatter_table(files: &[MeasuredFile<'_>], notes: &mut Vec<Note>) -> Result<ScatterTable> {
-    let mut measured: BothSides = [None, None];
+    let (mut measured, mut totals): (BothSides, _) = ([None, None], Vec::new());
     for source in files {
-        let found = sides_of(source, notes)?;
+        let text = String::from_utf8_lossy(&source.bytes);
+        let found = if zemax_bsdf::is_zemax(&text) {
+            let ZemaxBsdf { side, measurement, totals: said } = zemax_bsdf::read(&text, source.file)?;
+            totals.push((source, side, said));
+            let mut out: BothSides = [None, None];
+            out[side] = Some(measurement);
+            out
+        } else {
+            rows(&text, source)?
+        };
         for (side, new) in found.into_iter().enumerate() {
             if new.is_some() && measured[side].is_some() {
                 let what = format!("measured scattering: side {} is in both files", SIDES[side]);
@@ -47,7 +56,7 @@ pub fn scatter_table(files: &[MeasuredFile<'_>], notes: &mut Vec<Note>) -> Resul
         }
     }
     let name = name_of_table(&files.iter().map(|source| source.file).collect::<Vec<_>>());
-    ScatterTable::new(&name, &measured).map_err(|flaw| {
+    let table = ScatterTable::new(&name, &measured).map_err(|flaw| {
         let code = match flaw {
             Flaw::TooLarge { .. } => None,
             Flaw::GainsEnergy { .. } => Some(Code::ScatterGainsEnergy),
@@ -56,27 +65,27 @@ pub fn scatter_table(files: &[MeasuredFile<'_>], notes: &mut Vec<Note>) -> Resul
         Error::new(at, format!("measured scattering {name}: {flaw}"))
             .expected("a table that scatters at most what arrives")
             .code(code)
-    })
+    })?;
+    notes.extend(totals.iter().filter_map(|(source, side, said)| apart(&table, source, *side, said)));
+    Ok(table)
 }
 
-fn sides_of(source: &MeasuredFile<'_>, notes: &mut Vec<Note>) -> Result<BothSides> {
-    /// Of the total that a file says, what the sum of its values may miss unsaid.
+/// What to say where a table scatters another share of light than its file says.
+fn apart(table: &ScatterTable, source: &MeasuredFile<'_>, side: usize, said: &[[f64; 2]]) -> Option<Note> {
+    /// Of the total that a file says, what may be missed unsaid.
     const ALIKE: f64 = 0.1;
-    let text = String::from_utf8_lossy(&source.bytes);
-    if !zemax_bsdf::is_zemax(&text) {
-        return rows(&text, source);
-    }
-    let ZemaxBsdf { side, measurement, worst } = zemax_bsdf::read(&text, source.file)?;
-    if let Some([angle, said, sum]) = worst.filter(|[_, said, sum]| (said - sum).abs() > ALIKE * said) {
-        let what = format!(
-            "measured scattering {}: of light at {angle}° its values add up to {sum:.4}, it says TIS {said}: the values count",
-            source.file.display()
-        );
-        notes.push(Note::warning(source.at.clone(), what));
-    }
-    let mut out: BothSides = [None, None];
-    out[side] = Some(measurement);
-    Ok(out)
+    let off = |[angle, total]: &[f64; 2]| {
+        let sum = table.shares(angle.to_radians())[side];
+        ((sum - total).abs() / total, [*angle, *total, sum])
+    };
+    let worst = said.iter().filter(|[_, total]| *total > 0.0).map(off).max_by(|a, b| a.0.total_cmp(&b.0));
+    let (_, [angle, total, sum]) = worst.filter(|(off, _)| *off > ALIKE)?;
+    let what = format!(
+        "measured scattering {}: of light at {angle}° the table made of it, in steps of a degree, scatters {sum:.4}, the file \
+         says TIS {total}: a lobe narrower than that, or values that are not those of its TIS",
+        source.file.display()
+    );
+    Some(Note::warning(source.at.clone(), what))
 }
 
 /// Lines of our own form.

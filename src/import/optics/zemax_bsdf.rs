@@ -9,21 +9,20 @@
 
 use crate::base::Where;
 use crate::base::error::{Error, Result};
-use crate::scene::scatter_table::Measurement;
+use crate::scene::scatter_table::{Measurement, mix, place};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
-/// Steps of the grid, of the angles to the normal: the finest that a table may have, and the coarsest.
-const FINEST_DEG: f64 = 1.0;
-const COARSEST_DEG: f64 = 3.0;
+/// Steps of the grid to the right angle, alike for all files, so that one of each side make one table: the finest that fits.
+const STEPS: usize = 90;
 
 /// A file's measurement.
 pub struct ZemaxBsdf {
     /// 0 reflected, 1 transmitted.
     pub side: usize,
     pub measurement: Measurement,
-    /// Angle of incidence in degrees, what the file says is scattered, what its values add up to here: where they are furthest apart.
-    pub worst: Option<[f64; 3]>,
+    /// Angles of incidence in degrees, and what the file says is scattered of light there.
+    pub totals: Vec<[f64; 2]>,
 }
 
 /// Whether these are the bytes of such a file: its first words are `Source`.
@@ -104,15 +103,21 @@ pub fn read(text: &str, file: &Path) -> Result<ZemaxBsdf> {
             values.extend(lines.numbers(radial.len(), 1e12)?);
         }
     }
-    let own = Own { incidence, azimuth, radial, values, mirrored };
-    let measurement = own.resampled();
-    let worst = own
-        .incidence
-        .iter()
-        .zip(totals)
-        .map(|(angle, total)| [*angle, total, own.total(*angle)])
-        .max_by(|a, b| (a[1] - a[2]).abs().total_cmp(&(b[1] - b[2]).abs()));
-    Ok(ZemaxBsdf { side, measurement, worst })
+    match lines.next("") {
+        Ok(line) if line.eq_ignore_ascii_case("DataEnd") => {}
+        Ok(line) => {
+            let what = format!("`{line}` stands behind the last block that the header tells of");
+            return Err(lines.fault(what).expected("DataEnd"));
+        }
+        // The end of the file.
+        Err(_) => {}
+    }
+    let totals = incidence.iter().zip(totals).map(|(angle, total)| [*angle, total]).collect();
+    let mut own = Own { incidence, azimuth, radial, values, mirrored };
+    if !mirrored {
+        own.close();
+    }
+    Ok(ZemaxBsdf { side, measurement: own.resampled(), totals })
 }
 
 /// The values between the file's own angles, degrees.
@@ -127,6 +132,22 @@ struct Own {
 }
 
 impl Own {
+    /// Goes on round the circle: before the first azimuth stands the last one, behind the last the first.
+    fn close(&mut self) {
+        let (Some(first), Some(last)) = (self.azimuth.first().copied(), self.azimuth.last().copied()) else { return };
+        if last - first >= 360.0 {
+            return;
+        }
+        let (count, radial) = (self.azimuth.len(), self.radial.len());
+        let rows = |block: &[f64]| -> Vec<f64> {
+            let (head, tail) = (&block[..radial], &block[(count - 1) * radial..]);
+            [tail, block, head].concat()
+        };
+        self.values = self.values.chunks_exact(count * radial).flat_map(rows).collect();
+        self.azimuth.insert(0, last - 360.0);
+        self.azimuth.push(first + 360.0);
+    }
+
     /// At angles of incidence and of leaving and the azimuth between them (0 onwards), rad: of a sample that scatters alike
     /// on both sides of the plane of incidence, the mean of both.
     fn at(&self, theta_in: f64, theta_out: f64, phi: f64) -> f64 {
@@ -137,6 +158,7 @@ impl Own {
         let azimuth = y.atan2(sin * z - cos * x).to_degrees();
         let at = |azimuth: f64| {
             let azimuth = if self.mirrored { azimuth } else { azimuth.rem_euclid(360.0) };
+            // Constant beyond the ends.
             let places = [
                 place(&self.incidence, theta_in.to_degrees()),
                 place(&self.azimuth, azimuth),
@@ -153,19 +175,14 @@ impl Own {
             let at = (i * self.azimuth.len() + a) * self.radial.len() + r;
             self.values.get(at).copied().unwrap_or(0.0)
         };
-        let mix = |(at, part): (usize, f64), of: &dyn Fn(usize) -> f64| {
-            if part == 0.0 { of(at) } else { (1.0 - part) * of(at) + part * of(at + 1) }
-        };
-        mix(i, &|i| mix(a, &|a| mix(r, &|r| value(i, a, r))))
+        mix(i, |i| mix(a, |a| mix(r, |r| value(i, a, r))))
     }
 
-    /// On a grid of the angles to the normal, about as fine as the file's.
+    /// On a grid of the angles to the normal.
     fn resampled(&self) -> Measurement {
-        let finest = self.radial.windows(2).map(|pair| pair[1] - pair[0]).fold(COARSEST_DEG, f64::min);
-        let count = (90.0 / finest.max(FINEST_DEG)).ceil() as usize;
         let steps =
             |count: usize, end: f64| -> Vec<f64> { (0..=count).map(|i| end * i as f64 / count as f64).collect() };
-        let (theta, phi) = (steps(count, FRAC_PI_2), steps(2 * count, PI));
+        let (theta, phi) = (steps(STEPS, FRAC_PI_2), steps(2 * STEPS, PI));
         let mut values = Vec::with_capacity(theta.len() * theta.len() * phi.len());
         for i in &theta {
             for o in &theta {
@@ -173,27 +190,6 @@ impl Own {
             }
         }
         Measurement { theta_in: theta.clone(), theta_out: theta, phi, values }
-    }
-
-    /// What is scattered of light at an angle of incidence in degrees: middles of half degrees.
-    fn total(&self, incidence_deg: f64) -> f64 {
-        const TILTS: usize = 180;
-        const TURNS: usize = 180;
-        let (tilt, turn) = (FRAC_PI_2 / TILTS as f64, PI / TURNS as f64);
-        let cell = |k: usize| {
-            let (theta, phi) = (((k / TURNS) as f64 + 0.5) * tilt, ((k % TURNS) as f64 + 0.5) * turn);
-            self.at(incidence_deg.to_radians(), theta, phi) * theta.sin() * theta.cos()
-        };
-        2.0 * tilt * turn * (0..TILTS * TURNS).map(cell).sum::<f64>()
-    }
-}
-
-/// The angle at or below `x`, and how far on to the next it lies.
-fn place(angles: &[f64], x: f64) -> (usize, f64) {
-    let below = angles.partition_point(|angle| *angle <= x).saturating_sub(1);
-    match (angles.get(below), angles.get(below + 1)) {
-        (Some(a), Some(b)) if x > *a => (below, (x - a) / (b - a)),
-        (Some(_) | None, _) => (below, 0.0),
     }
 }
 
@@ -288,7 +284,8 @@ mod tests {
     #[test]
     fn lobes_lie_about_the_specular_direction() {
         let half: Vec<f64> = (0..=18).map(|i| 10.0 * f64::from(i)).collect();
-        let whole: Vec<f64> = (0..=36).map(|i| 10.0 * f64::from(i)).collect();
+        // A circle may leave its end to its beginning.
+        let whole: Vec<f64> = (0..36).map(|i| 10.0 * f64::from(i)).collect();
         for (kind, side, text) in
             [("BTDF", 1, lobe("BTDF", "PlaneSymmetrical", &half)), ("BRDF", 0, lobe("BRDF", "Asymmetrical", &whole))]
         {
@@ -330,6 +327,7 @@ mod tests {
             ("0\t90\t180", "0\t90", "2 values where there are to be 3"),
             ("TIS 0.1", "TIS x", "does not begin a block"),
             ("DataBegin", "Data", "`Data` is no line"),
+            ("DataEnd", "TIS 0.1", "stands behind the last block"),
         ] {
             let fault = read(&good.replacen(from, to, 1), Path::new("a.bsdf")).err().expect("a fault").to_string();
             assert!(fault.contains(why), "{fault}");
