@@ -191,7 +191,8 @@ impl Row {
             Form::File => "a file name".to_owned(),
             Form::Length => "a length with its unit, e.g. \"4 mm\"".to_owned(),
             Form::LengthOr(words) => {
-                format!("a length with its unit, e.g. \"4 mm\", or one of {}", words.join(", "))
+                let words: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
+                format!("a length with its unit, e.g. \"4 mm\", or {}", words.join(", "))
             }
             Form::Numbers(count) => format!("a list of {count} numbers{unit}"),
             Form::Place => "a list of three lengths with their units, e.g. [\"0 mm\", \"0 mm\", \"120 mm\"]".to_owned(),

@@ -385,7 +385,7 @@ fn a_pupil_is_a_length_or_a_word() {
     check(&[(
         "",
         &["eye.pupil_diameter=wide"],
-        "--set eye.pupil_diameter=wide: `pupil_diameter`: `wide` is not a length; write a number and a unit, e.g. `4 mm`; expected a length with its unit, e.g. \"4 mm\", or one of auto",
+        "--set eye.pupil_diameter=wide: `pupil_diameter`: `wide` is not a length; write a number and a unit, e.g. `4 mm`; expected a length with its unit, e.g. \"4 mm\", or \"auto\"",
     )]);
 }
 
@@ -510,7 +510,7 @@ fn sidecars_as_a_whole() {
         ),
         (
             ("fov_deg = 12", "fov_deg = 12\npupil_diameter = 4"),
-            "hud.optics.toml:8: `pupil_diameter` is 4 without a unit; expected a length with its unit, e.g. \"4 mm\"",
+            "hud.optics.toml:8: `pupil_diameter` is 4 without a unit; expected a length with its unit, e.g. \"4 mm\", or \"auto\"",
         ),
         (
             ("fov_deg = 12", "fov_deg = 12\npupil_diameter = \"-4 mm\""),

@@ -209,7 +209,7 @@ const ROWS: &[(&str, &[&str], &str)] = &[
     (
         LIT,
         &["eye.pupil_diameter=4"],
-        "--set eye.pupil_diameter=4: `pupil_diameter` is 4 without a unit; expected a length with its unit, e.g. \"4 mm\"",
+        "--set eye.pupil_diameter=4: `pupil_diameter` is 4 without a unit; expected a length with its unit, e.g. \"4 mm\", or \"auto\"",
     ),
     (
         LIT,
