@@ -86,8 +86,9 @@ fn a_sequence_in_its_spellings() {
 /// one of them.
 #[test]
 fn fringe_terms() {
+    type Polynomial = fn(f64, f64) -> f64;
     let radius = 20.0;
-    let printed: [(usize, fn(f64, f64) -> f64); 9] = [
+    let printed: [(usize, Polynomial); 9] = [
         (2, |r, t| r * t.cos()),
         (3, |r, t| r * t.sin()),
         (4, |r, _| 2.0 * r * r - 1.0),

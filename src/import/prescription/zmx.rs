@@ -220,7 +220,7 @@ fn noll(number: usize) -> [i64; 2] {
     let n = (0..).find(|n| (n + 1) * (n + 2) / 2 >= number).unwrap_or(0);
     let k = number - n * (n + 1) / 2 - 1;
     let size = if n % 2 == 0 { 2 * k.div_ceil(2) } else { 2 * (k / 2) + 1 };
-    [n as i64, if number % 2 == 0 { size as i64 } else { -(size as i64) }]
+    [n as i64, if number.is_multiple_of(2) { size as i64 } else { -(size as i64) }]
 }
 
 /// Fringe coefficients go by rising n + |m| and within that by falling |m|, cosine before sine, and their polynomials are 1 at
@@ -230,7 +230,7 @@ fn fringe(number: usize, c: f64) -> ([i64; 2], f64) {
     let behind = side * side - number;
     let m = behind.div_ceil(2) as i64;
     let n = 2 * (side as i64 - 1) - m;
-    let [n, m] = if number == 37 { [12, 0] } else { [n, if behind % 2 == 0 { m } else { -m }] };
+    let [n, m] = if number == 37 { [12, 0] } else { [n, if behind.is_multiple_of(2) { m } else { -m }] };
     let norm = ((2 * n + 2) as f64 / if m == 0 { 2.0 } else { 1.0 }).sqrt();
     ([n, m], c / norm)
 }
