@@ -200,7 +200,7 @@ fn is_sound(assembly: &Assembly, node: usize) -> bool {
     let Some((skin, worlds)) = assembly.joints(node) else { return true };
     skin.binds.iter().all(|bind| bind.inverse().is_finite())
         && (0..skin.joints.len()).all(|joint| {
-            let locals = skin.locals(joint, &worlds);
+            let locals = motion::locals(&skin.joints, joint, &worlds);
             locals.iter().all(|local| local.is_finite()) && motion::parts(&locals).is_some()
         })
 }

@@ -249,19 +249,21 @@ impl Motion {
     }
 }
 
-impl Skin {
-    /// A joint in its parent, of joints in the world as [`Assembly::joints`] gives them.
-    pub fn locals(&self, joint: usize, worlds: &[Vec<DAffine3>]) -> Vec<DAffine3> {
-        let parent = self.joints.get(joint).and_then(|joint| joint.parent);
-        let local = |all: &Vec<DAffine3>| {
-            let own = all.get(joint).copied().unwrap_or_default();
-            match parent.and_then(|parent| all.get(parent)) {
-                Some(parent) => parent.inverse() * own,
-                None => own,
-            }
-        };
-        worlds.iter().map(local).collect()
-    }
+/// Joint number `joint` in its parent, of joints in the world as [`Assembly::joints`] gives them.
+pub fn locals(joints: &[Joint], joint: usize, worlds: &[Vec<DAffine3>]) -> Vec<DAffine3> {
+    let parent = joints.get(joint).and_then(|joint| joint.parent);
+    let local = |all: &Vec<DAffine3>| {
+        let own = all.get(joint).copied().unwrap_or_default();
+        parent.and_then(|parent| all.get(parent)).map_or(own, |parent| parent.inverse() * own)
+    };
+    worlds.iter().map(local).collect()
+}
+
+/// Whether only rounding tells two transforms apart.
+pub fn is_alike(a: &DAffine3, b: &DAffine3) -> bool {
+    let (a, b) = (a.to_cols_array(), b.to_cols_array());
+    let most = a.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-9 * most)
 }
 
 impl Assembly {

@@ -5,7 +5,7 @@ use super::animation::Animation;
 use super::document::Document;
 use super::node::matrix;
 use crate::scene::assembly::Assembly;
-use crate::scene::motion::Joint;
+use crate::scene::motion::{Joint, is_alike, locals};
 use glam::DAffine3;
 use serde_json::{Value as Json, json};
 
@@ -53,15 +53,10 @@ impl Skins {
         assembly: &Assembly,
         (joints, worlds): (&[Joint], Vec<Vec<DAffine3>>),
     ) -> Vec<usize> {
-        let alike = |a: &DAffine3, b: &DAffine3| {
-            let (a, b) = (a.to_cols_array(), b.to_cols_array());
-            let most = a.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-9 * most)
-        };
         let known = self.made.iter().find(|made| {
             made.joints == joints
                 && made.worlds.len() == worlds.len()
-                && made.worlds.iter().flatten().zip(worlds.iter().flatten()).all(|(a, b)| alike(a, b))
+                && made.worlds.iter().flatten().zip(worlds.iter().flatten()).all(|(a, b)| is_alike(a, b))
         });
         if let Some(known) = known {
             return known.nodes.clone();
@@ -70,11 +65,7 @@ impl Skins {
         let nodes: Vec<usize> = (first..first + joints.len()).collect();
         let mut tops = Vec::new();
         for (number, joint) in joints.iter().enumerate() {
-            let local = |all: &Vec<DAffine3>| {
-                let own = all.get(number).copied().unwrap_or_default();
-                joint.parent.and_then(|parent| all.get(parent)).map_or(own, |parent| parent.inverse() * own)
-            };
-            let locals: Vec<DAffine3> = worlds.iter().map(local).collect();
+            let locals = locals(joints, number, &worlds);
             let mut out = serde_json::Map::new();
             out.insert("name".into(), Json::from(joint.name.as_str()));
             let children = joints.iter().zip(&nodes).filter(|(other, _)| other.parent == Some(number));

@@ -8,7 +8,7 @@ use super::samples::sampled;
 use super::stage::{Writing, rows};
 use super::text::half;
 use crate::scene::assembly::Assembly;
-use crate::scene::motion::{Joint, Motion, Parts, Rig, parts};
+use crate::scene::motion::{Joint, Motion, Parts, Rig, is_alike, locals, parts};
 use glam::DAffine3;
 use std::collections::HashMap;
 
@@ -45,13 +45,6 @@ pub(super) struct Bound {
     geom_bind: DAffine3,
     /// The names of its blend shapes: prims, and in the animation.
     shapes: Vec<(String, String)>,
-}
-
-/// Two transforms that only rounding tells apart.
-fn same(a: &DAffine3, b: &DAffine3) -> bool {
-    let (a, b) = (a.to_cols_array(), b.to_cols_array());
-    let most = a.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-9 * most)
 }
 
 impl Skeletons {
@@ -100,14 +93,14 @@ impl Skeleton {
     fn bind(&self, joints: &[Joint], binds: &[DAffine3], worlds: &[Vec<DAffine3>]) -> Option<DAffine3> {
         let alike = self.joints == joints
             && self.worlds.len() == worlds.len()
-            && self.worlds.iter().flatten().zip(worlds.iter().flatten()).all(|(a, b)| same(a, b));
+            && self.worlds.iter().flatten().zip(worlds.iter().flatten()).all(|(a, b)| is_alike(a, b));
         if !alike {
             return None;
         }
         // bind⁻¹ of the mesh is joint⁻¹ · geometry.
         let mut places = self.binds.iter().zip(binds).map(|(own, other)| *own * other.inverse());
         let first = places.next()?;
-        places.all(|place| same(&first, &place)).then_some(first)
+        places.all(|place| is_alike(&first, &place)).then_some(first)
     }
 
     /// The name of a blend shape in the animation: meshes whose weights are the same share it.
@@ -217,7 +210,11 @@ pub(super) fn write(writing: &Writing<'_>, prims: &mut Vec<Prim>) {
         let in_order = |of: &dyn Fn(usize) -> DAffine3| {
             Datum::Matrices(skeleton.order.iter().map(|joint| rows(of(*joint))).collect())
         };
-        let locals: Vec<Vec<DAffine3>> = (0..skeleton.joints.len()).map(|joint| skeleton.locals(joint)).collect();
+        let local = |joint: usize| match skeleton.worlds.is_empty() {
+            true => vec![DAffine3::IDENTITY],
+            false => locals(&skeleton.joints, joint, &skeleton.worlds),
+        };
+        let locals: Vec<Vec<DAffine3>> = (0..skeleton.joints.len()).map(local).collect();
         let bind = in_order(&|joint| skeleton.binds.get(joint).copied().unwrap_or_default());
         prim.push(Property::new("bindTransforms", bind).uniform());
         let rest = in_order(&|joint| locals.get(joint).and_then(|all| all.first()).copied().unwrap_or_default());
@@ -244,18 +241,6 @@ pub(super) fn write(writing: &Writing<'_>, prims: &mut Vec<Prim>) {
             shapes(writing.assembly.motion.as_ref(), &skeleton.shapes, &mut animation);
         }
         prims.push(animation);
-    }
-}
-
-impl Skeleton {
-    /// A joint in its parent, at rest and at each frame.
-    fn locals(&self, joint: usize) -> Vec<DAffine3> {
-        let parent = self.joints.get(joint).and_then(|joint| joint.parent);
-        let local = |all: &Vec<DAffine3>| {
-            let own = all.get(joint).copied().unwrap_or_default();
-            parent.and_then(|parent| all.get(parent)).map_or(own, |parent| parent.inverse() * own)
-        };
-        if self.worlds.is_empty() { vec![DAffine3::IDENTITY] } else { self.worlds.iter().map(local).collect() }
     }
 }
 
