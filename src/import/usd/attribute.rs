@@ -7,6 +7,8 @@ use crate::base::{Error, Where};
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, ResolveInfoSource, TimeCode};
 use std::cell::RefCell;
+use std::cmp::Ordering;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -16,8 +18,46 @@ pub(super) struct Moment {
     pub file: PathBuf,
     pub frame: Option<f64>,
     /// When what was read so far has values of its own, if somebody asks.
-    pub keys: Option<RefCell<Vec<f64>>>,
+    pub keys: Option<RefCell<Keys>>,
 }
+
+/// Times at which something has a value, in order and each once: a thousand prims that move together have the keys of one.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Keys(BTreeSet<Key>);
+
+#[derive(Debug, Clone, Copy)]
+struct Key(f64);
+
+impl Keys {
+    /// Finite ones; USD's values at others are no frames.
+    pub fn add(&mut self, times: impl IntoIterator<Item = f64>) {
+        self.0.extend(times.into_iter().filter(|time| time.is_finite()).map(Key));
+    }
+    pub fn times(&self) -> Vec<f64> {
+        self.0.iter().map(|key| key.0).collect()
+    }
+}
+
+impl Ord for Key {
+    fn cmp(&self, other: &Self) -> Ordering {
+        // −0 is 0.
+        (self.0 + 0.0).total_cmp(&(other.0 + 0.0))
+    }
+}
+
+impl PartialOrd for Key {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Key {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Key {}
 
 impl Moment {
     pub fn at(&self, path: &sdf::Path) -> Where {
@@ -105,7 +145,7 @@ impl PrimView {
         if let Some(keys) = &self.moment.keys {
             let failed = |error| Error::new(self.at_property(name), one_line(&format!("cannot be read: {error}")));
             let own = attribute.time_samples_in_interval(f64::NEG_INFINITY..=f64::INFINITY).map_err(failed)?;
-            keys.borrow_mut().extend(own);
+            keys.borrow_mut().add(own);
         }
         let failed = |error| Error::new(self.at_property(name), one_line(&format!("cannot be read: {error}")));
         let authored = |time: Option<TimeCode>| {
@@ -206,4 +246,20 @@ impl PrimView {
 /// Where a file of an asset path lies, if the library found it.
 pub(super) fn resolved(path: &sdf::AssetPath) -> Option<&Path> {
     path.resolved_path().filter(|path| !path.is_empty()).map(Path::new)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_moves_together_has_the_keys_of_one() {
+        let mut keys = Keys::default();
+        for shift in [0.0, -0.0, 0.5] {
+            keys.add((-2..3).map(|time| f64::from(time) + shift));
+        }
+        keys.add([f64::NAN, f64::INFINITY]);
+        assert_eq!(keys.0.len(), 10);
+        assert_eq!(keys.times(), [-2.0, -1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5]);
+    }
 }

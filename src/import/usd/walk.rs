@@ -44,10 +44,7 @@ impl Reader {
 
     /// When what was read has values of its own, in time codes.
     fn clock(&self) -> Option<Clock> {
-        let mut keys = self.moment.keys.as_ref()?.borrow().clone();
-        keys.retain(|key| key.is_finite());
-        keys.sort_by(f64::total_cmp);
-        keys.dedup();
+        let keys = self.moment.keys.as_ref()?.borrow().times();
         let times = self.assembly.stage.as_ref().map_or(&[][..], |stage| &stage.times);
         let said = times.iter().find(|(key, _)| *key == "timeCodesPerSecond").map(|(_, rate)| *rate);
         let rate = said.filter(|rate| rate.is_finite() && *rate > 0.0).unwrap_or(CODES_PER_SECOND);
