@@ -161,7 +161,10 @@ fn face(document: &mut Document, (source, shapes): (&MeshSource, &Shapes), face:
     let corners: Vec<[u32; 3]> = triangles.iter().map(|triangle| triangle.map(number)).collect();
     if let Some(skin) = source.rig.as_ref().and_then(|rig| rig.skin.as_ref()) {
         pick("a vertex has no joints", skin.influences.len() / skin.each.max(1))?;
-        influences(document, skin, &used, &mut attributes);
+        influences(document, skin, &used, &mut attributes).map_err(|joint| {
+            wrong(&format!("joint number {joint} bends it"))
+                .expected("joints 0 to 65535, as glTF counts them in 16 bits")
+        })?;
     }
     let mut targets = Vec::new();
     for shape in &shapes.by {
@@ -183,7 +186,15 @@ fn face(document: &mut Document, (source, shapes): (&MeshSource, &Shapes), face:
 }
 
 /// `JOINTS_n` and `WEIGHTS_n` of the used vertices, four of them a set.
-fn influences(document: &mut Document, skin: &Skin, used: &[u32], attributes: &mut Json) {
+///
+/// # Errors
+/// A joint whose number is too large for glTF (2.0, section 3.7.3.3: unsigned short at most).
+fn influences(
+    document: &mut Document,
+    skin: &Skin,
+    used: &[u32],
+    attributes: &mut Json,
+) -> std::result::Result<(), u32> {
     for set in 0..skin.each.div_ceil(4) {
         let (mut joints, mut weights) = (Vec::with_capacity(used.len()), Vec::with_capacity(used.len()));
         for vertex in used {
@@ -191,10 +202,30 @@ fn influences(document: &mut Document, skin: &Skin, used: &[u32], attributes: &m
             let own = skin.influences.get(start..start + skin.each).unwrap_or_default();
             let four: [(u32, f32); 4] =
                 std::array::from_fn(|lane| own.get(4 * set + lane).copied().unwrap_or_default());
-            joints.push(four.map(|(joint, weight)| if weight > 0.0 { u16::try_from(joint).unwrap_or(0) } else { 0 }));
+            let mut numbers = [0u16; 4];
+            for (number, (joint, _)) in numbers.iter_mut().zip(four).filter(|(_, (_, weight))| *weight > 0.0) {
+                *number = u16::try_from(joint).map_err(|_| joint)?;
+            }
+            joints.push(numbers);
             weights.push(four.map(|(_, weight)| weight));
         }
         attributes[format!("JOINTS_{set}")] = Json::from(document.binary.joints(&joints));
         attributes[format!("WEIGHTS_{set}")] = Json::from(document.binary.weights(&weights));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What has no weight may name any joint.
+    #[test]
+    fn joints_that_gltf_cannot_count_are_a_fault() {
+        let bent = |joint: u32, weight: f32| {
+            let skin = Skin { influences: vec![(3, 1.0 - weight), (joint, weight)], each: 2, ..Skin::default() };
+            influences(&mut Document::default(), &skin, &[0], &mut json!({}))
+        };
+        assert_eq!((bent(65_535, 0.5), bent(65_536, 0.5), bent(65_536, 0.0)), (Ok(()), Err(65_536), Ok(())));
     }
 }
