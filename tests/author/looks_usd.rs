@@ -2,6 +2,7 @@
 
 use super::looks::{picture, read, write};
 use super::said::{assert_same, said};
+use eyebox::scene::Spectrum;
 use std::path::{Path, PathBuf};
 
 /// A quad with a material of `shaders`, whose surface is `</a/M/S.outputs:surface>`.
@@ -247,15 +248,15 @@ fn lights_with_an_extent_glow_in_gltf() {
     assert!(written.notes.is_empty(), "{:?}", written.notes);
     let glowing = |file: &Path| {
         let scene = super::kit::scene(file);
-        let mut out: Vec<(String, String, bool, Vec<[f32; 3]>)> = Vec::new();
+        let mut out: Vec<(String, String, bool, Vec<[f32; 3]>, Option<Spectrum>)> = Vec::new();
         for part in &scene.parts {
             let Some(emitter) = part.faces.iter().find_map(|face| face.emitter.as_ref()) else { continue };
             let points = &scene.meshes[part.mesh.index()].positions;
             let world =
                 points.iter().map(|p| part.to_world.transform_point3(glam::Vec3::from(*p).as_dvec3()).as_vec3());
             let world = world.map(|p| p.to_array()).collect();
-            let spectrum = format!("{:?} {:?}", emitter.photometry, emitter.spectrum.is_some());
-            out.push((part.name.clone(), spectrum, emitter.both_sides, world));
+            let photometry = format!("{:?}", emitter.photometry);
+            out.push((part.name.clone(), photometry, emitter.both_sides, world, emitter.spectrum.clone()));
         }
         out.sort_by(|a, b| a.0.cmp(&b.0));
         out
@@ -270,6 +271,13 @@ fn lights_with_an_extent_glow_in_gltf() {
             digits.parse().expect("a number")
         };
         assert!((number(&was.1) / number(&is.1) - 1.0).abs() < 1e-6, "{} {}", was.1, is.1);
+        let [a, b] = [&was.4, &is.4].map(|spectrum| match spectrum {
+            None | Some(Spectrum::D65) => [1.0; 3],
+            Some(Spectrum::Rgb(rgb)) => rgb.map(|x| x / rgb.iter().copied().fold(0.0, f64::max)),
+            Some(other) => panic!("{}: {other:?}", was.0),
+        });
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{}: {a:?}, {b:?}", was.0);
+        assert_eq!(a != [1.0; 3], was.0.contains("Sphere"), "{}: {a:?}", was.0);
         let far = was.3.as_flattened().iter().zip(is.3.as_flattened()).map(|(a, b)| (a - b).abs());
         assert!(was.3.len() == is.3.len() && far.fold(0.0, f32::max) < 1e-7, "{}", was.0);
     }
