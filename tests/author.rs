@@ -6,6 +6,7 @@ mod kit;
 mod looks;
 mod looks_usd;
 mod motion;
+mod motion_kept;
 mod random;
 mod said;
 mod samples;

@@ -6,17 +6,17 @@ use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
 
 /// A glTF asset under construction.
-struct Asset {
-    json: Json,
+pub(super) struct Asset {
+    pub(super) json: Json,
     bin: Vec<u8>,
 }
 
 impl Asset {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         let json = json!({ "asset": { "version": "2.0" }, "bufferViews": [], "accessors": [] });
         Asset { json, bin: Vec::new() }
     }
-    fn data(&mut self, bytes: &[u8], component: u32, kind: &str, count: usize) -> usize {
+    pub(super) fn data(&mut self, bytes: &[u8], component: u32, kind: &str, count: usize) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         let view = json!({ "buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len() });
         self.bin.extend(bytes);
@@ -27,14 +27,14 @@ impl Asset {
         accessors.push(json!({ "bufferView": view, "componentType": component, "type": kind, "count": count }));
         accessors.len() - 1
     }
-    fn floats(&mut self, kind: &str, lanes: usize, values: &[f32]) -> usize {
+    pub(super) fn floats(&mut self, kind: &str, lanes: usize, values: &[f32]) -> usize {
         let bytes: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
         self.data(&bytes, 5126, kind, values.len() / lanes)
     }
-    fn bytes(&mut self, kind: &str, lanes: usize, values: &[u8]) -> usize {
+    pub(super) fn bytes(&mut self, kind: &str, lanes: usize, values: &[u8]) -> usize {
         self.data(values, 5121, kind, values.len() / lanes)
     }
-    fn write(mut self, folder: &Path, name: &str) -> PathBuf {
+    pub(super) fn write(mut self, folder: &Path, name: &str) -> PathBuf {
         std::fs::write(folder.join(format!("{name}.bin")), &self.bin).expect("it is written");
         self.json["buffers"] = json!([{ "uri": format!("{name}.bin"), "byteLength": self.bin.len() }]);
         let file = folder.join(format!("{name}.gltf"));
@@ -42,7 +42,7 @@ impl Asset {
         file
     }
     /// A pillar of `rings` squares along y: positions, normals, triangles.
-    fn pillar(&mut self, rings: usize) -> (usize, usize, usize, usize) {
+    pub(super) fn pillar(&mut self, rings: usize) -> (usize, usize, usize, usize) {
         let corners = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0_f32]];
         let ring = |y: usize| corners.map(|[x, z]| [0.3 * x, y as f32, 0.3 * z]);
         let positions: Vec<f32> = (0..rings).flat_map(ring).flatten().collect();
@@ -203,9 +203,9 @@ fn bent(folder: &Path, seed: u64) -> PathBuf {
 }
 
 /// Parts by their paths: vertices in the world and their normals.
-type Parts = Vec<(String, Vec<[f64; 3]>, Vec<[f64; 3]>)>;
+pub(super) type Parts = Vec<(String, Vec<[f64; 3]>, Vec<[f64; 3]>)>;
 
-fn vertices(file: &Path, frame: Option<f64>) -> Parts {
+pub(super) fn vertices(file: &Path, frame: Option<f64>) -> Parts {
     let options =
         ImportOptions { reading: ReadOptions { frame, ..ReadOptions::default() }, ..ImportOptions::default() };
     let scene = import(file, &options).unwrap_or_else(|fault| panic!("{}: {fault}", file.display())).scene;
@@ -229,7 +229,7 @@ fn largest(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 }
 
 /// Converts `file` along `names` and compares each with it at frames, whole ones and others where both formats are exact.
-fn survives(file: &Path, names: &[&str], frames: &[f64]) {
+pub(super) fn survives(file: &Path, names: &[&str], frames: &[f64]) {
     let folder = file.parent().expect("a folder");
     let mut from = file.to_owned();
     for name in names {
@@ -353,7 +353,7 @@ fn what_a_stage_moves_is_where_it_was() {
     assert!(moved.iter().any(|channel| channel["target"]["node"].as_u64() == eye.map(|eye| eye as u64)));
 }
 
-fn glb_json(file: &Path) -> Json {
+pub(super) fn glb_json(file: &Path) -> Json {
     let bytes = std::fs::read(file).expect("it is there");
     let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
     serde_json::from_slice(&bytes[20..20 + length]).expect("JSON")

@@ -31,7 +31,7 @@ pub(super) struct Reader {
     pub skeletons: KnownSkeletons,
     pub render: render::Known,
     /// Whether the rigs of meshes are read, too.
-    pub rigs: bool,
+    pub rigs: Rigs,
 }
 
 impl Reader {
@@ -55,7 +55,7 @@ impl Reader {
             folding: Folding::default(),
             skeletons: KnownSkeletons::default(),
             render: render::Known::default(),
-            rigs: options.rigs != Rigs::No,
+            rigs: options.rigs,
         })
     }
 

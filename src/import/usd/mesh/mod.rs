@@ -17,6 +17,7 @@ use super::reader::Reader;
 use super::{binding, faces, optics, paint, primvar, skel, subdivide};
 use crate::base::Code;
 use crate::base::error::Result;
+use crate::import::Rigs;
 use crate::import::assembly::MeshSource;
 use crate::import::gltf::mesh::append;
 use crate::import::gltf::normals::{Settled, are_sound, flat_shaded, settle};
@@ -45,7 +46,7 @@ pub(super) fn of(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<
 
 fn build(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<MeshSource>> {
     let Some(mut out) = made(reader, view, below, true)? else { return Ok(None) };
-    if reader.rigs && subdivide::scheme(view)?.0.is_none() {
+    if reader.rigs != Rigs::No && subdivide::scheme(view)?.0.is_none() {
         // What is wrong was said.
         let said = std::mem::take(&mut reader.ledger.notes);
         let rig = rigged(reader, view, below, &out.source.mesh);
@@ -61,7 +62,10 @@ fn rigged(reader: &mut Reader, view: &PrimView, below: &Above, bent: &Mesh) -> R
     let Some(rig) = skel::rig(reader, view, &below.handed.skel, polygons.points.len())? else { return Ok(None) };
     let Some(still) = made(reader, view, below, false)? else { return Ok(None) };
     let mesh = still.source.mesh;
-    let fits = mesh.triangles == bent.triangles && still.sources.len() == bent.positions.len();
+    // At a frame joints may turn triangles round, or make polygons hollow so that they are cut another way; what bends them
+    // is the same.
+    let fits =
+        reader.rigs == Rigs::Poses || mesh.triangles == bent.triangles && still.sources.len() == bent.positions.len();
     let rest = Vertices { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
     Ok(fits.then(|| rig.of_vertices(rest, &still.sources)))
 }
