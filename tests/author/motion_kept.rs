@@ -1,8 +1,8 @@
 //! Motion in which something is not there, or is cut another way, at some frames: everything else moves on.
 
 use super::kit::eyebox;
-use super::motion::{Asset, Parts, survives, vertices};
-use serde_json::json;
+use super::motion::{Asset, Parts, glb_json, survives, vertices};
+use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
 
 fn stage(folder: &Path, prims: &str) -> PathBuf {
@@ -225,4 +225,36 @@ fn more_motion_than_memory_is_a_line() {
     let (code, _, errors) = eyebox(&[Path::new("convert"), &file, &folder.path().join("a.usdc")]);
     assert_eq!((code, errors.trim_end().lines().count()), (Some(2), 1), "{errors}");
     assert!(errors.contains("/a/much") && errors.contains("at 4001 frames") && errors.contains("--frame"), "{errors}");
+}
+
+/// No channel moves a node with a `matrix` (glTF 2.0, section 3.5.2), not even where only weights of its mesh move.
+#[test]
+fn nodes_that_move_have_no_matrix() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut asset = Asset::new();
+    let (positions, normals, indices, count) = asset.pillar(2);
+    let by: Vec<f32> = (0..3 * count).map(|i| 0.1 * i as f32).collect();
+    let target = json!({ "POSITION": asset.floats("VEC3", 3, &by) });
+    let attributes = json!({ "POSITION": positions, "NORMAL": normals });
+    asset.json["meshes"] = json!([{ "name": "soft", "primitives": [{ "attributes": attributes, "indices": indices, "targets": [target] }] }]);
+    asset.json["nodes"] = json!([
+        { "name": "soft", "mesh": 0, "translation": [1.0, 2.0, 3.0], "rotation": [0.6, 0.0, 0.0, 0.8], "scale": [1.0, 2.0, 0.5] },
+    ]);
+    asset.json["scenes"] = json!([{ "nodes": [0] }]);
+    asset.json["scene"] = json!(0);
+    let input = asset.floats("SCALAR", 1, &[0.0, 1.0]);
+    let weights = asset.floats("SCALAR", 1, &[0.0, 1.0]);
+    asset.json["animations"] = json!([{
+        "samplers": [{ "input": input, "output": weights }],
+        "channels": [{ "sampler": 0, "target": { "node": 0, "path": "weights" } }],
+    }]);
+    let file = asset.write(folder.path(), "soft");
+    survives(&file, &["a.glb", "b.usdc", "c.glb"], &[0.0, 7.0, 24.0]);
+    for name in ["a.glb", "c.glb"] {
+        let written = glb_json(&folder.path().join(name));
+        let channels = written["animations"][0]["channels"].as_array().expect("channels");
+        let moved = channels.iter().filter_map(|channel| channel["target"]["node"].as_u64());
+        let moved: Vec<&Json> = moved.map(|node| &written["nodes"][node as usize]).collect();
+        assert!(!moved.is_empty() && moved.iter().all(|node| node.get("matrix").is_none()), "{name}: {moved:?}");
+    }
 }

@@ -53,12 +53,7 @@ impl Animation {
             let output = document.binary.quaternions(&values);
             self.channel(document, motion, &kept, output, (node, "rotation"));
         }
-        let Parts { translation, rotation, scale } = still;
-        let mut out = Map::new();
-        out.insert("translation".into(), json!(translation.to_array()));
-        out.insert("rotation".into(), json!(rotation.to_array()));
-        out.insert("scale".into(), json!(scale.to_array()));
-        Some(out)
+        Some(entries(still))
     }
 
     /// The weights of the mesh of `node`, a list for each frame.
@@ -103,4 +98,14 @@ impl Animation {
         }
         Some(out)
     }
+}
+
+/// The entries of a node that stands so and that an animation may move.
+pub fn entries(parts: &Parts) -> Map<String, Json> {
+    let Parts { translation, rotation, scale } = parts;
+    let mut out = Map::new();
+    out.insert("translation".into(), json!(translation.to_array()));
+    out.insert("rotation".into(), json!(rotation.to_array()));
+    out.insert("scale".into(), json!(scale.to_array()));
+    out
 }

@@ -1,6 +1,6 @@
 //! The hierarchy: one node per node, in their order, with exact transforms.
 
-use super::animation::Animation;
+use super::animation::{self, Animation};
 use super::document::Document;
 use super::geometry;
 use super::lamp;
@@ -8,7 +8,8 @@ use super::light::{self, PUNCTUAL};
 use super::skin::Skins;
 use super::value::{self, OPTICS};
 use crate::base::error::Result;
-use crate::scene::assembly::Assembly;
+use crate::scene::assembly::{Assembly, Node};
+use crate::scene::motion::parts;
 use crate::scene::value::Value;
 use glam::{DAffine3, DMat3};
 use serde_json::{Map, Value as Json, json};
@@ -94,6 +95,7 @@ pub fn nodes(document: &mut Document, assembly: &Assembly) -> Result<Vec<usize>>
         let still = weights.first();
         if still.is_some_and(|still| weights.iter().any(|own| own != still)) {
             animation.weights(document, motion, index, &weights);
+            unmatrix(document, node, index);
         }
     }
     for light in &assembly.lights {
@@ -113,6 +115,27 @@ pub fn nodes(document: &mut Document, assembly: &Assembly) -> Result<Vec<usize>>
     out.insert("extras".into(), json!({ WORLD: true }));
     document.nodes.push(Json::Object(out));
     Ok(vec![document.nodes.len() - 1])
+}
+
+/// Takes the `matrix` from a node that an animation changes in any way, which glTF forbids (2.0, section 3.5.2), for what it is
+/// made of.
+fn unmatrix(document: &mut Document, node: &Node, index: usize) {
+    let Some(Json::Object(own)) = document.nodes.get_mut(index).filter(|own| own.get("matrix").is_some()) else {
+        return;
+    };
+    match parts(&[node.local]).as_deref() {
+        Some([parts]) => {
+            own.remove("matrix");
+            own.extend(animation::entries(parts));
+        }
+        Some(_) | None => {
+            let text = format!(
+                "`{}` stands sheared and its mesh moves: it has a matrix, to which validators object",
+                node.path
+            );
+            document.note(&node.at, text);
+        }
+    }
 }
 
 /// Whether the nodes stand in the order in which a reader of the tree meets them.
