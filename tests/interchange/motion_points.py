@@ -89,7 +89,7 @@ def main():
                 found[way] = max(found[way], apart(points, wanted))
         print(f"{asset.name}: frames {first} to {last}, USD {found[0]:.1e}, by glTF {found[1]:.1e}", flush=True)
         worst = max(worst, *found)
-    sys.exit(worst > 1e-5)
+    sys.exit(int(worst > 1e-5))
 
 
 main()
