@@ -58,9 +58,24 @@ fn joints_that_mirror_keep_their_frames() {
             { "sampler": 1, "target": { "node": 1, "path": "translation" } },
         ],
     }]);
+    let mut json = asset.json.clone();
     let file = asset.write(folder.path(), "mirrored");
     assert_eq!(warnings(&file, &folder.path().join("said.glb")), Vec::<String>::new());
     survives(&file, &["a.usda", "b.glb", "c.usdc"], &[0.0, 3.0, 5.0, 6.0, 9.0, 11.0, 12.0, 18.0, 23.0, 24.0]);
+    // A joint that mirrors all the time turns triangles round once, not with each format.
+    json["nodes"][1]["scale"] = json!([-1, 1, 1]);
+    json["animations"][0]["channels"].as_array_mut().expect("channels").remove(0);
+    json["buffers"] = json!([{ "uri": "mirrored.bin", "byteLength": std::fs::metadata(folder.path().join("mirrored.bin")).expect("it is there").len() }]);
+    let file = folder.path().join("always.gltf");
+    std::fs::write(&file, json.to_string()).expect("it is written");
+    survives(&file, &["d.usda", "e.glb"], &[0.0, 9.0, 24.0]);
+    let direct = folder.path().join("f.glb");
+    assert_eq!(eyebox(&[Path::new("convert"), &file, &direct]).0, Some(0));
+    let triangles =
+        |file: &Path| super::kit::scene(file).meshes.iter().map(|mesh| mesh.triangles.clone()).collect::<Vec<_>>();
+    for to in ["d.usda", "e.glb", "f.glb"] {
+        assert_eq!(triangles(&folder.path().join(to)), triangles(&file), "{to}");
+    }
 }
 
 /// A square whose corner a joint moves through the opposite side: it is cut along its other diagonal then.

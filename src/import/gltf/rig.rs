@@ -14,14 +14,14 @@ use crate::import::Rigs;
 use crate::scene::motion::{self, Joint, Rig, Skin, Vertices};
 use glam::DVec3;
 
-/// The rig of the mesh at `at`, which `deform` bends at the moment; none, where only the bent vertices say it: primitives with
-/// and without joints in one mesh.
+/// The rig of the mesh at `at`, which `deform` bends at the moment to these triangles; none, where only the bent vertices say it:
+/// primitives with and without joints in one mesh, joints that mirror it and so turn its triangles round.
 ///
 /// # Errors
 /// As [`primitive::read`].
 pub(super) fn read(
     document: &Document<'_>,
-    at: &At<'_>,
+    (at, bent): (&At<'_>, &[[u32; 3]]),
     deform: &Deform,
     (pose, rigs): (&Pose<'_>, Rigs),
     ledger: &mut Ledger,
@@ -31,7 +31,7 @@ pub(super) fn read(
     }
     // What is wrong with the mesh was said when it was read.
     let said = std::mem::take(&mut ledger.notes);
-    let out = unsaid(document, at, deform, pose, ledger);
+    let out = unsaid(document, (at, bent), deform, pose, ledger);
     ledger.notes = said;
     if morph::changes_more(at) {
         let text = "morph targets of texture coordinates or colours: only their positions and normals move";
@@ -42,7 +42,7 @@ pub(super) fn read(
 
 fn unsaid(
     document: &Document<'_>,
-    at: &At<'_>,
+    (at, mut bent): (&At<'_>, &[[u32; 3]]),
     deform: &Deform,
     pose: &Pose<'_>,
     ledger: &mut Ledger,
@@ -57,6 +57,13 @@ fn unsaid(
         if face.positions.is_empty() {
             continue;
         }
+        let first = rig.rest.positions.len() as u32;
+        let still = face.triangles.iter().map(|triangle| triangle.map(|vertex| vertex + first));
+        let Some((own, rest)) = bent.split_at_checked(face.triangles.len()) else { return Ok(None) };
+        if !still.eq(own.iter().copied()) {
+            return Ok(None);
+        }
+        bent = rest;
         let reference = at.want("attributes")?.want("POSITION")?;
         let positions = open(document, &reference, &[3], ledger)?;
         let target = Target { document, at, positions: &positions, used: &face.sources };

@@ -101,7 +101,8 @@ impl<'a> Shapes<'a> {
         let deform = Deform { weights, bones, is_traced: false };
         let mut source = mesh::read(document, at, index, &deform, ledger)?;
         if has_rig {
-            source.rig = rig::read(document, at, &deform, (pose, self.rigs), ledger)?.map(Box::new);
+            source.rig =
+                rig::read(document, (at, &source.mesh.triangles), &deform, (pose, self.rigs), ledger)?.map(Box::new);
         }
         let place = if is_free { index } else { self.own.len() + self.more.len() };
         match self.own.get_mut(index).filter(|_| is_free) {
