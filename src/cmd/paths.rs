@@ -1,6 +1,6 @@
 //! `eyebox paths`: by which parts light gets to the eye, and how much of it.
 
-use super::source::Source;
+use super::source::{Source, told};
 use super::threads::Threads;
 use super::{Format, print};
 use crate::base::Result;
@@ -63,10 +63,7 @@ fn traced(args: &PathsArgs) -> Result<ExitCode> {
     let asked = Asked { least: args.least, paths: args.paths, polarisation: args.polarisation.asked() };
     let Some(table) = table(&checked, &world, asked, &|| false) else { return Ok(ExitCode::SUCCESS) };
     let warnings = || scene.notes.iter().filter(|note| note.severity == Severity::Warning);
-    let text = || {
-        let warnings = warnings().map(|note| format!("warning: {}: {}", note.at, note.text));
-        warnings.chain([table.text()]).collect::<Vec<_>>().join("\n")
-    };
+    let text = || told(&scene).into_iter().chain([table.text()]).collect::<Vec<_>>().join("\n");
     let json = || {
         let mut json = serde_json::json!(table);
         json["scene"] = serde_json::json!(scene.name);

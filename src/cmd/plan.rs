@@ -1,7 +1,7 @@
 //! `eyebox plan`: what would be traced how, and why.
 
 use super::render_args::{EstimatorArg, PolarisationArg, parse_resolution};
-use super::source::Source;
+use super::source::{Source, told};
 use super::threads::Threads;
 use super::{Format, print};
 use crate::base::atomic::write_atomic;
@@ -79,7 +79,7 @@ fn traced(args: &PlanArgs) -> Result<ExitCode> {
     }
     print(
         args.format,
-        || text(&scene, &frozen, &forecast),
+        || told(&scene).into_iter().chain([text(&scene, &frozen, &forecast)]).collect::<Vec<_>>().join("\n"),
         || serde_json::json!({ "frozen": frozen, "forecast": forecast }),
     )?;
     Ok(ExitCode::SUCCESS)

@@ -2,7 +2,7 @@
 
 use super::progress::Signals;
 use super::render_args::{PolarisationArg, parse_resolution};
-use super::source::Source;
+use super::source::{Source, told};
 use super::table_file::TableFile;
 use super::threads::Threads;
 use super::{Format, print};
@@ -118,10 +118,10 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
         light: (!args.no_luminance).then_some(light),
     };
     let all = args.eyebox[0].saturating_mul(args.eyebox[1]);
-    let told = !args.quiet && !args.no_luminance;
+    let shows = !args.quiet && !args.no_luminance;
     let stop = || signals.caught().is_some();
     let found = scan(&scene, &asked, &stop, |done| {
-        if told {
+        if shows {
             tell!("eyebox: {done} of {all} positions");
         }
     })?;
@@ -137,8 +137,8 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
     if let Some(path) = &args.ghosts {
         write_atomic(path, ghosts_csv(&found).as_bytes())?;
     }
-    let told = warnings.iter().map(|note| format!("warning: {}: {}", note.at, note.text));
-    print(args.format, || told.chain(lines(&found)).collect::<Vec<_>>().join("\n"), json)?;
+    let text = || told(&scene).into_iter().chain(lines(&found)).collect::<Vec<_>>().join("\n");
+    print(args.format, text, json)?;
     Ok(ExitCode::from(u8::from(found.positions.iter().any(|position| position.warning.is_some()))))
 }
 

@@ -8,7 +8,7 @@ use crate::estimate::ShouldStop;
 use crate::import::{Built, ImportOptions, ReadOptions, Set, import};
 use crate::plan::adaptation::{Adapted, adapt};
 use crate::plan::{Asked, Polarisation};
-use crate::scene::{Note, Scene};
+use crate::scene::{Note, Scene, Severity};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -51,7 +51,7 @@ impl Source {
                  over {field_deg2:.4} deg² (Watson and Yellott 2012)",
                 1e3 * diameter_m
             );
-            scene.notes.push(Note::info(Where::file(&self.asset), text));
+            scene.notes.push(Note::assumed(Where::file(&self.asset), text));
         }
         Ok(())
     }
@@ -65,6 +65,15 @@ impl Source {
     pub fn reading(&self) -> ReadOptions {
         self.moment.reading()
     }
+}
+
+/// What nobody who looks at a result should miss of its scene: warnings, and what was assumed.
+pub fn told(scene: &Scene) -> Vec<String> {
+    let is_warning = |note: &&Note| note.severity == Severity::Warning;
+    let warnings = scene.notes.iter().filter(is_warning).map(|note| format!("warning: {}: {}", note.at, note.text));
+    let assumed =
+        scene.notes.iter().filter(|note| note.assumed).map(|note| format!("note: {}: {}", note.at, note.text));
+    warnings.chain(assumed).collect()
 }
 
 /// What `--set` asks for, in order.
@@ -85,6 +94,19 @@ mod tests {
 
     fn of(words: &[&str]) -> Source {
         Line::try_parse_from([&["eyebox"], words].concat()).unwrap().source
+    }
+
+    /// A bare asset is traced with an eye and a light that nobody has said: everybody is told.
+    #[test]
+    fn what_is_assumed_is_told() {
+        let bare = concat!(env!("CARGO_MANIFEST_DIR"), "/samples/hud-direct/hud_direct.glb");
+        let scene = of(&[bare]).import().unwrap().scene;
+        let lines = told(&scene);
+        for said in ["there is no eye: a pinhole", "there is no light: an overcast sky"] {
+            assert!(lines.iter().any(|line| line.starts_with("note: ") && line.contains(said)), "{said}: {lines:?}");
+        }
+        // A default of a row is for the record alone.
+        assert!(lines.iter().all(|line| !line.contains("is not said")), "{lines:?}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `eyebox tolerance`: the virtual image of designs as they will be made.
 
 use super::progress::Signals;
-use super::source::Source;
+use super::source::{Source, told};
 use super::table_file::TableFile;
 use super::threads::Threads;
 use super::{Format, print};
@@ -116,8 +116,8 @@ fn drawn(args: &ToleranceArgs) -> Result<ExitCode> {
     if let Some(file) = written {
         file.write(|| csv(&found), json)?;
     }
-    let told = warnings.iter().map(|note| format!("warning: {}: {}", note.at, note.text));
-    print(args.format, || told.chain(lines(&found)).collect::<Vec<_>>().join("\n"), json)?;
+    let text = || told(&scene).into_iter().chain(lines(&found)).collect::<Vec<_>>().join("\n");
+    print(args.format, text, json)?;
     Ok(ending(&found))
 }
 

@@ -53,7 +53,7 @@ pub fn eye(assembly: &Assembly, unit_m: f64, resolution: [usize; 2], fov_deg: f6
         "there is no eye: a pinhole {distance:.3} m from the middle of the asset frames it, {fov_deg}° wide, {} x {}",
         resolution[0], resolution[1]
     );
-    Some((eye, Note::info(Where::file(&assembly.file), text)))
+    Some((eye, Note::assumed(Where::file(&assembly.file), text)))
 }
 
 /// The corners of a box about all geometry, scene's world, m.

@@ -73,7 +73,7 @@ impl Builder<'_> {
         let text = format!(
             "there is no light: an overcast sky of {level_cd_m2} cd/m², which lights a horizontal plane as a uniform one would"
         );
-        self.notes.push(Note::info(Where::file(&self.assembly.file), text));
+        self.notes.push(Note::assumed(Where::file(&self.assembly.file), text));
         let picture = daylight::overcast(level_cd_m2, 0.2);
         Sky {
             group: GroupId::from_index(intern(&mut self.groups, Group { name: "sky".to_owned() })),

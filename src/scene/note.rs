@@ -21,6 +21,9 @@ pub struct Note {
     /// What it is about, if `validate` is to find it. The words of `text` decide nothing.
     #[serde(skip)]
     pub code: Option<Code>,
+    /// Nobody has said it, and all of the picture shows it: told wherever light is traced.
+    #[serde(skip)]
+    pub assumed: bool,
     /// The face of a mesh that it is about, where `at` is no closer than the mesh.
     #[serde(skip)]
     pub face: Option<usize>,
@@ -51,10 +54,14 @@ pub struct Known {
 
 impl Note {
     pub fn new(severity: Severity, at: Where, text: impl Into<String>) -> Self {
-        Note { severity, at, text: text.into(), code: None, face: None, residual: None }
+        Note { severity, at, text: text.into(), code: None, assumed: false, face: None, residual: None }
     }
     pub fn info(at: Where, text: impl Into<String>) -> Self {
         Self::new(Severity::Info, at, text)
+    }
+    /// For the record, and told wherever light is traced.
+    pub fn assumed(at: Where, text: impl Into<String>) -> Self {
+        Note { assumed: true, ..Self::info(at, text) }
     }
     pub fn warning(at: Where, text: impl Into<String>) -> Self {
         Self::new(Severity::Warning, at, text)

@@ -7,8 +7,8 @@ use super::traced::Traced;
 use crate::base::Result;
 use crate::cmd::ending::stated;
 use crate::cmd::print;
+use crate::cmd::source::told;
 use crate::estimate::picture::plan_lines;
-use crate::scene::Severity;
 
 impl Run<'_> {
     pub fn tell(&self, opened: &Opened, planned: &Planned, traced: &Traced) -> Result<()> {
@@ -19,9 +19,8 @@ impl Run<'_> {
         let Opened { scene, .. } = opened;
         let Planned { plan, sharpness, .. } = planned;
         let Traced { outcome, judgement, error, ending, .. } = traced;
-        // What a pipe of the result should not hold, and nobody who looks at it should miss.
-        let of_scene = scene.notes.iter().filter(|note| note.severity == Severity::Warning);
-        of_scene.for_each(|note| tell!("warning: {}: {}", note.at, note.text));
+        // What a pipe of the result should not hold.
+        told(scene).iter().for_each(|line| tell!("{line}"));
         ending.warnings.iter().for_each(|warning| tell!("warning: {warning}"));
         let text = || {
             let mut lines = plan_lines(scene, plan);
