@@ -29,7 +29,7 @@ pub fn name_of_table(files: &[impl AsRef<Path>]) -> String {
     files.iter().map(|file| file.as_ref().display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// The table that the files give together: ours, or those of [`zemax_bsdf`].
+/// The table that the files give together: ours, or those of `zemax_bsdf`.
 ///
 /// # Errors
 /// By its line: what is no number or out of range, a point twice. A grid with holes, a side that two files have, a table that gains
