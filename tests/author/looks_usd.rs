@@ -246,39 +246,55 @@ fn lights_with_an_extent_glow_in_gltf() {
     let to = folder.path().join("lights.glb");
     let written = write(&read(&file), &to);
     assert!(written.notes.is_empty(), "{:?}", written.notes);
+    struct Glowing {
+        name: String,
+        photometry: String,
+        both_sides: bool,
+        points: Vec<[f32; 3]>,
+        spectrum: Option<Spectrum>,
+    }
     let glowing = |file: &Path| {
         let scene = super::kit::scene(file);
-        let mut out: Vec<(String, String, bool, Vec<[f32; 3]>, Option<Spectrum>)> = Vec::new();
+        let mut out: Vec<Glowing> = Vec::new();
         for part in &scene.parts {
             let Some(emitter) = part.faces.iter().find_map(|face| face.emitter.as_ref()) else { continue };
             let points = &scene.meshes[part.mesh.index()].positions;
             let world =
                 points.iter().map(|p| part.to_world.transform_point3(glam::Vec3::from(*p).as_dvec3()).as_vec3());
-            let world = world.map(|p| p.to_array()).collect();
-            let photometry = format!("{:?}", emitter.photometry);
-            out.push((part.name.clone(), photometry, emitter.both_sides, world, emitter.spectrum.clone()));
+            out.push(Glowing {
+                name: part.name.clone(),
+                photometry: format!("{:?}", emitter.photometry),
+                both_sides: emitter.both_sides,
+                points: world.map(|p| p.to_array()).collect(),
+                spectrum: emitter.spectrum.clone(),
+            });
         }
-        out.sort_by(|a, b| a.0.cmp(&b.0));
+        out.sort_by(|a, b| a.name.cmp(&b.name));
         out
     };
     let (was, is) = (glowing(&file), glowing(&to));
     assert_eq!(was.len(), 4);
     assert_eq!(was.len(), is.len());
     for (was, is) in was.iter().zip(&is) {
-        assert_eq!((&was.0, was.2), (&is.0, is.2));
+        assert_eq!((&was.name, was.both_sides), (&is.name, is.both_sides));
         let number = |text: &str| -> f64 {
             let digits = text.split(['(', ')']).nth(1).expect("a number");
             digits.parse().expect("a number")
         };
-        assert!((number(&was.1) / number(&is.1) - 1.0).abs() < 1e-6, "{} {}", was.1, is.1);
-        let [a, b] = [&was.4, &is.4].map(|spectrum| match spectrum {
+        assert!(
+            (number(&was.photometry) / number(&is.photometry) - 1.0).abs() < 1e-6,
+            "{} {}",
+            was.photometry,
+            is.photometry
+        );
+        let [a, b] = [&was.spectrum, &is.spectrum].map(|spectrum| match spectrum {
             None | Some(Spectrum::D65) => [1.0; 3],
             Some(Spectrum::Rgb(rgb)) => rgb.map(|x| x / rgb.iter().copied().fold(0.0, f64::max)),
-            Some(other) => panic!("{}: {other:?}", was.0),
+            Some(other) => panic!("{}: {other:?}", was.name),
         });
-        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{}: {a:?}, {b:?}", was.0);
-        assert_eq!(a != [1.0; 3], was.0.contains("Sphere"), "{}: {a:?}", was.0);
-        let far = was.3.as_flattened().iter().zip(is.3.as_flattened()).map(|(a, b)| (a - b).abs());
-        assert!(was.3.len() == is.3.len() && far.fold(0.0, f32::max) < 1e-7, "{}", was.0);
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{}: {a:?}, {b:?}", was.name);
+        assert_eq!(a != [1.0; 3], was.name.contains("Sphere"), "{}: {a:?}", was.name);
+        let far = was.points.as_flattened().iter().zip(is.points.as_flattened()).map(|(a, b)| (a - b).abs());
+        assert!(was.points.len() == is.points.len() && far.fold(0.0, f32::max) < 1e-7, "{}", was.name);
     }
 }
