@@ -1,6 +1,6 @@
 //! `eyebox rays`: some light paths as lines for a viewer, and what became of all of them.
 
-use super::source::Source;
+use super::source::{Source, told};
 use super::threads::Threads;
 use super::{Format, print};
 use crate::base::atomic::check_writable;
@@ -124,7 +124,7 @@ fn traced(args: &RaysArgs) -> Result<ExitCode> {
         From::Eye(Some([x, y])) => format!("from the eye through pixel {x},{y}"),
     };
     let text = || {
-        let mut lines: Vec<String> = warnings().map(|note| format!("warning: {}: {}", note.at, note.text)).collect();
+        let mut lines = told(scene);
         lines.push(match fates.paths {
             0 => "nothing shines: no path starts".to_owned(),
             paths => format!("{paths} paths {what}; where their light ends:"),

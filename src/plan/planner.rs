@@ -143,17 +143,8 @@ impl Planner<'_> {
     /// Whether what a face scatters depends on how light is polarised.
     fn polarises(&self, part: u32, face: u32) -> bool {
         let found = self.world.faces.get(part as usize).and_then(|faces| faces.get(face as usize));
-        found.is_some_and(|face| match &face.surface {
-            Surface::Scatter(scatter) => scatter.principled().is_some_and(|principled| principled.has_facets()),
-            Surface::Absent
-            | Surface::Absorber
-            | Surface::Interface(_)
-            | Surface::Mirror(_)
-            | Surface::Splitter(_)
-            | Surface::Slide(_)
-            | Surface::Sheet(_)
-            | Surface::Grating(_) => false,
-        })
+        let Some(Surface::Scatter(scatter)) = found.map(|face| &face.surface) else { return false };
+        scatter.principled().is_some_and(|principled| principled.has_facets())
     }
 
     /// Photons and the connections of lamps with faces that scatter.

@@ -14,10 +14,13 @@ pub(super) struct Layers {
     /// Below coat and sheen; below the sheen.
     pub under: f64,
     pub under_sheen: f64,
-    /// Of what the body scatters through and, where it is smooth, back: below all of them.
+    /// Of a smooth body, below all of them.
     pub body: f64,
-    /// Of what it scatters back, with its colour.
-    pub back: f64,
+    /// Share of the surface that is a dielectric with a body.
+    pub dielectric: f64,
+    /// What gets through to the body from both directions, and from all sides.
+    pub open: [f64; 2],
+    pub mean_open: f64,
     /// Of what facets lose.
     pub again: f64,
     /// Share of the dielectric that is a rough sheet.
@@ -167,13 +170,12 @@ impl Principled {
         round.iter().map(|direction| self.opening(at(*direction), look)).sum::<f64>() / round.len() as f64
     }
 
-    /// What the body scatters back between two directions, with its colour: `smooth` is what a white and smooth one does.
-    fn scatters_back(&self, between: [DVec3; 2], open: [f64; 2], smooth: f64, mean: f64, look: &Look) -> f64 {
-        if look.diffuse_roughness > 0.0 {
-            Body::new(self, look, mean).value(between, open, look.tint)
-        } else {
-            smooth * look.tint.base
+    /// What the body scatters back between two directions under their layers, with its colour.
+    pub(super) fn scatters_back(&self, between: [DVec3; 2], layers: &Layers, look: &Look) -> f64 {
+        if look.diffuse_roughness == 0.0 || layers.mean_open == 0.0 {
+            return layers.body * look.tint.base;
         }
+        layers.dielectric * Body::new(self, look, layers.mean_open).value(between, layers.open, look.tint)
     }
 
     /// Share of light that has got into the body from a direction that it scatters, if all is scattered back.
@@ -189,13 +191,8 @@ impl Principled {
     pub(super) fn layers(&self, wi: DVec3, wo: DVec3, look: &Look) -> Layers {
         let dielectric = (1.0 - look.metallic) * (1.0 - look.transmission);
         let mean = if dielectric > 0.0 { self.mean_opening(look) } else { 0.0 };
-        let [body, back] = if mean > 0.0 {
-            let open = [wi, wo].map(|w| self.opening(w, look));
-            let smooth = open[0] * open[1] / (PI * mean);
-            [smooth, self.scatters_back([wi, wo], open, smooth, mean, look)]
-        } else {
-            [0.0; 2]
-        };
+        let open = if mean > 0.0 { [wi, wo].map(|w| self.opening(w, look)) } else { [0.0; 2] };
+        let smooth = if mean > 0.0 { open[0] * open[1] / (PI * mean) } else { 0.0 };
         let sheet = if look.is_clear() { 0.0 } else { (1.0 - look.metallic) * look.transmission };
         let again = if look.metallic > 0.0 || sheet > 0.0 {
             let lost = |w: DVec3| 1.0 - self.energy(w, look)[0];
@@ -214,8 +211,10 @@ impl Principled {
         Layers {
             under: (under_sheen * (1.0 - coat)).max(0.0),
             under_sheen: under_sheen.max(0.0),
-            body: dielectric * body,
-            back: dielectric * back,
+            body: dielectric * smooth,
+            dielectric,
+            open,
+            mean_open: mean,
             again,
             sheet,
         }

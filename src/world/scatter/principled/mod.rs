@@ -110,7 +110,7 @@ impl Principled {
             return body * look.tint.through * look.diffuse_transmission
                 + layers.under * layers.sheet * look.tint.base * (sheet + layers.again);
         }
-        let mut sum = layers.back * (1.0 - look.diffuse_transmission);
+        let mut sum = self.scatters_back([wi, d_out], &layers, look) * (1.0 - look.diffuse_transmission);
         if look.metallic > 0.0 {
             sum += layers.under * look.metallic * layers.again * self.again(look, look.tint);
         }
