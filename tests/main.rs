@@ -35,6 +35,7 @@ mod tolerance;
 mod witness;
 
 // Layers.
+mod adaptive;
 mod aov;
 mod crop;
 mod cryptomatte;

@@ -3,7 +3,7 @@
 
 use eyebox::bench::generate::{self, Family};
 use eyebox::check::check;
-use eyebox::estimate::run::{Films, begin};
+use eyebox::estimate::run::{Dealt, Films, begin};
 use eyebox::estimate::witness::Witness;
 use eyebox::film::plan::{Estimator, Plan};
 use eyebox::film::witness::{Judged, Judgement, judge};
@@ -115,7 +115,7 @@ fn planted_faults_of_vision_are_named() {
     println!("doubled: {:?}", only(&doubled));
     assert!(sigmas(only(&doubled)) > 6.0, "{:?}", only(&doubled));
     // Black.
-    let black = Films { films: Vec::new(), first: 0, passes: 97, witness: None };
+    let black = Films { films: Vec::new(), first: 0, passes: 97, dealt: Dealt::default(), witness: None };
     let black = judged(&witness, &black);
     assert!(sigmas(only(&black)) < -20.0 && only(&black).ratio.is_some_and(|[ratio, _]| ratio == 0.0));
 }
@@ -140,7 +140,8 @@ fn planted_faults_of_caustics_are_named() {
     println!("{:?}\n{:?}", caustic(&sound), caustic(&double));
     assert!(!sound.is_off(), "{sound:?}");
     assert!(sigmas(&caustic(&double)) > 4.0, "{double:?}");
-    let black = judged(&witness, &Films { films: Vec::new(), first: 0, passes: 8, witness: None });
+    let black =
+        judged(&witness, &Films { films: Vec::new(), first: 0, passes: 8, dealt: Dealt::default(), witness: None });
     assert!(sigmas(&caustic(&black)) < -6.0, "{black:?}");
 }
 

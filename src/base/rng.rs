@@ -43,6 +43,8 @@ pub enum Stream {
     ConnectionLamp,
     /// Of what is off in a design that is made.
     Tolerance,
+    /// Of the pixels that get passes of their own by chance.
+    Adaptive,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

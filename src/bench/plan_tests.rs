@@ -227,7 +227,7 @@ fn what_the_pilot_missed_is_in_the_stated_error() {
     plan.forward_guide = None;
     plan.forward_paths = 1 << 12;
     let references = by_brute_force(&ready, 2000);
-    let limits = Limits { passes: Some(16), time: None, error: Some(0.3) };
+    let limits = Limits { passes: Some(16), time: None, error: Some(0.3), ..Limits::default() };
     let runs: Vec<_> = runs(&ready, &plan, &references, 0..40, &limits, &|| false).collect();
     assert!(runs.iter().all(|run| run.stated.is_some_and(|stated| stated > 0.05)), "{runs:?}");
     assert_honest(&runs);

@@ -75,6 +75,6 @@ fn pieces_of_a_run_have_the_maps_of_the_whole() {
     let whole = values(&run(Start::Pass(0), &[change + 2]));
     let pieces = run(Start::Pass(0), &[change - 1, 3]);
     assert_eq!(whole, values(&pieces));
-    let late = run(Start::Films(run(Start::Pass(0), &[change])), &[2]);
+    let late = run(Start::Films(Box::new(run(Start::Pass(0), &[change]))), &[2]);
     assert_eq!(whole, values(&late));
 }

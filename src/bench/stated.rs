@@ -126,6 +126,7 @@ pub fn measure_scene(
         passes: task.budget.passes,
         time: Duration::try_from_secs_f64(task.budget.seconds).ok(),
         error: Some(error),
+        adaptive: true,
     };
     let plan = plan(&ready.checked, &ready.world, choice);
     let least = references.least_relative_error();
@@ -187,7 +188,7 @@ mod tests {
         let source = Source::Traced { choice, passes: Some(600), seconds: 1e9 };
         let (references, _) = references(&ready, &source, 1, &|| false).unwrap();
         let plan = plan(&ready.checked, &ready.world, choice);
-        let limits = |passes: u64| Limits { passes: Some(passes), time: None, error: None };
+        let limits = |passes: u64| Limits { passes: Some(passes), ..Limits::default() };
         let all: Vec<Run> = runs(&ready, &plan, &references, 0..12, &limits(12), &|| false).collect();
         assert_eq!(all.len(), 12);
         let ratios: Vec<f64> = all.iter().map(|run| run.real / run.stated.unwrap()).collect();
@@ -224,7 +225,7 @@ mod tests {
         let choice = Choice::Only(Estimator::Backward);
         let source = Source::Traced { choice, passes: Some(800), seconds: 1e9 };
         let (references, _) = references(&ready, &source, 1, &|| false).unwrap();
-        let limits = Limits { passes: Some(4), time: None, error: None };
+        let limits = Limits { passes: Some(4), ..Limits::default() };
         let plan = plan(&ready.checked, &ready.world, choice);
         let runs: Vec<Run> = runs(&ready, &plan, &references, 0..20, &limits, &|| false).collect();
         let ratios: Vec<f64> = runs.iter().filter_map(|run| Some(run.real / run.stated?)).collect();
@@ -245,7 +246,7 @@ mod tests {
             references(&ready, &source, seed, &|| false).unwrap().0
         };
         let plan = plan(&ready.checked, &ready.world, choice);
-        let limits = Limits { passes: Some(4096), time: None, error: None };
+        let limits = Limits { passes: Some(4096), ..Limits::default() };
         let films = run(&ready.world, &plan, 1, scene.eye.resolution, 99, &limits, &mut Nobody(&|| false)).films;
         let picture = Picture::of_films(&films, scene.eye.resolution);
         let (mut beyond, mut most) = (0, 0.0f64);

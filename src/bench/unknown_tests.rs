@@ -104,7 +104,7 @@ fn what_is_unknown_is_in_the_stated_error() {
     plan.unknown_share = 16.0 / 108.0;
     let source = Source::Traced { choice: Choice::Only(Estimator::Backward), passes: Some(2000), seconds: 1e9 };
     let references: References = references(&ready, &source, 1, &|| false).unwrap().0;
-    let limits = Limits { passes: Some(4096), time: None, error: Some(0.2) };
+    let limits = Limits { passes: Some(4096), time: None, error: Some(0.2), ..Limits::default() };
     let runs: Vec<_> = runs(&ready, &plan, &references, 0..40, &limits, &|| false).collect();
     let honest = runs.iter().filter(|run| run.is_honest()).count();
     assert!(10 * honest >= 9 * runs.len(), "{honest} of {}: {runs:?}", runs.len());

@@ -146,7 +146,7 @@ impl Progress {
 
 impl Observer for Progress {
     fn block(&mut self, status: &Status, _: &Films) -> bool {
-        if status.passes.is_power_of_two() {
+        if status.doubled {
             self.errors.extend(status.error.map(|error| (status.passes, error)));
         }
         if let Some(bar) = &self.bar {

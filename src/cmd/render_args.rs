@@ -53,6 +53,10 @@ pub struct RenderArgs {
     /// Stop at this relative error, e.g. 0.01; with another limit given too, exit 1 if it was not met.
     #[arg(long, value_name = "REL", value_parser = parse_error)]
     pub error: Option<f64>,
+    /// Without --samples, passes go to the pixels and the estimators where the error is (layer `work` shows where they
+    /// went), or all pixels get as many.
+    #[arg(long, value_enum, value_name = "WHETHER", default_value_t)]
+    pub adaptive: AdaptiveArg,
     /// Which way of tracing light to use.
     #[arg(long, value_enum, default_value_t)]
     pub estimator: EstimatorArg,
@@ -181,6 +185,13 @@ pub enum EstimatorArg {
 pub enum PolarisationArg {
     #[default]
     Auto,
+    On,
+    Off,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum AdaptiveArg {
+    #[default]
     On,
     Off,
 }
@@ -352,6 +363,7 @@ impl RenderArgs {
             first,
             passes,
             films: Vec::new(),
+            dealt: None,
             witness: None,
             finishing,
         }
@@ -373,6 +385,9 @@ impl RenderArgs {
         if head.of != self.shard || (self.shard.is_some() && head.total != self.limits().passes) {
             return differs("the shard");
         }
+        if head.dealt.is_some() && !self.limits().adaptive {
+            return differs("where passes go (`--adaptive on`, no `--samples`)");
+        }
         let most = if self.shard.is_some() { mine.passes } else { self.limits().passes.unwrap_or(u64::MAX) };
         if head.first != mine.first || head.passes > most {
             return differs("the number of passes");
@@ -383,6 +398,12 @@ impl RenderArgs {
     pub fn limits(&self) -> Limits {
         let none = self.samples.is_none() && self.time.is_none() && self.error.is_none();
         let passes = if none { Some(DEFAULT_PASSES) } else { self.samples };
-        Limits { passes, time: self.time, error: self.error }
+        // Shards are of passes of all pixels, and so is what `--samples` asks for.
+        Limits {
+            passes,
+            time: self.time,
+            error: self.error,
+            adaptive: self.adaptive == AdaptiveArg::On && passes.is_none(),
+        }
     }
 }

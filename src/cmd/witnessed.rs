@@ -38,7 +38,7 @@ struct Watchful<'s, 'p> {
 impl Observer for Watchful<'_, '_> {
     fn block(&mut self, status: &Status, films: &Films) -> bool {
         let go_on = self.saver.block(status, films);
-        if self.asks && status.passes >= 2 && status.passes.is_power_of_two() {
+        if self.asks && status.passes >= 2 && status.doubled {
             self.off = films.judgement().is_some_and(|judgement| judgement.is_off());
         }
         go_on && !self.off

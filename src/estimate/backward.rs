@@ -163,7 +163,7 @@ impl<'w, M: Mode> Backward<'w, M> {
                         for x in 0..width {
                             light.fill(Light::default());
                             let pixel = Pixel::new((x, *y), width, *pass);
-                            if self.world.eye.wants([x, *y]) && self.looks(pixel) {
+                            if row.wants(x, *pass) && self.world.eye.wants([x, *y]) && self.looks(pixel) {
                                 self.pixel(optics, pixel, &mut light, &mut ledgers);
                             }
                             // A pixel without light adds nothing but zeros; where few are looked at, that is most of them.

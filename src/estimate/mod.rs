@@ -38,6 +38,7 @@ pub mod vision;
 pub mod walk;
 mod window_visibility;
 pub mod witness;
+pub mod work_layer; // where the work went
 
 /// Asked while something is being done whether to leave it (Ctrl-C); once true, always true.
 pub type ShouldStop<'a> = dyn Fn() -> bool + Sync + 'a;

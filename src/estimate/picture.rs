@@ -141,9 +141,12 @@ pub fn add_sums(frame: &mut Frame, films: &Films, stop: Stop, splits: &[Split]) 
     };
     let text = |value: &dyn erased::Json| Meta::Text(value.json());
     put("passes", Meta::Text(films.passes.to_string()));
-    for (estimator, _, ledger) in &films.films {
+    for (estimator, film, ledger) in &films.films {
         let name = estimator.name();
-        put(&format!("passes.{name}"), Meta::Text(films.passes.to_string()));
+        put(&format!("passes.{name}"), Meta::Text(film.most_passes().to_string()));
+        if films.dealt.rounds > 0 {
+            put(&format!("passesMean.{name}"), Meta::Number(film.mean_passes()));
+        }
         put(&format!("paths.{name}"), Meta::Text(ledger.paths.to_string()));
         put(&format!("ledger.{name}"), text(ledger));
     }
@@ -217,7 +220,7 @@ pub fn check_layers(layers: &[String], groups: &[Group]) -> Result<()> {
     match layers.iter().find(|layer| !possible.contains(*layer)) {
         None => Ok(()),
         Some(layer) => Err(Error::new(Where::Option("--layers".to_owned()), format!("there is no layer `{layer}`"))
-            .expected("direct, caustic, secondary, forward, hybrid, LAYER_GROUP, stderr, Z, normal, position, albedo, id, seethrough or CryptoPart")
+            .expected("direct, caustic, secondary, forward, hybrid, LAYER_GROUP, stderr, Z, normal, position, albedo, id, seethrough, work or CryptoPart")
             .nearest(layer, possible.iter().map(String::as_str))),
     }
 }

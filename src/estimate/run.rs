@@ -3,20 +3,22 @@
 //! Sums go into the films pass by pass in one order, so neither the thread count nor where a block ends changes a bit;
 //! the clock only decides after which pass to stop.
 
+mod adaptive;
+mod drive;
 mod engines;
 mod tuning;
 
 use super::ledger::Ledger;
 use crate::base::memory::give_back;
 use crate::base::stats::{beyond_noise, variance_ratio};
-use crate::film::accumulate::{Components, Film};
+use crate::film::accumulate::{Components, Film, Saved};
 use crate::film::guide::ApertureGuide;
-use crate::film::plan::{Estimator, Plan};
+use crate::film::plan::Estimator;
 use crate::film::witness::{Judgement, Witness, judge};
-use crate::world::World;
+pub use drive::{drive, run};
 pub use engines::{begin, begin_trial};
 use rayon::prelude::*;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 pub use tuning::run::LEEWAY;
 
 /// The normal quantile of 49 in 50. Nine in ten runs are to be honest, and those that stop at what they state are more often those
@@ -30,6 +32,8 @@ pub struct Limits {
     pub time: Option<Duration>,
     /// Relative error, see [`Films::relative_error`].
     pub error: Option<f64>,
+    /// Passes go to where the error is, where no number of them is asked for.
+    pub adaptive: bool,
 }
 
 /// Why a run ended.
@@ -52,6 +56,8 @@ pub struct Status {
     pub error: Option<f64>,
     /// Eye and lamp paths so far.
     pub paths: u64,
+    /// The work has doubled since the last time that this was said. Depends on no clock.
+    pub doubled: bool,
 }
 
 /// Watches a run. Called between blocks.
@@ -72,10 +78,21 @@ pub struct Films {
     pub films: Vec<(Estimator, Film, Ledger)>,
     /// Number of the first pass: a shard starts later than 0.
     pub first: u64,
-    /// Passes in the films.
+    /// Passes in the films: the most that a pixel has.
     pub passes: u64,
+    /// Where pixels have passes of their own, how these were dealt out so far.
+    pub dealt: Dealt,
     /// What a witness saw, if one was asked for.
     pub witness: Option<Witness>,
+}
+
+/// How far passes were dealt out to where the error is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+pub struct Dealt {
+    /// Rounds that were begun.
+    pub rounds: u64,
+    /// Passes beside which a witness had its turn, those of one number of several films or rounds counted apart.
+    pub attended: u64,
 }
 
 /// Everything a run leaves.
@@ -110,6 +127,14 @@ impl Films {
         Some((noise * most, beyond_noise(noise, seen)?))
     }
 
+    /// The sum over the pixels of squared errors, (cd/m²)², with which [`Films::relative_error`] would be `error`. Where what
+    /// gathering blurs hides that, a quarter of what it is.
+    fn goal(&self, error: f64) -> Option<f64> {
+        let ([noise, ..], (likely, signal)) = (self.noise()?, self.likely_noise()?);
+        let wanted = (error * error * signal - self.blur2()) * (noise / likely);
+        Some(if wanted > 0.0 { wanted } else { noise / 4.0 })
+    }
+
     /// Sum over the pixels of the squared error that gathering within a radius makes, (cd/m²)²; 0 where noise hides it.
     fn blur2(&self) -> f64 {
         let blurred = self.films.iter().map(|(_, film, _)| film).filter(|film| film.has_blur());
@@ -135,7 +160,7 @@ impl Films {
     /// Where each pixel goes through points that are even over the passes, what that saves is found in the whole picture.
     fn noise(&self) -> Option<[f64; 4]> {
         let (_, first, _) = self.films.first()?;
-        let saved: Vec<f64> = self.films.iter().map(|(estimator, film, _)| saved(*estimator, film)).collect();
+        let saved: Vec<Saved> = self.films.iter().map(|(estimator, film, _)| saved(*estimator, film)).collect();
         // Rows side by side, summed in their order whatever thread made them.
         let of_row = |row: usize| {
             let (mut noise, mut squares, mut unknown, mut seen) = (0.0, 0.0, 0.0, 0.0);
@@ -143,9 +168,9 @@ impl Films {
                 let (mut value, mut variance) = (0.0, 0.0);
                 for ((_, film, _), saved) in self.films.iter().zip(&saved) {
                     value += (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum::<f64>();
-                    let of_film = saved * film.variance(pixel, film.planes.len());
+                    let of_film = saved.of(film.passes_of(pixel)) * film.variance(pixel, film.planes.len());
                     variance += of_film;
-                    unknown += of_film * of_film / film.samples().saturating_sub(1).max(1) as f64;
+                    unknown += of_film * of_film / film.samples_of(pixel).saturating_sub(1).max(1) as f64;
                 }
                 noise += variance;
                 squares += variance * variance;
@@ -167,9 +192,7 @@ impl Films {
 
     /// Gives the memory of all sums back: what was counted stays, and no light.
     pub fn forget_light(&mut self) {
-        for (_, film, _) in &mut self.films {
-            *film = Film::new(0, 0, Vec::new(), film.components, film.sampling);
-        }
+        self.films.iter_mut().for_each(|(_, film, _)| film.forget_light());
         give_back();
     }
 
@@ -186,13 +209,13 @@ impl Films {
 }
 
 /// What evenness over the passes leaves of a film's variance.
-fn saved(estimator: Estimator, film: &Film) -> f64 {
+fn saved(estimator: Estimator, film: &Film) -> Saved {
     match (estimator, film.components) {
         (Estimator::Backward | Estimator::Manifold, Components::Luminance) => film.saved_by_evenness(),
         // What all pixels have of the same photons or wavelengths does not tell as much as so many pixels would; scrambles know
         // by themselves.
         (Estimator::Backward | Estimator::Manifold, Components::Rec709)
-        | (Estimator::Forward | Estimator::Photon, _) => 1.0,
+        | (Estimator::Forward | Estimator::Photon, _) => Saved::NOTHING,
     }
 }
 
@@ -201,6 +224,12 @@ pub trait Tracing: Send {
     /// Makes `count` passes more.
     fn step(&mut self, count: u64);
     fn films(&self) -> &Films;
+    /// Wants passes for another round of them, where they lessen the error most; `error`: what is to be reached.
+    fn aim(&mut self, error: Option<f64>);
+    /// How many passes the estimator whose turn it is still wants.
+    fn missing(&self) -> Option<u64>;
+    /// Makes so many of these.
+    fn fill(&mut self, count: u64);
     /// Has a witness look beside every pass from now on. `guide`: where in the pupil lamps are seen, if that is known.
     fn watch(&mut self, guide: Option<&ApertureGuide>);
     /// Starts from pass `first`, or goes on from films that such a run has left. False if they are of another run.
@@ -213,71 +242,5 @@ pub enum Start {
     /// At the pass of this number.
     Pass(u64),
     /// After these.
-    Films(Films),
-}
-
-/// Traces `world` by `plan` until a limit is reached. `groups`: number of light groups; `size`: picture in pixels.
-/// At least one pass is made, unless no estimator owns anything.
-pub fn run(
-    world: &World,
-    plan: &Plan,
-    groups: usize,
-    size: [usize; 2],
-    seed: u64,
-    limits: &Limits,
-    observer: &mut dyn Observer,
-) -> Outcome {
-    drive(begin(world, plan, groups, size, seed), limits, observer)
-}
-
-/// The same for a run that has begun, perhaps with passes behind it: `limits.passes` counts these, too.
-pub fn drive(mut tracing: Box<dyn Tracing + '_>, limits: &Limits, observer: &mut dyn Observer) -> Outcome {
-    let start = Instant::now();
-    if tracing.films().films.is_empty() {
-        // Nothing would change with time.
-        return Outcome { films: tracing.into_films(), stop: Stop::Passes, elapsed: start.elapsed() };
-    }
-    let full = |films: &Films| limits.passes.is_some_and(|passes| films.passes >= passes);
-    if full(tracing.films()) {
-        return Outcome { films: tracing.into_films(), stop: Stop::Passes, elapsed: start.elapsed() };
-    }
-    let mut block = 1u64;
-    loop {
-        let left = limits.passes.unwrap_or(u64::MAX).saturating_sub(tracing.films().passes);
-        // Every power of two ends a block, so the errors there are known on any machine.
-        let passes = tracing.films().passes;
-        let round = passes.saturating_add(1).checked_next_power_of_two().unwrap_or(u64::MAX) - passes;
-        let count = block.min(left).min(round).max(1);
-        let before = Instant::now();
-        tracing.step(count);
-        let films = tracing.films();
-        let status = Status {
-            passes: films.passes,
-            elapsed: start.elapsed(),
-            error: films.relative_error(),
-            paths: films.films.iter().fold(0, |sum, (_, _, ledger)| sum.saturating_add(ledger.paths)),
-        };
-        let go_on = observer.block(&status, films);
-        let stop = if full(films) {
-            Some(Stop::Passes)
-        } else if limits.error.is_some_and(|error| films.passes >= 4 && status.error.is_some_and(|e| e <= error)) {
-            Some(Stop::Error)
-        } else if limits.time.is_some_and(|time| start.elapsed() >= time) {
-            Some(Stop::Time)
-        } else if !go_on {
-            Some(Stop::Asked)
-        } else {
-            None
-        };
-        if let Some(stop) = stop {
-            return Outcome { films: tracing.into_films(), stop, elapsed: start.elapsed() };
-        }
-        // Blocks of about half a second, so that stopping is prompt and asking for the error costs little.
-        let seconds = before.elapsed().as_secs_f64() / count as f64;
-        let wanted = (0.5 / seconds.max(1e-6)) as u64;
-        let rest = limits
-            .time
-            .map_or(u64::MAX, |time| (time.saturating_sub(start.elapsed()).as_secs_f64() / seconds.max(1e-6)) as u64);
-        block = wanted.min(rest).clamp(1, block.saturating_mul(2));
-    }
+    Films(Box<Films>),
 }

@@ -5,7 +5,7 @@
 
 use super::finishing::{Finishing, Wanted};
 use super::ledger::{Books, Ledger};
-use super::run::Films;
+use super::run::{Dealt, Films};
 use super::tuning::shard::MOST_PASSES;
 use crate::base::{Error, Result, Where};
 use crate::film::accumulate::Film;
@@ -39,6 +39,9 @@ pub struct Head {
     pub first: u64,
     pub passes: u64,
     pub films: Vec<(Estimator, Books)>,
+    /// Pixels have passes of their own, dealt out so far.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dealt: Option<Dealt>,
     /// What a witness saw beside these passes; none: it was switched off, or there was nothing to look for.
     #[serde(default)]
     pub witness: Option<Witness>,
@@ -58,7 +61,8 @@ impl Head {
     pub fn after(&self, films: &Films) -> Head {
         let books = films.films.iter().map(|(estimator, _, ledger)| (*estimator, ledger.books())).collect();
         let witness = films.witness.clone();
-        Head { first: films.first, passes: films.passes, films: books, witness, ..self.clone() }
+        let dealt = Some(films.dealt).filter(|dealt| dealt.rounds > 0);
+        Head { first: films.first, passes: films.passes, films: books, dealt, witness, ..self.clone() }
     }
 
     fn passes_text(&self) -> String {
@@ -87,7 +91,11 @@ pub fn load(path: &Path) -> Result<(Head, Films, Frame)> {
     let sound = head.films.len() == films.len()
         && ranged
         && head.first.max(head.passes).max(head.total.unwrap_or(0)) < MOST_PASSES
-        && films.iter().all(|film| film.passes == head.passes && [film.width, film.height] == head.finishing.size)
+        && films.iter().all(|film| [film.width, film.height] == head.finishing.size)
+        && match head.dealt {
+            None => films.iter().all(|film| film.passes == head.passes && film.sample_map().is_none()),
+            Some(_) => head.of.is_none() && films.iter().map(Film::most_passes).max() == Some(head.passes),
+        }
         && head.witness.as_ref().is_none_or(|witness| witness.is_sound() && witness.size == head.finishing.size)
         && films.iter().flat_map(|film| &film.planes).all(|key| key.group.index() < head.finishing.groups.len());
     if !sound || [picture.width, picture.height] != head.finishing.size {
@@ -105,7 +113,8 @@ pub fn load(path: &Path) -> Result<(Head, Films, Frame)> {
         all.push((*estimator, film, ledger));
     }
     let witness = head.witness.clone();
-    let films = Films { films: all, first: head.first, passes: head.passes, witness };
+    let films =
+        Films { films: all, first: head.first, passes: head.passes, dealt: head.dealt.unwrap_or_default(), witness };
     Ok((head, films, picture))
 }
 

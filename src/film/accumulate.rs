@@ -7,7 +7,8 @@ use super::kernel_bias::{self, KernelBias};
 use super::layer::Layer;
 use super::layer_moments::{LayerMoments, LayerMomentsRow};
 use super::replicates::{REPLICATES, Replicates};
-use super::rqmc_variance::{RqmcVariance, RqmcVarianceRow};
+use super::rqmc_variance::{RqmcVariance, RqmcVarianceRow, surplus_of};
+use super::sample_map::{SampleMap, SampleMapRow};
 use super::tiles::{Tiles, TilesRow};
 use super::totals::{Totals, TotalsRow};
 use crate::base::double_double::Sum;
@@ -15,6 +16,7 @@ use crate::base::ids::GroupId;
 use light::{COLUMNS, add, depth, value_of};
 pub use light::{Light, MixError};
 pub use plane::{Components, PlaneKey, Together};
+use std::ops::Range;
 
 /// How the samples of a film are counted, for its standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -26,6 +28,19 @@ pub enum Sampling {
     PerScramble { paths: u64 },
 }
 
+/// What evenness leaves of a variance: of 1, by number of passes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Saved(Vec<(u64, f64)>);
+
+impl Saved {
+    pub const NOTHING: Saved = Saved(Vec::new());
+
+    /// For pixels of so many passes.
+    pub fn of(&self, passes: u64) -> f64 {
+        self.0.binary_search_by_key(&passes, |(own, _)| *own).map_or(1.0, |at| self.0[at].1)
+    }
+}
+
 /// Sums over passes. They take memory where there is light; a row's are apart from those of others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
@@ -35,8 +50,12 @@ pub struct Film {
     /// Values per plane: luminance alone, or linear Rec.709.
     pub components: Components,
     pub sampling: Sampling,
-    /// Passes added so far.
+    /// Passes of all pixels added so far.
     pub passes: u64,
+    /// Passes that all pixels are to have, if those are more.
+    pub wanted: u64,
+    /// Passes of each pixel, where some have more than that.
+    pub(super) map: Option<SampleMap>,
     /// `[pixel][plane][component]`
     pub(super) sums: Tiles,
     /// `[pixel][plane]`, and if there are several one more for the sum over planes: squares of the luminance. None where
@@ -64,6 +83,7 @@ pub struct Row<'f> {
     detail: Option<LayerMomentsRow<'f>>,
     blur: Option<TilesRow<'f>>,
     totals: Option<TotalsRow<'f>>,
+    map: Option<SampleMapRow<'f>>,
 }
 
 impl Film {
@@ -83,6 +103,8 @@ impl Film {
             components,
             sampling,
             passes: 0,
+            wanted: 0,
+            map: None,
             sums: Tiles::new(size, count * components.count(), COLUMNS).with_first_for_second(),
             squares,
             scrambles,
@@ -108,7 +130,7 @@ impl Film {
 
     /// The square of what gathering within a radius makes the mean of a pixel err by, (cd/m²)²: see [`KernelBias::square`].
     pub fn blur2(&self, pixel: usize) -> f64 {
-        self.blur.as_ref().map_or(0.0, |blur| blur.square(pixel, self.passes))
+        self.blur.as_ref().map_or(0.0, |blur| blur.square(pixel, self.passes_of(pixel)))
     }
 
     /// Keeps what standard errors per layer, and of mixtures of `open` and `content`, need.
@@ -152,6 +174,7 @@ impl Film {
         let mut turns = self.turns.as_mut().map(RqmcVariance::rows);
         let mut blur = self.blur.as_mut().map(KernelBias::rows);
         let mut totals = self.totals.rows();
+        let mut map = self.map.as_ref().map(SampleMap::rows);
         self.sums
             .rows()
             .zip(self.squares.iter_mut().flat_map(Tiles::rows))
@@ -164,14 +187,19 @@ impl Film {
                 detail: details.as_mut().and_then(Iterator::next),
                 blur: blur.as_mut().and_then(Iterator::next),
                 totals: totals.next(),
+                map: map.as_mut().and_then(Iterator::next),
             })
             .enumerate()
     }
 
     /// To be called when rows have passes `first .. first + count` in them.
     pub fn close(&mut self, first: u64, count: u64) {
-        self.passes += count;
         self.totals.close();
+        if let Some(map) = &mut self.map {
+            map.close(first..first.saturating_add(count));
+            return;
+        }
+        self.passes += count;
         if let Some(turns) = &mut self.turns {
             turns.close(first, count);
         }
@@ -197,17 +225,25 @@ impl Film {
         self.totals.put(sums)
     }
 
-    /// How many times smaller the variance of the whole picture is than those of its pixels say together: see [`RqmcVariance`].
-    /// For films whose pixels have sequences of their own.
-    pub fn saved_by_evenness(&self) -> f64 {
+    /// How many times smaller the variance of the whole picture is than those of its pixels say together, for pixels of each
+    /// number of passes: see [`RqmcVariance`]. For films whose pixels have sequences of their own.
+    pub fn saved_by_evenness(&self) -> Saved {
         let all = self.planes.len();
         let of_pixel = |pixel: usize| {
-            (
-                (0..all).map(|plane| self.sum(pixel, plane).value).sum::<f64>() / self.passes.max(1) as f64,
-                self.variance(pixel, all),
-            )
+            let sum = (0..all).map(|plane| self.sum(pixel, plane).value).sum::<f64>();
+            (sum / self.passes_of(pixel).max(1) as f64, self.variance(pixel, all))
         };
-        self.turns.as_ref().map_or(1.0, |turns| turns.saved(self.passes, of_pixel))
+        let Some(turns) = &self.turns else { return Saved::NOTHING };
+        match &self.map {
+            None => Saved(vec![(self.passes, turns.saved((self.passes, turns.surplus), |_| true, of_pixel))]),
+            Some(map) => {
+                let of_count = |passes: u64| {
+                    let own = |pixel: usize| map.made(pixel) == passes;
+                    (passes, turns.saved((passes, surplus_of(passes)), own, of_pixel))
+                };
+                Saved(map.counts().into_iter().map(of_count).collect())
+            }
+        }
     }
 
     /// Adds the light of one path of a scramble that landed in `pixel`: the entries of one plane.
@@ -228,7 +264,7 @@ impl Film {
         }
     }
 
-    fn entries_of(&self, plane: usize) -> std::ops::Range<usize> {
+    fn entries_of(&self, plane: usize) -> Range<usize> {
         let count = self.components.count();
         plane * count..(plane + 1) * count
     }
@@ -242,7 +278,56 @@ impl Film {
         }
     }
 
+    /// Passes that a pixel has.
+    pub fn passes_of(&self, pixel: usize) -> u64 {
+        self.map.as_ref().map_or(self.passes, |map| map.made(pixel))
+    }
+
+    /// Passes of each pixel, where they are not the same for all.
+    pub fn sample_map(&self) -> Option<&SampleMap> {
+        self.map.as_ref()
+    }
+
+    /// The same, for pixels to get passes of their own; from now on passes of all pixels are no more. Only where each pixel
+    /// has a sequence of its own.
+    pub fn sample_map_mut(&mut self) -> &mut SampleMap {
+        self.map.get_or_insert_with(|| SampleMap::new([self.width, self.height], self.passes))
+    }
+
+    /// The passes that all pixels, or some, are still to get.
+    pub fn missing(&self) -> Option<Range<u64>> {
+        match &self.map {
+            Some(map) => map.missing(),
+            None => Some(self.passes..self.wanted).filter(|passes| !passes.is_empty()),
+        }
+    }
+
+    /// The most passes that a pixel has.
+    pub fn most_passes(&self) -> u64 {
+        self.map.as_ref().map_or(self.passes, |map| map.range()[1])
+    }
+
+    /// The passes that a pixel has on average.
+    pub fn mean_passes(&self) -> f64 {
+        self.map.as_ref().map_or(self.passes as f64, |map| map.mean())
+    }
+
+    /// Gives the memory of all sums back: what was counted stays, and no light.
+    pub fn forget_light(&mut self) {
+        let empty = Film::new(0, 0, Vec::new(), self.components, self.sampling);
+        let counted = std::mem::replace(self, empty);
+        (self.passes, self.map) = (counted.passes, counted.map);
+    }
+
     /// Independent values of a pixel that tell its variance.
+    pub fn samples_of(&self, pixel: usize) -> u64 {
+        match self.sampling {
+            Sampling::PerPass => self.passes_of(pixel),
+            Sampling::PerScramble { .. } => REPLICATES as u64,
+        }
+    }
+
+    /// The least of them.
     pub fn samples(&self) -> u64 {
         match self.sampling {
             Sampling::PerPass => self.passes,
@@ -252,12 +337,12 @@ impl Film {
 
     /// Mean luminance of a pixel in a plane.
     pub fn mean(&self, pixel: usize, plane: usize) -> Light {
-        self.sum(pixel, plane).scaled(1.0 / self.passes.max(1) as f64)
+        self.sum(pixel, plane).scaled(1.0 / self.passes_of(pixel).max(1) as f64)
     }
 
     /// Mean light of a pixel in a plane, one entry per component.
     pub fn mean_entries(&self, pixel: usize, plane: usize) -> impl Iterator<Item = Light> {
-        let factor = 1.0 / self.passes.max(1) as f64;
+        let factor = 1.0 / self.passes_of(pixel).max(1) as f64;
         self.entries_of(plane).map(move |entry| value_of(self.sums.stored(pixel, entry)).scaled(factor))
     }
 
@@ -270,7 +355,7 @@ impl Film {
         }
         if let Some(scrambles) = &self.scrambles {
             let own = if plane < planes { plane..plane + 1 } else { 0..planes };
-            return scrambles.variance(pixel, own) * self.per_pass2();
+            return scrambles.variance(pixel, own) * self.per_pass2(pixel);
         }
         let sum: f64 = if plane < planes {
             self.sum(pixel, plane).value
@@ -278,7 +363,7 @@ impl Film {
             (0..planes).map(|plane| self.sum(pixel, plane).value).sum()
         };
         let square = |squares: &Tiles| squares.sum(pixel, plane.min(total_of(planes))).value();
-        self.covariance_of_means(sum, sum, self.squares.as_ref().map_or(0.0, square)).max(0.0)
+        self.covariance_of_means(pixel, sum, sum, self.squares.as_ref().map_or(0.0, square)).max(0.0)
     }
 
     /// Variance of the mean `value` of some of a pixel's planes together; none if it is not kept or the film has none of
@@ -288,12 +373,12 @@ impl Film {
         let planes = || self.planes_of(together);
         let first = planes().next()?;
         if let Some(scrambles) = &self.scrambles {
-            return Some(scrambles.variance(pixel, planes()) * self.per_pass2());
+            return Some(scrambles.variance(pixel, planes()) * self.per_pass2(pixel));
         }
         match detail.square(pixel, together) {
             Some(square) => {
                 let sum: f64 = planes().map(|plane| self.sum(pixel, plane).value).sum();
-                Some(self.covariance_of_means(sum, sum, square).max(0.0))
+                Some(self.covariance_of_means(pixel, sum, sum, square).max(0.0))
             }
             None => Some(self.variance(pixel, first)),
         }
@@ -305,7 +390,7 @@ impl Film {
         let planes = || self.planes_of(Together::Share(layer, group));
         if let Some(scrambles) = &self.scrambles {
             let MixError { open, content, covariance } = scrambles.mix_error(pixel, planes())?;
-            let per = self.per_pass2();
+            let per = self.per_pass2(pixel);
             return Some(MixError { open: open * per, content: content * per, covariance: covariance * per });
         }
         let mixed = self.detail.as_ref()?.mixed(pixel, (layer, group))?;
@@ -313,25 +398,25 @@ impl Film {
         planes().for_each(|plane| sum.add(self.sum(pixel, plane)));
         let (open, content) = (sum.open(), sum.content());
         Some(MixError {
-            open: self.covariance_of_means(open, open, mixed.open2).max(0.0),
-            content: self.covariance_of_means(content, content, mixed.content2).max(0.0),
-            covariance: self.covariance_of_means(open, content, mixed.open_content),
+            open: self.covariance_of_means(pixel, open, open, mixed.open2).max(0.0),
+            content: self.covariance_of_means(pixel, content, content, mixed.content2).max(0.0),
+            covariance: self.covariance_of_means(pixel, open, content, mixed.open_content),
         })
     }
 
     /// Covariance of two means over the passes from the sums over samples of the two and of their product.
-    fn covariance_of_means(&self, a: f64, b: f64, product: f64) -> f64 {
-        let passes = self.passes as f64;
+    fn covariance_of_means(&self, pixel: usize, a: f64, b: f64, product: f64) -> f64 {
+        let passes = self.passes_of(pixel) as f64;
         if passes < 2.0 {
             return 0.0;
         }
         let of_sum = (product - a * b / passes) * passes / (passes - 1.0);
-        of_sum * self.per_pass2()
+        of_sum * self.per_pass2(pixel)
     }
 
     /// From the variance of a sum over passes to that of their mean.
-    fn per_pass2(&self) -> f64 {
-        let passes = self.passes.max(1) as f64;
+    fn per_pass2(&self, pixel: usize) -> f64 {
+        let passes = self.passes_of(pixel).max(1) as f64;
         1.0 / (passes * passes)
     }
 }
@@ -347,6 +432,11 @@ impl Row<'_> {
         if let Some(blur) = &mut self.blur {
             kernel_bias::add(blur, x, beyond);
         }
+    }
+
+    /// Whether pixel `x` is still to get the pass of this number.
+    pub fn wants(&self, x: usize, pass: u64) -> bool {
+        self.map.is_none_or(|map| map.wants(x, pass))
     }
 
     /// Adds the counted work of this row in a pass.
@@ -369,7 +459,8 @@ impl Row<'_> {
                 self.squares.grown(x, plane, 1)[0].add(light.value * light.value);
             }
             total += light.value;
-            if let Some(totals) = &mut self.totals {
+            // Of passes that some pixels have not had there is no total.
+            if let (Some(totals), None) = (&mut self.totals, self.map) {
                 totals.add((x, plane), number, light);
             }
             if let Some(detail) = &mut self.detail {

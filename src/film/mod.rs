@@ -19,6 +19,7 @@ pub mod plan;
 pub mod pupil;
 pub mod replicates;
 pub mod rqmc_variance;
+pub mod sample_map;
 pub mod serial;
 pub mod sharpness;
 pub mod specular_chain;

@@ -81,6 +81,11 @@ fn surplus_before(pass: u64, run: usize) -> i64 {
     rest.min(length) as i64 - rest.saturating_sub(length) as i64
 }
 
+/// Passes for, less passes against, of the first `passes`.
+pub fn surplus_of(passes: u64) -> [i64; COUNT] {
+    std::array::from_fn(|run| surplus_before(passes, run))
+}
+
 impl RqmcVariance {
     pub fn new([width, height]: [usize; 2]) -> Self {
         let asked = Asked { width, step: (width * height).div_ceil(MOST).max(1) };
@@ -142,16 +147,28 @@ impl RqmcVariance {
     }
 
     /// How many times smaller the variance of the mean over `passes` is than the spread of the passes says, as far as
-    /// that can be told: at most 1. `of_pixel`: mean luminance of a pixel and its variance by the spread of the passes.
-    pub fn saved(&self, passes: u64, of_pixel: impl Fn(usize) -> (f64, f64)) -> f64 {
+    /// that can be told: at most 1. `own`: the pixels that have so many passes, of which `surplus` more are for than against.
+    /// `of_pixel`: mean luminance of a pixel and its variance by the spread of the passes.
+    pub fn saved(
+        &self,
+        (passes, surplus): (u64, [i64; COUNT]),
+        own: impl Fn(usize) -> bool,
+        of_pixel: impl Fn(usize) -> (f64, f64),
+    ) -> f64 {
         let enough = (0..COUNT).filter(|run| passes >= FEWEST << RUNS[*run]).count();
         let Some(shorter) = enough.checked_sub(2) else { return 1.0 };
-        [shorter, shorter + 1].map(|run| self.saved_by(run, passes as f64, &of_pixel)).into_iter().fold(0.0, f64::max)
+        let by = |run: usize| self.saved_by((run, surplus[run] as f64), passes as f64, &own, &of_pixel);
+        [shorter, shorter + 1].map(by).into_iter().fold(0.0, f64::max)
     }
 
     /// By runs of one length.
-    fn saved_by(&self, run: usize, passes: f64, of_pixel: &impl Fn(usize) -> (f64, f64)) -> f64 {
-        let surplus = self.surplus[run] as f64;
+    fn saved_by(
+        &self,
+        (run, surplus): (usize, f64),
+        passes: f64,
+        own: &impl Fn(usize) -> bool,
+        of_pixel: &impl Fn(usize) -> (f64, f64),
+    ) -> f64 {
         // Passes that there are more of on one side do not swing.
         let swinging = 1.0 - (surplus / passes).powi(2);
         if swinging < 0.5 {
@@ -159,7 +176,7 @@ impl RqmcVariance {
         }
         let (mut by_passes, mut by_runs, mut squares) = (0.0, 0.0, 0.0);
         for (slot, sums) in self.sums.iter().enumerate() {
-            let Some(pixel) = self.asked.pixel(slot) else { continue };
+            let Some(pixel) = self.asked.pixel(slot).filter(|pixel| own(*pixel)) else { continue };
             let (mean, variance) = of_pixel(pixel);
             let swing = (sums[run].value() - surplus * mean) / passes;
             let of_runs = swing * swing / swinging;
@@ -226,7 +243,7 @@ mod tests {
                 let mean = sum / count_f;
                 (mean, (square / count_f - mean * mean) / (count_f - 1.0))
             };
-            let saved = turns.saved(count, of_pixel);
+            let saved = turns.saved((count, turns.surplus), |_| true, of_pixel);
             let real: f64 = (0..PIXELS).map(|pixel| (of_pixel(pixel).0 - 0.5).powi(2)).sum();
             let stated: f64 = (0..PIXELS).map(|pixel| of_pixel(pixel).1).sum();
             (saved, real / stated)
@@ -282,6 +299,13 @@ mod tests {
             (0..10).for_each(|x| row.add(x, pass, rng.uniform()));
         }
         turns.close(0, 256);
-        assert_eq!(turns.saved(256, |pixel| if pixel < 10 { (0.5, 1.0 / 12.0 / 256.0) } else { (0.0, 1.0) }), 1.0);
+        assert_eq!(
+            turns.saved(
+                (256, turns.surplus),
+                |_| true,
+                |pixel| if pixel < 10 { (0.5, 1.0 / 12.0 / 256.0) } else { (0.0, 1.0) }
+            ),
+            1.0
+        );
     }
 }

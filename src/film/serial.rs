@@ -3,11 +3,14 @@
 use super::accumulate::Film;
 use super::replicates::Replicates;
 use super::rqmc_variance::{PER_PIXEL, RqmcVariance};
+use super::sample_map::SampleMap;
 use super::tiles::Tiles;
 use crate::base::double_double::Sum;
 
 /// The name of the table of [turns](super::turns).
 const TURNS: &str = "turns";
+/// That of the passes of each pixel, made and wanted, where they are not the same for all.
+const PASSES: &str = "passes";
 
 /// A kind of sum that a film holds.
 pub struct Table<'f> {
@@ -19,6 +22,7 @@ pub struct Table<'f> {
 enum Sums<'f> {
     Tiles(&'f Tiles),
     RqmcVariance(&'f RqmcVariance),
+    Passes(&'f SampleMap),
 }
 
 /// The same, to be filled.
@@ -30,6 +34,7 @@ pub struct TableMut<'f> {
 enum SumsMut<'f> {
     Tiles(&'f mut Tiles),
     RqmcVariance(&'f mut RqmcVariance),
+    Passes(&'f mut SampleMap),
 }
 
 impl Table<'_> {
@@ -38,6 +43,7 @@ impl Table<'_> {
         match &self.sums {
             Sums::Tiles(tiles) => tiles.stride(),
             Sums::RqmcVariance(_) => PER_PIXEL,
+            Sums::Passes(_) => 2,
         }
     }
 
@@ -46,6 +52,10 @@ impl Table<'_> {
         match &self.sums {
             Sums::Tiles(tiles) => tiles.sum(pixel, column),
             Sums::RqmcVariance(turns) => turns.sum(pixel, column),
+            Sums::Passes(map) => {
+                let passes = if column == 0 { map.made(pixel) } else { map.wanted(pixel) };
+                Sum { high: passes as f64, low: 0.0 }
+            }
         }
     }
 
@@ -54,6 +64,7 @@ impl Table<'_> {
         match &self.sums {
             Sums::Tiles(tiles) => tiles.bytes(),
             Sums::RqmcVariance(turns) => turns.bytes(),
+            Sums::Passes(map) => map.bytes(),
         }
     }
 
@@ -61,6 +72,7 @@ impl Table<'_> {
         match &self.sums {
             Sums::Tiles(tiles) => tiles.first_invalid(),
             Sums::RqmcVariance(turns) => turns.first_invalid(),
+            Sums::Passes(_) => None,
         }
     }
 }
@@ -71,6 +83,7 @@ impl TableMut<'_> {
         match &self.sums {
             SumsMut::Tiles(tiles) => tiles.stride(),
             SumsMut::RqmcVariance(_) => PER_PIXEL,
+            SumsMut::Passes(_) => 2,
         }
     }
 
@@ -79,6 +92,11 @@ impl TableMut<'_> {
         match &mut self.sums {
             SumsMut::Tiles(tiles) => tiles.put(pixel, sums),
             SumsMut::RqmcVariance(turns) => return turns.put(pixel, sums),
+            SumsMut::Passes(map) => {
+                let [made, wanted] = [0, 1].map(|at| sums.get(at).map_or(0.0, |sum| sum.value()));
+                let whole = |passes: f64| passes >= 0.0 && passes.fract() == 0.0;
+                return whole(made) && whole(wanted) && map.put(pixel, made as u64, wanted as u64);
+            }
         }
         true
     }
@@ -103,7 +121,9 @@ impl Film {
             ("blur", self.blur.as_ref().map(|b| &b.sums)),
         ];
         let tiles = tiles.into_iter().filter_map(|(name, tiles)| Some(Table { name, sums: Sums::Tiles(tiles?) }));
-        tiles.chain(self.turns.as_ref().map(|turns| Table { name: TURNS, sums: Sums::RqmcVariance(turns) })).collect()
+        let turns = self.turns.as_ref().map(|turns| Table { name: TURNS, sums: Sums::RqmcVariance(turns) });
+        let passes = self.map.as_ref().map(|map| Table { name: PASSES, sums: Sums::Passes(map) });
+        tiles.chain(turns).chain(passes).collect()
     }
 
     /// The same, to be filled.
@@ -132,9 +152,9 @@ impl Film {
             ("blur", self.blur.as_mut().map(|b| &mut b.sums)),
         ];
         let tiles = tiles.into_iter().filter_map(|(name, tiles)| Some(TableMut { name, sums: SumsMut::Tiles(tiles?) }));
-        tiles
-            .chain(self.turns.as_mut().map(|turns| TableMut { name: TURNS, sums: SumsMut::RqmcVariance(turns) }))
-            .collect()
+        let turns = self.turns.as_mut().map(|turns| TableMut { name: TURNS, sums: SumsMut::RqmcVariance(turns) });
+        let passes = self.map.as_mut().map(|map| TableMut { name: PASSES, sums: SumsMut::Passes(map) });
+        tiles.chain(turns).chain(passes).collect()
     }
 
     /// Passes for, less passes against, of its [turns](super::rqmc_variance); zeros if it has none.
@@ -148,8 +168,12 @@ impl Film {
         }
     }
 
-    /// Adds the passes of another film of the same picture. False, and nothing done, if it is of another kind.
+    /// Adds the passes of another film of the same picture. False, and nothing done, if it is of another kind. A film whose
+    /// pixels have passes of their own can only be added to an empty one.
     pub fn merge(&mut self, other: &Film) -> bool {
+        if other.map.is_some() && self.passes == 0 && self.map.is_none() {
+            self.sample_map_mut();
+        }
         let alike = (self.width, self.height, &self.planes, self.components, self.sampling)
             == (other.width, other.height, &other.planes, other.components, other.sampling);
         let theirs = other.tables();
@@ -161,14 +185,14 @@ impl Film {
             match (&mut own.sums, &theirs.sums) {
                 (SumsMut::Tiles(own), Sums::Tiles(more)) => own.merge(more),
                 (SumsMut::RqmcVariance(own), Sums::RqmcVariance(more)) => own.merge(more),
+                (SumsMut::Passes(own), Sums::Passes(more)) if own.range() == [0; 2] => **own = (*more).clone(),
                 // Tables of one name are of one kind.
-                (SumsMut::Tiles(_), Sums::RqmcVariance(_)) | (SumsMut::RqmcVariance(_), Sums::Tiles(_)) => {
-                    return false;
-                }
+                (SumsMut::Passes(_) | SumsMut::Tiles(_) | SumsMut::RqmcVariance(_), _) => return false,
             }
         }
         self.totals.merge(&other.totals);
         self.passes += other.passes;
+        self.wanted = self.wanted.max(other.wanted);
         self.settle();
         true
     }

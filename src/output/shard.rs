@@ -48,10 +48,16 @@ struct Kind {
     components: Components,
     sampling: Sampling,
     passes: u64,
+    /// Passes that it was to have, where those are more.
+    #[serde(default, skip_serializing_if = "is_none")]
+    wanted: u64,
     /// Passes for, less passes against, see [`crate::film::turns`].
     surplus: [i64; rqmc_variance::PER_PIXEL],
     detail: bool,
     blur: bool,
+    /// Pixels have passes of their own.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    adaptive: bool,
     /// Whole passes and their squares, see [`crate::film::totals`].
     totals: Vec<[Sum; 2]>,
 }
@@ -68,8 +74,14 @@ impl Kind {
         };
         let sums = (light + further).checked_mul(self.planes.len() as u64 + 1)?;
         let sums = sums.checked_add(if self.detail { lpe::MOST as u64 } else { 0 })?;
-        pixels.checked_mul(sums)?.checked_mul(size_of::<Sum>() as u64)
+        let map = if self.adaptive { 1 } else { 0 };
+        pixels.checked_mul(sums.checked_add(map)?)?.checked_mul(size_of::<Sum>() as u64)
     }
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // as serde wants it
+fn is_none(passes: &u64) -> bool {
+    *passes == 0
 }
 
 #[derive(serde::Serialize, serde::Deserialize)]
@@ -93,9 +105,11 @@ pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture
         components: film.components,
         sampling: film.sampling,
         passes: film.passes,
+        wanted: film.wanted,
         surplus: film.surplus(),
         detail: film.detail().is_some(),
         blur: film.has_blur(),
+        adaptive: film.sample_map().is_some(),
         totals: film.totals().sums().to_vec(),
     };
     let stored = Stored { format: FORMAT, films: films.iter().map(kind).collect(), head };
@@ -169,7 +183,10 @@ fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, S
     let film = Film::new(frame.width, frame.height, kind.planes, kind.components, kind.sampling);
     let film = if kind.detail { film.with_detail() } else { film };
     let mut film = if kind.blur { film.with_blur() } else { film };
-    film.passes = kind.passes;
+    if kind.adaptive {
+        film.sample_map_mut();
+    }
+    (film.passes, film.wanted) = (kind.passes, kind.wanted);
     if kind.surplus.iter().any(|surplus| surplus.unsigned_abs() > kind.passes) {
         return Err(format!("film {number} has a surplus of {:?} of its {} passes", kind.surplus, kind.passes));
     }

@@ -14,6 +14,7 @@ use crate::estimate::motion::motion;
 use crate::estimate::picture::{add_data_layers, add_meta, add_sharpness, add_witness};
 use crate::estimate::run::Stop;
 use crate::estimate::shard;
+use crate::estimate::work_layer::{add_work, work};
 use crate::film::frame::{Frame, Meta};
 use crate::output::exr::{COLOR_INTEROP_ID, write_exr};
 
@@ -28,6 +29,7 @@ impl Run<'_> {
             films.condense();
         }
         let finished = self.pool.install(|| head.finishing.picture(films))?;
+        let work = work(films);
         if args.shard.is_none() {
             films.forget_light();
         }
@@ -40,6 +42,9 @@ impl Run<'_> {
             moved.into_iter().zip(["X", "Y"]).for_each(|(data, axis)| frame.push(format!("motion.{axis}"), data));
         }
         let Wanted { layers, named, .. } = &head.finishing.wanted;
+        if let Some(work) = work {
+            add_work(&mut frame, work);
+        }
         let mattes = cryptomatte::wanted(args.cryptomatte, layers.iter().chain(named.iter().map(|wish| &wish.layer)));
         self.pool.install(|| cryptomatte::add(&mut frame, scene, world, &mattes));
         frame.meta.insert(COLOR_INTEROP_ID.to_owned(), Meta::Text(args.color.space().interop_id().to_owned()));

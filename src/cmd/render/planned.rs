@@ -85,7 +85,7 @@ impl Run<'_> {
                 let at = Where::file(&checkpoint_of(&self.args.output));
                 Err(Error::new(at, "is of another plan").expected(&head.plan_hash))
             }
-            Some((_, films)) => Ok(Start::Films(films)),
+            Some((_, films)) => Ok(Start::Films(Box::new(films))),
             None => Ok(Start::Pass(head.first)),
         }
     }

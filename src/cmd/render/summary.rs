@@ -8,7 +8,12 @@ use crate::base::Result;
 use crate::cmd::ending::stated;
 use crate::cmd::print;
 use crate::cmd::source::told;
+use crate::estimate::ledger::Ledger;
 use crate::estimate::picture::plan_lines;
+use crate::estimate::run::Films;
+use crate::film::accumulate::Film;
+use crate::film::plan::Estimator;
+use std::collections::BTreeMap;
 
 impl Run<'_> {
     pub fn tell(&self, opened: &Opened, planned: &Planned, traced: &Traced) -> Result<()> {
@@ -29,7 +34,9 @@ impl Run<'_> {
             let error = stated(*error, outcome.films.passes);
             let seconds = outcome.elapsed.as_secs_f64();
             let passes = outcome.films.passes;
-            lines.push(format!("{}: {passes} passes in {seconds:.1} s, {error}", args.output.display()));
+            lines.extend(dealt(&outcome.films));
+            let most = if outcome.films.dealt.rounds > 0 { "up to " } else { "" };
+            lines.push(format!("{}: {most}{passes} passes in {seconds:.1} s, {error}", args.output.display()));
             lines.join("\n")
         };
         let json = || {
@@ -39,6 +46,7 @@ impl Run<'_> {
                 "scene_hash": scene.hash,
                 "seed": args.seed_of_passes(),
                 "passes": outcome.films.passes,
+                "mean_passes": mean_passes(&outcome.films),
                 "seconds": outcome.elapsed.as_secs_f64(),
                 "stop": outcome.stop,
                 "relative_error": error,
@@ -52,4 +60,22 @@ impl Run<'_> {
         };
         print(args.format, text, json)
     }
+}
+
+/// Passes that a pixel of each estimator has on average.
+fn mean_passes(films: &Films) -> BTreeMap<&'static str, f64> {
+    films.films.iter().map(|(estimator, film, _)| (estimator.name(), film.mean_passes())).collect()
+}
+
+/// Where passes went, if pixels got passes of their own.
+fn dealt(films: &Films) -> Option<String> {
+    let of_film = |(estimator, film, _): &(Estimator, Film, Ledger)| {
+        let most = film.most_passes();
+        match film.sample_map() {
+            Some(_) => format!("{} {} to {most}, {:.1} on average", estimator.name(), film.passes, film.mean_passes()),
+            None => format!("{} {most}", estimator.name()),
+        }
+    };
+    let each: Vec<String> = films.films.iter().map(of_film).collect();
+    (films.dealt.rounds > 0).then(|| format!("passes where the error is (layer `work`): {}", each.join("; ")))
 }

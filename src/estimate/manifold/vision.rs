@@ -114,6 +114,9 @@ impl<'w, M: Mode> Manifold<'w, M> {
                 for (pass, optics) in &optics {
                     let (mut ledger, before) = (Ledger::new(parts), scratch.work);
                     for x in (0..width).filter(|x| self.world.eye.wants([*x, *y])) {
+                        if !row.wants(x, *pass) {
+                            continue;
+                        }
                         light.fill(Light::default());
                         let pixel = Pixel::new((x, *y), width, *pass);
                         let times = self.rims.times(pixel.index);

@@ -1,6 +1,6 @@
 //! The estimators that a plan asks for, each with its film, and what they need before the first pass.
 
-use super::{Films, Start, Tracing};
+use super::{Dealt, Films, Start, Tracing, adaptive};
 use crate::estimate::backward::Backward;
 use crate::estimate::forward::Forward;
 use crate::estimate::ledger::Ledger;
@@ -61,12 +61,38 @@ impl<M: Mode> Tracing for Engines<'_, M> {
             ledger.merge(&engine.run(film, self.films.first + self.films.passes, count));
         }
         self.films.passes += count;
+        self.films.dealt.attended = self.films.first + self.films.passes;
         let mut works: BTreeMap<u64, u64> = BTreeMap::new();
         for (pass, work) in self.films.films.iter_mut().flat_map(|(_, film, _)| film.take_works()) {
             *works.entry(pass).or_default() += work;
         }
         if let Some(witness) = &mut self.witness {
             witness.attend(&works.into_iter().collect::<Vec<_>>());
+            self.films.witness = Some(witness.record.clone());
+        }
+    }
+    fn aim(&mut self, error: Option<f64>) {
+        let goal = error.and_then(|error| self.films.goal(error));
+        let traced = |pixel: usize| self.world.eye.wants_index(pixel);
+        adaptive::aim(&mut self.films, &traced, goal, self.seed);
+        self.films.dealt.rounds += 1;
+    }
+    fn missing(&self) -> Option<u64> {
+        self.films.films.iter().find_map(|(_, film, _)| film.missing()).map(|passes| passes.end - passes.start)
+    }
+    fn fill(&mut self, count: u64) {
+        let films = self.engines.iter().zip(&mut self.films.films);
+        let next = films.filter_map(|(engine, own)| Some((engine, own.1.missing()?, own))).next();
+        let Some((engine, passes, (_, film, ledger))) = next else { return };
+        ledger.merge(&engine.run(film, passes.start, count.min(passes.end - passes.start)));
+        let works = film.take_works();
+        self.films.passes = self.films.films.iter().map(|(_, film, _)| film.most_passes()).max().unwrap_or(0);
+        let first = self.films.dealt.attended;
+        self.films.dealt.attended += works.len() as u64;
+        if let Some(witness) = &mut self.witness {
+            // Films and rounds make passes of one number more than once; a witness looks elsewhere each time.
+            let numbered: Vec<(u64, u64)> = (first..).zip(works.into_iter().map(|(_, work)| work)).collect();
+            witness.attend(&numbered);
             self.films.witness = Some(witness.record.clone());
         }
     }
@@ -85,12 +111,13 @@ impl<M: Mode> Tracing for Engines<'_, M> {
                 self.films.first = first;
                 return true;
             }
-            Start::Films(films) => films,
+            Start::Films(films) => *films,
         };
         let own = self.films.films.iter().map(|(estimator, _, _)| *estimator);
         let alike = own.eq(films.films.iter().map(|(estimator, _, _)| *estimator));
         self.films.first = films.first;
         self.films.passes = films.passes;
+        self.films.dealt = Dealt { attended: films.dealt.attended.max(films.first + films.passes), ..films.dealt };
         // Of films without a witness none can be made up.
         let seen = match (&mut self.witness, &films.witness) {
             (Some(own), Some(more)) => own.record.merge(more),
@@ -190,7 +217,7 @@ fn begin_with<'w, M: Mode + 'w>(
     Kept { connections, mut tables, screens, glances }: Kept<M>,
 ) -> Box<dyn Tracing + 'w> {
     let mut engines: Vec<Engine<'_, M>> = Vec::new();
-    let mut films = Films { films: Vec::new(), first: 0, passes: 0, witness: None };
+    let mut films = Films { films: Vec::new(), first: 0, passes: 0, dealt: Dealt::default(), witness: None };
     for estimator in Estimator::ALL {
         let route = Ownership::new(plan, groups, estimator);
         if route.planes.is_empty() {

@@ -7,3 +7,19 @@ pub(super) mod run {
     /// How much larger than `Films::relative_error` a true error may be.
     pub const LEEWAY: f64 = 1.2;
 }
+
+/// `adaptive.rs` and `drive.rs`: chosen when passes came to go to where the error is.
+pub(super) mod adaptive {
+    /// Passes of all pixels before any gets passes of its own: fewer tell no variance.
+    pub const BASE: u64 = 2;
+    /// A round may cost so much of the work before it.
+    pub const SHARE_OF_WORK: f64 = 0.5;
+    /// Of the squared error that is asked for, so much is aimed at, or a further round is needed as often as not.
+    pub const AIM: f64 = 0.95;
+    /// What exceeds the mean of its eight neighbours so many times is not foreseen by them: the end of a line has one of them.
+    pub const FORESEEN: f64 = 9.0;
+    /// Pixels of a block, along each side, over which that is spread.
+    pub const BLOCK: usize = 16;
+    /// Fewer of them than this in a block foresee nothing.
+    pub const ALONE: f64 = 4.0;
+}

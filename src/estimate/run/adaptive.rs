@@ -1,0 +1,224 @@
+//! Where the next passes go: to the pixels, and to the estimators, whose error they lessen most for their work.
+//!
+//! A round doubles the passes of some pixels. Which ones is a function of counted work and of sums, never of time. What a
+//! pixel gets is decided by what its *neighbours* have shown, never by its own light: if a pixel stopped where its own
+//! passes happen to agree, those that have missed a bright spot would stop and stay dark, and the picture with them. As it
+//! is, a pixel's mean and its stated variance are those of so many passes, however many they are.
+//!
+//! Neighbours know where a picture has edges, for edges go on from pixel to pixel. What they know nothing of, light in few
+//! single pixels, is spread over blocks of pixels, and what even these don't foresee gets passes of pixels at random.
+
+use super::Films;
+use super::tuning::adaptive::{AIM, ALONE, BLOCK, FORESEEN, SHARE_OF_WORK};
+use crate::base::rng::{Rng, Stream};
+use crate::film::accumulate::{Film, Sampling};
+use crate::film::plan::Estimator;
+use rayon::prelude::*;
+
+/// Something whose passes may be doubled.
+struct Candidate {
+    film: usize,
+    /// None: all pixels of the film, which share what a pass is made of.
+    pixel: Option<usize>,
+    /// What doubling takes off the squared error, (cd/m²)², and what it costs, counted work.
+    gain: f64,
+    work: f64,
+}
+
+/// What is known of a film whose pixels have sequences of their own.
+struct Variances {
+    /// `[pixel]`: variance of one pass as others foresee it, (cd/m²)².
+    foreseen: Vec<f64>,
+    /// Share of the film's squared error that nobody foresees.
+    unforeseen: f64,
+}
+
+/// Wants passes for another round. `traced`: whether a pixel is looked at at all; `goal`: the squared error, (cd/m²)², that
+/// is to be reached; none: as much as the round's work can do. Where no error is known, all get as many again.
+pub fn aim(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), goal: Option<f64>, seed: u64) {
+    let round = films.dealt.rounds;
+    let work: Vec<f64> = films.films.iter().map(|(_, _, ledger)| ledger.work.max(1) as f64).collect();
+    let budget = SHARE_OF_WORK * work.iter().sum::<f64>();
+    let (mut candidates, mut at_random) = (Vec::new(), Vec::new());
+    let mut noise = 0.0;
+    for (film, work) in (0..films.films.len()).zip(&work) {
+        let (estimator, own, _) = &films.films[film];
+        let pixels = 0..own.width * own.height;
+        let saved = super::saved(*estimator, own);
+        let all = own.planes.len();
+        let variance = |pixel: usize| saved.of(own.passes_of(pixel)) * own.variance(pixel, all);
+        let error = pixels.clone().filter(|pixel| traced(*pixel)).map(variance).sum::<f64>();
+        noise += error;
+        if !has_own_sequences(*estimator, own) {
+            candidates.push(Candidate { film, pixel: None, gain: error / 2.0, work: *work });
+            continue;
+        }
+        let passes: f64 = pixels.clone().filter(|pixel| traced(*pixel)).map(|pixel| own.passes_of(pixel) as f64).sum();
+        let per_pass = work / passes.max(1.0);
+        let Variances { foreseen, unforeseen } = variances(own, traced);
+        if unforeseen > 0.0 {
+            at_random.push((film, unforeseen * error, per_pass));
+        }
+        candidates.extend(pixels.filter(|pixel| traced(*pixel)).map(|pixel| {
+            let made = own.passes_of(pixel) as f64;
+            let gain = saved.of(own.passes_of(pixel)) * foreseen[pixel] / (2.0 * made);
+            Candidate { film, pixel: Some(pixel), gain, work: made * per_pass }
+        }));
+    }
+    let unforeseen = if noise > 0.0 { at_random.iter().map(|(_, error, _)| error).sum::<f64>() / noise } else { 0.0 };
+    let enough = goal.map_or(f64::INFINITY, |goal| noise - AIM * goal);
+    choose(films, candidates, enough * (1.0 - unforeseen), budget * (1.0 - unforeseen));
+    for (film, error, per_pass) in at_random {
+        // Its share of what nobody foresees is the share of the round's work that goes there.
+        draw(&mut films.films[film].1, traced, budget * (error / noise) / per_pass, (seed, round, film));
+    }
+    if films.films.iter().all(|(_, film, _)| film.missing().is_none()) {
+        for (estimator, film, _) in &mut films.films {
+            if has_own_sequences(*estimator, film) {
+                draw(film, traced, f64::INFINITY, (seed, round, 0));
+            } else {
+                film.wanted = film.passes.saturating_mul(2);
+            }
+        }
+    }
+}
+
+/// Whether each pixel has a sequence of its own, so that some may have more passes than others.
+fn has_own_sequences(estimator: Estimator, film: &Film) -> bool {
+    match (estimator, film.sampling) {
+        (Estimator::Backward | Estimator::Manifold, Sampling::PerPass) => true,
+        (Estimator::Backward | Estimator::Manifold, Sampling::PerScramble { .. }) => false,
+        (Estimator::Forward | Estimator::Photon, _) => false,
+    }
+}
+
+/// Doubles the passes of the best candidates, until that is likely to take `enough` off the squared error or as much work as
+/// `budget`; of one at least.
+fn choose(films: &mut Films, mut candidates: Vec<Candidate>, enough: f64, budget: f64) {
+    candidates.retain(|candidate| candidate.gain > 0.0);
+    let worth = |candidate: &Candidate| candidate.gain / candidate.work;
+    let order = |candidate: &Candidate| (candidate.film, candidate.pixel);
+    candidates.par_sort_unstable_by(|a, b| worth(b).total_cmp(&worth(a)).then(order(a).cmp(&order(b))));
+    let (mut gain, mut work) = (0.0, 0.0);
+    for candidate in &candidates {
+        if work > 0.0 && (gain >= enough || work + candidate.work > budget) {
+            break;
+        }
+        gain += candidate.gain;
+        work += candidate.work;
+        let film = &mut films.films[candidate.film].1;
+        match candidate.pixel {
+            None => film.wanted = film.passes.saturating_mul(2),
+            Some(pixel) => {
+                let map = film.sample_map_mut();
+                map.want(pixel, map.made(pixel).saturating_mul(2));
+            }
+        }
+    }
+}
+
+/// Doubles the passes of pixels that are drawn by chance, those with few before those with many, for `passes` passes of
+/// single pixels.
+fn draw(film: &mut Film, traced: &dyn Fn(usize) -> bool, passes: f64, (seed, round, number): (u64, u64, usize)) {
+    let pixels = (0..film.width * film.height).filter(|pixel| traced(*pixel));
+    let key = |pixel: usize| {
+        let mut rng =
+            Rng::new(seed, Stream::Adaptive, round.wrapping_mul(16).wrapping_add(number as u64), pixel as u64);
+        (film.passes_of(pixel), rng.next_u64(), pixel)
+    };
+    let mut order: Vec<_> = pixels.map(key).collect();
+    order.par_sort_unstable();
+    let map = film.sample_map_mut();
+    let mut left = passes;
+    for (made, _, pixel) in order {
+        left -= made as f64;
+        if left < 0.0 {
+            return;
+        }
+        map.want(pixel, made.saturating_mul(2));
+    }
+}
+
+/// What the others of a film's pixels say of each.
+fn variances(film: &Film, traced: &(dyn Fn(usize) -> bool + Sync)) -> Variances {
+    let (width, height) = (film.width, film.height);
+    let all = film.planes.len();
+    let of_pass =
+        |pixel: usize| if traced(pixel) { film.variance(pixel, all) * film.passes_of(pixel) as f64 } else { 0.0 };
+    let own: Vec<f64> = (0..width * height).into_par_iter().map(of_pass).collect();
+    let near: Vec<f64> =
+        (0..width * height).into_par_iter().map(|pixel| of_neighbours(&own, pixel, [width, height])).collect();
+    // What the neighbours of a pixel do not lead one to expect.
+    let beyond: Vec<f64> = own.iter().zip(&near).map(|(own, near)| (own - FORESEEN * near).max(0.0)).collect();
+    let blocks = Blocks::new(&beyond, [width, height]);
+    let of_block: Vec<[f64; 2]> =
+        (0..width * height).into_par_iter().map(|pixel| blocks.around(&beyond, pixel)).collect();
+    let foreseen = near.iter().zip(&of_block).map(|(near, [mean, _])| near + mean).collect();
+    let (mut error, mut alone) = (0.0, 0.0);
+    for pixel in 0..width * height {
+        let per_pass = 1.0 / film.passes_of(pixel).max(1) as f64;
+        error += own[pixel] * per_pass;
+        if of_block[pixel][1] < ALONE {
+            alone += beyond[pixel] * per_pass;
+        }
+    }
+    Variances { foreseen, unforeseen: if error > 0.0 { (alone / error).min(1.0) } else { 0.0 } }
+}
+
+/// Mean over the up to eight neighbours of a pixel.
+fn of_neighbours(values: &[f64], pixel: usize, [width, height]: [usize; 2]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for other in around(pixel, [width, height]).filter(|other| *other != pixel) {
+        sum += values[other];
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// A pixel and its up to eight neighbours.
+fn around(pixel: usize, [width, height]: [usize; 2]) -> impl Iterator<Item = usize> {
+    let (x, y) = (pixel % width, pixel / width);
+    let rows = y.saturating_sub(1)..(y + 2).min(height);
+    rows.flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| y * width + x))
+}
+
+/// Sums over blocks of pixels.
+struct Blocks {
+    size: [usize; 2],
+    /// Sum, number of pixels, and of those that are above 0.
+    sums: Vec<[f64; 3]>,
+}
+
+impl Blocks {
+    fn new(values: &[f64], size: [usize; 2]) -> Self {
+        let mut sums = vec![[0.0; 3]; size[0].div_ceil(BLOCK) * size[1].div_ceil(BLOCK)];
+        let blocks = Blocks { size, sums: Vec::new() };
+        for (pixel, value) in values.iter().enumerate() {
+            let sum = &mut sums[blocks.of(pixel)];
+            *sum = [sum[0] + value, sum[1] + 1.0, sum[2] + if *value > 0.0 { 1.0 } else { 0.0 }];
+        }
+        Blocks { sums, ..blocks }
+    }
+
+    fn of(&self, pixel: usize) -> usize {
+        let [width, _] = self.size;
+        pixel / width / BLOCK * width.div_ceil(BLOCK) + pixel % width / BLOCK
+    }
+
+    /// The mean over a pixel's block, and how many there are above 0, without the pixel and its neighbours, for whose values
+    /// the pixel counts.
+    fn around(&self, values: &[f64], pixel: usize) -> [f64; 2] {
+        let [mut sum, mut count, mut lit] = self.sums[self.of(pixel)];
+        for other in around(pixel, self.size).filter(|other| self.of(*other) == self.of(pixel)) {
+            sum -= values[other];
+            count -= 1.0;
+            lit -= if values[other] > 0.0 { 1.0 } else { 0.0 };
+        }
+        // What rounding leaves of a sum of which all was taken is nothing.
+        [if count > 0.0 && lit > 0.0 { (sum / count).max(0.0) } else { 0.0 }, lit]
+    }
+}
+
+#[cfg(test)]
+#[path = "adaptive_tests.rs"]
+mod tests;

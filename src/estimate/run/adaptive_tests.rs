@@ -1,0 +1,150 @@
+use super::*;
+use crate::base::ids::GroupId;
+use crate::base::stats::Moments;
+use crate::estimate::ledger::Ledger;
+use crate::estimate::run::Dealt;
+use crate::film::accumulate::{Components, Light, PlaneKey};
+use crate::film::layer::Layer;
+
+const SIZE: [usize; 2] = [24, 20];
+
+/// A picture of which pixel after pixel is made by chance.
+struct Made {
+    films: Films,
+    seed: u64,
+    value: fn(usize, f64) -> f64,
+}
+
+impl Made {
+    fn new(seed: u64, value: fn(usize, f64) -> f64) -> Made {
+        let plane = PlaneKey { layer: Layer::Direct, group: GroupId(0), takes: 0 };
+        let film = Film::new(SIZE[0], SIZE[1], vec![plane], Components::Luminance, Sampling::PerPass);
+        let films = vec![(Estimator::Backward, film, Ledger::new(0))];
+        let films = Films { films, first: 0, passes: 0, dealt: Dealt::default(), witness: None };
+        let mut made = Made { films, seed, value };
+        made.pass(0, 2);
+        made
+    }
+
+    fn pass(&mut self, first: u64, count: u64) {
+        let (seed, value) = (self.seed, self.value);
+        let (_, film, ledger) = &mut self.films.films[0];
+        for (y, mut row) in film.rows() {
+            for (x, pass) in (0..SIZE[0]).flat_map(|x| (first..first + count).map(move |pass| (x, pass))) {
+                let pixel = y * SIZE[0] + x;
+                if row.wants(x, pass) {
+                    let u = Rng::new(seed, Stream::Check, pass, pixel as u64).uniform();
+                    row.add_pass(x, pass, &[Light::ONE.scaled(value(pixel, u))]);
+                    ledger.work += 1;
+                }
+            }
+        }
+        film.close(first, count);
+    }
+
+    fn fill(&mut self) {
+        while let Some(missing) = self.films.films[0].1.missing() {
+            self.pass(missing.start, missing.end - missing.start);
+        }
+        self.films.dealt.rounds += 1;
+    }
+
+    fn rounds(&mut self, rounds: u64) {
+        for _ in 0..rounds {
+            aim(&mut self.films, &|_| true, None, self.seed);
+            self.fill();
+        }
+    }
+
+    fn film(&self) -> &Film {
+        &self.films.films[0].1
+    }
+
+    fn sum(&self) -> f64 {
+        (0..SIZE[0] * SIZE[1]).map(|pixel| self.film().mean(pixel, 0).value).sum()
+    }
+}
+
+/// Light that one pass in ten meets, in every seventh pixel: passes that have missed it say that there is none.
+fn rare(pixel: usize, u: f64) -> f64 {
+    if pixel.is_multiple_of(7) && u < 0.1 { 10.0 } else { 1.0 }
+}
+
+/// An upright edge.
+fn edge(pixel: usize, u: f64) -> f64 {
+    match (pixel % SIZE[0]).cmp(&9) {
+        std::cmp::Ordering::Less => 0.0,
+        std::cmp::Ordering::Equal => 2.0 * u,
+        std::cmp::Ordering::Greater => 1.0,
+    }
+}
+
+/// What pixels hold does not depend on what they have shown, so that the picture has the mean that it should have. If each
+/// pixel decided by its own passes, it would be too dark by far.
+#[test]
+fn dealing_passes_out_brings_no_bias() {
+    let pixels = SIZE[0] * SIZE[1];
+    let truth: f64 = (0..pixels).map(|pixel| if pixel % 7 == 0 { 1.9 } else { 1.0 }).sum();
+    let (mut ours, mut own) = (Moments::default(), Moments::default());
+    for seed in 0..400 {
+        let mut made = Made::new(seed, rare);
+        made.rounds(6);
+        ours.add(made.sum());
+        let mut made = Made::new(seed, rare);
+        for _ in 0..6 {
+            for pixel in 0..pixels {
+                let varies = made.film().variance(pixel, 0) > 0.0;
+                let map = made.films.films[0].1.sample_map_mut();
+                let passes = if varies { 2 * map.made(pixel) } else { 0 };
+                map.want(pixel, passes);
+            }
+            made.fill();
+        }
+        own.add(made.sum());
+    }
+    assert!((ours.mean - truth).abs() < 4.0 * ours.stderr(), "{} ± {}, {truth}", ours.mean, ours.stderr());
+    assert!((own.mean - truth).abs() > 8.0 * own.stderr(), "{} ± {}, {truth}", own.mean, own.stderr());
+}
+
+/// An edge gets passes, what is even does not, and the goal is reached for less work.
+#[test]
+fn passes_go_to_edges() {
+    let mut made = Made::new(3, edge);
+    made.rounds(12);
+    let map = made.film().sample_map().expect("pixels have passes of their own");
+    for pixel in 0..SIZE[0] * SIZE[1] {
+        let near = (pixel % SIZE[0]).abs_diff(9) <= 1;
+        assert_eq!(map.made(pixel) > 16, near, "{pixel}: {}", map.made(pixel));
+    }
+    let error: f64 = (0..SIZE[0] * SIZE[1]).map(|pixel| made.film().variance(pixel, 0)).sum();
+    let even = 20.0 / 3.0 / map.mean();
+    assert!(error < 0.3 * even, "{error} {even}");
+}
+
+/// Goals are met by no more than they need.
+#[test]
+fn goals_end_a_round() {
+    let noise = |made: &Made| (0..SIZE[0] * SIZE[1]).map(|pixel| made.film().variance(pixel, 0)).sum::<f64>();
+    let mut made = Made::new(5, edge);
+    made.rounds(5);
+    let (before, mean) = (noise(&made), made.film().mean_passes());
+    aim(&mut made.films, &|_| true, Some(0.97 * before), 5);
+    made.fill();
+    assert!(noise(&made) < before && made.film().mean_passes() < 1.1 * mean);
+}
+
+/// What nobody foresees gets passes at random, so that a single pixel is not left behind for ever.
+#[test]
+fn single_pixels_get_theirs_in_time() {
+    let mut made = Made::new(2, |pixel, u| if pixel == 230 { u } else { 1.0 });
+    made.rounds(12);
+    assert!(made.film().passes_of(230) >= 64, "{}", made.film().passes_of(230));
+}
+
+/// Films without any error get passes, too: a run that waits for another limit goes on.
+#[test]
+fn even_pictures_go_on() {
+    let mut made = Made::new(2, |_, _| 1.0);
+    made.rounds(3);
+    assert_eq!(made.film().sample_map().map(|map| map.range()), Some([16, 16]));
+}
