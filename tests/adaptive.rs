@@ -5,6 +5,7 @@ use eyebox::check::check;
 use eyebox::estimate::run::{Films, Limits, begin, drive};
 use eyebox::film::accumulate::Film;
 use eyebox::film::plan::{Estimator, Plan};
+use eyebox::film::sample_map::COARSE;
 use eyebox::import::{ImportOptions, import};
 use eyebox::output::exr::read_exr;
 use eyebox::plan::{Choice, plan};
@@ -60,6 +61,48 @@ fn pixels_hold_what_so_many_passes_give() {
         let of_connection = met.iter().filter(|(estimator, _)| *estimator == Estimator::Manifold).count();
         assert!(of_connection >= 3, "{path} {met:?}");
     }
+}
+
+/// A first pass that is made part by part is the first pass, and until it is whole pixels show what near ones have.
+#[test]
+fn a_first_pass_in_parts_is_the_first_pass() {
+    let (world, plan, groups) = sample("hud-direct/hud.optics.toml");
+    let begin = || begin(&world, &plan, groups, SIZE, 7);
+    let (mut parts, mut even) = (begin(), begin());
+    let image = |films: &Films| -> Vec<f64> {
+        let of_pixel = |pixel: usize| -> f64 {
+            let of_film = |film: &Film| (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum::<f64>();
+            films.films.iter().map(|(_, film, _)| of_film(film)).sum()
+        };
+        (0..SIZE[0] * SIZE[1]).map(of_pixel).collect()
+    };
+    let count = 1 + parts.sweep(0);
+    let coarse = image(parts.films());
+    even.step(1);
+    let whole = image(even.films());
+    for (pixel, shown) in coarse.iter().enumerate() {
+        let [x, y] = [pixel % SIZE[0], pixel / SIZE[0]].map(|at| at - at % COARSE);
+        // What lamps send to the picture as a whole is in its own pixel at once.
+        assert!((shown - whole[y * SIZE[0] + x]).abs() < 0.05 * whole[y * SIZE[0] + x].max(1e3), "{pixel}");
+    }
+    assert!(parts.films().films.iter().any(|(_, film, _)| film.traced_share() < 0.1));
+    (1..count).for_each(|part| {
+        parts.sweep(part);
+    });
+    for passes in [0, 1, 2] {
+        if passes > 0 {
+            parts.step(passes);
+            even.step(passes);
+        }
+        assert_eq!(image(parts.films()), image(even.films()));
+        for ((_, own, books), (_, all, ledger)) in parts.films().films.iter().zip(&even.films().films) {
+            assert_eq!((own.passes, own.samples(), books.work), (all.passes, all.samples(), ledger.work));
+            for pixel in 0..SIZE[0] * SIZE[1] {
+                assert_eq!(own.variance(pixel, own.planes.len()), all.variance(pixel, all.planes.len()));
+            }
+        }
+    }
+    assert_eq!(parts.films().relative_error(), even.films().relative_error());
 }
 
 /// Threads, and where a run was killed and taken up again, change no byte of the file; `--adaptive off` does, and so does an

@@ -127,6 +127,7 @@ pub fn measure_scene(
         time: Duration::try_from_secs_f64(task.budget.seconds).ok(),
         error: Some(error),
         adaptive: true,
+        coarse: false,
     };
     let plan = plan(&ready.checked, &ready.world, choice);
     let least = references.least_relative_error();

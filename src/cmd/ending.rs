@@ -29,6 +29,12 @@ pub fn ending(
         out.warnings = judgement.warnings(name);
         out.finding = judgement.is_off();
     }
+    let traced = films.films.iter().map(|(_, film, _)| film.traced_share()).fold(1.0, f64::min);
+    if traced < 1.0 {
+        let percent = 100.0 * traced;
+        out.warnings
+            .push(format!("{percent:.0} % of the pixels were traced in time; the others show the nearest of these"));
+    }
     if is_black(films) && lit {
         out.warnings
             .push("the picture is black, though lamps are on: no path of any estimator brought light".to_owned());

@@ -398,12 +398,9 @@ impl RenderArgs {
     pub fn limits(&self) -> Limits {
         let none = self.samples.is_none() && self.time.is_none() && self.error.is_none();
         let passes = if none { Some(DEFAULT_PASSES) } else { self.samples };
-        // Shards are of passes of all pixels, and so is what `--samples` asks for.
-        Limits {
-            passes,
-            time: self.time,
-            error: self.error,
-            adaptive: self.adaptive == AdaptiveArg::On && passes.is_none(),
-        }
+        // Shards are of passes of all pixels, and so is what `--samples` asks for. A checkpoint keeps whole passes or later ones.
+        let adaptive = self.adaptive == AdaptiveArg::On && passes.is_none();
+        let coarse = adaptive && self.checkpoint.is_none() && !self.resume;
+        Limits { passes, time: self.time, error: self.error, adaptive, coarse }
     }
 }

@@ -34,6 +34,8 @@ pub struct Limits {
     pub error: Option<f64>,
     /// Passes go to where the error is, where no number of them is asked for.
     pub adaptive: bool,
+    /// Where passes go to where the error is, the first one goes from coarse to fine, so that it may end in between.
+    pub coarse: bool,
 }
 
 /// Why a run ended.
@@ -224,6 +226,9 @@ pub trait Tracing: Send {
     /// Makes `count` passes more.
     fn step(&mut self, count: u64);
     fn films(&self) -> &Films;
+    /// Makes the first pass of one part of the pixels, the parts from coarse to fine; of all that is traced for the picture as a
+    /// whole with the first part. Returns how many parts are left.
+    fn sweep(&mut self, part: usize) -> usize;
     /// Wants passes for another round of them, where they lessen the error most; `error`: what is to be reached.
     fn aim(&mut self, error: Option<f64>);
     /// How many passes the estimator whose turn it is still wants.

@@ -56,6 +56,8 @@ pub struct Film {
     pub wanted: u64,
     /// Passes of each pixel, where some have more than that.
     pub(super) map: Option<SampleMap>,
+    /// The first pass is being made, a part of the pixels after the other.
+    coarse: bool,
     /// `[pixel][plane][component]`
     pub(super) sums: Tiles,
     /// `[pixel][plane]`, and if there are several one more for the sum over planes: squares of the luminance. None where
@@ -84,6 +86,7 @@ pub struct Row<'f> {
     blur: Option<TilesRow<'f>>,
     totals: Option<TotalsRow<'f>>,
     map: Option<SampleMapRow<'f>>,
+    coarse: bool,
 }
 
 impl Film {
@@ -105,6 +108,7 @@ impl Film {
             passes: 0,
             wanted: 0,
             map: None,
+            coarse: false,
             sums: Tiles::new(size, count * components.count(), COLUMNS).with_first_for_second(),
             squares,
             scrambles,
@@ -175,6 +179,7 @@ impl Film {
         let mut blur = self.blur.as_mut().map(KernelBias::rows);
         let mut totals = self.totals.rows();
         let mut map = self.map.as_ref().map(SampleMap::rows);
+        let coarse = self.coarse;
         self.sums
             .rows()
             .zip(self.squares.iter_mut().flat_map(Tiles::rows))
@@ -188,17 +193,25 @@ impl Film {
                 blur: blur.as_mut().and_then(Iterator::next),
                 totals: totals.next(),
                 map: map.as_mut().and_then(Iterator::next),
+                coarse,
             })
             .enumerate()
     }
 
     /// To be called when rows have passes `first .. first + count` in them.
     pub fn close(&mut self, first: u64, count: u64) {
-        self.totals.close();
         if let Some(map) = &mut self.map {
             map.close(first..first.saturating_add(count));
-            return;
+            if !(self.coarse && map.range() == [1; 2]) {
+                // A pass that is not whole has no total yet.
+                if !self.coarse {
+                    self.totals.close();
+                }
+                return;
+            }
+            (self.map, self.coarse) = (None, false);
         }
+        self.totals.close();
         self.passes += count;
         if let Some(turns) = &mut self.turns {
             turns.close(first, count);
@@ -302,6 +315,28 @@ impl Film {
         }
     }
 
+    /// Has the first pass begin with some of the pixels, those for which `first` says so; asked again it goes on with others.
+    /// Meanwhile a pixel without any shows its neighbour in the direction of the first ([`SampleMap::shown`]).
+    pub fn want_first(&mut self, first: impl Fn([usize; 2]) -> bool) {
+        if self.passes > 0 {
+            return;
+        }
+        self.coarse = true;
+        let width = self.width.max(1);
+        let map = self.sample_map_mut();
+        (0..map.pixels()).filter(|pixel| first([pixel % width, pixel / width])).for_each(|pixel| map.want(pixel, 1));
+    }
+
+    /// The share of the pixels that have been traced.
+    pub fn traced_share(&self) -> f64 {
+        self.map.as_ref().filter(|_| self.coarse).map_or(1.0, SampleMap::mean)
+    }
+
+    /// The pixel whose light is shown at a pixel.
+    fn shown(&self, pixel: usize) -> usize {
+        self.map.as_ref().filter(|_| self.coarse).map_or(pixel, |map| map.shown(pixel))
+    }
+
     /// The most passes that a pixel has.
     pub fn most_passes(&self) -> u64 {
         self.map.as_ref().map_or(self.passes, |map| map.range()[1])
@@ -316,7 +351,7 @@ impl Film {
     pub fn forget_light(&mut self) {
         let empty = Film::new(0, 0, Vec::new(), self.components, self.sampling);
         let counted = std::mem::replace(self, empty);
-        (self.passes, self.map) = (counted.passes, counted.map);
+        (self.passes, self.map, self.coarse) = (counted.passes, counted.map, counted.coarse);
     }
 
     /// Independent values of a pixel that tell its variance.
@@ -337,11 +372,13 @@ impl Film {
 
     /// Mean luminance of a pixel in a plane.
     pub fn mean(&self, pixel: usize, plane: usize) -> Light {
+        let pixel = self.shown(pixel);
         self.sum(pixel, plane).scaled(1.0 / self.passes_of(pixel).max(1) as f64)
     }
 
     /// Mean light of a pixel in a plane, one entry per component.
     pub fn mean_entries(&self, pixel: usize, plane: usize) -> impl Iterator<Item = Light> {
+        let pixel = self.shown(pixel);
         let factor = 1.0 / self.passes_of(pixel).max(1) as f64;
         self.entries_of(plane).map(move |entry| value_of(self.sums.stored(pixel, entry)).scaled(factor))
     }
@@ -460,7 +497,7 @@ impl Row<'_> {
             }
             total += light.value;
             // Of passes that some pixels have not had there is no total.
-            if let (Some(totals), None) = (&mut self.totals, self.map) {
+            if let Some(totals) = self.totals.as_mut().filter(|_| self.map.is_none() || self.coarse) {
                 totals.add((x, plane), number, light);
             }
             if let Some(detail) = &mut self.detail {

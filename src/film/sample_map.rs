@@ -4,6 +4,9 @@
 
 use std::ops::Range;
 
+/// A first pass that begins with some pixels begins with the first of each block of so many by so many, a power of two.
+pub const COARSE: usize = 8;
+
 /// Passes per pixel, `[y][x]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleMap {
@@ -68,6 +71,14 @@ impl SampleMap {
         let first = open().map(|(made, _)| *made).min()?;
         let end = open().map(|(_, wanted)| *wanted).max()?;
         Some(u64::from(first)..u64::from(end))
+    }
+
+    /// A pixel that has been traced, as near as there is one: itself, or the first of its block of 2 × 2, 4 × 4 or [`COARSE`]² pixels.
+    pub fn shown(&self, pixel: usize) -> usize {
+        let (x, y) = (pixel % self.width, pixel / self.width);
+        let first = |side: usize| (y & !(side - 1)) * self.width + (x & !(side - 1));
+        let traced = |side: &usize| self.made[first(*side)] > 0;
+        [1, 2, 4].into_iter().find(traced).map_or_else(|| first(COARSE), first)
     }
 
     /// The rows, top to bottom.

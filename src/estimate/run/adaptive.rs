@@ -84,12 +84,25 @@ pub fn aim(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), goal: Opt
 }
 
 /// Whether each pixel has a sequence of its own, so that some may have more passes than others.
-fn has_own_sequences(estimator: Estimator, film: &Film) -> bool {
+pub fn has_own_sequences(estimator: Estimator, film: &Film) -> bool {
     match (estimator, film.sampling) {
         (Estimator::Backward | Estimator::Manifold, Sampling::PerPass) => true,
         (Estimator::Backward | Estimator::Manifold, Sampling::PerScramble { .. }) => false,
         (Estimator::Forward | Estimator::Photon, _) => false,
     }
+}
+
+/// Which part of a picture a pixel belongs to, of `side`² parts from coarse to fine: each is spread evenly over the picture, and
+/// so are those up to any power of four.
+pub fn part_of([x, y]: [usize; 2], side: usize) -> usize {
+    let (mut part, mut bit, mut weight) = (0, side / 2, 1);
+    while bit > 0 {
+        // The second of four parts lies across from the first, the others beside it.
+        let [right, down] = [x, y].map(|at| usize::from(at & bit != 0));
+        part += weight * (2 * (right ^ down) + down);
+        (bit, weight) = (bit / 2, weight * 4);
+    }
+    part
 }
 
 /// Doubles the passes of the best candidates, until that is likely to take `enough` off the squared error or as much work as

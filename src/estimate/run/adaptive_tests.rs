@@ -148,3 +148,20 @@ fn even_pictures_go_on() {
     made.rounds(3);
     assert_eq!(made.film().sample_map().map(|map| map.range()), Some([16, 16]));
 }
+
+/// The parts of a first pass are all of the picture, and those up to a power of four a coarser grid of it.
+#[test]
+fn parts_go_from_coarse_to_fine() {
+    for side in [2usize, 8] {
+        let mut seen = vec![0; side * side];
+        for (x, y) in (0..side).flat_map(|x| (0..side).map(move |y| (x, y))) {
+            seen[part_of([x + side, y + 3 * side], side)] += 1;
+            for k in 0..=side.trailing_zeros() {
+                let step = side >> k;
+                let on_grid = x.is_multiple_of(step) && y.is_multiple_of(step);
+                assert_eq!(part_of([x, y], side) < 1 << (2 * k), on_grid, "{x} {y} {k}");
+            }
+        }
+        assert!(seen.iter().all(|count| *count == 1));
+    }
+}

@@ -32,6 +32,9 @@ pub fn drive(mut tracing: Box<dyn Tracing + '_>, limits: &Limits, observer: &mut
         return Outcome { films: tracing.into_films(), stop: Stop::Passes, elapsed: start.elapsed() };
     }
     let adaptive = limits.adaptive && limits.passes.is_none() && tracing.films().first == 0;
+    if let Some(stop) = first_pass(tracing.as_mut(), (limits, adaptive), start, observer) {
+        return Outcome { films: tracing.into_films(), stop, elapsed: start.elapsed() };
+    }
     let (mut block, mut doubled_at) = (1u64, 0);
     loop {
         let before = Instant::now();
@@ -78,6 +81,32 @@ pub fn drive(mut tracing: Box<dyn Tracing + '_>, limits: &Limits, observer: &mut
             .map_or(u64::MAX, |time| (time.saturating_sub(start.elapsed()).as_secs_f64() / seconds.max(1e-6)) as u64);
         block = wanted.min(rest).clamp(1, block.saturating_mul(2));
     }
+}
+
+/// Makes the first pass from coarse to fine, where time may end it. Returns why the run is over, if it is.
+fn first_pass(
+    tracing: &mut dyn Tracing,
+    (limits, adaptive): (&Limits, bool),
+    start: Instant,
+    observer: &mut dyn Observer,
+) -> Option<Stop> {
+    if !(limits.coarse && adaptive && tracing.films().passes == 0) {
+        return None;
+    }
+    let mut part = 0;
+    while tracing.sweep(part) > 0 {
+        part += 1;
+        let films = tracing.films();
+        let paths = films.films.iter().fold(0u64, |sum, (_, _, ledger)| sum.saturating_add(ledger.paths));
+        let status = Status { passes: 0, elapsed: start.elapsed(), error: None, paths, doubled: false };
+        if !observer.block(&status, films) {
+            return Some(Stop::Asked);
+        }
+        if limits.time.is_some_and(|time| start.elapsed() >= time) {
+            return Some(Stop::Time);
+        }
+    }
+    None
 }
 
 /// Makes up to `block` passes of all pixels. Returns how many, and whether so many are reached in every run.

@@ -19,8 +19,9 @@ use crate::film::accumulate::{Film, Sampling};
 use crate::film::error_detail::ErrorDetail;
 use crate::film::guide::ApertureGuide;
 use crate::film::plan::{Estimator, Plan};
+use crate::film::sample_map::COARSE;
 use crate::world::World;
-use crate::world::mode::{Hero, Mode, Mono, Rgb, Spectral, components};
+use crate::world::mode::{Hero, Mode, Mono, Rgb, Spectral, components, wavelengths_change};
 use crate::world::optics::Optics;
 use crate::world::stokes::Stokes;
 use std::collections::BTreeMap;
@@ -55,21 +56,47 @@ struct Engines<'w, M: Mode> {
     seed: u64,
 }
 
+impl<M: Mode> Engines<'_, M> {
+    /// Has the witness look beside whole passes.
+    fn attend(&mut self) {
+        let mut works: BTreeMap<u64, u64> = BTreeMap::new();
+        for (pass, work) in self.films.films.iter_mut().flat_map(|(_, film, _)| film.take_works()) {
+            *works.entry(pass).or_default() += work;
+        }
+        self.films.dealt.attended = self.films.first + self.films.passes;
+        if let Some(witness) = &mut self.witness {
+            witness.attend(&works.into_iter().collect::<Vec<_>>());
+            self.films.witness = Some(witness.record.clone());
+        }
+    }
+}
+
 impl<M: Mode> Tracing for Engines<'_, M> {
     fn step(&mut self, count: u64) {
         for (engine, (_, film, ledger)) in self.engines.iter().zip(&mut self.films.films) {
             ledger.merge(&engine.run(film, self.films.first + self.films.passes, count));
         }
         self.films.passes += count;
-        self.films.dealt.attended = self.films.first + self.films.passes;
-        let mut works: BTreeMap<u64, u64> = BTreeMap::new();
-        for (pass, work) in self.films.films.iter_mut().flat_map(|(_, film, _)| film.take_works()) {
-            *works.entry(pass).or_default() += work;
+        self.attend();
+    }
+    fn sweep(&mut self, part: usize) -> usize {
+        // Tables for the wavelengths of a pass are made anew for each part.
+        let side = if wavelengths_change::<M>() { 2 } else { COARSE };
+        for (estimator, film, _) in &mut self.films.films {
+            if adaptive::has_own_sequences(*estimator, film) {
+                film.want_first(|pixel| adaptive::part_of(pixel, side) == part);
+            } else if part == 0 {
+                film.wanted = 1;
+            }
         }
-        if let Some(witness) = &mut self.witness {
-            witness.attend(&works.into_iter().collect::<Vec<_>>());
-            self.films.witness = Some(witness.record.clone());
+        while self.missing().is_some() {
+            self.fill(1);
         }
+        let left = side * side - 1 - part;
+        if left == 0 {
+            self.attend();
+        }
+        left
     }
     fn aim(&mut self, error: Option<f64>) {
         let goal = error.and_then(|error| self.films.goal(error));
@@ -85,7 +112,8 @@ impl<M: Mode> Tracing for Engines<'_, M> {
         let next = films.filter_map(|(engine, own)| Some((engine, own.1.missing()?, own))).next();
         let Some((engine, passes, (_, film, ledger))) = next else { return };
         ledger.merge(&engine.run(film, passes.start, count.min(passes.end - passes.start)));
-        let works = film.take_works();
+        // The works of a first pass in parts are known when it is whole.
+        let works = if self.films.dealt.rounds > 0 { film.take_works() } else { Vec::new() };
         self.films.passes = self.films.films.iter().map(|(_, film, _)| film.most_passes()).max().unwrap_or(0);
         let first = self.films.dealt.attended;
         self.films.dealt.attended += works.len() as u64;
