@@ -316,7 +316,9 @@ impl<'w, M: Mode> Walker<'w, M> {
                     return None;
                 }
                 self.heal(vertex, ledger);
-                if self.index_here().as_slice() == self.index_beyond(vertex).as_slice() {
+                // Between equal media films part light, as a mirror embedded in glass does, and nothing else.
+                let alike = self.index_here().as_slice() == self.index_beyond(vertex).as_slice();
+                if alike && self.optics.films(*coating, 0).is_bare() {
                     return None;
                 }
                 self.turn(vertex, *coating)

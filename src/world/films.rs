@@ -19,6 +19,14 @@ pub enum Films {
 }
 
 impl Films {
+    /// Whether there are no films.
+    pub fn is_bare(&self) -> bool {
+        match self {
+            Films::Stack { inwards, .. } => inwards.is_empty(),
+            Films::Ideal { .. } | Films::Table { .. } => false,
+        }
+    }
+
     /// A coating at `nm`; none of it is a bare interface.
     pub fn at(coating: Option<&Coating>, nm: f64) -> Films {
         match coating.map(|coating| &coating.law) {
