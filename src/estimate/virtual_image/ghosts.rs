@@ -5,9 +5,9 @@ use super::aim::{Sight, aim, carried_along};
 use super::image::{arcmin, turned};
 use super::look::{Effort, Landed, look_around};
 use super::subject::{Point, Subject};
-use super::tuning::ghosts::MOST_BRANCHES;
+use super::tuning::ghosts::{MOST_BRANCHES, MOST_RIVALS};
 use crate::world::World;
-use crate::world::mode::{Mono, MonoStokes};
+use crate::world::mode::{Mode, Mono, MonoStokes};
 use crate::world::optics::Optics;
 use glam::{DVec2, DVec3};
 
@@ -40,6 +40,24 @@ pub fn find(tracing: (&World, &Optics<Mono>), main: &Subject, least: f64) -> Vec
     // By name where two are alike, so that their order hangs on nothing else.
     ghosts.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.train.chain().cmp(&b.1.train.chain())));
     ghosts.into_iter().map(|(_, ghost)| ghost).collect()
+}
+
+/// What is looked at over that train, of its own and those that carry the share `least`, that brings most light to the middle of the
+/// eyebox as polarised paths have it: without polarisation light that goes straight through a folded lens is brighter than the
+/// picture.
+pub fn main_image(tracing: (&World, &Optics<Mono>), subject: Subject, least: f64) -> Subject {
+    let polarised = MonoStokes::optics(tracing.0, 0, 0);
+    let light = |subject: &Subject| {
+        let seen = seen(tracing, &polarised, subject, subject.from);
+        seen.into_iter().flatten().map(|seen| seen.light).sum::<f64>()
+    };
+    let others = find(tracing, &subject, least);
+    let first = (light(&subject), subject);
+    let brighter = |best: (f64, Subject), other: Subject| {
+        let own = light(&other);
+        if own > best.0 { (own, other) } else { best }
+    };
+    others.into_iter().take(MOST_RIVALS).fold(first, brighter).1
 }
 
 /// The same picture over the train of these hits.

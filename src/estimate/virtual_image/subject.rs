@@ -1,6 +1,7 @@
 //! Which face is the picture that an eye sees as a virtual image, over which train of specular faces, and a grid of points
 //! on it.
 
+use super::ghosts;
 use super::look::{Effort, Found, Landed, Way, look_around};
 use super::tuning::subject::{FLAT, INSET, LEAST, LOOKS, MOST_BRANCHES};
 use crate::base::error::Result;
@@ -126,6 +127,12 @@ impl Subject {
         let place = |point: &Point| Point { place: motion.transform_point3(point.place), ..*point };
         let normal = motion.transform_vector3(self.normal).normalize_or(self.normal);
         Subject { normal, points: self.points.iter().map(place).collect(), ..self.clone() }
+    }
+
+    /// The same as polarised light shows it: over the brightest of the trains that carry as much as this one had to.
+    #[must_use]
+    pub fn polarised(self, tracing: (&World, &Optics<Mono>)) -> Subject {
+        ghosts::main_image(tracing, self, LEAST)
     }
 
     /// The point nearest to the picture's middle.

@@ -42,4 +42,6 @@ pub(super) mod subject {
 pub(super) mod ghosts {
     /// Branches of one ray: of n uncoated surfaces some n²/2 have a ten thousandth of the light, so that ninety are followed whole.
     pub const MOST_BRANCHES: usize = 4096;
+    /// Trains that may be the picture's main image: those that carry most of unpolarised light.
+    pub const MOST_RIVALS: usize = 4;
 }

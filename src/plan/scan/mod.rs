@@ -136,6 +136,7 @@ pub fn scan(
     let world = World::freeze(&scene)?;
     let optics = Mono::<f64>::optics(&world, 0, 0);
     let subject = Subject::find(&scene, (&world, &optics), asked.target.as_deref(), asked.points)?;
+    let subject = subject.polarised((&world, &optics));
     let doubled = ghosts::trains(&scene, (&world, &optics), &subject);
     let by = ghosts::name(&scene, &world, &subject);
     let (middle, [columns, rows]) = (scene.eye.position, asked.positions);
