@@ -3,11 +3,14 @@
 use crate::common::*;
 use eyebox::base::ids::SlideId;
 use eyebox::film::plan::Estimator;
+use eyebox::import::{ImportOptions, Set, import};
 use eyebox::plan::Choice;
 use eyebox::scene::*;
 use eyebox::world::World;
 use glam::DVec3;
 use std::f64::consts::PI;
+use std::path::Path;
+use std::process::Command;
 use std::sync::Arc;
 
 const BACKWARD: Choice = Choice::Only(Estimator::Backward);
@@ -44,6 +47,7 @@ fn slide() -> Slide {
         transmittance: 0.8,
         contrast: 50.0,
         polarisation: None,
+        primaries: None,
     }
 }
 
@@ -90,6 +94,83 @@ fn each_pixel_has_the_luminance_of_its_own() {
             );
         }
     }
+}
+
+/// A sample whose display is said in the emitter, and the same with a slide on the emitting face.
+#[test]
+fn an_emitters_image_is_the_slide_on_its_face() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/birdbath");
+    for name in ["birdbath.glb", "picture.png"] {
+        std::fs::copy(own.join(name), folder.path().join(name)).unwrap();
+    }
+    let text = std::fs::read_to_string(own.join("birdbath.optics.toml")).unwrap();
+    let line = text.lines().find(|line| line.starts_with("emitter")).expect("a display");
+    let (lamp, picture) = line.split_once(", image").expect("its image");
+    let swapped = text.replace(line, &format!("{lamp} }}\nslide = {{ image{picture}"));
+    let read = |name: &str, text: &str| {
+        let file = folder.path().join(name);
+        std::fs::write(&file, text).unwrap();
+        let run = |to: &Path| {
+            let out = Command::new(env!("CARGO_BIN_EXE_eyebox")).arg("convert").args([&file, to]).output().unwrap();
+            assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+        };
+        let carried = ["glb", "usda"].map(|kind| folder.path().join(format!("{name}.{kind}")));
+        carried.iter().for_each(|to| run(to));
+        std::iter::once(&file).chain(&carried).map(|file| scene_of(file, &[])).collect::<Vec<Scene>>()
+    };
+    let (said, slid) = (read("emitter.optics.toml", &text), read("slide.optics.toml", &swapped));
+    for scene in said.iter().chain(&slid) {
+        let shining = |scene: &Scene| {
+            let faces = scene.parts.iter().flat_map(|part| part.faces.clone());
+            faces.filter(|face| face.emitter.is_some()).collect::<Vec<Face>>()
+        };
+        assert_eq!(scene.slides, said[0].slides);
+        assert_eq!(shining(scene), shining(&said[0]));
+    }
+    assert_eq!((said[0].slides.len(), said[0].slides[0].contrast), (1, 1e5));
+}
+
+/// A face in colour and at one wavelength: each primary has its luminance, white their sum, black what the contrast leaves.
+#[test]
+fn primaries_have_their_luminances() {
+    let primaries = [1000.0, 3000.0, 400.0];
+    let sets = ["oled.primaries_cd_m2=[1000, 3000, 400]", "sky.luminance_cd_m2=0", "DISPLAY.contrast=100"];
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/birdbath/birdbath.optics.toml");
+    for (wavelengths, passes) in [("wavelengths.mono_nm=550", 2), ("wavelengths=visible", 512)] {
+        let mut s = scene_of(&path, &[&sets[..], &[wavelengths]].concat());
+        // From between the display and the beam splitter, straight up at the display, 6 mm away.
+        s.eye = Eye {
+            position: DVec3::new(0.0, 0.012, -0.025),
+            look: DVec3::Y,
+            up: DVec3::Z,
+            pupil_diameter_m: 0.0,
+            fov_deg: 0.2,
+            resolution: [2, 2],
+            ..s.eye
+        };
+        let white: f64 = primaries.iter().sum();
+        // Places on the picture as make.py draws it, of its half width of 4 mm: red, green, blue, the frame's white, black.
+        let at = [[-0.4, -0.3], [0.0, -0.3], [0.4, -0.3], [0.995, 0.0], [0.0, 0.3]];
+        for ([u, v], light) in at.into_iter().zip([primaries[0], primaries[1], primaries[2], white, 0.0]) {
+            let part = s.parts.iter().find(|part| part.name == "DISPLAY").expect("the display");
+            let place = part.to_world.transform_point3(DVec3::new(4.0 * u, 4.0 * v, 0.0));
+            s.eye.look = (place - s.eye.position).normalize();
+            s.eye.up = (DVec3::Z - s.eye.look * s.eye.look.z).normalize();
+            let want = white / 100.0 + light * (1.0 - 1.0 / 100.0);
+            let (got, sigma) = mean(&image(&render(&s, BACKWARD, passes, 3).0));
+            println!("{wavelengths} {u} {v}: {got} ± {sigma}, want {want}");
+            assert!(sigma < 0.02 * want, "noise {sigma} of {want}");
+            // D65's table is within 3e-4 of the white of Rec.709.
+            let most = 4.0 * sigma + 5e-4 * want;
+            assert!((got - want).abs() < most, "{wavelengths} {u} {v}: {got} ± {sigma}, {want}");
+        }
+    }
+}
+
+fn scene_of(path: &Path, sets: &[&str]) -> Scene {
+    let sets = sets.iter().map(|text| Set::parse(text).unwrap()).collect();
+    import(path, &ImportOptions { sets, ..ImportOptions::default() }).unwrap().scene
 }
 
 /// Form factor of a rectangle of sides `a` and `b` from a corner, to a parallel element at `h` under that corner (Howell,

@@ -318,7 +318,7 @@ pub(super) struct Builder<'a> {
     /// Profiles as their files say, by file.
     pub(super) measured: HashMap<PathBuf, LuminousProfile>,
     /// Pictures of slides by file.
-    pub(super) pictures: HashMap<(PathBuf, Option<String>), Known>,
+    pub(super) pictures: HashMap<(PathBuf, Option<String>, [u64; 3]), Known>,
     pub(super) files: Vec<PathBuf>,
     pub(super) notes: Vec<Note>,
 }

@@ -176,6 +176,7 @@ impl Builder<'_> {
             Some(won) => self.shape(part, number, &won.entry.value, to_world)?,
             None => Shape::Mesh,
         };
+        let mut picture = None;
         let emitter = match slots.get(Slot::Emitter) {
             // `emitter = "none"` darkens what another carrier lights.
             Some(won) if won.entry.value.text() == Some("none") => None,
@@ -185,6 +186,7 @@ impl Builder<'_> {
                     let (at, text) = (won.entry.value.at.clone(), "`spectrum` of emitter is not said: D65".to_owned());
                     self.notes.push(Note::info(at, text));
                 }
+                picture = spec.picture.clone();
                 let mut emitter = self.emitter(part, number, spec)?;
                 // What a format says of emission goes with its texture; what a person says is the whole face's.
                 if won.rank == Rank::Mapped {
@@ -195,10 +197,19 @@ impl Builder<'_> {
             }
             None => None,
         };
-        let slide = match slots.get(Slot::Slide) {
-            Some(won) => self.slide(part, number, &won.entry.value)?,
-            None => None,
+        let slide = match slots.get(Slot::Slide).filter(|won| won.entry.value.text() != Some("none")) {
+            Some(won) if picture.is_some() => {
+                let what = format!("part {} face {number} has a slide and an emitter with an image", part.path);
+                return Err(Error::new(won.entry.at.clone(), what)
+                    .expected("one of them: a display's picture is said by its emitter or by a slide on its face"));
+            }
+            Some(won) => {
+                let value = self.sheet.slides.follow(&won.entry.value)?;
+                Some(optics::slide(value, &mut self.notes)?)
+            }
+            None => picture,
         };
+        let slide = slide.map(|spec| self.slide(part, number, &spec)).transpose()?;
         let is_mapped = said.is_some_and(|(_, rank)| rank == Rank::Mapped);
         let tint = if is_mapped { self.stain(part, number, finish) } else { None };
         Ok(Face { finish, coating: self.coating(part, number, slots, finish)?, shape, emitter, tint, slide })

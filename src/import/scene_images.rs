@@ -3,10 +3,10 @@
 use super::build::{Builder, intern};
 use super::image::Picture;
 use super::measure::FaceMeasure;
+use super::optics::SlideSpec;
 use super::select::Candidate;
-use super::value::Value;
 use super::{files, image, optics};
-use crate::base::colour::luminance;
+use crate::base::colour::{ColourSpace, luminance};
 use crate::base::error::Result;
 use crate::base::ids::SlideId;
 use crate::base::{Code, Error, Where};
@@ -14,15 +14,14 @@ use crate::scene::{Note, Slide, Wavelengths};
 use std::sync::Arc;
 
 impl Builder<'_> {
-    /// The slide of a face: its picture read, placed in the plane of the face. None for `"none"`.
-    pub(super) fn slide(&mut self, part: &Candidate, number: usize, value: &Value) -> Result<Option<SlideId>> {
-        if value.text() == Some("none") {
-            return Ok(None);
-        }
-        let value = self.sheet.slides.follow(value)?;
-        let spec = optics::slide(value, &mut self.notes)?;
+    /// The slide of a face, a display's own picture among them: read, placed in the plane of the face.
+    pub(super) fn slide(&mut self, part: &Candidate, number: usize, spec: &SlideSpec) -> Result<SlideId> {
         let file = files::resolve(&spec.image, &spec.image_at);
-        let key = (file.clone(), spec.layer.clone());
+        // What red, green and blue count for.
+        let weights = spec.primaries.filter(|own| own.iter().sum::<f64>() > 0.0);
+        let weights = weights
+            .map_or_else(|| ColourSpace::Rec709.luminance_weights(), |own| own.map(|c| c / own.iter().sum::<f64>()));
+        let key = (file.clone(), spec.layer.clone(), weights.map(f64::to_bits));
         let (width, height, pixels, rgb) = match self.pictures.get(&key) {
             Some(known) => known.clone(),
             None => {
@@ -32,12 +31,17 @@ impl Builder<'_> {
                     .map_err(|fault| fault.code(Code::SlideImageMissing))?;
                 self.notes.extend(read.notes(&spec.image, &spec.image_at));
                 if read.rgb.is_some() && !self.coloured() {
+                    let [r, g, b] = weights;
                     let text = format!(
                         "the slide image {} has colours; at one wavelength their luminance counts: \
-                         0.2126 R + 0.7152 G + 0.0722 B",
+                         {r:.4} R + {g:.4} G + {b:.4} B",
                         spec.image
                     );
                     self.notes.push(Note::info(spec.image_at.clone(), text));
+                }
+                if let (Some(rgb), Some(_)) = (&read.rgb, spec.primaries) {
+                    let light = |rgb: &[f32; 3]| (0..3).map(|c| weights[c] * f64::from(rgb[c])).sum::<f64>();
+                    read.pixels = rgb.iter().map(|rgb| light(rgb).min(1.0) as f32).collect();
                 }
                 let rgb = read.rgb.filter(|_| self.coloured()).map(Arc::new);
                 let known = (read.width, read.height, Arc::new(read.pixels), rgb);
@@ -93,8 +97,9 @@ impl Builder<'_> {
             transmittance: spec.transmittance,
             contrast: spec.contrast,
             polarisation: spec.polarisation,
+            primaries: spec.primaries.and_then(optics::white_of).filter(|_| self.coloured()),
         };
-        Ok(Some(SlideId::from_index(intern(&mut self.slides, slide))))
+        Ok(SlideId::from_index(intern(&mut self.slides, slide)))
     }
 
     /// Whether colour is traced.

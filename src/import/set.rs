@@ -204,9 +204,11 @@ impl Set {
                 .expected("TARGET.attribute=VALUE or TARGET.faces[N].attribute=VALUE"));
         };
         // `LED.flux_lm` is short for `LED.emitter.flux_lm`, `LCD.contrast` for `LCD.slide.contrast`.
-        // What both have is the slide's, as it was before emitters had it.
+        // What both have is the slide's where there is one, as it was before emitters had it.
         let mut short = [(&EMITTER[..], Slot::Emitter), (&SLIDE[..], Slot::Slide)];
-        if matches!(key.as_str(), "u" | "polarisation") {
+        let own = |index: &usize| bound.get(*index).map_or(&[][..], |part| &part.faces);
+        let has = |slot: Slot| chosen.iter().flat_map(own).any(|slots| slots.get(slot).is_some());
+        if key != "name" && (has(Slot::Slide) || !has(Slot::Emitter)) {
             short.reverse();
         }
         let short = short.into_iter().find(|(names, _)| names.contains(&key.as_str()));

@@ -225,7 +225,7 @@ pub struct Kind {
 }
 
 mod rows;
-pub use rows::{EMITTER, FILM, KINDS, MEASURED, MEDIUM, ORDER, ROWS, SKIES, SLIDE, SUN_SKY};
+pub use rows::{EMITTER, FILM, KINDS, MEASURED, MEDIUM, ORDER, PICTURE, ROWS, SKIES, SLIDE, SUN_SKY};
 #[cfg(test)]
 pub mod arbitrary; // random values of the table
 pub mod union; // kinds with parameters

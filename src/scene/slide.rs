@@ -30,6 +30,8 @@ pub struct Slide {
     pub contrast: f64,
     /// Of the light that leaves; none: unpolarised.
     pub polarisation: Option<Polarisation>,
+    /// Of a display: what red, green and blue (Rec.709) of its white are to each other; none: those of the lamp's light, all alike.
+    pub primaries: Option<[f64; 3]>,
 }
 
 /// Linear polarisation.

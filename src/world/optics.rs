@@ -171,7 +171,12 @@ impl<M: Mode> Optics<M> {
             let s = slide.s_of(pixel);
             return lanes::<M, f64>(|_| s);
         }
-        mixed::<M>(&self.lighting.slide, slide.rgb_of(pixel))
+        let (own, rgb) = (&self.lighting.slide, slide.rgb_of(pixel));
+        let Some(white) = slide.primaries() else { return mixed::<M>(own, rgb) };
+        // The lamp's light is that of all primaries: what these have of it in a lane.
+        let all = mixed::<M>(own, white);
+        let shown = mixed::<M>(own, std::array::from_fn(|c| white[c] * rgb[c]));
+        lanes::<M, f64>(|lane| if all[lane] > 0.0 { (shown[lane] / all[lane]).min(1.0) } else { 0.0 })
     }
 }
 

@@ -25,6 +25,8 @@ pub struct SlideMap {
     contrast: f64,
     /// Direction of the electric field in mesh units, and the polarised share, of the light that leaves.
     polarisation: Option<(DVec3, f64)>,
+    /// Of a display: red, green and blue of its white.
+    primaries: Option<[f64; 3]>,
 }
 
 impl SlideMap {
@@ -89,6 +91,7 @@ impl SlideMap {
                 let (sin, cos) = polarisation.angle_deg.to_radians().sin_cos();
                 (slide.u * cos + slide.v * sin, polarisation.degree)
             }),
+            primaries: slide.primaries,
         })
     }
 
@@ -157,6 +160,11 @@ impl SlideMap {
         self.s_of(a) == self.s_of(b) && self.rgb.as_ref().is_none_or(|rgb| rgb.get(a) == rgb.get(b))
     }
 
+    /// Red, green and blue of a display's white, if it has primaries of its own.
+    pub fn primaries(&self) -> Option<[f64; 3]> {
+        self.primaries
+    }
+
     /// Whether any of it is coloured.
     pub fn is_coloured(&self) -> bool {
         self.rgb.is_some()
@@ -205,6 +213,7 @@ mod tests {
             transmittance: 0.06,
             contrast: 300.0,
             polarisation: None,
+            primaries: None,
         }
     }
 

@@ -187,6 +187,7 @@ pub fn mottled_slide(contrast: f64) -> Slide {
         transmittance: 0.9,
         contrast,
         polarisation: None,
+        primaries: None,
     }
 }
 

@@ -273,6 +273,7 @@ fn chain_of_an_idealised_hud() {
                 transmittance,
                 contrast,
                 polarisation: None,
+                primaries: None,
             });
             let mut slide = face(Finish::None);
             slide.slide = Some(SlideId::from_index(s.slides.len() - 1));

@@ -182,6 +182,8 @@ fn things() -> Vec<(String, Bench)> {
         "intensity_cd = 2",
         "radiant_flux_w = 0.1, spectrum = \"A\"",
         "flux_lm = 20, u = [0, 1, 0]",
+        "primaries_cd_m2 = [1000, 3000, 400]",
+        "luminance_cd_m2 = 5000, image = \"slide.png\", size = [4, 4], u = [1, 0, 0], v = [0, 1, 0]",
         "flux_lm = 20, polarisation = { angle_deg = 45, degree = 0.5 }",
     ];
     let mut all = vec![

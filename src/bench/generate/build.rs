@@ -130,6 +130,7 @@ pub fn lcd(
         transmittance: dice.within(0.05, 0.4),
         contrast: dice.within(30.0, 2000.0),
         polarisation: None,
+        primaries: None,
     });
     let face = Face { slide: Some(SlideId::from_index(scene.slides.len() - 1)), ..kit::face(Finish::None) };
     part(scene, name, place, None, (vec![Patch::flat(half)], vec![face]));

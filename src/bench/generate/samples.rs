@@ -116,6 +116,7 @@ fn slide(scene: &mut Scene, dice: &mut Dice, depth: f64, half: f64) {
         transmittance: 0.3,
         contrast: dice.within(30.0, 1000.0),
         polarisation: None,
+        primaries: None,
     });
     let face = Face { slide: Some(SlideId::from_index(scene.slides.len() - 1)), ..kit::face(Finish::None) };
     sheet(scene, DVec3::Z * -depth, DVec3::X * half, DVec3::Y * half, face);

@@ -1,12 +1,14 @@
 //! `emitter`: a face that emits.
 
 use super::fields::{Fields, union};
+use super::slide::{SlideSpec, picture};
 use super::spectrum::{SpectrumSpec, spectrum};
+use crate::base::colour::ColourSpace;
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
 use crate::import::value::Value;
-use crate::scene::attribute::Noun;
-use crate::scene::{Note, Photometry};
+use crate::scene::attribute::{Noun, PICTURE};
+use crate::scene::{Note, Photometry, Spectrum};
 use glam::DVec3;
 
 /// An emitter with its group still by name.
@@ -21,6 +23,8 @@ pub struct EmitterSpec {
     pub u: Option<DVec3>,
     /// Angle from `u` in rad, and degree.
     pub polarisation: Option<(f64, f64)>,
+    /// What a display shows.
+    pub picture: Option<SlideSpec>,
 }
 
 /// How strong it is; a radiant flux still without its spectrum.
@@ -48,7 +52,8 @@ pub enum Spreading {
 }
 
 /// The attributes that say how strong an emitter is; one of them holds.
-pub const STRENGTHS: [&str; 5] = ["flux_lm", "luminance_cd_m2", "intensity_cd", "illuminance_lx", "radiant_flux_w"];
+pub const STRENGTHS: [&str; 6] =
+    ["flux_lm", "luminance_cd_m2", "primaries_cd_m2", "intensity_cd", "illuminance_lx", "radiant_flux_w"];
 
 pub use crate::scene::attribute::EMITTER as ATTRIBUTES;
 
@@ -68,10 +73,12 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
             Spreading::Lambert
         }
     };
+    let primaries = fields.numbers::<3>("primaries_cd_m2")?;
     let given: Vec<&str> = STRENGTHS.into_iter().filter(|name| fields.has(name)).collect();
     let strength = match given.as_slice() {
         ["flux_lm"] => Strength::Said(Photometry::FluxLm(fields.need_number("flux_lm")?)),
         ["luminance_cd_m2"] => Strength::Said(Photometry::LuminanceCdM2(fields.need_number("luminance_cd_m2")?)),
+        ["primaries_cd_m2"] => Strength::Said(Photometry::LuminanceCdM2(primaries.iter().flatten().sum())),
         ["intensity_cd"] => Strength::Said(Photometry::IntensityCd(fields.need_number("intensity_cd")?)),
         ["radiant_flux_w"] => Strength::RadiantFluxW {
             watts: fields.need_number("radiant_flux_w")?,
@@ -90,13 +97,18 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
                 (Code::StrengthTwice, format!("the emitter has {}", several.join(" and ")))
             };
             return Err(Error::new(value.at.clone(), what)
-                .expected("one of flux_lm, luminance_cd_m2, intensity_cd, radiant_flux_w")
+                .expected("one of flux_lm, luminance_cd_m2, primaries_cd_m2, intensity_cd, radiant_flux_w")
                 .code(code));
         }
     };
-    let spectrum = match fields.value("spectrum") {
-        Some(value) => Some(spectrum(value)?),
-        None => None,
+    let spectrum = match (fields.value("spectrum"), primaries) {
+        (Some(value), Some(_)) => {
+            return Err(Error::new(value.at.clone(), "the emitter has primaries_cd_m2 and spectrum")
+                .expected("one of them: the primaries say the colour of white"));
+        }
+        (Some(value), None) => Some(spectrum(value)?),
+        (None, Some(luminances)) => white_of(luminances).map(|rgb| SpectrumSpec::Given(Spectrum::Rgb(rgb))),
+        (None, None) => None,
     };
     let polarisation = match fields.value("polarisation") {
         Some(value) => {
@@ -109,7 +121,24 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
         None | Some("front") => false,
         Some(_) => true,
     };
-    Ok(EmitterSpec { group, strength, both_sides, angular, spectrum, u: fields.direction("u")?, polarisation })
+    let picture = match (fields.has("image"), PICTURE.into_iter().find(|name| fields.has(name))) {
+        (true, _) => Some(SlideSpec { primaries, ..picture(&fields, notes)? }),
+        (false, None) => None,
+        (false, Some(name)) => {
+            let at = fields.value(name).map_or(&value.at, |value| &value.at);
+            return Err(Error::new(at.clone(), format!("`{name}` of emitter is that of a picture, and there is none"))
+                .expected("image = \"FILE\" beside it"));
+        }
+    };
+    Ok(EmitterSpec { group, strength, both_sides, angular, spectrum, u: fields.direction("u")?, polarisation, picture })
+}
+
+/// The colour of Rec.709's primaries together that have these luminances; none of dark ones.
+pub fn white_of(luminances: [f64; 3]) -> Option<[f64; 3]> {
+    let weights = ColourSpace::Rec709.luminance_weights();
+    let rgb: [f64; 3] = std::array::from_fn(|c| luminances[c] / weights[c]);
+    let most = rgb.into_iter().fold(0.0, f64::max);
+    (most > 0.0).then(|| rgb.map(|c| c / most))
 }
 
 fn angular(value: &Value) -> Result<Spreading> {

@@ -61,6 +61,10 @@ impl<'a> Fields<'a> {
     pub fn at(&self) -> &'a Where {
         self.at
     }
+    /// What they are attributes of.
+    pub fn what(&self) -> &str {
+        &self.what
+    }
     pub fn value(&self, name: &str) -> Option<&'a Value> {
         self.entries.iter().find(|(key, _)| *key == name).map(|(_, value)| *value)
     }
@@ -237,8 +241,8 @@ pub fn code(row: &Row) -> Option<Code> {
         Noun::Eye => Some(Code::EyeImpossible),
         Noun::Medium => (row.name == "ior").then_some(Code::IndexImpossible),
         Noun::Finish | Noun::Coating => (row.name == "n").then_some(Code::IndexImpossible),
-        Noun::Slide => (row.name == "size").then_some(Code::SlideWithoutSize),
-        Noun::Shape | Noun::Emitter | Noun::Sky | Noun::Sun | Noun::Asset => None,
+        Noun::Slide | Noun::Emitter => (row.name == "size").then_some(Code::SlideWithoutSize),
+        Noun::Shape | Noun::Sky | Noun::Sun | Noun::Asset => None,
     }
 }
 

@@ -20,7 +20,7 @@ mod wavelengths;
 mod zemax_bsdf;
 
 pub use coating::{coating, unknown as unknown_coating};
-pub use emitter::{ATTRIBUTES as EMITTER, EmitterSpec, STRENGTHS, Spreading, Strength, emitter, group_name};
+pub use emitter::{ATTRIBUTES as EMITTER, EmitterSpec, STRENGTHS, Spreading, Strength, emitter, group_name, white_of};
 pub use eye::{EyeSpec, Lens, Pose, eye};
 pub use fields::{Fields, Union, not_yet, number, stray, union};
 pub use finish::{FinishSpec, PlateOf, finish};

@@ -24,30 +24,42 @@ pub struct SlideSpec {
     pub transmittance: f64,
     pub contrast: f64,
     pub polarisation: Option<Polarisation>,
+    /// Luminances of red, green and blue that a display has at full, if they are said.
+    pub primaries: Option<[f64; 3]>,
 }
 
 pub use crate::scene::attribute::SLIDE as ATTRIBUTES;
 
 pub fn slide(value: &Value, notes: &mut Vec<Note>) -> Result<SlideSpec> {
     let fields = Fields::of(Noun::Slide, "slide", value, &ATTRIBUTES)?;
+    Ok(SlideSpec {
+        transmittance: fields.number_or("transmittance", 1.0, notes)?,
+        polarisation: fields.value("polarisation").map(polarisation).transpose()?,
+        ..picture(&fields, notes)?
+    })
+}
+
+/// What a slide and a display's own picture have in common; transmittance and polarisation are an ideal slide's.
+pub(super) fn picture(fields: &Fields<'_>, notes: &mut Vec<Note>) -> Result<SlideSpec> {
     let (u, v) = (fields.need_direction("u")?, fields.need_direction("v")?);
+    let place = |name: &str| fields.value(name).map_or(fields.at(), |value| &value.at).clone();
     if u.dot(v).abs() > ORTHOGONAL {
-        let at = fields.value("v").map_or(&value.at, |value| &value.at);
-        return Err(Error::new(at.clone(), "`u` and `v` of slide are not orthogonal")
+        return Err(Error::new(place("v"), format!("`u` and `v` of {} are not orthogonal", fields.what()))
             .expected(format!("a right angle; it is {:.3}°", u.angle_between(v).to_degrees())));
     }
     Ok(SlideSpec {
         image: fields.need_text("image")?.to_owned(),
-        image_at: fields.value("image").map_or_else(|| value.at.clone(), |value| value.at.clone()),
+        image_at: place("image"),
         layer: fields.text("layer")?.map(str::to_owned),
-        at: value.at.clone(),
+        at: fields.at().clone(),
         size: fields.need_numbers("size")?,
         u,
         v,
         centre: fields.numbers("centre")?.map(DVec3::from_array),
-        transmittance: fields.number_or("transmittance", 1.0, notes)?,
+        transmittance: 1.0,
         contrast: fields.number_or("contrast", f64::INFINITY, notes)?,
-        polarisation: fields.value("polarisation").map(polarisation).transpose()?,
+        polarisation: None,
+        primaries: None,
     })
 }
 

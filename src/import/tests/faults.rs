@@ -145,7 +145,7 @@ fn unknown_keys_and_names() {
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", flux_lum = 0.45 }\n",
             &[],
-            "hud.optics.toml:12: unknown attribute `flux_lum` of emitter; expected one of name, group, flux_lm, luminance_cd_m2, intensity_cd, illuminance_lx, radiant_flux_w, angular, sides, spectrum, u, polarisation; did you mean `flux_lm`?",
+            "hud.optics.toml:12: unknown attribute `flux_lum` of emitter; expected one of name, group, flux_lm, luminance_cd_m2, primaries_cd_m2, intensity_cd, illuminance_lx, radiant_flux_w, angular, sides, spectrum, u, polarisation, image, layer, size, v, centre, contrast; did you mean `flux_lm`?",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nshape = { kind = \"sfere\", vertex = [0, 0, 0], axis = [0, 0, 1], radius = 5 }\n",
@@ -253,7 +253,7 @@ fn numbers_out_of_range_and_wrong_forms() {
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\" }\n",
             &[],
-            "hud.optics.toml:12: the emitter has no strength; expected one of flux_lm, luminance_cd_m2, intensity_cd, radiant_flux_w",
+            "hud.optics.toml:12: the emitter has no strength; expected one of flux_lm, luminance_cd_m2, primaries_cd_m2, intensity_cd, radiant_flux_w",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", flux_lm = -1 }\n",
@@ -263,7 +263,32 @@ fn numbers_out_of_range_and_wrong_forms() {
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"led\", flux_lm = 1, intensity_cd = 1 }\n",
             &[],
-            "hud.optics.toml:12: the emitter has flux_lm and intensity_cd; expected one of flux_lm, luminance_cd_m2, intensity_cd, radiant_flux_w",
+            "hud.optics.toml:12: the emitter has flux_lm and intensity_cd; expected one of flux_lm, luminance_cd_m2, primaries_cd_m2, intensity_cd, radiant_flux_w",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nemitter = { primaries_cd_m2 = [1, 2, 1], luminance_cd_m2 = 4 }\n",
+            &[],
+            "hud.optics.toml:12: the emitter has luminance_cd_m2 and primaries_cd_m2; expected one of flux_lm, luminance_cd_m2, primaries_cd_m2, intensity_cd, radiant_flux_w",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nemitter = { primaries_cd_m2 = [1, 2, 1], spectrum = \"A\" }\n",
+            &[],
+            "hud.optics.toml:12: the emitter has primaries_cd_m2 and spectrum; expected one of them: the primaries say the colour of white",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nemitter = { luminance_cd_m2 = 4, contrast = 100 }\n",
+            &[],
+            "hud.optics.toml:12: `contrast` of emitter is that of a picture, and there is none; expected image = \"FILE\" beside it",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nemitter = { luminance_cd_m2 = 4, image = \"a.png\", u = [1, 0, 0], v = [1, 1, 0], size = [1, 1] }\n",
+            &[],
+            "hud.optics.toml:12: `u` and `v` of emitter are not orthogonal; expected a right angle; it is 45.000°",
+        ),
+        (
+            "[[bind]]\npath = \"LENS\"\nemitter = { luminance_cd_m2 = 4, image = \"a.png\", u = [1, 0, 0], v = [0, 1, 0], size = [1, 1] }\nslide = { image = \"a.png\", u = [1, 0, 0], v = [0, 1, 0], size = [1, 1] }\n",
+            &[],
+            "hud.optics.toml:13: part ROOT/LENS face 0 has a slide and an emitter with an image; expected one of them: a display's picture is said by its emitter or by a slide on its face",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nemitter = { group = \"1-led\", flux_lm = 1 }\n",

@@ -98,6 +98,7 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
         "emitter" => {
             put("group", text("led_1"));
             put("u", across.0);
+            put("v", across.1);
             let n = table(vec![("kind".to_owned(), text("cos_n")), ("n".to_owned(), value(Data::Number(turn)))]);
             let gauss = table(vec![(
                 "gauss".to_owned(),
@@ -181,8 +182,11 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
         }
         ("finish", _) => all.retain(|(key, _)| key != "transmittance"),
         ("emitter", _) => {
-            let strength = ["flux_lm", "luminance_cd_m2", "intensity_cd", "radiant_flux_w"][pick % 4];
+            let strengths = ["flux_lm", "luminance_cd_m2", "intensity_cd", "radiant_flux_w", "primaries_cd_m2"];
+            let strength = strengths[pick % strengths.len()];
             all.retain(|(key, _)| !optics::STRENGTHS.contains(&key.as_str()) || key == strength);
+            // Primaries say their colour.
+            all.retain(|(key, _)| key != "spectrum" || strength != "primaries_cd_m2");
         }
         ("sky", _) => all.retain(|(key, _)| optics::goes_with_sky(attribute::SKIES[pick % 4].0, key)),
         ("coating", Some("ideal")) => all.retain(|(key, _)| key != "T"),

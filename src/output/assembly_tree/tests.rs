@@ -98,6 +98,7 @@ fn scene() -> Scene {
             transmittance: 0.8,
             contrast: 100.0,
             polarisation: None,
+            primaries: None,
         }],
         profiles: Vec::new(),
         groups: vec![Group { name: "led".into() }, Group { name: "sky".into() }],

@@ -28,11 +28,12 @@ const MOST_LUMINANCE: Range = Within(0.0, 1e15);
 pub const MEDIUM: [&str; 9] =
     ["name", "ior", "glass", "sellmeier", "cauchy", "abbe", "index_table", "absorption_per_m", "priority"];
 /// The attributes of an emitter's table.
-pub const EMITTER: [&str; 12] = [
+pub const EMITTER: [&str; 19] = [
     "name",
     "group",
     "flux_lm",
     "luminance_cd_m2",
+    "primaries_cd_m2",
     "intensity_cd",
     "illuminance_lx",
     "radiant_flux_w",
@@ -41,7 +42,15 @@ pub const EMITTER: [&str; 12] = [
     "spectrum",
     "u",
     "polarisation",
+    "image",
+    "layer",
+    "size",
+    "v",
+    "centre",
+    "contrast",
 ];
+/// Those of them that say where a display's picture lies and what it is.
+pub const PICTURE: [&str; 6] = ["image", "layer", "size", "v", "centre", "contrast"];
 /// The attributes of a slide's table.
 pub const SLIDE: [&str; 10] =
     ["name", "image", "layer", "size", "u", "v", "centre", "transmittance", "contrast", "polarisation"];
@@ -229,11 +238,12 @@ pub const ROWS: &[Row] = &[
     new(Shape, "surface", Word(&["plane", "sphere", "cylinder", "conic", "toroid", "asphere", "xy_poly", "zernike", "bspline"]), "", Any, "which surface to fit; of freeforms as many terms as the points tell").or("the first of plane, sphere, cylinder, conic, toroid, asphere, xy_poly, bspline that fits"),
     new(Shape, "tolerance_um", Number, "µm", Positive, "greatest distance of a point of the face from the fitted surface"),
     // A face that emits.
-    new(Emitter, "emitter", Thing(&EMITTER), "", Any, "{ group, flux_lm or luminance_cd_m2 or intensity_cd, angular, spectrum }; with a measured distribution (angular profile) and no strength the file's own candela hold"),
+    new(Emitter, "emitter", Thing(&EMITTER), "", Any, "{ group, flux_lm or luminance_cd_m2 or intensity_cd, angular, spectrum }, of a display with its picture: image, size, u, v, contrast; with a measured distribution (angular profile) and no strength the file's own candela hold"),
     new(Emitter, "name", Text, "", Any, "name of an emitter of the asset"),
     new(Emitter, "group", Text, "", Any, "light group, part of layer names: letters, digits and _, a letter first").or("lamp"),
     new(Emitter, "flux_lm", Number, "lm", MOST_LIGHT, "luminous flux of each face it is bound to; scales a measured distribution to it"),
     new(Emitter, "luminance_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "luminance (along the normal); scales a measured distribution to it"),
+    new(Emitter, "primaries_cd_m2", Numbers(3), "cd/m²", MOST_LUMINANCE, "luminances of red, green and blue (Rec.709's) at full, whose sum is white's; says the colour of white, too, so that no spectrum stands beside it"),
     new(Emitter, "intensity_cd", Number, "cd", MOST_LIGHT, "luminous intensity along the normal of each face it is bound to; scales a measured distribution to it"),
     new(Emitter, "illuminance_lx", Number, "lx", AtLeast(0.0), "of a distant source, which is no face: say it in sun"),
     new(Emitter, "radiant_flux_w", Number, "W", MOST_LIGHT, "radiant flux from 360 to 830 nm of each face it is bound to; the spectrum, which must be said, or the scene's one wavelength turns it into lumens"),
@@ -248,10 +258,16 @@ pub const ROWS: &[Row] = &[
     new(Emitter, "rgb", Numbers(3), "", AtLeast(0.0), "linear Rec.709, of which only the hue and saturation count"),
     new(Emitter, "table", Rows(&["λ in nm", "W"]), "", AtLeast(0.0), "[[λ in nm, relative power], …] with rising λ, linear between the rows and 0 outside"),
     new(Emitter, "csv", File, "", Any, "text file with lines of λ in nm and relative power"),
-    new(Emitter, "u", Numbers(3), "", Any, "direction along the face, in the part's axes: the plane C0 of a measured distribution, 0 degrees of polarisation").or("+x, or +y where the face's normal is within 45 degrees of x"),
+    new(Emitter, "u", Numbers(3), "", Any, "direction along the face, in the part's axes: the plane C0 of a measured distribution, 0 degrees of polarisation, and to the right in a picture, which needs it").or("+x, or +y where the face's normal is within 45 degrees of x"),
     new(Emitter, "polarisation", Record(&["angle_deg", "degree"]), "", Any, "{ angle_deg, degree } of the light that leaves; without it, unpolarised"),
     new(Emitter, "angle_deg", Number, "deg", Any, "direction of polarisation, from u, counter-clockwise as seen from the front"),
     new(Emitter, "degree", Number, "", Within(0.0, 1.0), "degree of polarisation"),
+    new(Emitter, "image", File, "", Any, "picture that a display shows, with linear values, PNG of 8 or 16 bits or EXR; the strength is that of white, and around the picture it is dark"),
+    new(Emitter, "layer", Text, "", Any, "layer of an EXR file that has several").or("the default image"),
+    new(Emitter, "size", Numbers(2), "mesh units", Positive, "width and height of the picture"),
+    new(Emitter, "v", Numbers(3), "", Any, "direction up in the picture, along the face"),
+    new(Emitter, "centre", Numbers(3), "mesh units", Any, "centre of the picture").or("centre of the face's bounds"),
+    new(Emitter, "contrast", Number, "", AtLeastOrInfinite(1.0), "luminance of white over that of black").or("inf"),
     // A thin transmissive picture on a face.
     new(Slide, "slide", Thing(&SLIDE), "", Any, "{ image, size, u, v, centre, transmittance, contrast }; on a face with an emitter, the picture of a display"),
     new(Slide, "name", Text, "", Any, "name of a slide of the asset"),

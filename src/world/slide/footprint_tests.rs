@@ -21,6 +21,7 @@ fn slide(width: usize, pixels: &[f32]) -> SlideMap {
         transmittance: 1.0,
         contrast: f64::INFINITY,
         polarisation: None,
+        primaries: None,
     };
     SlideMap::build(&slide).expect("it is well formed")
 }
