@@ -183,6 +183,18 @@ def digits(text, x, y, height, thickness):
     return lambda u, v: any(a - half <= u <= c + half and b - half <= v <= d + half for a, b, c, d in bars)
 
 
+def sign(text):
+    """A number in a frame, with the middle marked: a picture of 30 by 17, as `write_png` takes it."""
+    number = digits(text, -0.34, -0.12, 0.24, 0.05)
+
+    def picture(u, v):
+        frame = abs(u) > 0.98 or abs(v) > 17 / 30 - 0.02
+        mark = min(abs(u), abs(v)) < 0.01 and max(abs(u), abs(v)) > 0.4
+        return float(frame or mark or number(u, v))
+
+    return picture
+
+
 def write_png(path, width, height, pixel):
     """pixel(u, v) with u to the right and v up, from -1 to 1 over the width and by the same scale over the height, gives a
     number from 0 to 1, or three for a picture in colour; linear values in 8 bits."""

@@ -30,6 +30,7 @@ mod modes;
 mod peers;
 mod physics;
 mod polarisers;
+mod samples;
 mod stress;
 mod tolerance;
 mod witness;

@@ -212,21 +212,21 @@ fn photons_bring_their_polarisation_to_facets() {
 }
 
 /// Of two polarisations in the axes of the room.
-type Jones = [[Complex; 2]; 2];
+pub type Jones = [[Complex; 2]; 2];
 
-fn times(a: Jones, b: Jones) -> Jones {
+pub fn times(a: Jones, b: Jones) -> Jones {
     std::array::from_fn(|i| std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
 }
 
 /// `along` and `across` of a direction at `degrees` from x.
-fn jones(degrees: f64, along: Complex, across: Complex) -> Jones {
+pub fn jones(degrees: f64, along: Complex, across: Complex) -> Jones {
     let (s, c) = degrees.to_radians().sin_cos();
     let real = |x: f64| Complex { re: x, im: 0.0 };
     let mixed = (along - across) * real(s * c);
     [[along * real(c * c) + across * real(s * s), mixed], [mixed, along * real(s * s) + across * real(c * c)]]
 }
 
-fn real(x: f64) -> Complex {
+pub fn real(x: f64) -> Complex {
     Complex { re: x, im: 0.0 }
 }
 
