@@ -138,6 +138,7 @@ impl Case {
             emitter: None,
             tint: None,
             slide: None,
+            sensor: None,
         };
         let part = Part {
             name: self.name.clone(),

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const NOUNS: [Noun; 10] = [
+const NOUNS: [Noun; 11] = [
     Noun::Asset,
     Noun::Medium,
     Noun::Finish,
@@ -17,6 +17,7 @@ const NOUNS: [Noun; 10] = [
     Noun::Shape,
     Noun::Emitter,
     Noun::Slide,
+    Noun::Sensor,
     Noun::Sky,
     Noun::Sun,
     Noun::Eye,
@@ -45,6 +46,9 @@ fn place(noun: Noun) -> &'static str {
         Noun::Emitter => "A face that emits. `emitter = { group = \"led\", flux_lm = 0.45 }` in a `[[bind]]`.",
         Noun::Slide => {
             "A thin transmissive picture on a face. `slide = { image = …, size = …, u = …, v = … }` in a `[[bind]]`."
+        }
+        Noun::Sensor => {
+            "A map of the light that arrives at a face. `sensor = { pixels = [64, 32] }` in a `[[bind]]`; `eyebox sensor` measures it."
         }
         Noun::Sky => {
             "Light from everywhere. `[sky]`, with exactly one of `image`, `luminance_cd_m2`, `overcast_cd_m2` and `sun_sky`."

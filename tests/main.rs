@@ -57,6 +57,7 @@ mod inspect_init;
 mod paths;
 mod report;
 mod scan;
+mod sensor;
 mod sequence;
 mod shards;
 mod signals;

@@ -75,5 +75,5 @@ fn gltf_schemas_keep_the_rules_of_extensions() {
         });
         count += 1;
     }
-    assert_eq!(count, 13);
+    assert_eq!(count, 14);
 }

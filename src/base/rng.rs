@@ -45,6 +45,9 @@ pub enum Stream {
     Tolerance,
     /// Of the pixels that get passes of their own by chance.
     Adaptive,
+    /// Of light that is traced from lamps to a sensor, and of paths from the sensor to the sky.
+    Sensor,
+    SensorSky,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

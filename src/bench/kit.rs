@@ -54,7 +54,7 @@ pub fn look(scene: &mut Scene, from: DVec3, to: DVec3) {
 
 /// A face of the triangles themselves.
 pub fn face(finish: Finish) -> Face {
-    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None }
+    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None, sensor: None }
 }
 
 /// A polished face that is exactly this.

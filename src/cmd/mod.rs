@@ -39,6 +39,7 @@ mod render;
 mod render_args;
 mod report;
 mod scan;
+mod sensor;
 mod shards;
 mod source;
 mod table_file;
@@ -101,6 +102,8 @@ enum Command {
     Measure(measure::MeasureArgs),
     /// Look at the virtual image from a grid of eye positions.
     Scan(scan::ScanArgs),
+    /// Measure the light that arrives at faces: illuminance maps of lamps, sun and sky through the optics.
+    Sensor(sensor::SensorArgs),
     Tolerance(tolerance::ToleranceArgs),
     /// Turn a layer of an EXR into a PNG for a display.
     View(view::ViewArgs),
@@ -160,6 +163,7 @@ pub fn main() -> ExitCode {
         Command::Diff(args) => diff::run(args),
         Command::Measure(args) => measure::run(args),
         Command::Scan(args) => scan::run(args),
+        Command::Sensor(args) => sensor::run(args),
         Command::Tolerance(args) => tolerance::run(args),
         Command::View(args) => view::run(args),
         Command::Validate(args) => validate::run(args),

@@ -245,7 +245,7 @@ impl EstimatorArg {
     }
 }
 
-fn parse_time(text: &str) -> std::result::Result<Duration, String> {
+pub(super) fn parse_time(text: &str) -> std::result::Result<Duration, String> {
     let bad = || format!("`{text}` is not a time; write e.g. 90s, 1.5m or 2h");
     let split = text.find(|c: char| c.is_alphabetic()).unwrap_or(text.len());
     let (number, unit) = text.split_at(split);
@@ -260,7 +260,7 @@ fn parse_time(text: &str) -> std::result::Result<Duration, String> {
     Duration::try_from_secs_f64(seconds * factor).map_err(|_| bad())
 }
 
-fn parse_error(text: &str) -> std::result::Result<f64, String> {
+pub(super) fn parse_error(text: &str) -> std::result::Result<f64, String> {
     match text.parse::<f64>() {
         Ok(error) if error > 0.0 && error.is_finite() => Ok(error),
         Ok(_) | Err(_) => Err(format!("`{text}` is not a relative error; write e.g. 0.01 for 1 %")),

@@ -91,6 +91,11 @@ impl Emission {
         }
     }
 
+    /// The place of a light that is no face among the lamps that are traced, if it is.
+    pub fn place_of_light(&self, index: usize) -> Option<usize> {
+        self.sources.iter().position(|source| matches!(source, Source::Light(own) if *own == index))
+    }
+
     /// Starts one path of a pass. None if there is no lamp, or where a display is dark around its picture.
     fn start<'w, M: Mode>(
         &self,

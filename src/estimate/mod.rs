@@ -28,6 +28,7 @@ pub mod render_vars;
 mod rqmc;
 pub mod run;
 pub mod scatter_event;
+pub mod sensor;
 pub mod shard;
 pub mod specular_event;
 pub mod splitting;

@@ -104,7 +104,7 @@ impl AssetAttributes {
             Slot::Coating => self.coatings.follow(value),
             Slot::Emitter => self.emitters.follow(value),
             Slot::Slide => self.slides.follow(value),
-            Slot::Index | Slot::Absorption | Slot::Priority | Slot::Finish | Slot::Shape => Ok(value),
+            Slot::Index | Slot::Absorption | Slot::Priority | Slot::Finish | Slot::Shape | Slot::Sensor => Ok(value),
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::scene::attribute::Noun;
 use std::rc::Rc;
 
 /// The attributes that can be bound.
-pub const BINDABLE: [&str; 14] = [
+pub const BINDABLE: [&str; 15] = [
     "medium",
     "ior",
     "glass",
@@ -30,6 +30,7 @@ pub const BINDABLE: [&str; 14] = [
     "shape",
     "emitter",
     "slide",
+    "sensor",
 ];
 const SELECTORS: [&str; 6] = ["path", "name", "material", "mesh", "faces", "normal"];
 
@@ -234,8 +235,8 @@ fn one(
     }
     if let (Some(normal), false) = (value.get("normal"), without.is_empty()) {
         let text = format!("no face looks along {normal} in {}", listed(without.into_iter()));
-        // A lamp or a slide that gets lost leaves a plausible picture: that is no matter for a note.
-        if value.get("emitter").is_some() || value.get("slide").is_some() {
+        // A lamp, a slide or a sensor that gets lost leaves a plausible picture: that is no matter for a note.
+        if ["emitter", "slide", "sensor"].iter().any(|key| value.get(key).is_some()) {
             return Err(Error::new(at.clone(), text)
                 .expected("a face with an area that looks that way in every part")
                 .code(Code::SelectsNothing));

@@ -41,12 +41,13 @@ pub enum Slot {
     Shape,
     Emitter,
     Slide,
+    Sensor,
 }
 
 impl Slot {
     pub const PART: [Slot; 3] = [Slot::Index, Slot::Absorption, Slot::Priority];
-    pub const FACE: [Slot; 5] = [Slot::Finish, Slot::Coating, Slot::Shape, Slot::Emitter, Slot::Slide];
-    const COUNT: usize = 8;
+    pub const FACE: [Slot; 6] = [Slot::Finish, Slot::Coating, Slot::Shape, Slot::Emitter, Slot::Slide, Slot::Sensor];
+    const COUNT: usize = 9;
 
     pub fn of(key: &str) -> Option<Slot> {
         Some(match key {
@@ -58,6 +59,7 @@ impl Slot {
             "shape" => Slot::Shape,
             "emitter" => Slot::Emitter,
             "slide" => Slot::Slide,
+            "sensor" => Slot::Sensor,
             _ => return None,
         })
     }
@@ -72,13 +74,14 @@ impl Slot {
             Slot::Shape => "shape",
             Slot::Emitter => "emitter",
             Slot::Slide => "slide",
+            Slot::Sensor => "sensor",
         }
     }
     /// Whether it belongs to the whole part.
     pub fn of_part(self) -> bool {
         match self {
             Slot::Index | Slot::Absorption | Slot::Priority => true,
-            Slot::Finish | Slot::Coating | Slot::Shape | Slot::Emitter | Slot::Slide => false,
+            Slot::Finish | Slot::Coating | Slot::Shape | Slot::Emitter | Slot::Slide | Slot::Sensor => false,
         }
     }
 }

@@ -212,7 +212,8 @@ impl Builder<'_> {
         let slide = slide.map(|spec| self.slide(part, number, &spec)).transpose()?;
         let is_mapped = said.is_some_and(|(_, rank)| rank == Rank::Mapped);
         let tint = if is_mapped { self.stain(part, number, finish) } else { None };
-        Ok(Face { finish, coating: self.coating(part, number, slots, finish)?, shape, emitter, tint, slide })
+        let sensor = slots.get(Slot::Sensor).map(|won| optics::sensor(&won.entry.value)).transpose()?;
+        Ok(Face { finish, coating: self.coating(part, number, slots, finish)?, shape, emitter, tint, slide, sensor })
     }
 
     /// What the base colour of a solid that transmits takes at each of its faces: the root, as light gets in and out (so has it

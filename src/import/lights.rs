@@ -190,6 +190,7 @@ impl Builder<'_> {
             emitter: Some(emitter),
             tint: None,
             slide: None,
+            sensor: None,
         };
         let node = self.assembly.nodes.get(light.node).map_or("", |node| node.path.as_str());
         made.parts.push(Part {

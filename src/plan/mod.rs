@@ -9,6 +9,7 @@ pub mod plan_file;
 mod planner;
 pub mod scan;
 pub mod selection;
+pub mod sensor;
 pub mod tolerance;
 mod tuning;
 

@@ -13,6 +13,7 @@ pub enum Noun {
     Shape,
     Emitter,
     Slide,
+    Sensor,
     Sky,
     Sun,
     Eye,
@@ -21,13 +22,14 @@ pub enum Noun {
 
 impl Noun {
     /// In the order of the reference and of the schemas; the asset itself comes last.
-    pub const ALL: [Noun; 10] = [
+    pub const ALL: [Noun; 11] = [
         Noun::Medium,
         Noun::Finish,
         Noun::Coating,
         Noun::Shape,
         Noun::Emitter,
         Noun::Slide,
+        Noun::Sensor,
         Noun::Sky,
         Noun::Sun,
         Noun::Eye,
@@ -44,6 +46,7 @@ impl fmt::Display for Noun {
             Noun::Shape => "shape",
             Noun::Emitter => "emitter",
             Noun::Slide => "slide",
+            Noun::Sensor => "sensor",
             Noun::Sky => "sky",
             Noun::Sun => "sun",
             Noun::Eye => "eye",

@@ -21,6 +21,7 @@ pub mod note;
 pub mod part;
 pub mod profile; // measured intensity distributions
 pub mod scatter_table;
+pub mod sensor;
 pub mod shape;
 pub mod slide;
 pub mod spectrum;
@@ -42,6 +43,7 @@ pub use note::{Known, Note, Residual, Severity};
 pub use part::{Absorption, Face, Medium, Part};
 pub use profile::LuminousProfile;
 pub use scatter_table::ScatterTable;
+pub use sensor::Sensor;
 pub use shape::Shape;
 pub use slide::{Polarisation, Slide};
 pub use spectrum::{Led, PowerDistribution, Spectrum};

@@ -1,6 +1,6 @@
 //! Parts: nodes with geometry, and what each of their faces is optically.
 
-use super::{Dispersion, Emitter, Finish, Shape};
+use super::{Dispersion, Emitter, Finish, Sensor, Shape};
 use crate::base::colour::uplift_reflectance;
 use crate::base::ids::{CoatingId, MediumId, MeshId, SlideId};
 use glam::DAffine3;
@@ -115,6 +115,8 @@ pub struct Face {
     /// A face with a slide transmits straight through, weighted by the picture, whatever its finish. One that emits is a display:
     /// it shines through the picture, and light that meets it finds its finish.
     pub slide: Option<SlideId>,
+    /// A map of the light that arrives at it is asked for. It changes no light.
+    pub sensor: Option<Sensor>,
 }
 
 impl Face {

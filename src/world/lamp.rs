@@ -62,12 +62,14 @@ impl Shown {
     }
 }
 
+/// A triangle of a face in the recentred world, m; its normal is unit and outward.
 #[derive(Debug, Clone, Copy)]
-struct Triangle {
-    origin: DVec3,
-    edges: [DVec3; 2],
-    normal: DVec3,
-    index: u32,
+pub(super) struct Triangle {
+    pub(super) origin: DVec3,
+    pub(super) edges: [DVec3; 2],
+    pub(super) normal: DVec3,
+    /// Among those of the mesh.
+    pub(super) index: u32,
 }
 
 /// A point on a lamp.
@@ -296,7 +298,7 @@ impl Lamp {
 }
 
 /// Triangles of a face in the world, degenerate ones left out; none if the mesh is inconsistent.
-fn world_triangles(scene: &Scene, part: &Part, face: usize, to_world: DAffine3) -> Option<Vec<Triangle>> {
+pub(super) fn world_triangles(scene: &Scene, part: &Part, face: usize, to_world: DAffine3) -> Option<Vec<Triangle>> {
     let mesh = scene.meshes.get(part.mesh.index())?;
     let range = mesh.faces.get(face)?;
     // A mirroring transform turns the winding round, but not what is outside.

@@ -39,6 +39,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
             }),
             tint: None,
             slide: None,
+            sensor: None,
         }],
     };
     Scene {

@@ -231,6 +231,25 @@ impl Light {
         }
     }
 
+    /// What [`Light::emit`] takes as `uv` for light that passes a point, if that tells where light starts: of a distant lamp.
+    pub fn passing(&self, point: DVec3) -> Option<[f64; 2]> {
+        match &self.form {
+            Form::Point { .. } | Form::Profile { .. } => None,
+            Form::Distant { dir, centre, radius, .. } => {
+                let across = Frame::about(*dir).to_local(point - *centre).truncate() / *radius;
+                (across.length_squared() <= 1.0).then(|| warp::disk_inverse(across))
+            }
+        }
+    }
+
+    /// The direction that the light of a distant lamp travels in.
+    pub fn direction(&self) -> Option<DVec3> {
+        match &self.form {
+            Form::Point { .. } | Form::Profile { .. } => None,
+            Form::Distant { dir, .. } => Some(*dir),
+        }
+    }
+
     /// Illuminance that the lamp may give at a point, lx: what it is chosen by.
     fn importance(&self, at: DVec3) -> f64 {
         match &self.form {

@@ -21,6 +21,7 @@ pub mod rim;
 pub mod role;
 pub mod scatter;
 pub mod seam;
+pub mod sensor;
 pub mod sheet;
 pub mod sky;
 pub mod slide;

@@ -48,7 +48,7 @@ pub fn scene() -> Scene {
 }
 
 pub fn face(finish: Finish) -> Face {
-    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None }
+    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None, sensor: None }
 }
 
 /// One mesh face per polygon given (fan-triangulated, flat normals).

@@ -56,6 +56,7 @@ pub fn lamp(triangles: &[[DVec3; 3]], photometry: Photometry, angular: Angular) 
             emitter,
             tint: None,
             slide: None,
+            sensor: None,
         }],
     };
     let scene = Scene {

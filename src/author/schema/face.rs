@@ -3,7 +3,7 @@
 use crate::scene::attribute::{self, MEDIUM, Noun, Row};
 
 /// The attributes of a face, by the nouns that have a row of their own name.
-pub const FACE: [Noun; 5] = [Noun::Finish, Noun::Coating, Noun::Shape, Noun::Emitter, Noun::Slide];
+pub const FACE: [Noun; 6] = [Noun::Finish, Noun::Coating, Noun::Shape, Noun::Emitter, Noun::Slide, Noun::Sensor];
 
 /// The row that holds a whole noun, or none.
 pub fn holder(noun: Noun) -> Option<&'static Row> {
@@ -28,6 +28,6 @@ pub fn list(noun: Noun) -> Option<&'static str> {
         Noun::Coating => Some("coatings"),
         Noun::Emitter => Some("emitters"),
         Noun::Slide => Some("slides"),
-        Noun::Finish | Noun::Shape | Noun::Sky | Noun::Sun | Noun::Eye | Noun::Asset => None,
+        Noun::Finish | Noun::Shape | Noun::Sensor | Noun::Sky | Noun::Sun | Noun::Eye | Noun::Asset => None,
     }
 }

@@ -44,6 +44,7 @@ fn classes() -> Vec<Class> {
         one(Noun::Shape, "Shape", "The exact surface that a mesh or a GeomSubset approximates."),
         one(Noun::Emitter, "Emitter", "A face that emits; on a mesh, above it or on a GeomSubset."),
         one(Noun::Slide, "Slide", "A thin transmissive picture; on a mesh, above it or on a GeomSubset."),
+        one(Noun::Sensor, "Sensor", "A map of the light that arrives; on a mesh, above it or on a GeomSubset."),
         one(Noun::Sky, "Sky", "Light from everywhere; on a DomeLight or on the default prim."),
         one(Noun::Sun, "Sun", "Light from one direction; on the default prim. A DistantLight says the same."),
         one(Noun::Eye, "Eye", "Who looks; on a camera or on the default prim."),

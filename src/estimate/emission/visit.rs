@@ -36,6 +36,8 @@ pub trait Visitor<M: Mode> {
     fn pupil(&mut self, walker: &Walker<'_, M>, from: Origin, arrival: &Arrival);
     /// The path has met a scatterer; it goes on after this.
     fn scatterer(&mut self, walker: &Walker<'_, M>, from: Origin, vertex: &Vertex, scatter: &Scatter);
+    /// The path has arrived at a face, with all that it carries.
+    fn lands(&mut self, _walker: &Walker<'_, M>, _from: Origin, _vertex: &Vertex) {}
     /// The path goes on from a face that does not scatter.
     fn went(&mut self, _walker: &Walker<'_, M>, _vertex: &Vertex) {}
     /// Path number `sample` of its pass and all its branches have ended.
@@ -69,6 +71,7 @@ impl Emission {
                 }
                 Met::Face(vertex) => vertex,
             };
+            visitor.lands(&walker, from, &vertex);
             if let Some(least) = visitor.split_from(&walker)
                 && let Some(reflected) = walker.split(&vertex, least, visitor.most_splits(), ledger)
             {

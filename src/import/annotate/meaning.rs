@@ -43,7 +43,7 @@ pub fn of(slots: &Slots, slot: Slot, sheet: &AssetAttributes) -> Result<Option<M
         Slot::Coating => value.text() == Some("none") || !acts(slots)?,
         Slot::Shape => value.text() == Some("mesh"),
         Slot::Emitter | Slot::Slide => value.text() == Some("none"),
-        Slot::Finish => false,
+        Slot::Finish | Slot::Sensor => false,
     };
     if nothing {
         return Ok(None);

@@ -185,6 +185,7 @@ fn checked(sheet: &AssetAttributes, bound: &[PartBound]) -> Result<()> {
                     Some(name) => return Err(optics::unknown_coating(name, value, sheet.coatings.names())),
                     None => drop(optics::coating(value, "", &mut notes)?),
                 },
+                Slot::Sensor => drop(optics::sensor(value)?),
                 Slot::Emitter if !none => drop(optics::emitter(value, &mut notes)?),
                 Slot::Slide if !none => drop(optics::slide(value, &mut notes)?),
                 Slot::Emitter | Slot::Slide => {}

@@ -52,7 +52,9 @@ impl<'a> Root<'a> {
             Slot::Coating => (&self.sheet.coatings, &mut self.coatings),
             Slot::Emitter => (&self.sheet.emitters, &mut self.emitters),
             Slot::Slide => (&self.sheet.slides, &mut self.slides),
-            Slot::Index | Slot::Absorption | Slot::Priority | Slot::Finish | Slot::Shape => return Ok(value.clone()),
+            Slot::Index | Slot::Absorption | Slot::Priority | Slot::Finish | Slot::Shape | Slot::Sensor => {
+                return Ok(value.clone());
+            }
         };
         let (target, name) = match &value.data {
             // An index of the asset's own, which is what it was.

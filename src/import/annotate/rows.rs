@@ -24,16 +24,16 @@ pub enum Extent {
 pub struct Asked {
     medium: Extent,
     /// By place in [`Slot::FACE`]: the faces of which it must be said.
-    faces: [BTreeSet<usize>; 5],
+    faces: [BTreeSet<usize>; Slot::FACE.len()],
     /// Whether it must be said face by face, even if it is the same for all.
-    narrow: [bool; 5],
+    narrow: [bool; Slot::FACE.len()],
 }
 
 impl Asked {
     /// What the sidecar won.
     pub fn by_the_sidecar(bound: &PartBound) -> Self {
         let medium = bound.part.all().any(|won| won.rank > Rank::NodeFaces);
-        let mut faces: [BTreeSet<usize>; 5] = Default::default();
+        let mut faces: [BTreeSet<usize>; Slot::FACE.len()] = Default::default();
         for (number, slots) in bound.faces.iter().enumerate() {
             for (slot, faces) in Slot::FACE.into_iter().zip(&mut faces) {
                 if holds(slots, slot).is_some_and(|won| won.rank > Rank::NodeFaces) {
@@ -41,7 +41,7 @@ impl Asked {
                 }
             }
         }
-        Asked { medium: if medium { Extent::Held } else { Extent::Nothing }, faces, narrow: [false; 5] }
+        Asked { medium: if medium { Extent::Held } else { Extent::Nothing }, faces, narrow: [false; Slot::FACE.len()] }
     }
 
     pub fn anything(&self) -> bool {
@@ -159,6 +159,6 @@ fn nothing(slot: Slot) -> Option<&'static str> {
     match slot {
         Slot::Coating | Slot::Emitter | Slot::Slide => Some("none"),
         Slot::Shape => Some("mesh"),
-        Slot::Finish | Slot::Index | Slot::Absorption | Slot::Priority => None,
+        Slot::Finish | Slot::Sensor | Slot::Index | Slot::Absorption | Slot::Priority => None,
     }
 }

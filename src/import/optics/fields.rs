@@ -242,7 +242,7 @@ pub fn code(row: &Row) -> Option<Code> {
         Noun::Medium => (row.name == "ior").then_some(Code::IndexImpossible),
         Noun::Finish | Noun::Coating => (row.name == "n").then_some(Code::IndexImpossible),
         Noun::Slide | Noun::Emitter => (row.name == "size").then_some(Code::SlideWithoutSize),
-        Noun::Shape | Noun::Sky | Noun::Sun | Noun::Asset => None,
+        Noun::Shape | Noun::Sensor | Noun::Sky | Noun::Sun | Noun::Asset => None,
     }
 }
 

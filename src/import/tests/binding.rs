@@ -175,7 +175,7 @@ fn the_assets_own_attributes_bind_below_the_sidecar() {
     assert_eq!(
         broken(&|asset| asset.materials[0].attributes = Some(table(&[("finnish", text("none"))], "/materials/0"))),
         "a.glb#/materials/0: unknown attribute `finnish` in material `GLASS`; expected one of medium, ior, glass, sellmeier, \
-         cauchy, abbe, index_table, absorption_per_m, priority, finish, coating, shape, emitter, slide; did you mean `finish`?"
+         cauchy, abbe, index_table, absorption_per_m, priority, finish, coating, shape, emitter, slide, sensor; did you mean `finish`?"
     );
     assert_eq!(
         broken(&|asset| asset.nodes[1].mesh = Some(9)),

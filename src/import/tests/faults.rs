@@ -49,7 +49,7 @@ fn selectors_that_select_nothing_or_too_much() {
         (
             "[[bind]]\npath = \"LENS\"\n",
             &[],
-            "hud.optics.toml:10: this `[[bind]]` says nothing about its parts; expected one of medium, ior, glass, sellmeier, cauchy, abbe, index_table, absorption_per_m, priority, finish, coating, shape, emitter, slide",
+            "hud.optics.toml:10: this `[[bind]]` says nothing about its parts; expected one of medium, ior, glass, sellmeier, cauchy, abbe, index_table, absorption_per_m, priority, finish, coating, shape, emitter, slide, sensor",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nfaces = [0, 6]\nfinish = \"polished\"\n",
@@ -95,7 +95,7 @@ fn unknown_keys_and_names() {
         (
             "[[bind]]\npath = \"LENS\"\nfinsh = \"polished\"\n",
             &[],
-            "hud.optics.toml:12: unknown attribute `finsh` in `[[bind]]`; expected one of path, name, material, mesh, faces, normal, medium, ior, glass, sellmeier, cauchy, abbe, index_table, absorption_per_m, priority, finish, coating, shape, emitter, slide; did you mean `finish`?",
+            "hud.optics.toml:12: unknown attribute `finsh` in `[[bind]]`; expected one of path, name, material, mesh, faces, normal, medium, ior, glass, sellmeier, cauchy, abbe, index_table, absorption_per_m, priority, finish, coating, shape, emitter, slide, sensor; did you mean `finish`?",
         ),
         (
             "[[bind]]\npath = \"LENS\"\nfinish = \"polisht\"\n",

@@ -127,7 +127,7 @@ const ROWS: &[(&str, &[&str], &str)] = &[
     (
         LIT,
         &["LENS.colour=3"],
-        "--set LENS.colour=3: unknown attribute `colour` of a part; expected one of medium, ior, glass, sellmeier, cauchy, abbe, index_table, absorption_per_m, priority, finish, coating, shape, emitter, slide, or an attribute of its emitter or slide",
+        "--set LENS.colour=3: unknown attribute `colour` of a part; expected one of medium, ior, glass, sellmeier, cauchy, abbe, index_table, absorption_per_m, priority, finish, coating, shape, emitter, slide, sensor, or an attribute of its emitter or slide",
     ),
     (
         LIT,

@@ -47,6 +47,7 @@ fn read(key: &str, value: &Value) -> Result<String> {
         "shape" => format!("{:?}", optics::shape(value, notes)?),
         "emitter" => format!("{:?}", optics::emitter(value, notes)?),
         "slide" => format!("{:?}", optics::slide(value, notes)?),
+        "sensor" => format!("{:?}", optics::sensor(value)?),
         "sky" => format!("{:?}", optics::sky(value, notes)?),
         "sun" => format!("{:?}", optics::sun(value, notes)?),
         "eye" => format!("{:?}", optics::eye(value, optics::Lens::default(), notes)?),
@@ -235,6 +236,7 @@ fn good(key: &'static str) -> BoxedStrategy<Value> {
         "wavelengths" => rendered(Noun::Asset, key),
         "emitter" => whole(Noun::Emitter, &EMITTER),
         "slide" => whole(Noun::Slide, &SLIDE),
+        "sensor" => whole(Noun::Sensor, &SENSOR),
         "sky" => every(own_rows(Noun::Sky).collect()),
         "sun" => every(rows(Noun::Sun).collect()),
         _ => every(rows(Noun::Eye).collect()),
@@ -247,6 +249,7 @@ fn raw(key: &'static str) -> BoxedStrategy<Value> {
     match key {
         "emitter" => some(named_rows(Noun::Emitter, &EMITTER)),
         "slide" => some(named_rows(Noun::Slide, &SLIDE)),
+        "sensor" => some(named_rows(Noun::Sensor, &SENSOR)),
         "sky" => some(own_rows(Noun::Sky).collect()),
         "sun" => some(rows(Noun::Sun).collect()),
         "eye" => some(rows(Noun::Eye).collect()),
@@ -257,7 +260,10 @@ fn raw(key: &'static str) -> BoxedStrategy<Value> {
     }
 }
 
-const WHOLE: [&str; 9] = ["finish", "coating", "shape", "wavelengths", "emitter", "slide", "sky", "sun", "eye"];
+const WHOLE: [&str; 10] =
+    ["finish", "coating", "shape", "wavelengths", "emitter", "slide", "sensor", "sky", "sun", "eye"];
+/// The rows of a sensor's table.
+const SENSOR: [&str; 2] = ["pixels", "u"];
 const SINGLE: [&str; 9] =
     ["ior", "glass", "sellmeier", "cauchy", "abbe", "index_table", "absorption_per_m", "priority", "unit"];
 

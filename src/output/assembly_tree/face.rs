@@ -4,8 +4,8 @@ use super::look::LookReport;
 use crate::base::Where;
 use crate::scene::angular::Spread;
 use crate::scene::{
-    Angular, Coating, Emitter, Face, Finish, Grating, Part, Polarisation, PolarisedLight, Residual, Scene, Shape,
-    Spectrum, WavePlate,
+    Angular, Coating, Emitter, Face, Finish, Grating, Part, Polarisation, PolarisedLight, Residual, Scene, Sensor,
+    Shape, Spectrum, WavePlate,
 };
 use glam::DVec3;
 
@@ -34,6 +34,9 @@ pub struct FaceReport {
     pub fit: Option<Residual>,
     pub emitter: Option<EmitterReport>,
     pub slide: Option<SlideReport>,
+    /// A map of the light that arrives is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<Sensor>,
 }
 
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -95,6 +98,7 @@ pub fn faces(scene: &Scene, part: &Part) -> Vec<FaceReport> {
         notes,
         fit,
         emitter: face.emitter.as_ref().map(|emitter| self::emitter(scene, emitter, area(scene, part, number))),
+        sensor: face.sensor,
         slide: face.slide.and_then(|id| scene.slides.get(id.index())).map(|slide| {
             let mean = slide.pixels.iter().map(|s| f64::from(*s)).sum::<f64>() / slide.pixels.len().max(1) as f64;
             let black = slide.transmittance / slide.contrast;

@@ -5,7 +5,7 @@ use crate::base::Where;
 use crate::base::ids::{CoatingId, GratingId, GroupId, MediumId, MeshId, SlideId, WavePlateId};
 use crate::scene::{
     Absorption, Angular, Coating, Dispersion, Emitter, Face, FaceRange, FilmLayer, Finish, Grating, Group, Led, Medium,
-    Mesh, Order, Part, Photometry, Residual, Retardance, Shape, Slide, Spectrum, WavePlate,
+    Mesh, Order, Part, Photometry, Residual, Retardance, Sensor, Shape, Slide, Spectrum, WavePlate,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ fn mesh(name: &str) -> Mesh {
 }
 
 fn face(finish: Finish) -> Face {
-    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None }
+    Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None, sensor: None }
 }
 
 fn part(path: &str, mesh: usize, x_m: f64, faces: [Face; 2]) -> Part {
@@ -56,7 +56,8 @@ fn scene() -> Scene {
     let cap = Face { coating: Some(CoatingId(0)), shape, ..face(Finish::Polished) };
     let mut lens = part("HUD/OPTICS/LENS", 0, 0.0, [cap, face(Finish::Polished)]);
     lens.medium = Some(MediumId(0));
-    let slide = Face { slide: Some(SlideId(0)), ..face(Finish::None) };
+    let sensor = Some(Sensor { pixels: [64, 32], u: None });
+    let slide = Face { slide: Some(SlideId(0)), sensor, ..face(Finish::None) };
     let fit = Where::Part { path: "HUD/OPTICS/LENS".into(), face: Some(0) };
     Scene {
         name: "tiny".into(),
@@ -151,7 +152,7 @@ HUD
 │       face 0: absorber
 │       face 1: absorber, emits 3.142 lm, 1 cd, 1000000 cd/m² into group led, lambert, half angle 60 deg, spectrum led_b1
 ├─ LCD: 2 x 1 x 0 mm, one of 3 instances of mesh plate, at (1, 0.5, 0)
-│       face 0: slide s.png 2 x 1 pixels, 2 x 1 mm, T 0.8, contrast 100, mean T 0.404
+│       face 0: slide s.png 2 x 1 pixels, 2 x 1 mm, T 0.8, contrast 100, mean T 0.404, sensor of 64 x 32 pixels
 │       face 1: not there for light
 └─ BOX\u{fffd}: 2 x 1 x 0 mm, one of 3 instances of mesh plate, absorber, at (1, 0.5, 0)
 

@@ -65,6 +65,7 @@ pub fn face(face: &FaceReport, traced_nm: f64) -> String {
     all.extend(face.coating.as_ref().map(|coating| self::coating(coating, traced_nm)));
     all.extend(shape(face));
     all.extend(face.emitter.as_ref().map(emitter));
+    all.extend(face.sensor.map(|sensor| format!("sensor of {} x {} pixels", sensor.pixels[0], sensor.pixels[1])));
     all.join(", ")
 }
 

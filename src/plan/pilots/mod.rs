@@ -270,6 +270,11 @@ impl<L: Look> Narrow<L> {
         }
     }
 
+    /// Paths of all looks that counted.
+    pub fn found(&self) -> usize {
+        self.looks.found.len()
+    }
+
     /// A look guided by all before. `with`: the paths with a guide and their number.
     pub fn look(&mut self, with: impl Fn(&Guide, u64) -> L, paths: u64, stop: &ShouldStop<'_>) {
         let before = self.looks.found.len();

@@ -197,7 +197,7 @@ pub fn bindable() -> BoxedStrategy<Vec<(String, Value)>> {
             .prop_map(|medium| vec![("medium".to_owned(), medium)]),
         Just(Vec::new()),
     ];
-    let faces: Vec<&'static Row> = [Noun::Finish, Noun::Coating, Noun::Shape, Noun::Emitter, Noun::Slide]
+    let faces: Vec<&'static Row> = [Noun::Finish, Noun::Coating, Noun::Shape, Noun::Emitter, Noun::Slide, Noun::Sensor]
         .into_iter()
         .filter_map(|noun| row(noun, &noun.to_string()))
         .collect();

@@ -5,7 +5,7 @@ use Form::{
     Coefficients, File, Integer, Integers, Length, LengthOr, Number, NumberOrRows, Numbers, Place, Record, Records,
     Rows, Text, Thing, Word,
 };
-use Noun::{Asset, Coating, Emitter, Eye, Finish, Medium, Shape, Sky, Slide, Sun};
+use Noun::{Asset, Coating, Emitter, Eye, Finish, Medium, Sensor, Shape, Sky, Slide, Sun};
 use Range::{Above, Any, AtLeast, AtLeastOrInfinite, Between, NonZero, Positive, PositiveOrInfinite, Within};
 use Support::Rendered;
 
@@ -282,6 +282,10 @@ pub const ROWS: &[Row] = &[
     new(Slide, "polarisation", Record(&["angle_deg", "degree"]), "", Any, "{ angle_deg, degree } of the light that leaves"),
     new(Slide, "angle_deg", Number, "deg", Any, "direction of polarisation, from u towards v"),
     new(Slide, "degree", Number, "", Within(0.0, 1.0), "degree of polarisation"),
+    // What measures the light that arrives at a face.
+    new(Sensor, "sensor", Record(&["pixels", "u"]), "", Any, "{ pixels, u }: `eyebox sensor` maps the illuminance on both sides of the face; it changes no light"),
+    new(Sensor, "pixels", Integers(2), "pixels", Within(1.0, 2048.0), "columns and rows of the map, which is the rectangle about the face in its mean plane"),
+    new(Sensor, "u", Numbers(3), "", Any, "direction to the right in the map, in the part's axes, not along the normal; up is the normal × u").or("along the longer side of the smallest rectangle about the face"),
     // Light from everywhere: a picture, a number, or a model.
     new(Sky, "image", File, "", Any, "latitude-longitude panorama, EXR or HDR"),
     new(Sky, "layer", Text, "", Any, "layer of an EXR file that has several").or("the default image"),

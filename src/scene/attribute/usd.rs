@@ -144,7 +144,7 @@ fn keys(level: Level) -> Vec<&'static str> {
     }
     keys.push("medium");
     keys.extend(super::MEDIUM.into_iter().filter(|name| *name != "name"));
-    keys.extend(["finish", "coating", "shape", "emitter", "slide"]);
+    keys.extend(["finish", "coating", "shape", "emitter", "slide", "sensor"]);
     if level == Level::Prim {
         keys.push("faces");
     }
@@ -171,6 +171,7 @@ fn entry(level: Level, key: &str) -> Option<Entry> {
         ("shape", _) => own(Noun::Shape),
         ("emitter", _) => own(Noun::Emitter),
         ("slide", _) => own(Noun::Slide),
+        ("sensor", _) => own(Noun::Sensor),
         ("name", _) => None,
         (key, _) if super::MEDIUM.contains(&key) => {
             row(Noun::Medium, key).map(|row| Entry::Row(format!("medium:{key}"), row))

@@ -176,6 +176,7 @@ pub fn part(mesh: u32, shapes: &[Shape], to_world: DAffine3) -> Part {
         emitter: None,
         tint: None,
         slide: None,
+        sensor: None,
     };
     Part {
         name: format!("P{mesh}"),
@@ -200,7 +201,8 @@ pub fn add_square(scene: &mut Scene, (half, z, towards): (f64, f64, DVec3), fini
     scene.meshes.push(builder.mesh.into());
     let mut part = part(scene.meshes.len() as u32 - 1, &[Shape::Mesh], to_world);
     part.medium = None;
-    part.faces = vec![Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None }];
+    part.faces =
+        vec![Face { finish, coating: None, shape: Shape::Mesh, emitter: None, tint: None, slide: None, sensor: None }];
     scene.parts.push(part);
 }
 

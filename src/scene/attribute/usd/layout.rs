@@ -19,7 +19,7 @@ pub struct Property {
 pub fn properties(noun: Noun) -> Vec<Property> {
     let mut out: Vec<Property> = Vec::new();
     match noun {
-        Noun::Medium | Noun::Finish | Noun::Coating | Noun::Shape | Noun::Emitter | Noun::Slide => {
+        Noun::Medium | Noun::Finish | Noun::Coating | Noun::Shape | Noun::Emitter | Noun::Slide | Noun::Sensor => {
             if let Some(holder) = row(noun, &noun.to_string()) {
                 add(holder, holder.name, &mut out);
             }
