@@ -247,7 +247,8 @@ mod tests {
         let point = |k: i32| {
             let (seconds, passes) = (0.125 * 2f64.powi(k), 1 << k);
             let relmse = factor / seconds;
-            let error = Error { relmse, trimmed: relmse, flat: None, energy: 1.0, energy_sigma: 0.0, worst_sigma };
+            let error =
+                Error { relmse, trimmed: relmse, flat: None, edges: None, energy: 1.0, energy_sigma: 0.0, worst_sigma };
             Point { passes, seconds, paths: 1, error }
         };
         Curve {

@@ -400,7 +400,7 @@ impl RenderArgs {
         let passes = if none { Some(DEFAULT_PASSES) } else { self.samples };
         // Shards are of passes of all pixels, and so is what `--samples` asks for. A checkpoint keeps whole passes or later ones.
         let adaptive = self.adaptive == AdaptiveArg::On && passes.is_none();
-        let coarse = adaptive && self.checkpoint.is_none() && !self.resume;
+        let coarse = adaptive && self.time.is_some() && self.checkpoint.is_none() && !self.resume;
         Limits { passes, time: self.time, error: self.error, adaptive, coarse }
     }
 }

@@ -10,13 +10,13 @@ pub const WORK: &str = "work";
 /// counts as the mean of its passes does.
 pub fn work(films: &Films) -> Option<Samples> {
     let own = films.films.iter().filter_map(|(_, film, ledger)| Some((film.sample_map()?, ledger.work as f64)));
-    let own: Vec<_> = own.collect();
+    let own: Vec<_> = own.map(|(map, work)| (map, work, work / map.mean().max(f64::MIN_POSITIVE))).collect();
     let (first, all) = (own.first()?, films.films.iter().map(|(_, _, ledger)| ledger.work as f64).sum::<f64>());
     // What is traced for the whole picture at once is shared by its pixels.
-    let shared = all - own.iter().map(|(_, work)| work).sum::<f64>();
+    let shared = all - own.iter().map(|(_, work, _)| work).sum::<f64>();
     let of_pixel = |pixel: usize| {
-        let mapped = own.iter().map(|(map, work)| work * map.made(pixel) as f64 / map.mean().max(f64::MIN_POSITIVE));
-        ((shared + mapped.sum::<f64>()) / all.max(1.0)) as f32
+        let mapped = own.iter().map(|(map, _, per_pass)| per_pass * map.made(pixel) as f64).sum::<f64>();
+        ((shared + mapped) / all.max(1.0)) as f32
     };
     Some((0..first.0.pixels()).map(of_pixel).collect())
 }

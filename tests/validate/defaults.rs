@@ -183,12 +183,13 @@ fn things() -> Vec<(String, Bench)> {
         "radiant_flux_w = 0.1, spectrum = \"A\"",
         "flux_lm = 20, u = [0, 1, 0]",
         "primaries_cd_m2 = [1000, 3000, 400]",
-        "luminance_cd_m2 = 5000, image = \"slide.png\", size = [4, 4], u = [1, 0, 0], v = [0, 1, 0]",
+        "luminance_cd_m2 = 5000, image = \"slide.png\", size = [40, 40], u = [1, 0, 0], v = [0, 1, 0]",
         "flux_lm = 20, polarisation = { angle_deg = 45, degree = 0.5 }",
     ];
     let mut all = vec![
         ("bare".to_owned(), bare()),
         ("sky".to_owned(), sky),
+        ("sensor".to_owned(), block("finish = \"polished\"\nsensor = { pixels = [4, 2] }")),
         ("sun".to_owned(), wall(|b| b.append("\n[sun]\ndirection = [0.2, 1, 0.3]\n"))),
         (
             "polarised slide".to_owned(),

@@ -38,6 +38,8 @@ pub struct Error {
     pub trimmed: f64,
     /// The same as `relmse` over flat pixels; none if fewer than one in a hundred is flat.
     pub flat: Option<f64>,
+    /// The same over all others, where the picture has edges; none if fewer than one in a hundred is such.
+    pub edges: Option<f64>,
     /// Mean luminance over the references'.
     pub energy: f64,
     /// Its standard error.
@@ -147,12 +149,16 @@ impl References {
             .collect();
         let pixels = terms.len().max(1) as f64;
         let [flat, all] = self.flat_pixels();
-        let on_flat = || terms.iter().zip(&self.flat).filter(|(_, flat)| **flat).map(|(term, _)| term).sum::<f64>();
+        let over = |wanted: bool, count: usize| {
+            let own = terms.iter().zip(&self.flat).filter(|(_, flat)| **flat == wanted);
+            (count > 0 && count * 100 >= all).then(|| own.map(|(term, _)| term).sum::<f64>() / count as f64)
+        };
         let Deviation { whole: [excess, sigma], worst_sigma } = self.blocks.deviation(picture);
         let light = self.unbiased * pixels;
         Error {
             relmse: terms.iter().sum::<f64>() / pixels,
-            flat: (flat > 0 && flat * 100 >= all).then(|| on_flat() / flat as f64),
+            flat: over(true, flat),
+            edges: over(false, all - flat),
             trimmed: trimmed(terms),
             energy: per(excess + light, light),
             energy_sigma: per(sigma, light),

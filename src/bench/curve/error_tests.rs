@@ -120,6 +120,8 @@ fn flat_pixels_are_those_away_from_edges() {
     (0..SIDE).for_each(|y| values[y * SIDE + SIDE / 2] *= 2.0);
     let error = references.measure(&picture(values, 0.0));
     assert!(error.relmse > 1e-3 && error.flat == Some(0.0), "{error:?}");
+    let all = error.edges.expect("a column of edges") * 2.0 / SIDE as f64;
+    assert!((all / error.relmse - 1.0).abs() < 1e-12, "{error:?}");
 }
 
 /// Black pictures compare as equal, not as no number.

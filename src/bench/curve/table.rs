@@ -33,8 +33,8 @@ fn seconds(reach: &Reach) -> String {
     }
 }
 
-const HEAD: [&str; 10] =
-    ["estimator", "setup s", "CPU s", "passes", "paths/s", "relMSE", "trimmed", "flat", "energy", "worst σ"];
+const HEAD: [&str; 11] =
+    ["estimator", "setup s", "CPU s", "passes", "paths/s", "relMSE", "trimmed", "flat", "edges", "energy", "worst σ"];
 
 fn head() -> Vec<String> {
     let levels = LEVELS.map(|level| format!("s to {level:.0e}"));
@@ -58,6 +58,7 @@ fn cells(curve: &Curve, resolution: f64) -> Vec<String> {
                 told(error.relmse, resolution),
                 told(error.trimmed, resolution),
                 error.flat.map_or("–".to_owned(), |flat| told(flat, resolution)),
+                error.edges.map_or("–".to_owned(), |edges| told(edges, resolution)),
                 format!("{:.4} ± {:.4}", error.energy, error.energy_sigma),
                 format!("{:+.1}", error.worst_sigma),
                 maybe(curve.slope),

@@ -13,7 +13,15 @@ use crate::estimate::run::begin;
 use glam::DVec3;
 
 fn error(relmse: f64) -> Error {
-    Error { relmse, trimmed: 0.5 * relmse, flat: Some(relmse), energy: 1.0, energy_sigma: 0.01, worst_sigma: 2.0 }
+    Error {
+        relmse,
+        trimmed: 0.5 * relmse,
+        flat: Some(relmse),
+        edges: None,
+        energy: 1.0,
+        energy_sigma: 0.01,
+        worst_sigma: 2.0,
+    }
 }
 
 fn curve(estimator: &'static str, factor: f64) -> Curve {

@@ -107,7 +107,7 @@ const ROWS: &[(&str, &[&str], &str)] = &[
     (
         LIT,
         &["led.flux_lum=1"],
-        "--set led.flux_lum=1: unknown attribute `flux_lum` of light group `led`; expected one of name, group, flux_lm, luminance_cd_m2, intensity_cd, illuminance_lx, radiant_flux_w, sides, angular, spectrum, u, polarisation; did you mean `flux_lm`?",
+        "--set led.flux_lum=1: unknown attribute `flux_lum` of light group `led`; expected one of name, group, flux_lm, luminance_cd_m2, primaries_cd_m2, intensity_cd, illuminance_lx, radiant_flux_w, sides, angular, spectrum, u, polarisation, image, layer, size, v, centre, contrast; did you mean `flux_lm`?",
     ),
     (
         LIT,

@@ -138,6 +138,7 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
             put("u", across.0);
             put("v", across.1);
         }
+        "sensor" => put("u", across.0),
         "eye" => {
             put("look", across.0);
             put("up", across.1);
