@@ -279,6 +279,8 @@ fn shown_by_name(layer: &str) -> Shown {
         Shown::Vector
     } else if is("albedo") || is("seethrough") {
         Shown::Fraction
+    } else if is("work") {
+        Shown::Scalar
     } else {
         Shown::Picture
     }
