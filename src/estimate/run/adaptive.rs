@@ -9,7 +9,7 @@
 //! single pixels, is spread over blocks of pixels, and what even these don't foresee gets passes of pixels at random.
 
 use super::Films;
-use super::tuning::adaptive::{AIM, ALONE, BLOCK, FORESEEN, SHARE_OF_WORK};
+use super::tuning::adaptive::{AIM, ALONE, BLOCK, FORESEEN, LEAST_DRAWN, SHARE_OF_WORK};
 use crate::base::rng::{Rng, Stream};
 use crate::film::accumulate::{Film, Sampling};
 use crate::film::plan::Estimator;
@@ -57,7 +57,8 @@ pub fn aim(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), goal: Opt
         let per_pass = work / passes.max(1.0);
         let Variances { foreseen, unforeseen } = variances(own, traced);
         if unforeseen > 0.0 {
-            at_random.push((film, unforeseen * error, per_pass));
+            let foreseen = foreseen.clone();
+            at_random.push((film, unforeseen * error, per_pass, foreseen));
         }
         candidates.extend(pixels.filter(|pixel| traced(*pixel)).map(|pixel| {
             let made = own.passes_of(pixel) as f64;
@@ -65,17 +66,18 @@ pub fn aim(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), goal: Opt
             Candidate { film, pixel: Some(pixel), gain, work: made * per_pass }
         }));
     }
-    let unforeseen = if noise > 0.0 { at_random.iter().map(|(_, error, _)| error).sum::<f64>() / noise } else { 0.0 };
+    let unforeseen = if noise > 0.0 { at_random.iter().map(|(_, error, ..)| error).sum::<f64>() / noise } else { 0.0 };
     let enough = goal.map_or(f64::INFINITY, |goal| noise - AIM * goal);
     choose(films, candidates, enough * (1.0 - unforeseen), budget * (1.0 - unforeseen));
-    for (film, error, per_pass) in at_random {
+    for (film, error, per_pass, foreseen) in at_random {
         // Its share of what nobody foresees is the share of the round's work that goes there.
-        draw(&mut films.films[film].1, traced, budget * (error / noise) / per_pass, (seed, round, film));
+        let passes = budget * (error / noise) / per_pass;
+        draw(&mut films.films[film].1, (traced, &foreseen), passes, (seed, round, film));
     }
     if films.films.iter().all(|(_, film, _)| film.missing().is_none()) {
         for (estimator, film, _) in &mut films.films {
             if has_own_sequences(*estimator, film) {
-                draw(film, traced, f64::INFINITY, (seed, round, 0));
+                draw(film, (traced, &[]), f64::INFINITY, (seed, round, 0));
             } else {
                 film.wanted = film.passes.saturating_mul(2);
             }
@@ -130,20 +132,33 @@ fn choose(films: &mut Films, mut candidates: Vec<Candidate>, enough: f64, budget
     }
 }
 
-/// Doubles the passes of pixels that are drawn by chance, those with few before those with many, for `passes` passes of
-/// single pixels.
-fn draw(film: &mut Film, traced: &dyn Fn(usize) -> bool, passes: f64, (seed, round, number): (u64, u64, usize)) {
-    let pixels = (0..film.width * film.height).filter(|pixel| traced(*pixel));
-    let key = |pixel: usize| {
-        let mut rng =
-            Rng::new(seed, Stream::Adaptive, round.wrapping_mul(16).wrapping_add(number as u64), pixel as u64);
-        (film.passes_of(pixel), rng.next_u64(), pixel)
+/// Doubles the passes of pixels that are drawn by chance, for `passes` passes of single pixels: the more likely the more others
+/// foresee of theirs, for light in single pixels is seldom far from other edges, and the fewer passes they have. None is left out.
+fn draw(
+    film: &mut Film,
+    (traced, foreseen): (&dyn Fn(usize) -> bool, &[f64]),
+    passes: f64,
+    (seed, round, number): (u64, u64, usize),
+) {
+    let least = LEAST_DRAWN * foreseen.iter().sum::<f64>() / foreseen.len().max(1) as f64;
+    let weight = |pixel: usize| {
+        let of = foreseen.get(pixel).map_or(1.0, |own| own + least);
+        if of > 0.0 { of.sqrt() } else { 1.0 }
     };
-    let mut order: Vec<_> = pixels.map(key).collect();
-    order.par_sort_unstable();
+    let mut order: Vec<(f64, usize)> = (0..film.width * film.height)
+        .filter(|pixel| traced(*pixel))
+        .map(|pixel| {
+            let round = round.wrapping_mul(16).wrapping_add(number as u64);
+            let u = Rng::new(seed, Stream::Adaptive, round, pixel as u64).uniform();
+            // P. S. Efraimidis and P. G. Spirakis, "Weighted random sampling with a reservoir", Inf. Process. Lett. 97, 2006.
+            (-(1.0 - u).ln() * film.passes_of(pixel) as f64 / weight(pixel), pixel)
+        })
+        .collect();
+    order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let map = film.sample_map_mut();
     let mut left = passes;
-    for (made, _, pixel) in order {
+    for (_, pixel) in order {
+        let made = map.made(pixel);
         left -= made as f64;
         if left < 0.0 {
             return;

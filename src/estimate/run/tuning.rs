@@ -22,4 +22,6 @@ pub(super) mod adaptive {
     pub const BLOCK: usize = 16;
     /// Fewer of them than this in a block foresee nothing.
     pub const ALONE: f64 = 4.0;
+    /// What a pixel is taken to have at the least when pixels are drawn, of the mean of what is foreseen.
+    pub const LEAST_DRAWN: f64 = 0.05;
 }
