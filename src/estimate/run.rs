@@ -112,27 +112,20 @@ impl Films {
     /// photons within a radius blurs is no noise: it is told apart (`film::blur`) and added. None before the second pass, for a
     /// black picture, or for one that is nothing but noise.
     pub fn relative_error(&self) -> Option<f64> {
-        let (noise, signal) = self.likely_noise()?;
+        let (noise, signal) = likely_noise(self.noise()?)?;
         Some(((noise + self.blur2()) / signal).sqrt())
     }
 
     /// The part of [`Films::relative_error`] that falls as the root of the passes, but for what few passes do not know of it.
     pub fn relative_error_of_noise(&self) -> Option<f64> {
-        self.likely_noise().map(|(noise, signal)| (noise / signal).sqrt())
-    }
-
-    /// Sums over the pixels: squared error as large as it is likely to be by chance, and luminance squared.
-    fn likely_noise(&self) -> Option<(f64, f64)> {
-        let [noise, squares, unknown, seen] = self.noise()?;
-        let freedom = |squares: f64| if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
-        let most = (variance_ratio(freedom(squares), freedom(unknown), Z_OF_98) / (LEEWAY * LEEWAY)).max(1.0);
-        Some((noise * most, beyond_noise(noise, seen)?))
+        self.noise().and_then(likely_noise).map(|(noise, signal)| (noise / signal).sqrt())
     }
 
     /// The sum over the pixels of squared errors, (cd/m²)², with which [`Films::relative_error`] would be `error`. Where what
     /// gathering blurs hides that, a quarter of what it is.
     fn goal(&self, error: f64) -> Option<f64> {
-        let ([noise, ..], (likely, signal)) = (self.noise()?, self.likely_noise()?);
+        let sums = self.noise()?;
+        let ([noise, ..], (likely, signal)) = (sums, likely_noise(sums)?);
         let wanted = (error * error * signal - self.blur2()) * (noise / likely);
         Some(if wanted > 0.0 { wanted } else { noise / 4.0 })
     }
@@ -186,6 +179,11 @@ impl Films {
         (self.passes >= 2 && sums[3] > 0.0).then_some(sums)
     }
 
+    /// Eye and lamp paths so far.
+    fn paths(&self) -> u64 {
+        self.films.iter().fold(0, |sum, (_, _, ledger)| sum.saturating_add(ledger.paths))
+    }
+
     /// After the last pass, when the errors have been asked for: gives the memory back that only they need.
     pub fn condense(&mut self) {
         self.films.iter_mut().for_each(|(_, film, _)| film.condense());
@@ -208,6 +206,13 @@ impl Films {
     pub fn ledger(&self, estimator: Estimator) -> Option<&Ledger> {
         self.films.iter().find(|(e, _, _)| *e == estimator).map(|(_, _, ledger)| ledger)
     }
+}
+
+/// Of what [`Films::noise`] says: squared error as large as it is likely to be by chance, and luminance squared.
+fn likely_noise([noise, squares, unknown, seen]: [f64; 4]) -> Option<(f64, f64)> {
+    let freedom = |squares: f64| if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
+    let most = (variance_ratio(freedom(squares), freedom(unknown), Z_OF_98) / (LEEWAY * LEEWAY)).max(1.0);
+    Some((noise * most, beyond_noise(noise, seen)?))
 }
 
 /// What evenness over the passes leaves of a film's variance.

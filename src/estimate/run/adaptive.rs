@@ -56,15 +56,14 @@ pub fn aim(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), goal: Opt
         let passes: f64 = pixels.clone().filter(|pixel| traced(*pixel)).map(|pixel| own.passes_of(pixel) as f64).sum();
         let per_pass = work / passes.max(1.0);
         let Variances { foreseen, unforeseen } = variances(own, traced);
-        if unforeseen > 0.0 {
-            let foreseen = foreseen.clone();
-            at_random.push((film, unforeseen * error, per_pass, foreseen));
-        }
         candidates.extend(pixels.filter(|pixel| traced(*pixel)).map(|pixel| {
             let made = own.passes_of(pixel) as f64;
             let gain = saved.of(own.passes_of(pixel)) * foreseen[pixel] / (2.0 * made);
             Candidate { film, pixel: Some(pixel), gain, work: made * per_pass }
         }));
+        if unforeseen > 0.0 {
+            at_random.push((film, unforeseen * error, per_pass, foreseen));
+        }
     }
     let unforeseen = if noise > 0.0 { at_random.iter().map(|(_, error, ..)| error).sum::<f64>() / noise } else { 0.0 };
     let enough = goal.map_or(f64::INFINITY, |goal| noise - AIM * goal);

@@ -52,7 +52,7 @@ pub fn drive(mut tracing: Box<dyn Tracing + '_>, limits: &Limits, observer: &mut
             passes: films.passes,
             elapsed: start.elapsed(),
             error: films.relative_error(),
-            paths: films.films.iter().fold(0, |sum, (_, _, ledger)| sum.saturating_add(ledger.paths)),
+            paths: films.paths(),
             doubled,
         };
         doubled_at = if doubled { work } else { doubled_at };
@@ -97,8 +97,7 @@ fn first_pass(
     while tracing.sweep(part) > 0 {
         part += 1;
         let films = tracing.films();
-        let paths = films.films.iter().fold(0u64, |sum, (_, _, ledger)| sum.saturating_add(ledger.paths));
-        let status = Status { passes: 0, elapsed: start.elapsed(), error: None, paths, doubled: false };
+        let status = Status { passes: 0, elapsed: start.elapsed(), error: None, paths: films.paths(), doubled: false };
         if !observer.block(&status, films) {
             return Some(Stop::Asked);
         }

@@ -64,8 +64,13 @@ impl<M: Mode> Engines<'_, M> {
             *works.entry(pass).or_default() += work;
         }
         self.films.dealt.attended = self.films.first + self.films.passes;
-        if let Some(witness) = &mut self.witness {
-            witness.attend(&works.into_iter().collect::<Vec<_>>());
+        self.attend_beside(&works.into_iter().collect::<Vec<_>>());
+    }
+
+    /// The same beside passes of these numbers and counted work.
+    fn attend_beside(&mut self, works: &[(u64, u64)]) {
+        if let Some(witness) = self.witness.as_mut().filter(|_| !works.is_empty()) {
+            witness.attend(works);
             self.films.witness = Some(witness.record.clone());
         }
     }
@@ -117,12 +122,9 @@ impl<M: Mode> Tracing for Engines<'_, M> {
         self.films.passes = self.films.films.iter().map(|(_, film, _)| film.most_passes()).max().unwrap_or(0);
         let first = self.films.dealt.attended;
         self.films.dealt.attended += works.len() as u64;
-        if let Some(witness) = &mut self.witness {
-            // Films and rounds make passes of one number more than once; a witness looks elsewhere each time.
-            let numbered: Vec<(u64, u64)> = (first..).zip(works.into_iter().map(|(_, work)| work)).collect();
-            witness.attend(&numbered);
-            self.films.witness = Some(witness.record.clone());
-        }
+        // Films and rounds make passes of one number more than once; a witness looks elsewhere each time.
+        let numbered: Vec<(u64, u64)> = (first..).zip(works.into_iter().map(|(_, work)| work)).collect();
+        self.attend_beside(&numbered);
     }
     fn watch(&mut self, guide: Option<&ApertureGuide>) {
         let Some((_, film, _)) = self.films.films.first() else { return };
