@@ -105,6 +105,41 @@ fn a_first_pass_in_parts_is_the_first_pass() {
     assert_eq!(parts.films().relative_error(), even.films().relative_error());
 }
 
+/// Where rounds are cut into blocks is the clock's doing: a witness looks at the same places whatever they are, also where
+/// passes of few and of many pixels have a gap between them.
+#[test]
+fn a_witness_knows_nothing_of_blocks() {
+    let (world, plan, groups) = sample("hud-direct/hud.optics.toml");
+    let looks = |block: u64| {
+        let mut tracing = begin(&world, &plan, groups, SIZE, 0);
+        tracing.watch(None);
+        tracing.step(2);
+        let mut gaps = 0;
+        while tracing.films().relative_error().is_none_or(|error| error > 0.01) {
+            tracing.aim(Some(0.01));
+            let films = &tracing.films().films;
+            gaps += films.iter().filter(|(_, film, _)| has_gap(film)).count();
+            while tracing.missing().is_some() {
+                tracing.fill(block);
+            }
+        }
+        (gaps, format!("{:?}", tracing.films().judgement()))
+    };
+    let [one, five, all] = [1, 5, u64::MAX].map(looks);
+    assert!(one.0 > 0, "no round has a gap");
+    assert!(one == five && one == all, "{one:?}\n{five:?}\n{all:?}");
+}
+
+/// Whether a film is to get passes of no pixel between others.
+fn has_gap(film: &Film) -> bool {
+    let open = |pixel: &usize| film.passes_of(*pixel) < film.wanted_of(*pixel);
+    let gets = |pass: u64| {
+        let mut pixels = (0..SIZE[0] * SIZE[1]).filter(open);
+        pixels.any(|pixel| (film.passes_of(pixel)..film.wanted_of(pixel)).contains(&pass))
+    };
+    film.missing().is_some_and(|mut missing| missing.any(|pass| !gets(pass)))
+}
+
 /// Threads, and where a run was killed and taken up again, change no byte of the file; `--adaptive off` does, and so does an
 /// asked number of passes, which all pixels get. The layer `work` says where passes went.
 #[test]

@@ -315,6 +315,11 @@ impl Film {
         }
     }
 
+    /// The passes that a pixel is to have.
+    pub fn wanted_of(&self, pixel: usize) -> u64 {
+        self.map.as_ref().map_or(self.wanted.max(self.passes), |map| map.wanted(pixel))
+    }
+
     /// Has the first pass begin with some of the pixels, those for which `first` says so; asked again it goes on with others.
     /// Meanwhile a pixel without any shows its neighbour in the direction of the first ([`SampleMap::shown`]).
     pub fn want_first(&mut self, first: impl Fn([usize; 2]) -> bool) {

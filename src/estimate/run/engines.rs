@@ -118,7 +118,10 @@ impl<M: Mode> Tracing for Engines<'_, M> {
         let Some((engine, passes, (_, film, ledger))) = next else { return };
         ledger.merge(&engine.run(film, passes.start, count.min(passes.end - passes.start)));
         // The works of a first pass in parts are known when it is whole.
-        let works = if self.films.dealt.rounds > 0 { film.take_works() } else { Vec::new() };
+        let mut works = if self.films.dealt.rounds > 0 { film.take_works() } else { Vec::new() };
+        // Between what pixels of few and of many passes are to get there may be passes of none; which of them a block holds
+        // is the clock's doing, and a witness must not know.
+        works.retain(|(_, work)| *work > 0);
         self.films.passes = self.films.films.iter().map(|(_, film, _)| film.most_passes()).max().unwrap_or(0);
         let first = self.films.dealt.attended;
         self.films.dealt.attended += works.len() as u64;
