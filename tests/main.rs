@@ -61,4 +61,5 @@ mod sensor;
 mod sequence;
 mod shards;
 mod signals;
+mod slanted_edge;
 mod validate;

@@ -48,6 +48,8 @@ pub enum Stream {
     /// Of light that is traced from lamps to a sensor, and of paths from the sensor to the sky.
     Sensor,
     SensorSky,
+    /// Of the paths that look for edges of pictures in pixels.
+    PictureEdges,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

@@ -46,7 +46,7 @@ pub struct Backward<'w, M: Mode> {
     route: Ownership,
     reach: Reach,
     /// Sees what lamps show through specular faces alone; the paths here leave that out.
-    vision: Option<Vision<'w>>,
+    vision: Option<Vision<'w, M>>,
     skyward: SkySampling,
     /// Kinds of lamps that a scatterer asks for.
     asked: u64,
@@ -105,6 +105,14 @@ impl<'w, M: Mode> Backward<'w, M> {
         // Of the pixels that are looked at anyway.
         let share = (share / self.share).min(1.0);
         self.vision.iter_mut().for_each(|vision| vision.beside(connections.clone(), share));
+        self
+    }
+
+    /// Cuts the pictures of slides and displays by the footprints of the pixels that see their edges. Not for witnesses, who are to
+    /// know nothing.
+    #[must_use]
+    pub fn cutting_pictures(mut self) -> Self {
+        self.vision.iter_mut().for_each(|vision| vision.cut_pictures(&self.route));
         self
     }
 

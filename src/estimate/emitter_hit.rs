@@ -24,6 +24,18 @@ pub struct EmitterHit<'w> {
     place: DVec3,
 }
 
+impl EmitterHit<'_> {
+    /// Recentred world, m.
+    pub fn place(&self) -> DVec3 {
+        self.place
+    }
+
+    /// The picture that the lamp shows, if any, and where in it, in its mesh units, it was met.
+    pub fn shown(&self) -> Option<(usize, DVec3)> {
+        self.lamp.shown.map(|shown| (shown.slide, shown.local(self.place)))
+    }
+}
+
 impl<M: Mode> Throughput<M> {
     /// With the picture that a lamp shows at a place; none where the display is dark, around its picture.
     pub fn shown(mut self, (world, optics): (&World, &Optics<M>), lamp: &Lamp, place: DVec3) -> Option<Self> {

@@ -52,6 +52,43 @@ pub(super) mod shard {
     pub const MOST_PASSES: u64 = 1 << 53;
 }
 
+/// `vision/over_pixel.rs`
+pub(super) mod over_pixel {
+    /// Where in a pixel, from its middle, and in the pupil, in radii, the five paths start by which all of both is known: the
+    /// corners of a simplex,
+    pub const STARTS: [[f64; 4]; 5] = [
+        [0.4, 0.4, 0.55, -0.2],
+        [0.4, -0.4, -0.55, -0.2],
+        [-0.4, 0.4, -0.55, -0.2],
+        [-0.4, -0.4, 0.55, -0.2],
+        [0.0, 0.0, 0.0, 0.6],
+    ];
+    /// or so many pixels aside, where one of them sees less.
+    pub const ASIDE: [[f64; 2]; 5] = [[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+    /// Blocks of so many by so many pixels, and so much more, are looked at for edges of pictures.
+    pub const BLOCK: usize = 2;
+    pub const WIDER: f64 = 1.1;
+    /// Places of a pixel, from its middle, and of the pupil, in radii, where footprints are tried.
+    pub const TRIALS: [[f64; 4]; 8] = [
+        [-0.375, -0.125, 0.2, 0.8],
+        [-0.125, 0.375, -0.8, 0.2],
+        [0.125, -0.375, 0.4, -0.4],
+        [0.375, 0.125, -0.2, -0.8],
+        [-0.46, 0.47, 0.8, -0.2],
+        [0.47, 0.46, -0.4, 0.5],
+        [0.46, -0.47, 0.5, 0.4],
+        [-0.47, -0.46, -0.5, -0.5],
+    ];
+    /// They are used where they err by no more than this of the variance of paths alone,
+    pub const WORTH: f64 = 0.5;
+    /// or by this share of what is seen.
+    pub const RIGHT: f64 = 1e-2;
+    /// Places of the pupil by which a pass knows the mean over all of it: so many for each pixel by which a picture moves from one
+    /// radius to another, and at most.
+    pub const PER_PIXEL: f64 = 256.0;
+    pub const MOST_PLACES: u64 = 256;
+}
+
 /// `vision.rs`
 /// - `PATHS`, `SPLIT_FROM`: `2cd4f12` (Backward: what lamps show through specular faces gets its own evenly spread, split
 ///   paths)

@@ -4,16 +4,20 @@
 //! of one in a pinhole's picture, some of the points are chosen about it. Through a pupil that is no point, a lamp is seen
 //! in a small part of it: where the plan knows which, most of the rays go there. Where specular connection has what it can,
 //! some pixels of a pass look for what comes over trains of faces that it does not know, or has no start for there, and for
-//! what the solver leaves of trains that paths from the lamps were not seen to arrive by.
+//! what the solver leaves of trains that paths from the lamps were not seen to arrive by. Where a slide's picture has an edge
+//! in a pixel, the picture is cut by the pixel's footprint ([`over_pixel`]).
 
+mod over_pixel;
+
+use super::emitter_hit::EmitterHit;
 use super::ledger::Ledger;
 use super::ownership::Ownership;
 use super::pixel::Pixel;
 use super::tuning::vision::{LARGE, MOST_GLINTS, MOST_PIXELS, PATHS, PATHS_OF_A_GLINT, SPLIT_FROM};
-use super::walk::{Meeting, Met, Travel, Vertex, Walker};
+use super::walk::{Meeting, Met as Ahead, Travel, Vertex, Walker};
 use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
-use crate::base::rng::Stream;
+use crate::base::rng::{Rng, Stream};
 use crate::base::warp::disk;
 use crate::estimate::manifold::seeds::bands::Bands;
 use crate::estimate::manifold::solver::newton::Target;
@@ -26,9 +30,13 @@ use crate::world::eye::EyeLens;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::lamp::Lamp;
-use crate::world::mode::{Mode, plane_of};
+use crate::world::mode::{Mode, plane_of, wavelengths_change};
 use crate::world::optics::Optics;
-use glam::DVec2;
+use crate::world::slide::footprint::MOST as MOST_SLIDES;
+use crate::world::surface::Surface;
+use arrayvec::ArrayVec;
+use glam::{DVec2, DVec3};
+use over_pixel::PixelFootprints;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -61,7 +69,7 @@ impl<'p> Hints<'p> {
 }
 
 /// Follows paths from the eye to lamps, over specular events only.
-pub struct Vision<'w> {
+pub struct Vision<'w, M: Mode> {
     world: &'w World,
     /// Some group is ours whose lamps are not connected.
     whole: bool,
@@ -71,7 +79,20 @@ pub struct Vision<'w> {
     /// By pixel: the places in it or near it that show lamps.
     glints: HashMap<u64, Vec<Glint>>,
     pupil: Option<ApertureGuide>,
+    /// Footprints of the pixels that have edges of pictures in them, if these are cut.
+    footprints: Option<PixelFootprints<M>>,
     seed: u64,
+}
+
+/// What there is to know of a path that a pixel's footprint is made of.
+#[derive(Clone, Default)]
+struct Met {
+    /// Where it crossed slides, in their mesh units.
+    slides: ArrayVec<(usize, DVec3), MOST_SLIDES>,
+    /// It crossed more of them than can be cut.
+    many: bool,
+    /// Where it met the faces of its chain, (part, face), recentred world.
+    faces: Vec<((u32, u32), DVec3)>,
 }
 
 /// What specular connection leaves to rays from the eye.
@@ -118,7 +139,7 @@ fn by_pixel(eye: &EyeLens, glints: &[Glint]) -> HashMap<u64, Vec<Glint>> {
     all
 }
 
-impl<'w> Vision<'w> {
+impl<'w, M: Mode> Vision<'w, M> {
     /// None if the route leaves direct vision of all lamps to others.
     pub fn new(world: &'w World, route: &Ownership, hints: Hints<'_>, seed: u64) -> Option<Self> {
         let trails = [Trail::START, Trail::START.then(Event::Specular)];
@@ -132,8 +153,18 @@ impl<'w> Vision<'w> {
             unknown: None,
             glints: by_pixel(&world.eye, hints.glints),
             pupil: hints.pupil.cloned(),
+            footprints: None,
             seed,
         })
+    }
+
+    /// Cuts the slides' pictures by the footprints of pixels where they have edges, from now on: where all passes have the
+    /// same wavelengths.
+    pub fn cut_pictures(&mut self, route: &Ownership) {
+        if self.whole && !self.world.slides.is_empty() && !wavelengths_change::<M>() {
+            let optics = M::optics(self.world, self.seed, 0);
+            self.footprints = Some(PixelFootprints::find(self, route, &optics));
+        }
     }
 
     /// Looks for what these connections don't know, too, at this share of the pixels in a pass.
@@ -142,14 +173,7 @@ impl<'w> Vision<'w> {
     }
 
     /// Adds what one pass sees in a pixel to `out`, by plane.
-    pub fn look<M: Mode>(
-        &self,
-        route: &Ownership,
-        optics: &Optics<M>,
-        pixel: Pixel,
-        out: &mut [Light],
-        ledger: &mut Ledger,
-    ) {
+    pub fn look(&self, route: &Ownership, optics: &Optics<M>, pixel: Pixel, out: &mut [Light], ledger: &mut Ledger) {
         let share = match &self.unknown {
             _ if self.whole => self.share,
             Some(unknown) => unknown.share,
@@ -160,10 +184,11 @@ impl<'w> Vision<'w> {
             return;
         }
         let glints = self.glints.get(&pixel.index).map_or(&[][..], Vec::as_slice);
+        let footprints = self.footprints.as_ref().filter(|_| glints.is_empty());
+        let over = footprints.map_or(&[][..], |footprints| footprints.of(pixel.index));
+        self.add_mean((optics, over), (pixel, share), out, ledger);
         let eye = &self.world.eye;
         let cell = eye.pixel().iter().product::<f64>();
-        let [width, height] = eye.size();
-        let field = [(pixel.x as f64 + 0.5) / width as f64, (pixel.y as f64 + 0.5) / height as f64];
         let corner = eye.film_of(pixel.x, pixel.y, [0.0; 2]);
         // All points of the pixel count by the density of all ways to choose them (the balance heuristic of E. Veach, 1997).
         let density = |film: [f64; 2]| {
@@ -177,9 +202,9 @@ impl<'w> Vision<'w> {
             // to find. With one little else is left to find.
             let (jitter, lens, of_lens) = match (path.checked_sub(PATHS), &self.pupil) {
                 (None, None) => (pixel.start(self.seed, Stream::Vision, index(path, PATHS)), rng.pair(), 1.0),
-                (None, Some(guide)) => {
+                (None, Some(_)) => {
                     let [x, y, u, v] = pixel.start(self.seed, Stream::Vision, index(path, PATHS));
-                    let (lens, density) = guide.draw(field, [u, v]);
+                    let (lens, density) = self.lens(pixel, [u, v]);
                     ([x, y], lens, density)
                 }
                 (Some(path), _) => {
@@ -194,27 +219,64 @@ impl<'w> Vision<'w> {
             if !jitter.iter().all(|x| (0.0..1.0).contains(x)) {
                 continue;
             }
-            let film = eye.film_of(pixel.x, pixel.y, jitter);
-            let weight = 1.0 / (share * of_lens * density(film.to_array()));
-            let (origin, dir) = eye.ray(pixel.x, pixel.y, jitter, lens);
-            let ray = Ray { origin, dir, from: None };
-            let mut walker =
-                Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng.fork());
-            if self.unknown.is_some() {
-                walker = walker.recording();
-            }
-            let pupil = eye.pupil_radius_m() * disk(lens);
-            let balance = ledger.imbalance();
-            ledger.paths += 1;
-            ledger.emitted += weight;
-            self.follow(route, &mut walker, ((film, pupil), weight * SPLIT_FROM), out, ledger);
-            ledger.close_path(balance);
+            let weight = 1.0 / (share * of_lens * density(eye.film_of(pixel.x, pixel.y, jitter).to_array()));
+            let pupil = disk(lens);
+            self.look_along((route, optics), (pixel, jitter, pupil), (weight, rng.fork()), out, ledger);
+            self.take_off((optics, over), (jitter, pupil), weight, out);
         }
+    }
+
+    /// A place in the pupil for two numbers from 0 to 1, as [`EyeLens::ray`] takes it, and its density relative to chance.
+    fn lens(&self, pixel: Pixel, uv: [f64; 2]) -> ([f64; 2], f64) {
+        let Some(guide) = &self.pupil else { return (uv, 1.0) };
+        let [width, height] = self.world.eye.size();
+        guide.draw([(pixel.x as f64 + 0.5) / width as f64, (pixel.y as f64 + 0.5) / height as f64], uv)
+    }
+
+    /// Follows a path from a place of a pixel (right and down from its corner) and of the pupil (in radii).
+    fn look_along(
+        &self,
+        (route, optics): (&Ownership, &Optics<M>),
+        (pixel, jitter, pupil): (Pixel, [f64; 2], DVec2),
+        (weight, rng): (f64, Rng),
+        out: &mut [Light],
+        ledger: &mut Ledger,
+    ) {
+        let (mut walker, places) = self.walker(optics, (pixel, jitter, pupil), (weight, rng));
+        if self.unknown.is_some() {
+            walker = walker.recording();
+        }
+        let balance = ledger.imbalance();
+        ledger.paths += 1;
+        ledger.emitted += weight;
+        let mut each = |walker: &Walker<'_, M>, seen: &EmitterHit<'_>, plane: usize, _: Option<&Met>| {
+            walker.see(plane_of::<M>(out, plane), seen, 1.0);
+        };
+        self.follow(route, &mut walker, (places, weight * SPLIT_FROM, None), ledger, &mut each);
+        ledger.close_path(balance);
+    }
+
+    /// A path from there, and where in the picture and the pupil that is.
+    fn walker<'o>(
+        &self,
+        optics: &'o Optics<M>,
+        (pixel, jitter, pupil): (Pixel, [f64; 2], DVec2),
+        (weight, rng): (f64, Rng),
+    ) -> (Walker<'o, M>, (DVec2, DVec2))
+    where
+        'w: 'o,
+    {
+        let eye = &self.world.eye;
+        let (film, pupil) = (eye.film_of(pixel.x, pixel.y, jitter), eye.pupil_radius_m() * pupil);
+        let (origin, (_, dir), ..) = eye.ray_of(film, pupil);
+        let ray = Ray { origin, dir, from: None };
+        let walker = Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng);
+        (walker, (film, pupil))
     }
 
     /// Whether a path to a connected lamp is one that connection leaves to rays from the eye. `places`: in the picture and the
     /// pupil, where it started. Adds to the counted work.
-    fn is_left<M: Mode>(
+    fn is_left(
         &self,
         walker: &Walker<'_, M>,
         (lamp, vertex): (usize, &Vertex),
@@ -227,23 +289,24 @@ impl<'w> Vision<'w> {
         unknown.connections.of(walker.optics).leaves_to_eye(tracing, &chain.reversed(), (lamp, &target), places, work)
     }
 
-    /// `places`: where the path started in the picture and the pupil. `least`: below this chance decides between the ways on.
-    fn follow<M: Mode>(
+    /// Calls `each` with the lamps of ours that a path and its branches meet, their planes, and where it crossed slides. `places`:
+    /// where it started in the picture and the pupil. `least`: below this chance decides between the ways on.
+    fn follow(
         &self,
         route: &Ownership,
         walker: &mut Walker<'_, M>,
-        (places, least): ((DVec2, DVec2), f64),
-        out: &mut [Light],
+        (places, least, mut met): ((DVec2, DVec2), f64, Option<Met>),
         ledger: &mut Ledger,
+        each: &mut impl FnMut(&Walker<'_, M>, &EmitterHit<'_>, usize, Option<&Met>),
     ) {
         loop {
             let vertex = match walker.advance(ledger) {
-                Met::Sky => {
+                Ahead::Sky => {
                     walker.escape(ledger);
                     return;
                 }
-                Met::Pupil(_) | Met::Ended => return,
-                Met::Face(vertex) => vertex,
+                Ahead::Pupil(_) | Ahead::Ended => return,
+                Ahead::Face(vertex) => vertex,
             };
             if let Some(seen) = walker.lamp_at(&vertex)
                 && let Some(share) = route.from_eye(seen.lamp.group, walker.trail)
@@ -251,21 +314,31 @@ impl<'w> Vision<'w> {
                     || self.is_left(walker, (seen.index, &vertex), places, &mut ledger.work))
             {
                 let plane = route.plane_from_eye(share, walker.told, seen.lamp.group, Source::Face);
-                walker.see(plane_of::<M>(out, plane), &seen, 1.0);
+                each(walker, &seen, plane, met.as_ref());
             }
             // Without the slides' factors, so that pictures at two contrasts share every path.
             let share = walker.beam.weight();
             if share > least
                 && let Some(mut reflected) = walker.split(&vertex, least / share, u8::MAX, ledger)
             {
-                self.follow(route, &mut reflected, (places, least), out, ledger);
+                self.follow(route, &mut reflected, (places, least, met.clone()), ledger, each);
             }
+            walker.last = None;
             match walker.meet(&vertex, ledger) {
                 Meeting::Ended => return,
                 Meeting::Went => {}
                 Meeting::Scatter(..) => {
                     ledger.not_owned += walker.beam.carried();
                     return;
+                }
+            }
+            if let Some(met) = &mut met
+                && walker.last.is_some()
+            {
+                let site = vertex.hit.site;
+                met.faces.push(((site.part, site.face), vertex.hit.point));
+                if let Surface::Slide(slide) = walker.face(&vertex).surface {
+                    met.many |= met.slides.try_push((slide, vertex.hit.local)).is_err();
                 }
             }
         }

@@ -44,11 +44,13 @@ struct Lines {
     seams: Rim,
 }
 
-/// The rims and seams of all faces that scatter, and the outlines of those that reflect or refract.
+/// The rims and seams of all faces that scatter, and the outlines of those that reflect, refract, show slides or shine.
 #[derive(Debug, Default)]
 pub struct Rims {
     by_face: HashMap<(u32, u32), Lines>,
     outlines: HashMap<(u32, u32), Outline>,
+    /// Of faces that show slides or shine.
+    pictures: HashMap<(u32, u32), Outline>,
 }
 
 /// What of a kernel about a point counts.
@@ -86,7 +88,7 @@ impl Around {
 
 impl Rims {
     pub fn find(scene: &Scene, geometry: &Geometry, faces: &[Vec<FaceOptics>]) -> Rims {
-        let (mut by_face, mut outlines) = (HashMap::new(), HashMap::new());
+        let (mut by_face, mut outlines, mut pictures) = (HashMap::new(), HashMap::new(), HashMap::new());
         // Made where a face asks for them: a scene without one that scatters has no seams.
         let mut obstacles: Option<seam::Obstacles> = None;
         for (p, (part, optics)) in scene.parts.iter().zip(faces).enumerate() {
@@ -94,14 +96,17 @@ impl Rims {
             let to_world = geometry.part_to_world(number);
             let mirrored = to_world.matrix3.determinant() < 0.0;
             for (f, (range, optics)) in mesh.faces.iter().zip(optics).enumerate() {
-                match &optics.surface {
-                    Surface::Interface(_) | Surface::Mirror(_) | Surface::Splitter(_) | Surface::Grating(_) => {}
-                    Surface::Scatter(scatter) if !scatter.is_narrow() => {}
-                    Surface::Absent
-                    | Surface::Absorber
-                    | Surface::Slide(_)
-                    | Surface::Sheet(_)
-                    | Surface::Scatter(_) => continue,
+                let shines = part.faces.get(f).is_some_and(|face| face.emitter.is_some());
+                let (turns, scatters) = match &optics.surface {
+                    Surface::Interface(_) | Surface::Mirror(_) | Surface::Splitter(_) | Surface::Grating(_) => {
+                        (true, false)
+                    }
+                    Surface::Scatter(scatter) => (false, !scatter.is_narrow()),
+                    Surface::Absent | Surface::Absorber | Surface::Slide(_) | Surface::Sheet(_) => (false, false),
+                };
+                let shows = shines || matches!(optics.surface, Surface::Slide(_));
+                if !(turns || scatters || shows) {
+                    continue;
                 }
                 let world = |v: [f32; 3]| to_world.transform_point3(DVec3::from(v.map(f64::from)));
                 let edges = borders(mesh, *range).into_iter().map(|[a, b]| {
@@ -109,13 +114,11 @@ impl Rims {
                     Edge(if mirrored { [b, a] } else { [a, b] })
                 });
                 let edges: Vec<Edge> = edges.collect();
-                if matches!(
-                    optics.surface,
-                    Surface::Interface(_) | Surface::Mirror(_) | Surface::Splitter(_) | Surface::Grating(_)
-                ) {
-                    if let Some(outline) = Outline::new(&edges) {
-                        outlines.insert((number, f as u32), outline);
-                    }
+                if turns || shows {
+                    let known = if turns { &mut outlines } else { &mut pictures };
+                    known.extend(Outline::new(&edges).map(|outline| ((number, f as u32), outline)));
+                }
+                if !scatters {
                     continue;
                 }
                 let rim = Rim::new(edges);
@@ -124,12 +127,17 @@ impl Rims {
                 by_face.insert((number, f as u32), Lines { rim, seams });
             }
         }
-        Rims { by_face, outlines }
+        Rims { by_face, outlines, pictures }
     }
 
     /// The outline of a face that reflects or refracts; none of one without a rim.
     pub fn outline(&self, part: u32, face: u32) -> Option<&Outline> {
         self.outlines.get(&(part, face))
+    }
+
+    /// The same of any face that a path to a picture meets: of those that show slides or shine, too.
+    pub fn outline_to_picture(&self, part: u32, face: u32) -> Option<&Outline> {
+        self.outline(part, face).or_else(|| self.pictures.get(&(part, face)))
     }
 
     /// What counts of Epanechnikov's kernel about a point of a face, taken as flat there: what lies on the face, so all of it

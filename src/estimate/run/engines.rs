@@ -273,7 +273,10 @@ fn begin_with<'w, M: Mode + 'w>(
                 let paths = if plan.owns(estimator) { plan.backward_paths } else { 0 };
                 let backward = Backward::new(world, route, (paths, plan.backward_share), Hints::of(plan), seed);
                 Engine::Backward(
-                    backward.beside(connections.clone(), plan.unknown_share).branching(plan.faintest_branch),
+                    backward
+                        .beside(connections.clone(), plan.unknown_share)
+                        .branching(plan.faintest_branch)
+                        .cutting_pictures(),
                 )
             }
             Estimator::Forward => Engine::Forward(Forward::new(

@@ -72,6 +72,26 @@ pub fn mean<M: Mode>(
     finite.then_some((sum.light, sum.pieces))
 }
 
+/// What comes past all edges and through all slides to one of the square's points; none beside a picture or beyond an edge.
+pub fn at<M: Mode>(
+    (world, optics): (&World, &Optics<M>),
+    brightness: &Brightness<M>,
+    (edges, footprints): (&[Edge], &[Footprint]),
+    point: DVec2,
+) -> Option<M::Lanes<Light>> {
+    if edges.iter().any(|edge| edge.at(point) < 0.0) {
+        return None;
+    }
+    let strength = brightness.at(point);
+    let mut light = lanes::<M, _>(|lane| Light::ONE.scaled(strength[lane]));
+    for footprint in footprints {
+        let map = &world.slides[footprint.slide];
+        let s = optics.slide(map, footprint.place(point))?;
+        optics.cross_slide(&mut light, map, &s);
+    }
+    Some(light)
+}
+
 struct Sum<'s, M: Mode> {
     tracing: (&'s World, &'s Optics<M>),
     brightness: &'s Brightness<M>,

@@ -9,7 +9,7 @@ use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
-use crate::world::slide::footprint::{Brightness, Edge, Footprint};
+use crate::world::slide::footprint::{self, Brightness, Edge, Footprint};
 use arrayvec::ArrayVec;
 use glam::{DMat2, DVec2, DVec3};
 
@@ -114,17 +114,7 @@ impl<M: Mode> OverPixel<M> {
         (world, optics): (&World, &Optics<M>),
         within: DVec2,
     ) -> Option<M::Lanes<Light>> {
-        if self.edges.iter().any(|edge| edge.at(within) < 0.0) {
-            return None;
-        }
-        let strength = self.brightness.at(within);
-        let mut light = lanes::<M, _>(|lane| Light::ONE.scaled(strength[lane]));
-        for footprint in &self.footprints {
-            let map = &world.slides[footprint.slide];
-            let s = optics.slide(map, footprint.place(within))?;
-            optics.cross_slide(&mut light, map, &s);
-        }
-        Some(light)
+        footprint::at((world, optics), &self.brightness, (&self.edges, &self.footprints), within)
     }
 }
 

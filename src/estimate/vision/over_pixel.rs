@@ -1,0 +1,152 @@
+//! Where a slide's picture, or a display's, has an edge in a pixel: the way from the pixel and the pupil to the picture is smooth,
+//! so five paths tell where all of both lands on it, and how bright that is. For a place of the pupil the picture's pixels are cut
+//! by this footprint, exactly, and so are the outlines of the faces on the way. Paths at places of the pixel and the pupil by
+//! chance differ from it by next to nothing, and the difference is added: the mean is that of paths whatever the five have
+//! missed (a control variate, e.g. A. Owen, "Monte Carlo theory, methods and examples", 2013, chapter 8.9).
+
+mod finder;
+mod sight;
+
+use super::{Met, Vision};
+use crate::base::rng::Stream;
+use crate::base::warp::disk;
+use crate::estimate::ledger::{Ledger, cost};
+use crate::estimate::pixel::Pixel;
+use crate::estimate::tuning::over_pixel::{MOST_PLACES, PER_PIXEL, WIDER};
+use crate::film::accumulate::Light;
+use crate::world::World;
+use crate::world::mode::{Mode, lanes, plane_of};
+use crate::world::optics::Optics;
+use crate::world::slide::footprint::{self, Brightness, Edge, Footprint, MOST};
+use arrayvec::ArrayVec;
+pub(super) use finder::PixelFootprints;
+use glam::{DVec2, DVec3};
+
+/// What is linear in the place in a pixel, from its middle to the right and down, and in the pupil, in radii.
+#[derive(Debug, Clone, Copy)]
+struct Linear<T> {
+    middle: T,
+    by_pixel: [T; 2],
+    by_pupil: [T; 2],
+}
+
+/// A lamp seen over all of a pixel and the pupil.
+#[derive(Debug)]
+pub(super) struct OverPixel<M: Mode> {
+    plane: usize,
+    alone: bool,
+    /// Luminance per lane, cd/m², with the slides open.
+    brightness: Linear<M::Lanes<f64>>,
+    /// Where each slide is crossed, mesh units.
+    slides: ArrayVec<(usize, Linear<DVec3>), MOST>,
+    /// How far inside of where the chain's faces, and the lamp, end.
+    edges: ArrayVec<Linear<f64>, MOST>,
+}
+
+/// The same for one place of the pupil.
+struct AtPupil<M: Mode> {
+    brightness: Brightness<M>,
+    footprints: ArrayVec<Footprint, MOST>,
+    edges: ArrayVec<Edge, MOST>,
+}
+
+impl<M: Mode> AtPupil<M> {
+    fn mean(&self, tracing: (&World, &Optics<M>)) -> Option<(M::Lanes<Light>, u64)> {
+        footprint::mean(tracing, &self.brightness, (&self.edges, &self.footprints))
+    }
+}
+
+impl<M: Mode> OverPixel<M> {
+    /// `pupil`: in radii.
+    fn at_pupil(&self, pupil: DVec2) -> AtPupil<M> {
+        let Linear { middle, by_pixel, by_pupil } = &self.brightness;
+        let along = |lane: usize| middle[lane] + by_pupil[0][lane] * pupil.x + by_pupil[1][lane] * pupil.y;
+        let footprint = |(slide, place): &(usize, Linear<DVec3>)| {
+            let at = place.middle + place.by_pupil[0] * pupil.x + place.by_pupil[1] * pupil.y;
+            Footprint { slide: *slide, at, by: place.by_pixel }
+        };
+        let edge = |inside: &Linear<f64>| Edge {
+            first: inside.middle + DVec2::from_array(inside.by_pupil).dot(pupil),
+            by: DVec2::from_array(inside.by_pixel),
+        };
+        AtPupil {
+            brightness: Brightness { middle: lanes::<M, _>(along), by: *by_pixel },
+            footprints: self.slides.iter().map(footprint).collect(),
+            edges: self.edges.iter().map(edge).collect(),
+        }
+    }
+
+    /// How many places of the pupil tell what is seen through all of it: more the farther the picture moves from one to another.
+    fn places(&self) -> u64 {
+        let of = |by: &[DVec3; 2]| by[0].length() + by[1].length();
+        let of_slides = self.slides.iter().map(|(_, place)| of(&place.by_pupil) / of(&place.by_pixel));
+        let of_edge = |by: &[f64; 2]| by[0].abs() + by[1].abs();
+        let of_edges = self.edges.iter().map(|inside| of_edge(&inside.by_pupil) / of_edge(&inside.by_pixel));
+        let pixels = of_slides.chain(of_edges).filter(|moves| moves.is_finite()).fold(0.0, f64::max);
+        ((PER_PIXEL * pixels) as u64).clamp(2, MOST_PLACES).next_power_of_two()
+    }
+
+    /// What is seen at a place of the pixel, from its middle, and of the pupil; none where that is beside a picture or an edge.
+    fn at(&self, tracing: (&World, &Optics<M>), (within, pupil): (DVec2, DVec2)) -> Option<M::Lanes<Light>> {
+        let AtPupil { brightness, footprints, edges } = self.at_pupil(pupil);
+        footprint::at(tracing, &brightness, (&edges, &footprints), within)
+    }
+
+    /// Whether a picture, or what it is seen by, has an edge about here, for any place of the pupil.
+    fn has_edge(&self, tracing: (&World, &Optics<M>)) -> bool {
+        let mut wide = self.at_pupil(DVec2::ZERO);
+        wide.edges.clear();
+        for (footprint, (_, place)) in wide.footprints.iter_mut().zip(&self.slides) {
+            let of = |by: &[DVec3; 2]| by[0].length() + by[1].length();
+            let wider = WIDER + 2.0 * of(&place.by_pupil) / of(&place.by_pixel);
+            footprint.by = footprint.by.map(|by| wider * by);
+        }
+        let at_rim = |footprint: &Footprint| footprint.to_rim(&tracing.0.slides[footprint.slide]) <= 0.0;
+        !self.edges.is_empty()
+            || wide.footprints.iter().any(at_rim)
+            || wide.mean(tracing).is_none_or(|(_, pieces)| pieces != 1)
+    }
+}
+
+impl<M: Mode> Vision<'_, M> {
+    /// Adds what footprints say of all of a pixel that is looked at with this share.
+    pub(super) fn add_mean(
+        &self,
+        (optics, over): (&Optics<M>, &[OverPixel<M>]),
+        (pixel, share): (Pixel, f64),
+        out: &mut [Light],
+        ledger: &mut Ledger,
+    ) {
+        for over in over {
+            let places = over.places();
+            let weight = 1.0 / (share * places as f64);
+            for k in 0..places {
+                // Each with the one across from it: what is linear over the pupil, most of it, is exact.
+                let index = pixel.pass.wrapping_mul(places / 2).wrapping_add(k / 2);
+                let place = disk(pixel.start(self.seed, Stream::PictureEdges, index));
+                let pupil = if k % 2 == 0 { place } else { -place };
+                let Some((mean, pieces)) = over.at_pupil(pupil).mean((self.world, optics)) else { continue };
+                ledger.work += pieces * cost::CUT;
+                let light = lanes::<M, _>(|lane| mean[lane].scaled(weight));
+                M::deposit(optics, plane_of::<M>(out, over.plane), light, over.alone);
+            }
+        }
+    }
+
+    /// Takes off what they say of a place of the pixel (right and down from its corner) and the pupil (in radii).
+    pub(super) fn take_off(
+        &self,
+        (optics, over): (&Optics<M>, &[OverPixel<M>]),
+        (jitter, pupil): ([f64; 2], DVec2),
+        weight: f64,
+        out: &mut [Light],
+    ) {
+        for over in over {
+            let within = DVec2::from_array(jitter) - 0.5;
+            if let Some(light) = over.at((self.world, optics), (within, pupil)) {
+                let light = lanes::<M, _>(|lane| light[lane].scaled(-weight));
+                M::deposit(optics, plane_of::<M>(out, over.plane), light, over.alone);
+            }
+        }
+    }
+}

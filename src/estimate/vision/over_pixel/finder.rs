@@ -1,0 +1,159 @@
+//! Which pixels have footprints: those with edges of pictures in them, where trials say that the footprints are right.
+
+use super::sight::Square;
+use super::{OverPixel, Vision};
+use crate::base::rng::{Rng, Stream};
+use crate::estimate::ledger::Ledger;
+use crate::estimate::ownership::Ownership;
+use crate::estimate::pixel::Pixel;
+use crate::estimate::tuning::over_pixel::{ASIDE, BLOCK, RIGHT, TRIALS, WORTH};
+use crate::film::accumulate::Light;
+use crate::world::mode::{Mode, components, plane_of};
+use crate::world::optics::Optics;
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// The footprints of those pixels.
+pub(in crate::estimate::vision) struct PixelFootprints<M: Mode> {
+    /// Per pixel the end of its own, in pixel order.
+    ends: Vec<u32>,
+    all: Vec<OverPixel<M>>,
+}
+
+/// What a block by itself knows of pictures.
+#[derive(Debug, Clone, Copy)]
+enum Known {
+    Even,
+    Edge,
+    /// Nothing in all of it.
+    Dark,
+}
+
+impl<M: Mode> PixelFootprints<M> {
+    pub(in crate::estimate::vision) fn find(
+        vision: &Vision<'_, M>,
+        route: &Ownership,
+        optics: &Optics<M>,
+    ) -> PixelFootprints<M> {
+        let [width, height] = vision.world.eye.size();
+        let finder = Finder { vision, route, optics, width };
+        let [across, down] = [width, height].map(|side| side.div_ceil(BLOCK));
+        let block = |k: usize| finder.block([k % across * BLOCK, k / across * BLOCK]);
+        let blocks: Vec<Known> = (0..across * down).into_par_iter().map(block).collect();
+        let is_near = |[x, y]: [usize; 2]| {
+            let [x, y] = [x / BLOCK, y / BLOCK];
+            let near = (y.saturating_sub(1)..(y + 2).min(down))
+                .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(across)).map(move |x| y * across + x));
+            match blocks[y * across + x] {
+                Known::Even => false,
+                Known::Edge => true,
+                Known::Dark => near.into_iter().any(|block| !matches!(blocks[block], Known::Dark)),
+            }
+        };
+        let of_pixel = |index: usize| {
+            let at = [index % width, index / width];
+            let wanted = vision.world.eye.wants(at) && is_near(at);
+            if wanted { finder.best(Pixel::new((at[0], at[1]), width, 0)) } else { Vec::new() }
+        };
+        let found: Vec<Vec<OverPixel<M>>> = (0..width * height).into_par_iter().map(of_pixel).collect();
+        let mut end = 0u32;
+        let counted = |own: &Vec<OverPixel<M>>| {
+            end = end.saturating_add(u32::try_from(own.len()).unwrap_or(u32::MAX));
+            end
+        };
+        PixelFootprints { ends: found.iter().map(counted).collect(), all: found.into_iter().flatten().collect() }
+    }
+
+    /// Those of a pixel; nothing where it has none.
+    pub(in crate::estimate::vision) fn of(&self, pixel: u64) -> &[OverPixel<M>] {
+        let pixel = pixel as usize;
+        let first = pixel.checked_sub(1).and_then(|before| self.ends.get(before)).map_or(0, |end| *end as usize);
+        let end = self.ends.get(pixel).map_or(first, |end| *end as usize);
+        self.all.get(first..end).unwrap_or(&[])
+    }
+}
+
+struct Finder<'f, M: Mode> {
+    vision: &'f Vision<'f, M>,
+    route: &'f Ownership,
+    optics: &'f Optics<M>,
+    width: usize,
+}
+
+impl<M: Mode> Finder<'_, M> {
+    fn seen(&self, pixel: Pixel, square: Square) -> Vec<OverPixel<M>> {
+        let choices = Rng::new(self.vision.seed, Stream::PictureEdges, 0, pixel.index);
+        self.vision.over_square((self.route, self.optics), (pixel, square), &choices)
+    }
+
+    fn block(&self, [x, y]: [usize; 2]) -> Known {
+        let wants = |k: usize| self.vision.world.eye.wants([x + k % BLOCK, y + k / BLOCK]);
+        if !(0..BLOCK * BLOCK).any(wants) {
+            return Known::Dark;
+        }
+        let square = Square { middle: 0.5 * (BLOCK - 1) as f64, side: BLOCK as f64, aside: [0.0; 2] };
+        let all = self.seen(Pixel::new((x, y), self.width, 0), square);
+        let tracing = (self.vision.world, self.optics);
+        if all.is_empty() {
+            Known::Dark
+        } else if all.iter().any(|over| over.has_edge(tracing)) {
+            Known::Edge
+        } else {
+            Known::Even
+        }
+    }
+
+    /// The footprints that are right, from the pixel itself or from the one beside it by which they are best.
+    fn best(&self, pixel: Pixel) -> Vec<OverPixel<M>> {
+        let tracing = (self.vision.world, self.optics);
+        let mut best: Option<(f64, Vec<OverPixel<M>>)> = None;
+        for aside in ASIDE {
+            let all = self.seen(pixel, Square { middle: 0.0, side: 1.0, aside });
+            if aside == [0.0; 2] && !all.is_empty() && !all.iter().any(|over| over.has_edge(tracing)) {
+                return Vec::new();
+            }
+            if let Some(off) = self.off(pixel, &all)
+                && best.as_ref().is_none_or(|(known, _)| off < *known)
+            {
+                best = Some((off, all));
+            }
+            if best.as_ref().is_some_and(|(off, _)| *off <= RIGHT * RIGHT) {
+                break;
+            }
+        }
+        best.map_or_else(Vec::new, |(_, all)| all)
+    }
+
+    /// By how much paths differ from what footprints say: squared, as a share of what is seen. None where that is not much less
+    /// than they differ from each other.
+    fn off(&self, pixel: Pixel, all: &[OverPixel<M>]) -> Option<f64> {
+        if all.is_empty() {
+            return None;
+        }
+        let (vision, optics) = (self.vision, self.optics);
+        let luminance = |light: &[Light]| {
+            light.chunks(M::COMPONENTS).map(|own| components::<M>().luminance(own).value).sum::<f64>()
+        };
+        let mut ledger = Ledger::new(vision.world.solids.len());
+        let mut pairs = [[0.0; 2]; TRIALS.len()];
+        for (k, (pair, [x, y, u, v])) in pairs.iter_mut().zip(TRIALS).enumerate() {
+            let mut seen = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
+            let mut more = seen.clone();
+            let (jitter, pupil) = ([x + 0.5, y + 0.5], DVec2::new(u, v));
+            let rng = Rng::new(vision.seed, Stream::PictureEdges, 1 + k as u64, pixel.index);
+            vision.look_along((self.route, optics), (pixel, jitter, pupil), (1.0, rng), &mut seen, &mut ledger);
+            for over in all {
+                if let Some(light) = over.at((vision.world, optics), (DVec2::new(x, y), pupil)) {
+                    M::deposit(optics, plane_of::<M>(&mut more, over.plane), light, over.alone);
+                }
+            }
+            *pair = [luminance(&seen), luminance(&more)];
+        }
+        let mean = |of: &dyn Fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>() / TRIALS.len() as f64;
+        let variance = (mean(&|pair| pair[0] * pair[0]) - mean(&|pair| pair[0]).powi(2)).max(0.0);
+        let off = mean(&|[seen, foretold]| (seen - foretold).powi(2));
+        let brightest = pairs.iter().flatten().fold(0.0, |most: f64, light| most.max(*light));
+        let share = if brightest > 0.0 { off / (brightest * brightest) } else { 0.0 };
+        (off <= WORTH * variance || share <= RIGHT * RIGHT).then_some(share)
+    }
+}

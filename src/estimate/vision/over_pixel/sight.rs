@@ -1,0 +1,189 @@
+//! The paths by which a pixel's footprint is known.
+
+use super::{Linear, Met, OverPixel, Vision};
+use crate::base::chain::Chain;
+use crate::base::rng::Rng;
+use crate::estimate::emitter_hit::EmitterHit;
+use crate::estimate::ledger::Ledger;
+use crate::estimate::ownership::Ownership;
+use crate::estimate::pixel::Pixel;
+use crate::estimate::tuning::over_pixel::{STARTS, WIDER};
+use crate::estimate::tuning::vision::SPLIT_FROM;
+use crate::estimate::walk::Walker;
+use crate::world::World;
+use crate::world::mode::{LaneArray, Mode, lanes};
+use crate::world::optics::Optics;
+use crate::world::slide::footprint::MOST;
+use arrayvec::ArrayVec;
+use glam::{DMat4, DVec2, DVec3, DVec4};
+use std::ops::{Add, Mul, Sub};
+
+/// Paths from the corners of a simplex.
+const CORNERS: usize = STARTS.len();
+
+/// A lamp seen along one path.
+struct Sight<M: Mode> {
+    chain: Chain,
+    lamp: usize,
+    plane: usize,
+    /// Luminance per lane, cd/m², with the slides open.
+    strength: M::Lanes<f64>,
+    alone: bool,
+    slides: ArrayVec<(usize, DVec3), MOST>,
+    /// Where the faces of the chain, and the lamp's, were met: (part, face), recentred world.
+    faces: Vec<((u32, u32), DVec3)>,
+}
+
+impl<M: Mode> Sight<M> {
+    fn is_like(&self, other: &Sight<M>) -> bool {
+        let slides = |sight: &Sight<M>| sight.slides.iter().map(|(slide, _)| *slide).collect::<ArrayVec<usize, MOST>>();
+        let faces = self.faces.iter().map(|(face, _)| face).eq(other.faces.iter().map(|(face, _)| face));
+        (self.lamp, self.plane, self.alone) == (other.lamp, other.plane, other.alone)
+            && self.chain == other.chain
+            && slides(self) == slides(other)
+            && faces
+    }
+}
+
+/// From values at the corners to what is linear between them.
+struct Simplex {
+    first: DVec4,
+    inverse: DMat4,
+}
+
+impl Simplex {
+    /// `aside`: of the square that is to be known, in its sides.
+    fn new(aside: [f64; 2]) -> Simplex {
+        let corners = STARTS.map(|start| DVec4::from_array(start) + DVec4::new(aside[0], aside[1], 0.0, 0.0));
+        let [first, a, b, c, d] = corners;
+        Simplex { first, inverse: DMat4::from_cols(a - first, b - first, c - first, d - first).inverse() }
+    }
+
+    fn of<T>(&self, values: [T; CORNERS]) -> Linear<T>
+    where
+        T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
+    {
+        let [first, a, b, c, d] = values;
+        let by = [0, 1, 2, 3].map(|k| {
+            let weights = self.inverse.col(k);
+            (a - first) * weights.x + (b - first) * weights.y + (c - first) * weights.z + (d - first) * weights.w
+        });
+        let [x, y, u, v] = by;
+        let middle = first - x * self.first.x - y * self.first.y - u * self.first.z - v * self.first.w;
+        Linear { middle, by_pixel: [x, y], by_pupil: [u, v] }
+    }
+}
+
+impl<M: Mode> OverPixel<M> {
+    /// By what paths from the corners of a simplex see. None where nothing of it is seen past the edges of faces, or more of them
+    /// are near than can be cut.
+    fn new(world: &World, at: [&Sight<M>; CORNERS], simplex: &Simplex) -> Option<OverPixel<M>> {
+        let [first, ..] = at;
+        let strength = lanes::<M, _>(|lane| simplex.of(at.map(|sight| sight.strength[lane])));
+        let lanes_of = |of: &dyn Fn(&Linear<f64>) -> f64| lanes::<M, _>(|lane| of(&strength[lane]));
+        let brightness = Linear {
+            middle: lanes_of(&|own| own.middle),
+            by_pixel: [lanes_of(&|own| own.by_pixel[0]), lanes_of(&|own| own.by_pixel[1])],
+            by_pupil: [lanes_of(&|own| own.by_pupil[0]), lanes_of(&|own| own.by_pupil[1])],
+        };
+        let crossed = |k: usize| (first.slides[k].0, simplex.of(at.map(|sight| sight.slides[k].1)));
+        let slides: ArrayVec<_, MOST> = (0..first.slides.len()).map(crossed).collect();
+        let mut edges = ArrayVec::new();
+        for (k, ((part, face), _)) in first.faces.iter().enumerate() {
+            let Some(outline) = world.rims.outline_to_picture(*part, *face) else { continue };
+            let flat = simplex.of(at.map(|sight| outline.flat(sight.faces[k].1)));
+            let lengths = |by: [DVec2; 2]| by[0].length() + by[1].length();
+            let extent = 0.5 * WIDER * lengths(flat.by_pixel) + lengths(flat.by_pupil);
+            let Some((on, inwards)) = outline.nearest(flat.middle, 2.0 * extent) else { continue };
+            let edge = Linear {
+                middle: (flat.middle - on).dot(inwards),
+                by_pixel: flat.by_pixel.map(|by| by.dot(inwards)),
+                by_pupil: flat.by_pupil.map(|by| by.dot(inwards)),
+            };
+            if edge.middle < -extent {
+                return None;
+            }
+            if edge.middle <= extent {
+                edges.try_push(edge).ok()?;
+            }
+        }
+        // What does not fit or is not finite could not be cut.
+        let finite = |place: &Linear<DVec3>| {
+            let [right, down] = place.by_pixel;
+            let [u, v] = place.by_pupil;
+            [place.middle, right, down, u, v].iter().all(|own| own.is_finite())
+        };
+        let fits = edges.len() + slides.len() <= MOST && slides.iter().all(|(_, place)| finite(place));
+        fits.then_some(OverPixel { plane: first.plane, alone: first.alone, brightness, slides, edges })
+    }
+}
+
+/// A square about a pixel, or beside one, where paths start.
+#[derive(Clone, Copy)]
+pub(super) struct Square {
+    /// Its middle from the pixel's, to the right and down, and its side, in pixels.
+    pub(super) middle: f64,
+    pub(super) side: f64,
+    /// How far beside it the paths start, in sides.
+    pub(super) aside: [f64; 2],
+}
+
+impl<M: Mode> Vision<'_, M> {
+    /// The lamps that all of a square about a pixel sees through all of the pupil.
+    pub(super) fn over_square(
+        &self,
+        tracing: (&Ownership, &Optics<M>),
+        (pixel, square): (Pixel, Square),
+        choices: &Rng,
+    ) -> Vec<OverPixel<M>> {
+        let simplex = Simplex::new(square.aside);
+        let at = |[x, y, u, v]: [f64; 4]| {
+            let place = (DVec2::new(x, y) + DVec2::from_array(square.aside)) * square.side + square.middle;
+            self.sights(tracing, (pixel, place, DVec2::new(u, v)), choices.clone())
+        };
+        let [start, others @ ..] = STARTS;
+        let first = at(start);
+        if first.is_empty() {
+            return Vec::new();
+        }
+        let others = others.map(at);
+        let all = |sight: &Sight<M>| {
+            let like = |sights: &[Sight<M>]| sights.iter().position(|other| other.is_like(sight));
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k: usize| like(&others[k]).map(|at| &others[k][at]));
+            OverPixel::new(self.world, [sight, a?, b?, c?, d?], &simplex)
+        };
+        first.iter().filter_map(all).collect()
+    }
+
+    /// The lamps, with pictures or behind slides or neither, that a path from a place of a pixel (from its middle) meets.
+    fn sights(
+        &self,
+        (route, optics): (&Ownership, &Optics<M>),
+        (pixel, place, pupil): (Pixel, DVec2, DVec2),
+        rng: Rng,
+    ) -> Vec<Sight<M>> {
+        let (walker, places) = self.walker(optics, (pixel, (place + 0.5).to_array(), pupil), (1.0, rng));
+        let mut walker = walker.recording();
+        let mut ledger = Ledger::new(self.world.solids.len());
+        let mut sights = Vec::new();
+        let mut each = |walker: &Walker<'_, M>, seen: &EmitterHit<'_>, plane: usize, met: Option<&Met>| {
+            let (Some(chain), Some(met)) = (walker.chain(), met) else { return };
+            let mut slides = met.slides.clone();
+            // What is left to rays from the eye beside connections is not smooth.
+            let many = met.many || seen.shown().is_some_and(|shown| slides.try_push(shown).is_err());
+            if many || route.is_connected(seen.lamp.group) {
+                return;
+            }
+            let (light, alone) = walker.seen(seen);
+            let open: f64 = slides.iter().map(|(slide, _)| self.world.slides[*slide].t_white()).product();
+            let strength = lanes::<M, _>(|lane| light[lane].open() / open);
+            if strength.as_slice().iter().all(|strength| strength.is_finite()) {
+                let mut faces = met.faces.clone();
+                faces.push(((seen.lamp.part as u32, seen.lamp.face as u32), seen.place()));
+                sights.push(Sight { chain: chain.clone(), lamp: seen.index, plane, strength, alone, slides, faces });
+            }
+        };
+        self.follow(route, &mut walker, (places, SPLIT_FROM, Some(Met::default())), &mut ledger, &mut each);
+        sights
+    }
+}
