@@ -294,3 +294,65 @@ fn paths_that_lead_nowhere_are_faults() {
     let found = fault(&file.to_string_lossy()).replace(&*folder.path().to_string_lossy(), "");
     assert_eq!(found, "/a.toml: `asset` is missing; expected asset = \"FILE.glb\"");
 }
+
+/// In colour the displays are those of the sidecars at 550 nm: the same faces, exact surfaces, coatings and glasses.
+#[test]
+fn the_samples_in_colour_are_the_same_displays() {
+    for (name, lamps) in [("hud-direct", 9), ("hud-diffuse", 9)] {
+        let plain = sample(&format!("{name}/hud_usd.optics.toml"), &[]).scene;
+        let colour = sample(&format!("{name}/colour.optics.toml"), &[]).scene;
+        assert_eq!(colour.wavelengths, crate::scene::Wavelengths::Visible, "{name}");
+        assert_eq!(plain.parts.len(), colour.parts.len(), "{name}");
+        let mut shining = 0;
+        for (a, b) in plain.parts.iter().zip(&colour.parts) {
+            assert_eq!((&a.name, a.faces.len()), (&b.name, b.faces.len()), "{name}");
+            for (p, q) in a.faces.iter().zip(&b.faces) {
+                assert_eq!(
+                    (&p.shape, &p.finish, p.coating.is_some()),
+                    (&q.shape, &q.finish, q.coating.is_some()),
+                    "{}",
+                    a.name
+                );
+                assert_eq!(
+                    (p.emitter.is_some(), p.slide.is_some()),
+                    (q.emitter.is_some(), q.slide.is_some()),
+                    "{}",
+                    a.name
+                );
+                shining += usize::from(q.emitter.is_some());
+            }
+            // One acrylic is known at 550 nm, another over all of the visible range.
+            let index =
+                |scene: &Scene, part: &Part| part.medium.map(|medium| scene.medium(medium).index.index(550.0).re);
+            match (index(&plain, a), index(&colour, b)) {
+                (Some(n), Some(of_colour)) => assert!((n - of_colour).abs() < 5e-3, "{}: {n} {of_colour}", a.name),
+                (n, of_colour) => assert_eq!(n, of_colour, "{}", a.name),
+            }
+        }
+        assert_eq!(shining, lamps, "{name}");
+        assert!(colour.sky.is_some_and(|sky| sky.rgb.is_some()), "{name}");
+    }
+}
+
+/// The town's sky by day, which a script of its own has computed, is the one that `sun_sky` makes.
+#[test]
+fn the_panorama_by_day_has_the_sky_of_sun_sky() {
+    let town = sample("hud-direct/colour.optics.toml", &["sky.rotation_deg=0"]).scene.sky.expect("a sky");
+    let day = crate::import::daylight::clear(3.0, 38f64.to_radians(), 0.2).picture;
+    let [of_town, of_day] = [town.rgb.expect("colours"), std::sync::Arc::new(day.rgb.expect("colours"))];
+    // Above all houses; the script's sun is 140° left of the middle, where ours has it.
+    for elevation in [50.0, 65.0, 80.0, 88.0] {
+        for longitude in (0..360).step_by(30).map(f64::from) {
+            let pixel = |rgb: &[[f32; 3]], width: usize, longitude: f64| {
+                let height = width / 2;
+                let x = ((180.0 - longitude) / 360.0).rem_euclid(1.0) * width as f64;
+                rgb[((90.0 - elevation) / 180.0 * height as f64) as usize * width + x as usize]
+            };
+            let found = pixel(&of_town, town.width, longitude);
+            let want = pixel(&of_day, day.width, longitude - 140.0);
+            for (c, (found, want)) in found.iter().zip(want).enumerate() {
+                assert!((found / want - 1.0).abs() < 0.02, "{elevation}°, {longitude}°, {c}: {found} not {want}");
+            }
+        }
+    }
+}
