@@ -1,6 +1,7 @@
 //! What a USD asset looks like: traced pictures against closed forms. Under an even sky of L, a matt square that scatters ρ
 //! shows ρ L.
 
+use crate::common::{image, mean, render};
 use eyebox::check::check;
 use eyebox::estimate::run::{Limits, run};
 use eyebox::film::plan::Estimator;
@@ -221,3 +222,89 @@ def Material "M" {
     }
 }
 "#;
+
+/// A corner of two matt walls that glow by a picture, in an even sky.
+const CORNER: &str = r#"#usda 1.0
+(
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+def DomeLight "sky" {
+    float inputs:intensity = SKY
+}
+def Camera "eye" {
+    float horizontalAperture = 20
+    float verticalAperture = 20
+    float focalLength = 40
+    double3 xformOp:translate = (0, 0.4, 4)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Mesh "walls" (prepend apiSchemas = ["MaterialBindingAPI"]) {
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [4, 4]
+    int[] faceVertexIndices = [0, 1, 2, 3, 3, 2, 4, 5]
+    point3f[] points = [(-1, 0, 1), (1, 0, 1), (1, 0, 0), (-1, 0, 0), (1, 1, 0), (-1, 1, 0)]
+    texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "faceVarying")
+    rel material:binding = </M>
+}
+def Material "M" {
+    token outputs:surface.connect = </M/S.outputs:surface>
+    def Shader "S" {
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor = (0.6, 0.6, 0.6)
+        float inputs:roughness = 1
+        color3f inputs:emissiveColor.connect = </M/T.outputs:rgb>
+        token outputs:surface
+    }
+    def Shader "T" {
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @halves.png@
+        float4 inputs:scale = (400, 400, 400, 1)
+        float2 inputs:st.connect = </M/R.outputs:result>
+        float3 outputs:rgb
+    }
+    def Shader "R" {
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "st"
+        float2 outputs:result
+    }
+}
+"#;
+
+/// Light of a large lamp with a picture goes from wall to wall: whoever has it, nobody else would have done it for much less
+/// variance × counted work, and both find the same light.
+#[test]
+fn light_of_large_pictured_lamps_goes_to_who_has_it_for_less() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let halves = image::RgbImage::from_fn(4, 2, |x, y| image::Rgb(if (x + y) % 4 == 0 { [255; 3] } else { [20; 3] }));
+    halves.save(folder.path().join("halves.png")).expect("a picture");
+    let asset = folder.path().join("corner.usda");
+    for sky in ["1", "1000"] {
+        std::fs::write(&asset, CORNER.replace("SKY", sky)).expect("a file");
+        let mut scene = import(&asset, &ImportOptions::default()).unwrap_or_else(|fault| panic!("{fault}")).scene;
+        scene.eye.resolution = [20, 20];
+        let of = |choice: Choice| {
+            let (films, _) = render(&scene, choice, 16, 5);
+            let found = image(&films);
+            let floor = 0.01 * mean(&found).0;
+            let variance: f64 = found.iter().map(|(l, v)| v / (l * l + floor * floor)).sum();
+            let work: u64 = films.films.iter().map(|(_, _, ledger)| ledger.work).sum();
+            (variance * work as f64, mean(&found))
+        };
+        let [auto, rays, photons] =
+            [Choice::Auto, Choice::Only(Estimator::Backward), Choice::Only(Estimator::Photon)].map(of);
+        // A pilot is not exact.
+        assert!(
+            auto.0 < 2.0 * rays.0.min(photons.0),
+            "sky {sky}: {:.3e} of {:.3e} and {:.3e}",
+            auto.0,
+            rays.0,
+            photons.0
+        );
+        for (one, other) in [(auto.1, rays.1), (photons.1, rays.1)] {
+            let sigma = one.1.hypot(other.1);
+            // What photons gather is blurred by their kernel: 1 %.
+            assert!((one.0 - other.0).abs() < 4.0 * sigma + 0.01 * other.0, "sky {sky}: {one:?} {other:?}");
+        }
+    }
+}

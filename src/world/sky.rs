@@ -79,13 +79,13 @@ impl SkyLight {
 
     fn pixel(&self, dir: DVec3) -> Option<usize> {
         let local = self.to_world.transpose() * dir;
-        let polar = local.x.hypot(local.z).atan2(local.y);
-        let longitude = local.x.atan2(local.z);
-        if !(polar.is_finite() && longitude.is_finite()) {
+        if local.is_nan() {
             return None;
         }
-        let y = ((polar / PI * self.height as f64) as usize).min(self.height - 1);
-        let x = (((0.5 - longitude / TAU) * self.width as f64) as usize).min(self.width - 1);
+        // A sky that is alike all round, or everywhere, asks for no angles that tell nothing.
+        let part = |share: f64, count: usize| ((share * count as f64) as usize).min(count - 1);
+        let y = if self.height == 1 { 0 } else { part(local.x.hypot(local.z).atan2(local.y) / PI, self.height) };
+        let x = if self.width == 1 { 0 } else { part(0.5 - local.x.atan2(local.z) / TAU, self.width) };
         Some(y * self.width + x)
     }
 
@@ -185,6 +185,26 @@ mod tests {
             file: "sky.exr".into(),
         })
         .unwrap()
+    }
+
+    /// One pixel, or one per row or column, is met from wherever it reaches.
+    #[test]
+    fn skies_that_are_alike_all_round() {
+        let turned = DMat3::from_quat(DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.0));
+        let [one, rows, columns] =
+            [(1, 1), (1, 8), (8, 1)].map(|(w, h)| sky(w, h, turned, |x, y| (1 + x + 10 * y) as f32));
+        for i in 0..200 {
+            let local = warp::sphere([(f64::from(i) + 0.5) / 200.0, (f64::from(i) * 0.618_034).fract()]);
+            let dir = turned * local;
+            assert_eq!(one.luminance(dir), 1.0);
+            let row = (local.y.acos() / PI * 8.0).floor();
+            assert_eq!(rows.luminance(dir), 1.0 + 10.0 * row, "{local}");
+            let column = ((0.5 - local.x.atan2(local.z) / TAU) * 8.0).floor();
+            assert_eq!(columns.luminance(dir), 1.0 + column, "{local}");
+        }
+        for none in [&one, &rows, &columns] {
+            assert_eq!(none.luminance(DVec3::NAN), 0.0);
+        }
     }
 
     #[test]

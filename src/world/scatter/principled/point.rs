@@ -42,7 +42,7 @@ impl Principled {
                 let colour = if coloured { of_vertices(&self.mesh, corners, weights) } else { [1.0; 4] };
                 let mut point = Point::new(&self.surface, &uv, colour);
                 if let Some(anisotropy) = &self.surface.anisotropy {
-                    point.along = self.along(anisotropy, hit, to_world, &uv);
+                    point.along = self.along(anisotropy, (hit, corners), to_world, &uv);
                 }
                 point
             }
@@ -65,9 +65,15 @@ impl Principled {
     }
 
     /// What facets are longer along, world.
-    fn along(&self, anisotropy: &Anisotropy, hit: &Hit, to_world: &DAffine3, uv: &Coordinates) -> Option<DVec3> {
+    fn along(
+        &self,
+        anisotropy: &Anisotropy,
+        (hit, corners): (&Hit, [usize; 3]),
+        to_world: &DAffine3,
+        uv: &Coordinates,
+    ) -> Option<DVec3> {
         let set = anisotropy.direction.as_ref().map_or(0, |input| input.set);
-        let [tangent, upright] = self.tangents(set, None, hit, to_world)?;
+        let [tangent, upright] = self.tangents(set, None, corners, hit, to_world)?;
         let [x, y] = match &anisotropy.direction {
             None => [1.0, 0.0],
             Some(input) => {
@@ -111,7 +117,7 @@ impl Principled {
         let (corners, weights) = corners(&self.mesh, hit)?;
         let uv = of_set(input, &coordinates(&self.mesh, corners, weights));
         let [x, y, z, _] = read(input, uv);
-        let [tangent, upright] = self.tangents(input.set, Some(&input.to_picture), hit, to_world)?;
+        let [tangent, upright] = self.tangents(input.set, Some(&input.to_picture), corners, hit, to_world)?;
         (tangent * (x * strength) + upright * (y * strength) + hit.shading * z).try_normalize()
     }
 
@@ -121,10 +127,10 @@ impl Principled {
         &self,
         set: u32,
         to_picture: Option<&[[f64; 3]; 2]>,
+        corners: [usize; 3],
         hit: &Hit,
         to_world: &DAffine3,
     ) -> Option<[DVec3; 2]> {
-        let (corners, _) = corners(&self.mesh, hit)?;
         let set = if set > 0 { &self.mesh.second_uvs } else { &self.mesh.uvs };
         let uvs = corners.map(|corner| set.get(corner).map(|uv| uv.map(f64::from)));
         let [Some(a), Some(b), Some(c)] = uvs else { return None };
