@@ -5,8 +5,15 @@ use eyebox::prelude::*;
 
 /// One over the distance of the virtual image at the middle of the eyebox, 1/m, for each glass of the lens.
 pub fn dioptres(asset: &str, part: &str, glasses: &[&str]) -> Result<Vec<f64>> {
-    let asked =
-        ScanAsked { positions: [1, 1], size_m: [None; 2], ipd_m: 0.064, points: [5, 3], target: None, light: None };
+    let asked = ScanAsked {
+        positions: [1, 1],
+        size_m: [None; 2],
+        ipd_m: 0.064,
+        points: [5, 3],
+        target: None,
+        light: None,
+        edges: false,
+    };
     let one = |glass: &&str| {
         let scene = open(asset, &[&format!("{part}.glass={glass}")])?;
         let scan = scan(&scene, &asked, &|| false, |_| {})?.expect("nobody stops it");

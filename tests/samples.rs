@@ -31,7 +31,15 @@ const PLANNED: Asked = Asked { choice: Choice::Auto, polarisation: Polarisation:
 /// The virtual image from a grid of positions, with luminances of the open display of so many passes.
 fn scanned(scene: &Scene, positions: [usize; 2], size_m: [f64; 2], passes: Option<u64>) -> Scan {
     let light = passes.map(|passes| LightAsked { resolution: [48, 48], passes, seed: 3, asked: PLANNED });
-    let asked = ScanAsked { positions, size_m: size_m.map(Some), ipd_m: 0.063, points: [3, 3], target: None, light };
+    let asked = ScanAsked {
+        positions,
+        size_m: size_m.map(Some),
+        ipd_m: 0.063,
+        points: [3, 3],
+        target: None,
+        light,
+        edges: false,
+    };
     scan(scene, &asked, &|| false, |_| {}).expect("the sample can be scanned").expect("nobody stopped it")
 }
 

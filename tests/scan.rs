@@ -2,13 +2,15 @@
 
 use crate::common::{add_group, add_part, cuboid, face, lamp, mesh, quad, scene};
 use eyebox::base::ids::{GratingId, MediumId};
+use eyebox::bench::kit;
 use eyebox::estimate::virtual_image::image::distortion;
 use eyebox::import::{ImportOptions, Set, import};
+use eyebox::plan::scan::edges::Figure;
 use eyebox::plan::scan::light::LightAsked;
-use eyebox::plan::scan::table::{csv, ghosts_csv, lines};
-use eyebox::plan::scan::{Scan, ScanAsked, scan};
+use eyebox::plan::scan::table::{csv, edges_csv, ghosts_csv, lines};
+use eyebox::plan::scan::{Line, Scan, ScanAsked, scan};
 use eyebox::plan::{Asked, Choice, Guides, Polarisation};
-use eyebox::scene::{Absorption, Dispersion, Finish, Grating, Medium, Order, Scene};
+use eyebox::scene::{Absorption, Angular, Dispersion, Emitter, Finish, Grating, Medium, Order, Scene, Shape};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use std::path::Path;
 
@@ -17,7 +19,15 @@ const LAMP_CD_M2: f64 = 1000.0;
 const MIRROR: f64 = 0.8;
 
 fn asked(positions: [usize; 2], size_m: [f64; 2]) -> ScanAsked {
-    ScanAsked { positions, size_m: size_m.map(Some), ipd_m: IPD_M, points: [3, 3], target: None, light: None }
+    ScanAsked {
+        positions,
+        size_m: size_m.map(Some),
+        ipd_m: IPD_M,
+        points: [3, 3],
+        target: None,
+        light: None,
+        edges: false,
+    }
 }
 
 fn run(scene: &Scene, asked: &ScanAsked) -> Scan {
@@ -329,4 +339,131 @@ fn a_lamp_behind_a_grating() {
             }
         }
     }
+}
+
+/// Edges of the middle of a lamp's picture in a plane mirror at 45°: by similar triangles. The lamp's image is 0.8 m away; the mirror's
+/// points are (x, t, −0.3 − t) with |x| and √2 |t| up to its half side.
+#[test]
+fn edges_behind_a_small_mirror() {
+    let side = 0.02;
+    let found = run(&mirrored(side), &ScanAsked { edges: true, ..asked([1, 1], [0.01, 0.01]) });
+    let edges = found.edges.as_ref().expect("they were asked for");
+    let height = side / 2f64.sqrt();
+    // Left, right, down, up: how far the eye can go until the mirror no longer shows it this point.
+    let of_point = |line: &Line| {
+        let [x, y] = line.direction_deg.expect("it is seen").map(|angle| 0.8 * angle.to_radians().tan());
+        let share = 0.3 / (0.8 - y);
+        let across = |x: f64| (side - x * share) / (1.0 - share);
+        let along = |y: f64, way: f64| (height * (0.8 - y) - way * 0.3 * y) / (0.5 - way * height);
+        [across(-x), across(x), along(y, -1.0), along(y, 1.0)]
+    };
+    let all: Vec<[f64; 4]> = found.positions[0].points.iter().map(of_point).collect();
+    assert_eq!(edges.figures.iter().map(|e| e.figure).collect::<Vec<_>>(), [Figure::Seen, Figure::MiddleSeen]);
+    for extent in &edges.figures {
+        let got = [extent.left, extent.right, extent.down, extent.up].map(|edge| edge.expect("an edge").distance_m);
+        for (way, got) in got.into_iter().enumerate() {
+            let mut each: Vec<f64> = all.iter().map(|point| point[way]).collect();
+            each.sort_by(f64::total_cmp);
+            // Less than a half of nine are left when the fifth is gone.
+            let want = if extent.figure == Figure::Seen { each[4] } else { all[4][way] };
+            assert!((got / want - 1.0).abs() < 1e-6, "{:?} {way}: {got} {want}", extent.figure);
+        }
+        assert!((extent.width_m().unwrap() - got[0] - got[1]).abs() < 1e-15);
+    }
+    let said = lines(&found);
+    assert!(said.iter().any(|line| line.contains("picture's middle seen") && !line.contains("beyond")), "{said:?}");
+    let rows = edges_csv(edges);
+    assert!(rows.lines().count() == 3 && rows.lines().all(|line| line.split(',').count() == 11), "{rows}");
+    // Behind a mirror that ends farther out than was looked.
+    let wide = run(&mirrored(20.0), &ScanAsked { edges: true, ..asked([1, 1], [0.01, 0.01]) });
+    assert!(wide.edges.unwrap().figures[0].left.is_none());
+}
+
+/// A magnifier with a round rim, the lamp's middle on its axis: the eyebox ends with the ray that the rim of one of its faces
+/// lets by, traced by Snell's law through a sphere and a plane.
+#[test]
+fn edges_behind_a_round_magnifier() {
+    // mm: the convex face towards the lamp, the plane one towards the eye.
+    let (radius, convex, plane, rim, n) = (50.0_f64, -105.0, -100.0, 12.5, 1.5_f64);
+    for object in [-185.0, -205.0, -240.0] {
+        let mut scene = scene();
+        let low = kit::cap(convex, |r| kit::sag_of_sphere(radius, r), rim, false, [24, 48]);
+        let high = kit::cap(plane, |_| 0.0, rim, true, [24, 48]);
+        let wall = kit::wall(&low.0, &high.0, 48);
+        let shapes = [
+            Shape::Sphere { vertex: DVec3::Z * convex, axis: DVec3::Z, radius },
+            Shape::Plane { vertex: DVec3::Z * plane, axis: DVec3::Z },
+        ];
+        let faces = shapes.map(kit::polished).into_iter().chain([kit::face(Finish::Absorber)]).collect();
+        let millimetres = DAffine3::from_scale(DVec3::splat(1e-3));
+        kit::add(&mut scene, kit::mesh_of([low, high, wall]), millimetres, Some(n), faces);
+        let group = add_group(&mut scene, "led");
+        let mut shining = face(Finish::Absorber);
+        shining.emitter = lamp(group, LAMP_CD_M2);
+        let panel = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.002, DVec3::Y * 0.002)]);
+        add_part(&mut scene, "lamp", panel, DVec3::new(0.0, 0.0, 1e-3 * object), None, vec![shining]);
+        let found = run(&scene, &ScanAsked { target: Some("lamp".into()), edges: true, ..asked([1, 1], [0.01; 2]) });
+        // Heights at both faces and at the eye of a ray with this slope from the lamp's middle.
+        let heights = |slope: f64| {
+            let (sin, cos) = slope.atan().sin_cos();
+            // From the sphere's centre, radius behind its vertex.
+            let from = object - convex - radius;
+            let t = -from * cos - (radius * radius - (from * sin).powi(2)).sqrt();
+            let (z, y) = (from + t * cos, t * sin);
+            let normal = (y / radius).asin();
+            // Outward normals of the near side lean back from the axis.
+            let inside = ((slope.atan() + normal).sin() / n).asin() - normal;
+            let second = y + inside.tan() * (plane - convex - radius - z);
+            let outside = (n * inside.sin()).asin();
+            (y, second, second - outside.tan() * plane)
+        };
+        let (mut low, mut high) = (0.0, 0.3);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            let (first, second, _) = heights(middle);
+            if first.max(second) < rim { low = middle } else { high = middle }
+        }
+        let want = 1e-3 * heights(low).2;
+        let extent = found.edges.unwrap().figures[1];
+        assert_eq!(extent.figure, Figure::MiddleSeen);
+        for edge in [extent.left, extent.right, extent.down, extent.up] {
+            let got = edge.expect("an edge").distance_m;
+            println!("lamp at {object} mm: {got} m, want {want} m");
+            assert!((got / want - 1.0).abs() < 1e-5, "{object}: {got} {want}");
+        }
+    }
+}
+
+/// A lamp whose luminance goes with a power of the cosine, seen directly: it has fallen to a half where cosᵐ θ = ½.
+#[test]
+fn edges_of_a_narrow_lamp() {
+    let (power, away) = (20.0, 0.5);
+    let mut scene = scene();
+    let group = add_group(&mut scene, "led");
+    let mut shining = face(Finish::Absorber);
+    let angular = Angular::CosN { n: power + 1.0 };
+    shining.emitter = lamp(group, LAMP_CD_M2).map(|emitter| Emitter { angular, ..emitter });
+    let panel = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.02, DVec3::Y * 0.02)]);
+    add_part(&mut scene, "lamp", panel, DVec3::new(0.0, 0.0, -away), None, vec![shining]);
+    let light = LightAsked {
+        resolution: [128, 128],
+        passes: 2,
+        seed: 1,
+        asked: Asked { choice: Choice::Auto, polarisation: Polarisation::Off, guides: Guides::On },
+    };
+    let wanted = ScanAsked { light: Some(light), edges: true, ..asked([1, 1], [0.1, 0.1]) };
+    let found = run(&scene, &wanted);
+    let edges = found.edges.clone().unwrap();
+    assert_eq!(edges.figures.len(), 4);
+    let want = away * 0.5f64.powf(1.0 / power).acos().tan();
+    for extent in &edges.figures[2..] {
+        for edge in [extent.left, extent.right, extent.down, extent.up] {
+            let got = edge.expect("an edge").distance_m;
+            println!("{:?}: {got} m, want {want} m", extent.figure);
+            // Half a pixel of ±17°, over which the place that is read is rounded.
+            assert!((got / want - 1.0).abs() < 0.01, "{:?}: {got} {want}", extent.figure);
+        }
+    }
+    // The same again: no chance.
+    assert_eq!(run(&scene, &wanted).edges, Some(edges));
 }

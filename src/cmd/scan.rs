@@ -10,7 +10,7 @@ use crate::base::Result;
 use crate::base::atomic::{check_writable, write_atomic};
 use crate::plan::Asked;
 use crate::plan::scan::light::LightAsked;
-use crate::plan::scan::table::{csv, ghosts_csv, lines};
+use crate::plan::scan::table::{csv, edges_csv, ghosts_csv, lines};
 use crate::plan::scan::{ScanAsked, scan};
 use crate::scene::{Note, Severity};
 use clap::Args;
@@ -31,7 +31,8 @@ Examples:
   eyebox scan hud.optics.toml --eyebox 5x3
   eyebox scan hud.optics.toml --eyebox 9x5 --width 130 --height 50 -o eyebox.csv
   eyebox scan hud.optics.toml --eyebox 3x3 --no-luminance --format json --threads 4
-  eyebox scan windshield.optics.toml --eyebox 3x3 --no-luminance --ghosts ghosts.csv")]
+  eyebox scan windshield.optics.toml --eyebox 3x3 --no-luminance --ghosts ghosts.csv
+  eyebox scan windshield.optics.toml --eyebox 3x3 --width 130 --height 50 --no-luminance --edges=edges.csv")]
 pub struct ScanArgs {
     /// Columns and rows of eye positions.
     #[arg(long, value_name = "NxM", value_parser = parse_grid)]
@@ -77,6 +78,10 @@ pub struct ScanArgs {
     /// Write the ghosts to this file: a line per position, ghost and point of the picture.
     #[arg(long, value_name = "OUT.csv")]
     ghosts: Option<PathBuf>,
+    /// Look for the eyebox's edges: how far the eye can go from its middle until less than half of the picture is seen, or half
+    /// of the luminance left; with a name, write them to that file, too. Luminances take some forty renderings more.
+    #[arg(long, value_name = "OUT.csv", num_args = 0..=1, require_equals = true)]
+    edges: Option<Option<PathBuf>>,
     /// No progress.
     #[arg(short, long)]
     quiet: bool,
@@ -96,7 +101,8 @@ pub fn run(args: &ScanArgs) -> Result<ExitCode> {
 
 fn traced(args: &ScanArgs) -> Result<ExitCode> {
     let written = args.output.as_deref().map(TableFile::of).transpose()?;
-    if let Some(path) = &args.ghosts {
+    let edges = args.edges.as_ref().and_then(Option::as_ref);
+    for path in args.ghosts.iter().chain(edges) {
         check_writable(path)?;
     }
     let signals = Signals::install();
@@ -116,6 +122,7 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
         points: args.points,
         target: args.target.clone(),
         light: (!args.no_luminance).then_some(light),
+        edges: args.edges.is_some(),
     };
     let all = args.eyebox[0].saturating_mul(args.eyebox[1]);
     let shows = !args.quiet && !args.no_luminance;
@@ -136,6 +143,9 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
     }
     if let Some(path) = &args.ghosts {
         write_atomic(path, ghosts_csv(&found).as_bytes())?;
+    }
+    if let Some((path, edges)) = edges.zip(found.edges.as_ref()) {
+        write_atomic(path, edges_csv(edges).as_bytes())?;
     }
     let text = || told(&scene).into_iter().chain(lines(&found)).collect::<Vec<_>>().join("\n");
     print(args.format, text, json)?;

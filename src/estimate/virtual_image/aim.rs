@@ -3,7 +3,7 @@
 
 use super::sent;
 use super::subject::{Point, Subject};
-use super::tuning::aim::{FINE, MOST_STEPS, NEAR};
+use super::tuning::aim::{FINE, FINEST, NEAR};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::manifold::solver::newton::{Family, Target, newton};
 use crate::estimate::walk::{Meeting, Met};
@@ -51,39 +51,42 @@ pub fn aim(
     known: (DVec3, DVec3),
     eye: DVec3,
 ) -> Sight {
-    let mut steps = 1;
-    while steps <= MOST_STEPS {
-        if let Some(dir) = transported(tracing, subject, point, known, eye, steps) {
-            return if carried_along(tracing, subject, point, eye, dir).is_some() {
-                Sight::Seen(dir)
-            } else {
-                Sight::Hidden(dir)
-            };
-        }
-        steps *= 2;
-    }
-    Sight::Nowhere
+    let Some(dir) = transported(tracing, subject, point, known, eye) else { return Sight::Nowhere };
+    if carried_along(tracing, subject, point, eye, dir).is_some() { Sight::Seen(dir) } else { Sight::Hidden(dir) }
 }
 
-/// Carries a direction from one eye to another.
+/// Carries a direction from one eye to another: at once, else in steps that shrink where one leads beside a face and grow where
+/// none does. Near a rim they would lead beside it if they were all alike, however many.
 fn transported(
     (world, optics): (&World, &Optics<Mono>),
     subject: &Subject,
     point: &Point,
-    (from, mut dir): (DVec3, DVec3),
+    (from, near): (DVec3, DVec3),
     eye: DVec3,
-    steps: u32,
 ) -> Option<DVec3> {
     let origin = world.geometry.origin();
     let index = |part: Option<u32>| optics.index_in(part)[0];
     let size = FINE * subject.size[0].max(subject.size[1]);
     let target = Target::new(point.place - origin, subject.normal);
-    // From the known direction's own eye first, which sees perhaps another point.
-    for step in u32::from(steps == 1)..=steps {
-        let here = from.lerp(eye, f64::from(step) / f64::from(steps)) - origin;
+    let solved = |share: f64, dir: DVec3| {
+        let here = from.lerp(eye, share) - origin;
         let (family, [a, b]) = Family::about(here, None, dir);
         let root = newton(world, &index, &family, DVec2::ZERO, &subject.train, &target, size)?;
-        dir = (dir + root.u.x * a + root.u.y * b).try_normalize()?;
+        (dir + root.u.x * a + root.u.y * b).try_normalize()
+    };
+    if let Some(dir) = solved(1.0, near) {
+        return Some(dir);
+    }
+    // From the known direction's own eye first, which sees perhaps another point.
+    let mut dir = solved(0.0, near)?;
+    let (mut done, mut step) = (0.0, 0.5);
+    while done < 1.0 {
+        let next = f64::min(done + step, 1.0);
+        match solved(next, dir) {
+            Some(there) => (done, dir, step) = (next, there, 2.0 * step),
+            None if step > FINEST => step *= 0.5,
+            None => return None,
+        }
     }
     Some(dir)
 }

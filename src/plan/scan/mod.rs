@@ -1,6 +1,7 @@
 //! The virtual image over an eyebox: from every position of a grid its luminance, distortion, distance, and what two eyes
 //! see of it. Definitions are in `docs/scan.md`.
 
+pub mod edges;
 pub mod ghosts;
 pub mod light;
 pub mod lines;
@@ -18,6 +19,7 @@ use crate::scene::{Eye, Scene};
 use crate::world::World;
 use crate::world::mode::{Mode, Mono};
 use crate::world::optics::Optics;
+use edges::{Edges, edges};
 use ghosts::Ghost;
 use glam::DVec3;
 use light::{LightAsked, White, white};
@@ -40,6 +42,8 @@ pub struct ScanAsked {
     pub target: Option<String>,
     /// None: geometry alone.
     pub light: Option<LightAsked>,
+    /// Whether the eyebox's edges are looked for.
+    pub edges: bool,
 }
 
 /// What was found. Lengths in m.
@@ -56,6 +60,8 @@ pub struct Scan {
     pub ipd_m: f64,
     /// Row by row from the upper left as the eye looks.
     pub positions: Vec<Position>,
+    /// If they were asked for.
+    pub edges: Option<Edges>,
 }
 
 /// What is seen from one position.
@@ -171,9 +177,17 @@ pub fn scan(
         positions.push(position);
         each(positions.len());
     }
+    scene.eye.position = middle;
+    let mut ends = None;
+    if asked.edges {
+        let light = asked.light.as_ref();
+        let found = edges(&mut scene, (&world, &optics), &subject, (eyebox_m, asked.points), light, stop)?;
+        let Some(found) = found else { return Ok(None) };
+        ends = Some(found);
+    }
     let part = scene.parts.get(subject.part as usize).map_or_else(String::new, |part| part.path.clone());
     let (face, kind, picture_m) = (subject.face, subject.kind, subject.size);
-    Ok(Some(Scan { part, face, kind, by, picture_m, eyebox_m, ipd_m: asked.ipd_m, positions }))
+    Ok(Some(Scan { part, face, kind, by, picture_m, eyebox_m, ipd_m: asked.ipd_m, positions, edges: ends }))
 }
 
 impl Position {

@@ -1,5 +1,6 @@
 //! A scan as text and as CSV.
 
+use super::edges::{Edge, Edges, Extent};
 use super::ghosts::Ghost;
 use super::light::Level;
 use super::{Position, Scan};
@@ -65,6 +66,54 @@ pub fn ghosts_csv(scan: &Scan) -> String {
             }
         }
     }
+    out
+}
+
+/// One line per figure and way out, after a line of names; lengths in mm.
+pub fn edges_csv(edges: &Edges) -> String {
+    let mut out =
+        "figure,left_mm,right_mm,down_mm,up_mm,width_mm,height_mm,left_sigma_mm,right_sigma_mm,down_sigma_mm,\
+                   up_sigma_mm\n"
+            .to_owned();
+    let cell = |m: Option<f64>| m.map_or(String::new(), |m| format!("{:.9}", 1e3 * m));
+    for extent in &edges.figures {
+        let ways = ways(extent);
+        let distances = ways.map(|edge| cell(edge.map(|edge| edge.distance_m)));
+        let sigmas = ways.map(|edge| cell(edge.and_then(|edge| edge.sigma_m)));
+        let sides = [extent.width_m(), extent.height_m()].map(cell);
+        let name = extent.figure.name();
+        out.push_str(&format!("\"{name}\",{},{},{}\n", distances.join(","), sides.join(","), sigmas.join(",")));
+    }
+    out
+}
+
+fn ways(extent: &Extent) -> [Option<Edge>; 4] {
+    [extent.left, extent.right, extent.down, extent.up]
+}
+
+/// Where the eyebox ends.
+fn edges(edges: &Edges) -> Vec<String> {
+    let [across, upwards] = edges.reach_m.map(|m| 1e3 * m);
+    if edges.figures.is_empty() {
+        return vec!["eyebox edges: none: nothing of the picture is seen from its middle".to_owned()];
+    }
+    let mut out = vec![format!(
+        "eyebox edges, where less than half of what its middle has is left, mm from there (looked as far as {across:.0} and \
+         {upwards:.0} mm):"
+    )];
+    let head = ["left", "right", "down", "up", "width", "height"].map(|name| format!("{name:>18}"));
+    out.push(format!("  {:<24}{}", "", head.concat()));
+    let length = |m: Option<f64>, sigma: Option<f64>| {
+        let text = m.map_or("beyond".to_owned(), |m| format!("{:.3}", 1e3 * m));
+        let text = sigma.map_or(text.clone(), |sigma| format!("{text} ± {:.3}", 1e3 * sigma));
+        format!("{text:>18}")
+    };
+    out.extend(edges.figures.iter().map(|extent| {
+        let ways =
+            ways(extent).map(|edge| length(edge.map(|edge| edge.distance_m), edge.and_then(|edge| edge.sigma_m)));
+        let sides = [extent.width_m(), extent.height_m()].map(|side| length(side, None));
+        format!("  {:<24}{}{}", extent.figure.name(), ways.concat(), sides.concat())
+    }));
     out
 }
 
@@ -144,6 +193,7 @@ pub fn lines(scan: &Scan) -> Vec<String> {
         out.push(over("convergence, mean of the picture", "arcmin", &|p| Some(p.disparity?.mean_convergence_arcmin)));
         out.push(over("dipvergence, largest", "arcmin", &|p| Some(p.disparity?.dipvergence_arcmin)));
     }
+    out.extend(scan.edges.iter().flat_map(edges));
     out.extend(ghosts(scan));
     out.extend(scan.positions.iter().filter_map(|p| Some(format!("warning: {}", p.warning.as_ref()?))));
     out

@@ -19,3 +19,23 @@ pub(super) mod ghosts {
     /// Second images that are looked at, those with most light.
     pub const MOST: usize = 24;
 }
+
+/// `edges.rs`
+/// - chosen with `scan --edges`, whose commit says what they cost
+pub(super) mod edges {
+    /// How far out is looked, in halves of the eyebox that was asked for.
+    pub const REACH: f64 = 64.0;
+    /// First step out in the same halves, and how many times as far out the next place lies: a gap in what is seen that is
+    /// narrower than a fifth of its distance from the middle may be stepped over.
+    pub const FIRST: f64 = 1.0 / 16.0;
+    pub const GROWTH: f64 = 1.2;
+    /// Halvings of the stretch that holds the edge: to rounding.
+    pub const HALVINGS: u32 = 52;
+    /// The same for luminances, each of which is a rendering.
+    pub const FIRST_LIT: f64 = 0.25;
+    pub const GROWTH_LIT: f64 = 1.5;
+    pub const HALVINGS_LIT: u32 = 10;
+    /// Two luminances that differ by less than so many standard errors of their difference are not parted further: a line between
+    /// them is known better than the next one would be.
+    pub const SIGMAS: f64 = 16.0;
+}
