@@ -23,6 +23,7 @@ mod doublet;
 mod generated;
 mod gratings;
 mod hud;
+mod klems;
 mod lights;
 mod looks;
 mod manifold;

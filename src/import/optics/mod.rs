@@ -7,6 +7,7 @@ mod eye;
 mod fields;
 mod finish;
 mod grating;
+mod klems_bsdf;
 mod medium;
 mod scatter_table;
 mod sensor;

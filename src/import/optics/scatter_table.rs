@@ -2,6 +2,7 @@
 //! (1/sr), separated by commas; the lines of a side make a whole grid, in any order. `#` starts a comment, a first line of
 //! names is allowed.
 
+use super::klems_bsdf::{self, KlemsBsdf};
 use super::zemax_bsdf::{self, ZemaxBsdf};
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
@@ -29,7 +30,7 @@ pub fn name_of_table(files: &[impl AsRef<Path>]) -> String {
     files.iter().map(|file| file.as_ref().display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// The table that the files give together: ours, or those of `zemax_bsdf`.
+/// The table that the files give together: ours, or those of `zemax_bsdf` and `klems_bsdf`.
 ///
 /// # Errors
 /// By its line: what is no number or out of range, a point twice. A grid with holes, a side that two files have, a table that gains
@@ -40,10 +41,16 @@ pub fn scatter_table(files: &[MeasuredFile<'_>], notes: &mut Vec<Note>) -> Resul
         let text = String::from_utf8_lossy(&source.bytes);
         let found = if zemax_bsdf::is_zemax(&text) {
             let ZemaxBsdf { side, measurement, totals: said } = zemax_bsdf::read(&text, source.file)?;
-            totals.push((source, side, said));
+            totals.push((source, side, said, "in steps of a degree", "TIS"));
             let mut out: BothSides = [None, None];
             out[side] = Some(measurement);
             out
+        } else if klems_bsdf::is_klems(&text) {
+            let KlemsBsdf { sides, totals: said } = klems_bsdf::read(&text, source.file, notes)?;
+            for (side, said) in said.into_iter().enumerate() {
+                totals.push((source, side, said, "alike all round", "a sum of"));
+            }
+            sides
         } else {
             rows(&text, source)?
         };
@@ -66,12 +73,21 @@ pub fn scatter_table(files: &[MeasuredFile<'_>], notes: &mut Vec<Note>) -> Resul
             .expected("a table that scatters at most what arrives")
             .code(code)
     })?;
-    notes.extend(totals.iter().filter_map(|(source, side, said)| apart(&table, source, *side, said)));
+    notes.extend(totals.iter().filter_map(|(source, side, said, how, name)| {
+        let (_, [angle, total, sum]) = apart(&table, *side, said)?;
+        let what = format!(
+            "measured scattering {}: of light at {angle}° the table made of it, {how}, scatters {sum:.4}, the file says {name} \
+             {total:.4}: a lobe too narrow for it, or values that are not those of that sum",
+            source.file.display()
+        );
+        Some(Note::warning(source.at.clone(), what))
+    }));
     Ok(table)
 }
 
-/// What to say where a table scatters another share of light than its file says.
-fn apart(table: &ScatterTable, source: &MeasuredFile<'_>, side: usize, said: &[[f64; 2]]) -> Option<Note> {
+/// Where a table scatters another share of light than its file says, most of all: by how much of that, the angle in degrees, and
+/// both shares. None if they are alike everywhere.
+fn apart(table: &ScatterTable, side: usize, said: &[[f64; 2]]) -> Option<(f64, [f64; 3])> {
     /// Of the total that a file says, what may be missed unsaid.
     const ALIKE: f64 = 0.1;
     let off = |[angle, total]: &[f64; 2]| {
@@ -79,13 +95,7 @@ fn apart(table: &ScatterTable, source: &MeasuredFile<'_>, side: usize, said: &[[
         ((sum - total).abs() / total, [*angle, *total, sum])
     };
     let worst = said.iter().filter(|[_, total]| *total > 0.0).map(off).max_by(|a, b| a.0.total_cmp(&b.0));
-    let (_, [angle, total, sum]) = worst.filter(|(off, _)| *off > ALIKE)?;
-    let what = format!(
-        "measured scattering {}: of light at {angle}° the table made of it, in steps of a degree, scatters {sum:.4}, the file \
-         says TIS {total}: a lobe narrower than that, or values that are not those of its TIS",
-        source.file.display()
-    );
-    Some(Note::warning(source.at.clone(), what))
+    worst.filter(|(off, _)| *off > ALIKE)
 }
 
 /// Lines of our own form.

@@ -141,7 +141,7 @@ pub const ROWS: &[Row] = &[
     new(Finish, "b", Number, "", Positive, "B of that law"),
     new(Finish, "g", Number, "", AtLeast(0.0), "g of that law"),
     new(Finish, "other_file", File, "", Any, "the other side of what `file` has one side of, as Zemax' files do").or("none"),
-    new(Finish, "file", File, "", Any, "measured scattering: a Zemax .bsdf, or lines of side (R or T), angle of incidence, leaving angle, azimuth (deg; 0 onwards in the plane of incidence) and 1/sr that fill a grid; linear between the angles, constant beyond them; both sides of the face scatter alike, and the mean of both directions of light is taken"),
+    new(Finish, "file", File, "", Any, "measured scattering: a Zemax .bsdf, a matrix of WINDOW or Radiance (.xml), or lines of side (R or T), angle of incidence, leaving angle, azimuth (deg; 0 onwards in the plane of incidence) and 1/sr that fill a grid; linear between the angles, constant beyond them; both sides of the face scatter alike, and the mean of both directions of light is taken"),
     new(Finish, "n", Number, "", Positive, "real part of a metal's index"),
     new(Finish, "k", Number, "", AtLeast(0.0), "imaginary part of a metal's index"),
     new(Finish, "axis", Numbers(3), "mesh units", Any, "direction of polarisation along the face, not zero"),
