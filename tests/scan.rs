@@ -7,12 +7,14 @@ use eyebox::estimate::virtual_image::image::distortion;
 use eyebox::import::{ImportOptions, Set, import};
 use eyebox::plan::scan::edges::Figure;
 use eyebox::plan::scan::light::LightAsked;
+use eyebox::plan::scan::limits::{Kind, Limits, beyond};
 use eyebox::plan::scan::table::{csv, edges_csv, ghosts_csv, lines};
 use eyebox::plan::scan::{Line, Scan, ScanAsked, scan};
 use eyebox::plan::{Asked, Choice, Guides, Polarisation};
 use eyebox::scene::{Absorption, Angular, Dispersion, Emitter, Finish, Grating, Medium, Order, Scene, Shape};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use std::path::Path;
+use std::process::Command;
 
 const IPD_M: f64 = 0.06;
 const LAMP_CD_M2: f64 = 1000.0;
@@ -466,4 +468,66 @@ fn edges_of_a_narrow_lamp() {
     }
     // The same again: no chance.
     assert_eq!(run(&scene, &wanted).edges, Some(edges));
+}
+
+/// Limits on both sides of what similar triangles say of a lamp's image 0.8 m away: its points straight ahead of the eyes converge most.
+#[test]
+fn limits_of_two_eyes() {
+    let found = run(&mirrored(0.3), &asked([3, 1], [0.1, 0.0]));
+    let worst = |position: &eyebox::plan::scan::Position, per_m: f64| {
+        let of = |line: &Line| {
+            let [x, y] = line.direction_deg.unwrap().map(|angle| angle.to_radians().tan());
+            let azimuth = |side: f64, away: f64| (x * away - side * IPD_M / 2.0).atan2(away * y.hypot(1.0));
+            let at = |away: f64| azimuth(-1.0, away) - azimuth(1.0, away);
+            // `meant` goes along the line of sight.
+            let along = 1.0 / per_m / (1.0 + x * x + y * y).sqrt();
+            at(0.8) - if per_m == 0.0 { 0.0 } else { at(along) }
+        };
+        position.points.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+    };
+    for per_m in [0.0, 1.0 / 1.1] {
+        for (index, position) in found.positions.iter().enumerate() {
+            let want = worst(position, per_m);
+            for (share, past) in [(1.0 - 1e-6, true), (1.0 + 1e-6, false)] {
+                let limits = Limits { convergence_rad: Some(want * share), image_per_m: per_m, ..Limits::default() };
+                let here = beyond(&found, &limits).into_iter().find(|at| at.x_m == position.x_m);
+                assert_eq!(here.is_some(), past, "{per_m} {index}: {want}");
+                assert!(here.is_none_or(|at| (at.value_rad / want - 1.0).abs() < 1e-6 && at.kind == Kind::Convergence));
+            }
+        }
+    }
+    // Nearer than where it is meant to be it never diverges; farther it does.
+    let apart = |per_m| Limits { divergence_rad: Some(1e-4), image_per_m: per_m, ..Limits::default() };
+    assert!(beyond(&found, &apart(1.0)).is_empty());
+    assert_eq!(beyond(&found, &apart(1.0 / 0.7)).len(), 3);
+    // A plane mirror shows both eyes the same place.
+    let level = Limits { dipvergence_rad: Some(1e-9), ..Limits::default() };
+    assert!(beyond(&found, &level).is_empty());
+}
+
+#[test]
+fn limits_on_the_command_line() {
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/windshield/windshield.optics.toml");
+    let run = |more: &[&str]| {
+        let fixed = ["--eyebox", "1x1", "--no-luminance", "--points", "3x3", "--quiet"];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_eyebox"));
+        let out = command.arg("scan").arg(&sample).args(fixed).args(more).output().expect("it runs");
+        (out.status.code(), [out.stdout, out.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()))
+    };
+    let (code, [out, _]) = run(&["--limits", "genco-1983", "--image-distance", "inf"]);
+    assert!(code == Some(1) && out.contains("warning: from x 0.00 mm, y 0.00 mm the convergence at column"), "{out}");
+    let (code, [out, _]) = run(&["--limits", "dipvergence=5"]);
+    assert!(code == Some(0) && out.contains("kept from all 1 of 1 positions"), "{out}");
+    // Eyes farther apart than the mirrors are wide see nothing together: what could not be tested is not kept.
+    let (code, [out, _]) = run(&["--limits", "dipvergence=5", "--ipd", "900"]);
+    assert!(code == Some(1) && out.contains("not tested") && out.contains("nothing was held"), "{out}");
+    for (bad, why) in [
+        (vec!["--limits", "gu-2020"], "--image-distance"),
+        (vec!["--limits", "gu-2021"], "did you mean `gu-2020`?"),
+        (vec!["--limits", "dipvergence=-1"], "mrad above 0"),
+        (vec!["--limits", "convergence=1", "--image-distance", "0"], "or inf"),
+    ] {
+        let (code, [_, said]) = run(&bad);
+        assert!(code == Some(2) && said.trim_end().lines().count() == 1 && said.contains(why), "{code:?} {said}");
+    }
 }

@@ -6,10 +6,11 @@ use super::source::{Source, told};
 use super::table_file::TableFile;
 use super::threads::Threads;
 use super::{Format, print};
-use crate::base::Result;
 use crate::base::atomic::{check_writable, write_atomic};
+use crate::base::{Error, Result, Where};
 use crate::plan::Asked;
 use crate::plan::scan::light::LightAsked;
+use crate::plan::scan::limits::{self, Kind, Limits, NAMED, beyond};
 use crate::plan::scan::table::{csv, edges_csv, ghosts_csv, lines};
 use crate::plan::scan::{ScanAsked, scan};
 use crate::scene::{Note, Severity};
@@ -32,7 +33,8 @@ Examples:
   eyebox scan hud.optics.toml --eyebox 9x5 --width 130 --height 50 -o eyebox.csv
   eyebox scan hud.optics.toml --eyebox 3x3 --no-luminance --format json --threads 4
   eyebox scan windshield.optics.toml --eyebox 3x3 --no-luminance --ghosts ghosts.csv
-  eyebox scan windshield.optics.toml --eyebox 3x3 --width 130 --height 50 --no-luminance --edges=edges.csv")]
+  eyebox scan windshield.optics.toml --eyebox 3x3 --width 130 --height 50 --no-luminance --edges=edges.csv
+  eyebox scan windshield.optics.toml --eyebox 3x3 --no-luminance --limits gu-2020,dipvergence=1 --image-distance 2.2")]
 pub struct ScanArgs {
     /// Columns and rows of eye positions.
     #[arg(long, value_name = "NxM", value_parser = parse_grid)]
@@ -82,6 +84,14 @@ pub struct ScanArgs {
     /// of the luminance left; with a name, write them to that file, too. Luminances take some forty renderings more.
     #[arg(long, value_name = "OUT.csv", num_args = 0..=1, require_equals = true)]
     edges: Option<Option<PathBuf>>,
+    /// Hold what two eyes have to do to limits, in mrad: convergence=MRAD, divergence=MRAD, dipvergence=MRAD, or a name that has a source
+    /// (genco-1983, gu-2020: see docs/scan.md); of two that limit the same the later one holds. What is beyond is a warning, with
+    /// exit code 1.
+    #[arg(long, value_name = "LIMIT", value_delimiter = ',')]
+    limits: Vec<String>,
+    /// Distance at which the image is meant to be, m or `inf`: limits of convergence and divergence count from there.
+    #[arg(long, value_name = "M", requires = "limits")]
+    image_distance: Option<f64>,
     /// No progress.
     #[arg(short, long)]
     quiet: bool,
@@ -100,6 +110,7 @@ pub fn run(args: &ScanArgs) -> Result<ExitCode> {
 }
 
 fn traced(args: &ScanArgs) -> Result<ExitCode> {
+    let limits = limited(args)?;
     let written = args.output.as_deref().map(TableFile::of).transpose()?;
     let edges = args.edges.as_ref().and_then(Option::as_ref);
     for path in args.ghosts.iter().chain(edges) {
@@ -136,8 +147,13 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
         tell!("eyebox: stopped; nothing was written");
         return Ok(signals.exit_code());
     };
+    let past = limits.map_or_else(Vec::new, |limits| beyond(&found, &limits));
     let warnings: Vec<&Note> = scene.notes.iter().filter(|note| note.severity == Severity::Warning).collect();
-    let json = || serde_json::json!({ "asset": args.source.asset, "scan": found, "warnings": warnings });
+    let json = || {
+        let held = limits
+            .map(|limits| serde_json::json!({ "limits": limits, "positions": limits::held(&found), "beyond": past }));
+        serde_json::json!({ "asset": args.source.asset, "scan": found, "limits": held, "warnings": warnings })
+    };
     if let Some(file) = written {
         file.write(|| csv(&found), json)?;
     }
@@ -147,9 +163,57 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
     if let Some((path, edges)) = edges.zip(found.edges.as_ref()) {
         write_atomic(path, edges_csv(edges).as_bytes())?;
     }
-    let text = || told(&scene).into_iter().chain(lines(&found)).collect::<Vec<_>>().join("\n");
+    let held = || limits.iter().flat_map(|limits| limits::lines(limits, &found, &past));
+    let text = || told(&scene).into_iter().chain(lines(&found)).chain(held()).collect::<Vec<_>>().join("\n");
     print(args.format, text, json)?;
-    Ok(ExitCode::from(u8::from(found.positions.iter().any(|position| position.warning.is_some()))))
+    // What could not be tested is not kept.
+    let untested = limits.is_some() && limits::held(&found) == 0;
+    let warned = untested || !past.is_empty() || found.positions.iter().any(|position| position.warning.is_some());
+    Ok(ExitCode::from(u8::from(warned)))
+}
+
+/// The limits that were asked for.
+fn limited(args: &ScanArgs) -> Result<Option<Limits>> {
+    let mut out = Limits::default();
+    for text in &args.limits {
+        let at = || Where::Option(format!("--limits {text}"));
+        if let Some((_, named)) = NAMED.iter().find(|(name, _)| name == text) {
+            for kind in Kind::ALL {
+                if let Some(rad) = named.of(kind) {
+                    out.set(kind, rad);
+                }
+            }
+            continue;
+        }
+        let (name, number) = text.split_once('=').unwrap_or((text, ""));
+        let Some(kind) = Kind::ALL.into_iter().find(|kind| kind.name() == name) else {
+            let names = NAMED.iter().map(|(name, _)| *name).chain(Kind::ALL.map(Kind::name));
+            return Err(Error::new(at(), "no such limit")
+                .expected("convergence, divergence or dipvergence = mrad, or genco-1983 or gu-2020")
+                .nearest(name, names));
+        };
+        let Some(mrad) = number.parse::<f64>().ok().filter(|mrad| *mrad > 0.0 && mrad.is_finite()) else {
+            return Err(Error::new(at(), format!("`{number}` is no limit")).expected("mrad above 0"));
+        };
+        out.set(kind, 1e-3 * mrad);
+    }
+    if args.limits.is_empty() {
+        return Ok(None);
+    }
+    let across = out.convergence_rad.is_some() || out.divergence_rad.is_some();
+    match args.image_distance {
+        Some(distance) if distance > 0.0 => out.image_per_m = 1.0 / distance,
+        Some(distance) => {
+            let what = format!("--image-distance {distance}");
+            return Err(Error::new(Where::Option(what), "no distance of an image").expected("metres above 0, or inf"));
+        }
+        None if across => {
+            let what = "limits of convergence and divergence count from where the image is meant to be";
+            return Err(Error::new(Where::Option("--limits".to_owned()), what).expected("--image-distance, m or inf"));
+        }
+        None => {}
+    }
+    Ok(Some(out))
 }
 
 /// The same picture with a longer side of [`SIDE`] pixels at most.

@@ -4,6 +4,7 @@
 pub mod edges;
 pub mod ghosts;
 pub mod light;
+pub mod limits;
 pub mod lines;
 pub mod places;
 pub mod table;
