@@ -32,8 +32,11 @@ fn bounds(ring: usize) -> [f64; 2] {
     [RINGS[ring].0, RINGS.get(ring + 1).map_or(90.0, |next| next.0)].map(f64::to_radians)
 }
 
+/// A value by the rings of incidence and leaving.
+type Value<'v> = &'v dyn Fn(usize, usize) -> f64;
+
 /// A file of blocks, their values by the rings of incidence and leaving.
-fn file(blocks: &[(&str, &dyn Fn(usize, usize) -> f64)]) -> String {
+fn file(blocks: &[(&str, Value<'_>)]) -> String {
     let mut out =
         "<?xml version=\"1.0\"?>\n<WindowElement><Optical><Layer><DataDefinition><IncidentDataStructure>Columns\
                    </IncidentDataStructure></DataDefinition><WavelengthData><Wavelength>Visible</Wavelength>\n"
@@ -110,7 +113,7 @@ fn light_goes_where_the_matrix_says() {
 #[test]
 fn a_lambertian_film_in_a_uniform_sky() {
     let (reflectance, transmittance, sky) = (0.3, 0.6, 100.0);
-    let blocks: [(&str, &dyn Fn(usize, usize) -> f64); 2] =
+    let blocks: [(&str, Value<'_>); 2] =
         [("Reflection Back", &|_, _| reflectance / PI), ("Transmission Back", &|_, _| transmittance / PI)];
     let mut scene = scene();
     uniform_sky(&mut scene, sky as f32);

@@ -270,3 +270,30 @@ fn usage() {
     assert!(fault(&[&folder.path().join("absent.exr")], &folder.path().join("p.html")).contains("absent.exr"));
     assert!(!folder.path().join("p.html").exists());
 }
+
+/// With a scan the page has its pictures; a file that is none ends the program with one line.
+#[test]
+fn a_scan_is_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [exr, json, html] = ["frame.exr", "scan.json", "report.html"].map(|name| folder.path().join(name));
+    write_exr(&exr, &frame("led")).expect("written");
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/windshield/windshield.optics.toml");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_eyebox"));
+    let fixed = ["--eyebox", "2x1", "--width", "60", "--no-luminance", "--points", "3x3", "--quiet", "-o"];
+    let out = command.arg("scan").arg(&sample).args(fixed).arg(&json).output().expect("it runs");
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let run = || report(&[&exr, Path::new("--scan"), &json], &html);
+    let out = run();
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let page = std::fs::read_to_string(&html).expect("the page");
+    assert_eq!(page.matches("<svg class=\"chart\"").count(), 3);
+    assert!(page.contains("FOLD_MIRROR, MIRROR_FREEFORM, WINDSHIELD back") && page.contains("-30.0, 0.0 mm"));
+    let good = std::fs::read_to_string(&json).expect("the scan");
+    for bad in ["", "{}", "{\"scan\": 3}", &good[..good.len() / 2], &good.replace("\"slide\"", "\"a\\nb\"")] {
+        std::fs::write(&json, bad).expect("written");
+        let out = run();
+        let said = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert!(out.status.code() == Some(2) && said.trim_end().lines().count() == 1, "{bad:.40}: {said}");
+        assert!(said.contains("scan.json"), "{said}");
+    }
+}

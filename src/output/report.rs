@@ -66,6 +66,11 @@ impl<'f> Shares<'f> {
 ///
 /// Errors: no frame, channels that do not fill it, no layer to show, frames of different scenes.
 pub fn page(frames: &[(String, &Frame)]) -> Result<Page> {
+    page_with(frames, "")
+}
+
+/// The same with one more section: HTML without scripts, in which texts that came from files are escaped.
+pub fn page_with(frames: &[(String, &Frame)], more: &str) -> Result<Page> {
     let Some((file, frame)) = frames.first() else {
         return Err(Error::new(Where::Nowhere, "there is no frame to report on"));
     };
@@ -123,7 +128,7 @@ pub fn page(frames: &[(String, &Frame)]) -> Result<Page> {
         "ledgers": facts::ledgers(frame),
         "convergence": convergence::points(frames),
     });
-    Ok(Page { html: html::page(title, &data), size, factor, layers: layers_of(&data), unmixed: shares.fault })
+    Ok(Page { html: html::page(title, &data, more), size, factor, layers: layers_of(&data), unmixed: shares.fault })
 }
 
 fn layers_of(data: &Value) -> usize {

@@ -12,7 +12,7 @@ use crate::world::optics::Optics;
 use glam::{DVec2, DVec3};
 
 /// One point of a ghost beside the same point of the main image.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct GhostPoint {
     /// Column and row.
     pub cell: [usize; 2],

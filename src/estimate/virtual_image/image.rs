@@ -5,7 +5,7 @@ use super::tuning::image::FEWEST;
 use glam::{DMat2, DMat3, DVec2, DVec3};
 
 /// Deviation from the best affine picture.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Distortion {
     pub max_arcmin: f64,
     pub rms_arcmin: f64,
@@ -20,40 +20,69 @@ pub(super) fn turned(ahead: DVec3, right: DVec3) -> Option<DMat3> {
     Some(DMat3::from_cols(right, right.cross(ahead), ahead))
 }
 
+/// The best affine picture of points: from places in the picture (m) to tangents of an eye turned to some direction, by least
+/// squares. Scale, rotation, shear and shift are no distortion.
+struct Affine {
+    /// From the head's axes to the turned eye's.
+    axes: DMat3,
+    /// Mean place and mean tangents.
+    place: DVec2,
+    tangent: DVec2,
+    map: DMat2,
+}
+
+impl Affine {
+    /// None of fewer than six points ahead, or where they lie on a line. With it those points: place and tangents.
+    fn fit(points: &[(DVec2, DVec3)], middle: DVec3, right: DVec3) -> Option<(Affine, Vec<(DVec2, DVec2)>)> {
+        let axes = turned(middle, right)?.transpose();
+        let tangents: Vec<(DVec2, DVec2)> = points
+            .iter()
+            .map(|(place, dir)| (*place, axes * *dir))
+            .filter(|(_, dir)| dir.z > 0.0)
+            .map(|(place, dir)| (place, dir.truncate() / dir.z))
+            .collect();
+        if tangents.len() < FEWEST {
+            return None;
+        }
+        let count = tangents.len() as f64;
+        let mean = |of: fn(&(DVec2, DVec2)) -> DVec2| tangents.iter().map(of).sum::<DVec2>() / count;
+        let (place, tangent) = (mean(|p| p.0), mean(|p| p.1));
+        let outer = |a: DVec2, b: DVec2| DMat2::from_cols(a * b.x, a * b.y);
+        let (mut own, mut both) = (DMat2::ZERO, DMat2::ZERO);
+        for (p, t) in &tangents {
+            own += outer(*p - place, *p - place);
+            both += outer(*t - tangent, *p - place);
+        }
+        // On a line the determinant is rounding.
+        let spread = own.x_axis.x + own.y_axis.y;
+        if own.determinant() <= 1e-12 * spread * spread {
+            return None;
+        }
+        Some((Affine { axes, place, tangent, map: both * own.inverse() }, tangents))
+    }
+
+    fn at(&self, place: DVec2) -> DVec2 {
+        self.tangent + self.map * (place - self.place)
+    }
+}
+
+/// Where the best affine picture has points (place in the picture, m; direction, unit): unit. As for [`distortion`].
+pub fn ideal(points: &[(DVec2, DVec3)], middle: DVec3, right: DVec3) -> Option<Vec<DVec3>> {
+    let (fit, _) = Affine::fit(points, middle, right)?;
+    let back = fit.axes.transpose();
+    Some(points.iter().map(|(place, _)| (back * fit.at(*place).extend(1.0)).normalize()).collect())
+}
+
 /// The distortion of points (place in the picture, m; direction, unit), for an eye turned to the direction `middle`;
 /// `right`: the head's. The fit is by least squares in the tangents of the directions: scale, rotation, shear and shift are
 /// no distortion. None of fewer than six points, or where they lie on a line.
 pub fn distortion(points: &[(DVec2, DVec3)], middle: DVec3, right: DVec3) -> Option<Distortion> {
-    let axes = turned(middle, right)?.transpose();
-    let tangents: Vec<(DVec2, DVec2)> = points
-        .iter()
-        .map(|(place, dir)| (*place, axes * *dir))
-        .filter(|(_, dir)| dir.z > 0.0)
-        .map(|(place, dir)| (place, dir.truncate() / dir.z))
-        .collect();
-    if tangents.len() < FEWEST {
-        return None;
-    }
+    let (fit, tangents) = Affine::fit(points, middle, right)?;
     let count = tangents.len() as f64;
-    let mean = |of: fn(&(DVec2, DVec2)) -> DVec2| tangents.iter().map(of).sum::<DVec2>() / count;
-    let (place, tangent) = (mean(|p| p.0), mean(|p| p.1));
-    let outer = |a: DVec2, b: DVec2| DMat2::from_cols(a * b.x, a * b.y);
-    let (mut own, mut both) = (DMat2::ZERO, DMat2::ZERO);
-    for (p, t) in &tangents {
-        own += outer(*p - place, *p - place);
-        both += outer(*t - tangent, *p - place);
-    }
-    // On a line the determinant is rounding.
-    let spread = own.x_axis.x + own.y_axis.y;
-    if own.determinant() <= 1e-12 * spread * spread {
-        return None;
-    }
-    let map = both * own.inverse();
-    let fitted = |p: DVec2| tangent + map * (p - place);
-    let half = tangents.iter().map(|(p, _)| (fitted(*p) - tangent).length()).fold(0.0, f64::max);
+    let half = tangents.iter().map(|(p, _)| (fit.at(*p) - fit.tangent).length()).fold(0.0, f64::max);
     let (mut max, mut sum, mut max_off, mut sum_off) = (0f64, 0.0, 0f64, 0.0);
     for (p, t) in &tangents {
-        let want = fitted(*p);
+        let want = fit.at(*p);
         let angle = angle(want.extend(1.0).normalize(), t.extend(1.0).normalize());
         let off = (*t - want).length();
         max = max.max(angle);
@@ -81,7 +110,7 @@ pub fn arcmin(radians: f64) -> f64 {
 
 /// How light from a point of the image spreads at the pupil, dioptres (1/m): the inverse of the distance from which it
 /// seems to come; negative where it converges, so that the image would be behind the eye.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Vergence {
     /// By shifts of the eye to its right.
     pub horizontal_per_m: f64,
@@ -109,7 +138,7 @@ pub fn vergence(dir: DVec3, shifted: [[DVec3; 2]; 2], axes: [DVec3; 2], step: f6
 }
 
 /// What two eyes have to do to see one point, rad.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Disparity {
     /// Turn towards each other; negative: apart.
     pub convergence_rad: f64,

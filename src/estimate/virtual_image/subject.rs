@@ -15,7 +15,7 @@ use glam::{DAffine3, DVec2, DVec3};
 
 /// What kind of face is looked at. A slide goes before a lamp or a screen that is seen through specular faces, and that
 /// before what is seen without any.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     Slide,

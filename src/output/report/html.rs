@@ -16,11 +16,11 @@ const SCRIPTS: [&str; 8] = [
     include_str!("start.js"),
 ];
 
-/// The whole page.
-pub fn page(title: &str, data: &Value) -> String {
+/// The whole page. `more`: a section of our own making, in which texts of files are escaped.
+pub fn page(title: &str, data: &Value, more: &str) -> String {
     let json = in_script(&data.to_string());
     // The hash of what a file brings cannot stand in it.
-    let nonce = blake3::hash(format!("{title}\0{json}").as_bytes()).to_hex();
+    let nonce = blake3::hash(format!("{title}\0{json}\0{more}").as_bytes()).to_hex();
     let (script, title) = (SCRIPTS.join("\n"), in_html(title));
     fill(TEMPLATE, |name| match name {
         "nonce" => nonce.as_str(),
@@ -28,6 +28,7 @@ pub fn page(title: &str, data: &Value) -> String {
         "style" => STYLE.trim_end(),
         "script" => script.trim_end(),
         "data" => &json,
+        "more" => more,
         _ => "",
     })
 }
@@ -80,7 +81,7 @@ mod tests {
     #[test]
     fn texts_cannot_break_out() {
         let hostile = "</script><img src=x onerror=alert(1)>\u{2028}<!--{{script}}";
-        let page = page(hostile, &serde_json::json!({ "name": hostile, "{{data}}": 1 }));
+        let page = page(hostile, &serde_json::json!({ "name": hostile, "{{data}}": 1 }), "");
         assert!(!page.contains("<img") && !page.contains("<!--"), "{}", &page[..2000]);
         assert!(page.contains("&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;"));
         // One block of data, one of code.
@@ -93,7 +94,7 @@ mod tests {
 
     #[test]
     fn nothing_is_loaded_and_no_text_becomes_markup() {
-        let page = page("t", &serde_json::json!({}));
+        let page = page("t", &serde_json::json!({}), "");
         for loads in
             ["http://", "https://", "src=", "@import", "url(", "<link", "import(", "XMLHttpRequest", "WebSocket"]
         {

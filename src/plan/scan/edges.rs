@@ -17,7 +17,7 @@ use crate::world::optics::Optics;
 use glam::DVec3;
 
 /// What falls off towards the edge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Figure {
     /// The number of the picture's points that are seen.
@@ -43,7 +43,7 @@ impl Figure {
 }
 
 /// How far the eyebox reaches. Lengths in m.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Edges {
     /// How far was looked horizontally and vertically.
     pub reach_m: [f64; 2],
@@ -51,7 +51,7 @@ pub struct Edges {
 }
 
 /// Of one figure. None where a half and more is left as far as was looked.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Extent {
     pub figure: Figure,
     pub left: Option<Edge>,
@@ -61,7 +61,7 @@ pub struct Extent {
 }
 
 /// One edge.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Edge {
     /// From the eyebox's middle, m; above 0.
     pub distance_m: f64,

@@ -11,7 +11,7 @@ use crate::world::optics::Optics;
 use glam::DAffine3;
 
 /// A second image of the picture, seen from one position.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Ghost {
     /// The parts on its way from the picture to the eye, as `eyebox paths` names them.
     pub by: String,

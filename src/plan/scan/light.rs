@@ -31,7 +31,7 @@ pub struct LightAsked {
 
 /// Luminances of the display with its slide fully open, cd/m², with one-sigma errors, of patches that lie wholly inside of
 /// what is seen of the picture.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct White {
     /// In the middle of the picture, if a patch there is inside.
     pub centre: Option<Level>,
@@ -45,7 +45,7 @@ pub struct White {
     pub black: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Level {
     pub value: f64,
     pub sigma: Option<f64>,

@@ -1,6 +1,7 @@
 //! The virtual image over an eyebox: from every position of a grid its luminance, distortion, distance, and what two eyes
 //! see of it. Definitions are in `docs/scan.md`.
 
+pub mod charts;
 pub mod edges;
 pub mod ghosts;
 pub mod light;
@@ -48,7 +49,7 @@ pub struct ScanAsked {
 }
 
 /// What was found. Lengths in m.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Scan {
     /// Path of the part that is looked at, its face, how it is seen, and its size.
     pub part: String,
@@ -62,11 +63,12 @@ pub struct Scan {
     /// Row by row from the upper left as the eye looks.
     pub positions: Vec<Position>,
     /// If they were asked for.
+    #[serde(default)]
     pub edges: Option<Edges>,
 }
 
 /// What is seen from one position.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Position {
     /// To the right and up from the scene's eye, m.
     pub x_m: f64,
@@ -89,7 +91,7 @@ pub struct Position {
 }
 
 /// Vergences of the points that are seen by the whole pupil's cross, dioptres.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Distances {
     /// At the middle of the picture, if it is seen.
     pub centre_per_m: Option<f64>,
@@ -101,7 +103,7 @@ pub struct Distances {
 }
 
 /// Over the points that both eyes see.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Disparities {
     /// Share of the points that both eyes see.
     pub seen: f64,
@@ -113,7 +115,7 @@ pub struct Disparities {
 }
 
 /// One point of the picture.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Line {
     /// Column and row.
     pub cell: [usize; 2],

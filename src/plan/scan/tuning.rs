@@ -39,3 +39,24 @@ pub(super) mod edges {
     /// them is known better than the next one would be.
     pub const SIGMAS: f64 = 16.0;
 }
+
+/// `charts.rs` and what is below it
+/// - chosen with `report --scan`: what can be read on a page 1000 pixels wide
+pub(super) mod charts {
+    /// Most points over all positions: pages stay below some 10 MB.
+    pub const MOST_DRAWN: usize = 16_384;
+    /// Width of a panel, pixels, and of all together at most.
+    pub const PANEL: f64 = 300.0;
+    pub const WIDEST: f64 = 1600.0;
+    /// Between panels, above them, and around what is seen (of its larger side).
+    pub const GAP: f64 = 10.0;
+    pub const LABEL: f64 = 18.0;
+    pub const MARGIN: f64 = 0.08;
+    /// Deviations are enlarged until the largest has this share of the distance between two points.
+    pub const SHARE: f64 = 0.6;
+    /// The longest ghost, pixels.
+    pub const LONGEST: f64 = 40.0;
+    /// Radius of a point, and width of a line of a ghost as bright as the image, pixels.
+    pub const DOT: f64 = 4.0;
+    pub const THICKEST: f64 = 2.5;
+}
