@@ -156,6 +156,7 @@ impl Case {
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
             adapts: false,
+            limits: eyebox::scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg: 20.0,
             resolution: [1, 1],

@@ -521,7 +521,24 @@ fn limits_on_the_command_line() {
     // Eyes farther apart than the mirrors are wide see nothing together: what could not be tested is not kept.
     let (code, [out, _]) = run(&["--limits", "dipvergence=5", "--ipd", "900"]);
     assert!(code == Some(1) && out.contains("not tested") && out.contains("nothing was held"), "{out}");
+    // The sidecar's own, and the command line before them.
+    let own =
+        ["--set", "eye.dipvergence_mrad=0.1", "--set", "eye.image_distance=2.2 m", "--set", "eye.convergence_mrad=1"];
+    let (code, [out, _]) = run(&own);
+    assert!(code == Some(1) && out.contains("dipvergence") && out.contains("at most 0.100"), "{out}");
+    assert!(
+        out.contains("limits: convergence 1.000 mrad, dipvergence 0.100 mrad, of an image meant to be 2.200 m away"),
+        "{out}"
+    );
+    let (code, [out, _]) = run(&[&own[..], &["--limits", "dipvergence=5,convergence=9"]].concat());
+    assert!(code == Some(0) && out.contains("kept from all 1 of 1"), "{out}");
+    let (code, [_, said]) = run(&["--set", "eye.convergence_mrad=1"]);
+    assert!(
+        code == Some(2) && said.contains("expected image_distance") && said.trim_end().lines().count() == 1,
+        "{said}"
+    );
     for (bad, why) in [
+        (vec!["--image-distance", "2"], "there is no limit"),
         (vec!["--limits", "gu-2020"], "--image-distance"),
         (vec!["--limits", "gu-2021"], "did you mean `gu-2020`?"),
         (vec!["--limits", "dipvergence=-1"], "mrad above 0"),

@@ -35,6 +35,7 @@ pub fn scene(fov_deg: f64, pixels: usize) -> Scene {
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
             adapts: false,
+            limits: crate::scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg,
             resolution: [pixels, pixels],

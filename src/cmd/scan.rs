@@ -13,7 +13,7 @@ use crate::plan::scan::light::LightAsked;
 use crate::plan::scan::limits::{self, Kind, Limits, NAMED, beyond};
 use crate::plan::scan::table::{csv, edges_csv, ghosts_csv, lines};
 use crate::plan::scan::{ScanAsked, scan};
-use crate::scene::{Note, Severity};
+use crate::scene::{BinocularLimits, Note, Severity};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -85,12 +85,12 @@ pub struct ScanArgs {
     #[arg(long, value_name = "OUT.csv", num_args = 0..=1, require_equals = true)]
     edges: Option<Option<PathBuf>>,
     /// Hold what two eyes have to do to limits, in mrad: convergence=MRAD, divergence=MRAD, dipvergence=MRAD, or a name that has a source
-    /// (genco-1983, gu-2020: see docs/scan.md); of two that limit the same the later one holds. What is beyond is a warning, with
+    /// (genco-1983, gu-2020: see docs/scan.md); of two that limit the same the later one holds, and any before those of the sidecar's eye. What is beyond is a warning, with
     /// exit code 1.
     #[arg(long, value_name = "LIMIT", value_delimiter = ',')]
     limits: Vec<String>,
-    /// Distance at which the image is meant to be, m or `inf`: limits of convergence and divergence count from there.
-    #[arg(long, value_name = "M", requires = "limits")]
+    /// Distance at which the image is meant to be, m or `inf`: limits of convergence and divergence count from there [default: the eye's].
+    #[arg(long, value_name = "M")]
     image_distance: Option<f64>,
     /// No progress.
     #[arg(short, long)]
@@ -110,7 +110,6 @@ pub fn run(args: &ScanArgs) -> Result<ExitCode> {
 }
 
 fn traced(args: &ScanArgs) -> Result<ExitCode> {
-    let limits = limited(args)?;
     let written = args.output.as_deref().map(TableFile::of).transpose()?;
     let edges = args.edges.as_ref().and_then(Option::as_ref);
     for path in args.ghosts.iter().chain(edges) {
@@ -118,6 +117,7 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
     }
     let signals = Signals::install();
     let mut scene = args.source.import()?.scene;
+    let limits = limited(args, scene.eye.limits)?;
     let polarisation = args.polarisation.asked();
     args.source.adapt_eye(&mut scene, polarisation, &|| signals.caught().is_some())?;
     let light = LightAsked {
@@ -172,9 +172,14 @@ fn traced(args: &ScanArgs) -> Result<ExitCode> {
     Ok(ExitCode::from(u8::from(warned)))
 }
 
-/// The limits that were asked for.
-fn limited(args: &ScanArgs) -> Result<Option<Limits>> {
+/// The limits of the scene's eye, with those that were asked for over them.
+fn limited(args: &ScanArgs, own: BinocularLimits) -> Result<Option<Limits>> {
     let mut out = Limits::default();
+    for (kind, mrad) in Kind::ALL.into_iter().zip([own.convergence_mrad, own.divergence_mrad, own.dipvergence_mrad]) {
+        if let Some(mrad) = mrad {
+            out.set(kind, 1e-3 * mrad);
+        }
+    }
     for text in &args.limits {
         let at = || Where::Option(format!("--limits {text}"));
         if let Some((_, named)) = NAMED.iter().find(|(name, _)| name == text) {
@@ -197,11 +202,17 @@ fn limited(args: &ScanArgs) -> Result<Option<Limits>> {
         };
         out.set(kind, 1e-3 * mrad);
     }
-    if args.limits.is_empty() {
-        return Ok(None);
-    }
     let across = out.convergence_rad.is_some() || out.divergence_rad.is_some();
-    match args.image_distance {
+    if !across && out.dipvergence_rad.is_none() {
+        return match args.image_distance {
+            None => Ok(None),
+            Some(_) => {
+                Err(Error::new(Where::Option("--image-distance".to_owned()), "there is no limit to count from there")
+                    .expected("--limits, or limits of the eye in the sidecar"))
+            }
+        };
+    }
+    match args.image_distance.or(own.image_distance_m) {
         Some(distance) if distance > 0.0 => out.image_per_m = 1.0 / distance,
         Some(distance) => {
             let what = format!("--image-distance {distance}");

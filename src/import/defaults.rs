@@ -44,6 +44,7 @@ pub fn eye(assembly: &Assembly, unit_m: f64, resolution: [usize; 2], fov_deg: f6
         up,
         pupil_diameter_m: 0.0,
         adapts: false,
+        limits: crate::scene::BinocularLimits::default(),
         focus_distance_m: f64::INFINITY,
         fov_deg,
         resolution,

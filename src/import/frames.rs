@@ -79,8 +79,8 @@ pub fn eye(
         let fov_deg = spec.fov_deg.unwrap_or(defaults::FOV_DEG);
         if let Some((eye, note)) = defaults::eye(assembly, unit_m, resolution, fov_deg) {
             notes.push(note);
-            let EyeSpec { pupil_diameter_m, adapts, focus_distance_m, age, .. } = spec;
-            return Ok(Some(Eye { pupil_diameter_m, adapts, focus_distance_m, age, ..eye }));
+            let EyeSpec { pupil_diameter_m, adapts, focus_distance_m, age, limits, .. } = spec;
+            return Ok(Some(Eye { pupil_diameter_m, adapts, focus_distance_m, age, limits, ..eye }));
         }
     }
     // A camera gives what the eye leaves open only if the eye says nothing of where it stands.
@@ -148,6 +148,7 @@ pub fn eye(
         fov_deg,
         resolution,
         age: spec.age,
+        limits: spec.limits,
     }))
 }
 

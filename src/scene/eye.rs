@@ -28,6 +28,27 @@ pub struct Eye {
     pub resolution: [usize; 2],
     /// Years; for glare and the adaptive pupil.
     pub age: f64,
+    #[serde(skip_serializing_if = "BinocularLimits::is_none")]
+    pub limits: BinocularLimits,
+}
+
+/// What two eyes may be asked to do by the virtual image, which `eyebox scan` holds it to; none where nothing is limited. mrad,
+/// above 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+pub struct BinocularLimits {
+    /// The eyes turn further towards each other than for a point at `image_distance_m`, or less so.
+    pub convergence_mrad: Option<f64>,
+    pub divergence_mrad: Option<f64>,
+    /// One eye higher than the other.
+    pub dipvergence_mrad: Option<f64>,
+    /// Where the image is meant to be, m; infinite is allowed.
+    pub image_distance_m: Option<f64>,
+}
+
+impl BinocularLimits {
+    pub fn is_none(&self) -> bool {
+        *self == BinocularLimits::default()
+    }
 }
 
 impl Eye {

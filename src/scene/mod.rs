@@ -34,7 +34,7 @@ pub use abg::AbgLaw;
 pub use coating::{Coating, CoatingLaw, CoatingTable, FilmLayer};
 pub use dispersion::{Dispersion, Formula, FormulaKind};
 
-pub use eye::Eye;
+pub use eye::{BinocularLimits, Eye};
 pub use finish::Finish;
 pub use grating::{Grating, Order};
 pub use lamp::{Angular, Beacon, BeaconForm, Emitter, Photometry, PolarisedLight, Sky, SpotCone};

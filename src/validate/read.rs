@@ -138,6 +138,7 @@ pub fn no_scene() -> Scene {
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
             adapts: false,
+            limits: crate::scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg: 1.0,
             resolution: [1, 1],

@@ -10,6 +10,7 @@ fn eye(focus_distance_m: f64) -> Eye {
         up: DVec3::Y,
         pupil_diameter_m: 0.3,
         adapts: false,
+        limits: crate::scene::BinocularLimits::default(),
         focus_distance_m,
         fov_deg: 80.0,
         resolution: [4, 3],

@@ -65,6 +65,7 @@ fn scene(emitters: &[(Photometry, Angular)]) -> Scene {
             up: DVec3::Y,
             pupil_diameter_m: 0.004,
             adapts: false,
+            limits: crate::scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg: 10.0,
             resolution: [1, 1],

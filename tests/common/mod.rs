@@ -37,6 +37,7 @@ pub fn scene() -> Scene {
             up: DVec3::Y,
             pupil_diameter_m: 0.004,
             adapts: false,
+            limits: eyebox::scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg: 20.0,
             resolution: [8, 8],

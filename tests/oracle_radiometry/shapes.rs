@@ -20,6 +20,7 @@ pub fn eye(position: DVec3, look: DVec3, pupil_diameter_m: f64, fov_deg: f64) ->
         resolution: [1, 1],
         age: 30.0,
         adapts: false,
+        limits: eyebox::scene::BinocularLimits::default(),
     }
 }
 

@@ -100,6 +100,7 @@ mod tests {
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
             adapts: false,
+            limits: crate::scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg: 20.0,
             resolution: size,

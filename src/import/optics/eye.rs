@@ -5,8 +5,8 @@ use super::slide::ORTHOGONAL;
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
 use crate::import::value::Value;
-use crate::scene::Note;
 use crate::scene::attribute::Noun;
+use crate::scene::{BinocularLimits, Note};
 use glam::DVec3;
 
 /// Where the search for the pupil of an adapted eye begins: that of an eye by day.
@@ -36,6 +36,7 @@ pub struct EyeSpec {
     pub fov_deg: Option<f64>,
     pub resolution: Option<[usize; 2]>,
     pub age: f64,
+    pub limits: BinocularLimits,
 }
 
 /// What a camera of the asset says of its lens, in metres.
@@ -105,5 +106,29 @@ pub fn eye(value: &Value, lens: Lens, notes: &mut Vec<Note>) -> Result<EyeSpec> 
         fov_deg: fields.number("fov_deg")?,
         resolution,
         age: or(fields.number("age")?, "age", 45.0),
+        limits: limits(&fields)?,
     })
+}
+
+/// Limits of two eyes: those of the width need to know where the image is meant to be, and a place alone limits nothing.
+fn limits(fields: &Fields<'_>) -> Result<BinocularLimits> {
+    let out = BinocularLimits {
+        convergence_mrad: fields.number("convergence_mrad")?,
+        divergence_mrad: fields.number("divergence_mrad")?,
+        dipvergence_mrad: fields.number("dipvergence_mrad")?,
+        image_distance_m: fields.length_m("image_distance")?,
+    };
+    let across = ["convergence_mrad", "divergence_mrad"].into_iter().find(|name| fields.has(name));
+    match (across, out.image_distance_m) {
+        (Some(name), None) => {
+            let at = fields.value(name).map_or(Where::Nowhere, |value| value.at.clone());
+            Err(Error::new(
+                at,
+                format!("`{name}` of eye counts from where the image is meant to be, which is not said"),
+            )
+            .expected("image_distance, a length or \"inf\"")
+            .code(Code::EyeImpossible))
+        }
+        (Some(_), Some(_)) | (None, _) => Ok(out),
+    }
 }

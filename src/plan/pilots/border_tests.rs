@@ -101,6 +101,7 @@ fn half_a_pane() -> Scene {
         up: DVec3::new(0.0, 0.28, 0.96),
         pupil_diameter_m: 2e-3,
         adapts: false,
+        limits: crate::scene::BinocularLimits::default(),
         fov_deg: 60.0,
         resolution: [64, 64],
         ..scene.eye

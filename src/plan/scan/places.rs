@@ -145,6 +145,7 @@ mod tests {
             up: glam::DVec3::Y,
             pupil_diameter_m: 0.0,
             adapts: false,
+            limits: crate::scene::BinocularLimits::default(),
             focus_distance_m: 1.0,
             fov_deg: 12.0,
             resolution: [40, 20],

@@ -320,6 +320,10 @@ pub const ROWS: &[Row] = &[
     new(Eye, "fov_deg", Number, "deg", Between(0.0, 180.0), "full horizontal field of view"),
     new(Eye, "resolution", Integers(2), "pixels", Within(1.0, 65536.0), "width and height of the picture").or("360 x 180"),
     new(Eye, "age", Number, "years", Within(1.0, 120.0), "for glare and the adaptive pupil").or("45"),
+    new(Eye, "convergence_mrad", Number, "mrad", Positive, "limit that `eyebox scan` holds the virtual image to: by how much two eyes turn further towards each other than for a point at image_distance").or("none"),
+    new(Eye, "divergence_mrad", Number, "mrad", Positive, "the same: by how much less").or("none"),
+    new(Eye, "dipvergence_mrad", Number, "mrad", Positive, "the same: by how much one eye looks higher than the other").or("none"),
+    new(Eye, "image_distance", Length, "", PositiveOrInfinite, "where the virtual image is meant to be: limits of convergence and divergence count from there").or("none"),
     // The whole asset.
     new(Asset, "schema", Integer, "", Any, "version of this vocabulary, 1"),
     new(Asset, "version", Integer, "", Any, "version of the asset's own vocabulary, 1"),

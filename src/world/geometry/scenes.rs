@@ -234,6 +234,7 @@ pub fn scene(meshes: Vec<Mesh>, parts: Vec<Part>) -> Scene {
             up: DVec3::Y,
             pupil_diameter_m: 0.0,
             adapts: false,
+            limits: crate::scene::BinocularLimits::default(),
             focus_distance_m: f64::INFINITY,
             fov_deg: 10.0,
             resolution: [4, 4],
