@@ -53,6 +53,7 @@ pub(super) mod shard {
 }
 
 /// `vision/over_pixel.rs`
+/// - `01a9142` (Pictures that rays from the eye see are cut by the footprint of each pixel over film and pupil)
 pub(super) mod over_pixel {
     /// Where in a pixel, from its middle, and in the pupil, in radii, the five paths start by which all of both is known: the
     /// corners of a simplex,
@@ -81,8 +82,10 @@ pub(super) mod over_pixel {
     ];
     /// They are used where they err by no more than this of the variance of paths alone,
     pub const WORTH: f64 = 0.5;
-    /// or by this share of what is seen.
+    /// or by this share of what is seen;
     pub const RIGHT: f64 = 1e-2;
+    /// where they err by less than this, pixels aside are not asked.
+    pub const GOOD: f64 = 1.0 / 16.0;
     /// Places of the pupil by which a pass knows the mean over all of it: so many for each pixel by which a picture moves from one
     /// radius to another, and at most.
     pub const PER_PIXEL: f64 = 256.0;

@@ -7,13 +7,14 @@
 //! what the solver leaves of trains that paths from the lamps were not seen to arrive by. Where a slide's picture has an edge
 //! in a pixel, the picture is cut by the pixel's footprint ([`over_pixel`]).
 
+mod glints;
 mod over_pixel;
 
 use super::emitter_hit::EmitterHit;
 use super::ledger::Ledger;
 use super::ownership::Ownership;
 use super::pixel::Pixel;
-use super::tuning::vision::{LARGE, MOST_GLINTS, MOST_PIXELS, PATHS, PATHS_OF_A_GLINT, SPLIT_FROM};
+use super::tuning::vision::{PATHS, PATHS_OF_A_GLINT, SPLIT_FROM};
 use super::walk::{Meeting, Met as Ahead, Travel, Vertex, Walker};
 use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
@@ -26,7 +27,6 @@ use crate::film::guide::{ApertureGuide, Portals};
 use crate::film::plan::Plan;
 use crate::film::specular_chain::Glint;
 use crate::world::World;
-use crate::world::eye::EyeLens;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::lamp::Lamp;
@@ -36,9 +36,9 @@ use crate::world::slide::footprint::MOST as MOST_SLIDES;
 use crate::world::surface::Surface;
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
+pub use glints::is_looked_about;
 use over_pixel::PixelFootprints;
 use std::collections::HashMap;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// What a plan knows of where lamps are seen, and the sky.
@@ -103,42 +103,6 @@ struct Unknown {
     share: f64,
 }
 
-/// Columns and rows of the pixels that a glint reaches into; none if it is left to the paths of each.
-fn reach(eye: &EyeLens, glint: &Glint) -> Option<[Range<usize>; 2]> {
-    let (half, [w, h], [width, height]) = (eye.half(), eye.pixel(), eye.size());
-    if glint.area() > LARGE * w * h {
-        return None;
-    }
-    let range = |lo: f64, hi: f64, count: usize| {
-        let clamped = |x: f64| x.floor().clamp(0.0, count as f64) as usize;
-        clamped(lo)..clamped(hi + 1.0)
-    };
-    let ([x, y], [wide, high]) = (glint.middle, glint.half());
-    let columns = range((half.x + x - wide) / w, (half.x + x + wide) / w, width);
-    let rows = range((half.y - y - high) / h, (half.y - y + high) / h, height);
-    (columns.len() * rows.len() <= MOST_PIXELS).then_some([columns, rows])
-}
-
-/// Whether pixels have points of their own for a glint.
-pub fn is_looked_about(eye: &EyeLens, glint: &Glint) -> bool {
-    reach(eye, glint).is_some()
-}
-
-/// The glints that reach into each pixel: of many the first.
-fn by_pixel(eye: &EyeLens, glints: &[Glint]) -> HashMap<u64, Vec<Glint>> {
-    let [width, _] = eye.size();
-    let mut all: HashMap<u64, Vec<Glint>> = HashMap::new();
-    for (glint, [columns, rows]) in glints.iter().filter_map(|glint| Some((glint, reach(eye, glint)?))) {
-        for (px, py) in rows.flat_map(|py| columns.clone().map(move |px| (px, py))) {
-            let here = all.entry((py * width + px) as u64).or_default();
-            if here.len() < MOST_GLINTS {
-                here.push(*glint);
-            }
-        }
-    }
-    all
-}
-
 impl<'w, M: Mode> Vision<'w, M> {
     /// None if the route leaves direct vision of all lamps to others.
     pub fn new(world: &'w World, route: &Ownership, hints: Hints<'_>, seed: u64) -> Option<Self> {
@@ -151,7 +115,7 @@ impl<'w, M: Mode> Vision<'w, M> {
             whole: ours.any(|lamp| !route.is_connected(lamp.group)),
             share: hints.share,
             unknown: None,
-            glints: by_pixel(&world.eye, hints.glints),
+            glints: glints::by_pixel(&world.eye, hints.glints),
             pupil: hints.pupil.cloned(),
             footprints: None,
             seed,

@@ -38,9 +38,9 @@ pub(super) struct OverPixel<M: Mode> {
     /// Luminance per lane, cd/m², with the slides open.
     brightness: Linear<M::Lanes<f64>>,
     /// Where each slide is crossed, mesh units.
-    slides: ArrayVec<(usize, Linear<DVec3>), MOST>,
+    slides: Box<[(usize, Linear<DVec3>)]>,
     /// How far inside of where the chain's faces, and the lamp, end.
-    edges: ArrayVec<Linear<f64>, MOST>,
+    edges: Box<[Linear<f64>]>,
 }
 
 /// The same for one place of the pupil.

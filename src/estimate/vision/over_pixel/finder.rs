@@ -6,7 +6,7 @@ use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::pixel::Pixel;
-use crate::estimate::tuning::over_pixel::{ASIDE, BLOCK, RIGHT, TRIALS, WORTH};
+use crate::estimate::tuning::over_pixel::{ASIDE, BLOCK, GOOD, RIGHT, TRIALS, WORTH};
 use crate::film::accumulate::Light;
 use crate::world::mode::{Mode, components, plane_of};
 use crate::world::optics::Optics;
@@ -73,6 +73,14 @@ impl<M: Mode> PixelFootprints<M> {
     }
 }
 
+/// How far footprints are off.
+struct Off {
+    /// Squared, as a share of what is seen.
+    share: f64,
+    /// Others would hardly be better.
+    good: bool,
+}
+
 struct Finder<'f, M: Mode> {
     vision: &'f Vision<'f, M>,
     route: &'f Ownership,
@@ -112,21 +120,19 @@ impl<M: Mode> Finder<'_, M> {
             if aside == [0.0; 2] && !all.is_empty() && !all.iter().any(|over| over.has_edge(tracing)) {
                 return Vec::new();
             }
-            if let Some(off) = self.off(pixel, &all)
-                && best.as_ref().is_none_or(|(known, _)| off < *known)
-            {
-                best = Some((off, all));
+            let Some(Off { share, good }) = self.off(pixel, &all) else { continue };
+            if best.as_ref().is_none_or(|(known, _)| share < *known) {
+                best = Some((share, all));
             }
-            if best.as_ref().is_some_and(|(off, _)| *off <= RIGHT * RIGHT) {
+            if good {
                 break;
             }
         }
         best.map_or_else(Vec::new, |(_, all)| all)
     }
 
-    /// By how much paths differ from what footprints say: squared, as a share of what is seen. None where that is not much less
-    /// than they differ from each other.
-    fn off(&self, pixel: Pixel, all: &[OverPixel<M>]) -> Option<f64> {
+    /// By how much paths differ from what footprints say. None where that is not much less than they differ from each other.
+    fn off(&self, pixel: Pixel, all: &[OverPixel<M>]) -> Option<Off> {
         if all.is_empty() {
             return None;
         }
@@ -154,6 +160,7 @@ impl<M: Mode> Finder<'_, M> {
         let off = mean(&|[seen, foretold]| (seen - foretold).powi(2));
         let brightest = pairs.iter().flatten().fold(0.0, |most: f64, light| most.max(*light));
         let share = if brightest > 0.0 { off / (brightest * brightest) } else { 0.0 };
-        (off <= WORTH * variance || share <= RIGHT * RIGHT).then_some(share)
+        let right = share <= RIGHT * RIGHT;
+        (right || off <= WORTH * variance).then_some(Off { share, good: right || off <= GOOD * variance })
     }
 }

@@ -87,8 +87,8 @@ impl<M: Mode> OverPixel<M> {
             by_pupil: [lanes_of(&|own| own.by_pupil[0]), lanes_of(&|own| own.by_pupil[1])],
         };
         let crossed = |k: usize| (first.slides[k].0, simplex.of(at.map(|sight| sight.slides[k].1)));
-        let slides: ArrayVec<_, MOST> = (0..first.slides.len()).map(crossed).collect();
-        let mut edges = ArrayVec::new();
+        let slides: Box<[_]> = (0..first.slides.len()).map(crossed).collect();
+        let mut edges: ArrayVec<Linear<f64>, MOST> = ArrayVec::new();
         for (k, ((part, face), _)) in first.faces.iter().enumerate() {
             let Some(outline) = world.rims.outline_to_picture(*part, *face) else { continue };
             let flat = simplex.of(at.map(|sight| outline.flat(sight.faces[k].1)));
@@ -114,6 +114,7 @@ impl<M: Mode> OverPixel<M> {
             [place.middle, right, down, u, v].iter().all(|own| own.is_finite())
         };
         let fits = edges.len() + slides.len() <= MOST && slides.iter().all(|(_, place)| finite(place));
+        let edges = edges.iter().copied().collect();
         fits.then_some(OverPixel { plane: first.plane, alone: first.alone, brightness, slides, edges })
     }
 }
