@@ -82,10 +82,8 @@ pub(super) mod over_pixel {
     ];
     /// They are used where they err by no more than this of the variance of paths alone,
     pub const WORTH: f64 = 0.5;
-    /// or by this share of what is seen;
+    /// or by this share of what is seen.
     pub const RIGHT: f64 = 1e-2;
-    /// where they err by less than this, pixels aside are not asked.
-    pub const GOOD: f64 = 1.0 / 16.0;
     /// Places of the pupil by which a pass knows the mean over all of it: so many for each pixel by which a picture moves from one
     /// radius to another, and at most.
     pub const PER_PIXEL: f64 = 256.0;

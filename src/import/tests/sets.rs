@@ -204,7 +204,7 @@ const ROWS: &[(&str, &[&str], &str)] = &[
     (
         LIT,
         &["eye.pupil=3"],
-        "--set eye.pupil=3: unknown attribute `pupil` of eye; expected one of position, look, up, frame, pupil_diameter, focus_distance, fov_deg, resolution, age; did you mean `pupil_diameter`?",
+        "--set eye.pupil=3: unknown attribute `pupil` of eye; expected one of position, look, up, frame, pupil_diameter, focus_distance, fov_deg, resolution, age, convergence_mrad, divergence_mrad, dipvergence_mrad, image_distance; did you mean `pupil_diameter`?",
     ),
     (
         LIT,

@@ -12,6 +12,9 @@ use glam::{DVec2, DVec3};
 /// Most slides that are crossed one after the other.
 pub const MOST: usize = 4;
 
+/// A piece of no more of the square is rounding.
+const SLIVER: f64 = 64.0 * f64::EPSILON;
+
 /// Corners of a convex polygon; each of a slide's pixels that it is cut by adds four at most.
 type Polygon = ArrayVec<DVec2, { 4 + 4 * MOST }>;
 
@@ -105,6 +108,10 @@ impl<M: Mode> Sum<'_, M> {
         let Some((footprint, rest)) = footprints.split_first() else {
             self.pieces += 1;
             let (area, moment) = moments(piece);
+            // What rounding leaves of an edge along the square's own is nothing.
+            if area < SLIVER {
+                return Some(());
+            }
             for lane in 0..M::LANES {
                 let Brightness { middle, by } = self.brightness;
                 let factor = middle[lane] * area + by[0][lane] * moment.x + by[1][lane] * moment.y;

@@ -6,7 +6,7 @@ use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::pixel::Pixel;
-use crate::estimate::tuning::over_pixel::{ASIDE, BLOCK, GOOD, RIGHT, TRIALS, WORTH};
+use crate::estimate::tuning::over_pixel::{ASIDE, BLOCK, RIGHT, TRIALS, WORTH};
 use crate::film::accumulate::Light;
 use crate::world::mode::{Mode, components, plane_of};
 use crate::world::optics::Optics;
@@ -73,14 +73,6 @@ impl<M: Mode> PixelFootprints<M> {
     }
 }
 
-/// How far footprints are off.
-struct Off {
-    /// Squared, as a share of what is seen.
-    share: f64,
-    /// Others would hardly be better.
-    good: bool,
-}
-
 struct Finder<'f, M: Mode> {
     vision: &'f Vision<'f, M>,
     route: &'f Ownership,
@@ -89,7 +81,7 @@ struct Finder<'f, M: Mode> {
 }
 
 impl<M: Mode> Finder<'_, M> {
-    fn seen(&self, pixel: Pixel, square: Square) -> Vec<OverPixel<M>> {
+    fn seen(&self, pixel: Pixel, square: Square) -> (Vec<OverPixel<M>>, bool) {
         let choices = Rng::new(self.vision.seed, Stream::PictureEdges, 0, pixel.index);
         self.vision.over_square((self.route, self.optics), (pixel, square), &choices)
     }
@@ -100,7 +92,7 @@ impl<M: Mode> Finder<'_, M> {
             return Known::Dark;
         }
         let square = Square { middle: 0.5 * (BLOCK - 1) as f64, side: BLOCK as f64, aside: [0.0; 2] };
-        let all = self.seen(Pixel::new((x, y), self.width, 0), square);
+        let (all, _) = self.seen(Pixel::new((x, y), self.width, 0), square);
         let tracing = (self.vision.world, self.optics);
         if all.is_empty() {
             Known::Dark
@@ -116,23 +108,26 @@ impl<M: Mode> Finder<'_, M> {
         let tracing = (self.vision.world, self.optics);
         let mut best: Option<(f64, Vec<OverPixel<M>>)> = None;
         for aside in ASIDE {
-            let all = self.seen(pixel, Square { middle: 0.0, side: 1.0, aside });
-            if aside == [0.0; 2] && !all.is_empty() && !all.iter().any(|over| over.has_edge(tracing)) {
+            let (all, whole) = self.seen(pixel, Square { middle: 0.0, side: 1.0, aside });
+            if aside == [0.0; 2] && whole && !all.iter().any(|over| over.has_edge(tracing)) {
                 return Vec::new();
             }
-            let Some(Off { share, good }) = self.off(pixel, &all) else { continue };
-            if best.as_ref().is_none_or(|(known, _)| share < *known) {
-                best = Some((share, all));
+            if let Some(off) = self.off(pixel, &all)
+                && best.as_ref().is_none_or(|(known, _)| off < *known)
+            {
+                best = Some((off, all));
             }
-            if good {
+            // Pixels aside know more only of what ends in this one.
+            if whole {
                 break;
             }
         }
         best.map_or_else(Vec::new, |(_, all)| all)
     }
 
-    /// By how much paths differ from what footprints say. None where that is not much less than they differ from each other.
-    fn off(&self, pixel: Pixel, all: &[OverPixel<M>]) -> Option<Off> {
+    /// By how much paths differ from what footprints say: squared, as a share of what is seen. None where that is not much less
+    /// than they differ from each other.
+    fn off(&self, pixel: Pixel, all: &[OverPixel<M>]) -> Option<f64> {
         if all.is_empty() {
             return None;
         }
@@ -160,7 +155,6 @@ impl<M: Mode> Finder<'_, M> {
         let off = mean(&|[seen, foretold]| (seen - foretold).powi(2));
         let brightest = pairs.iter().flatten().fold(0.0, |most: f64, light| most.max(*light));
         let share = if brightest > 0.0 { off / (brightest * brightest) } else { 0.0 };
-        let right = share <= RIGHT * RIGHT;
-        (right || off <= WORTH * variance).then_some(Off { share, good: right || off <= GOOD * variance })
+        (off <= WORTH * variance || share <= RIGHT * RIGHT).then_some(share)
     }
 }

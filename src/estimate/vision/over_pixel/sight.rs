@@ -18,8 +18,8 @@ use arrayvec::ArrayVec;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::ops::{Add, Mul, Sub};
 
-/// Paths from the corners of a simplex.
-const CORNERS: usize = STARTS.len();
+/// One for each corner of a simplex.
+type AtCorners<T> = [T; STARTS.len()];
 
 /// A lamp seen along one path.
 struct Sight<M: Mode> {
@@ -59,7 +59,7 @@ impl Simplex {
         Simplex { first, inverse: DMat4::from_cols(a - first, b - first, c - first, d - first).inverse() }
     }
 
-    fn of<T>(&self, values: [T; CORNERS]) -> Linear<T>
+    fn of<T>(&self, values: AtCorners<T>) -> Linear<T>
     where
         T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
     {
@@ -77,7 +77,7 @@ impl Simplex {
 impl<M: Mode> OverPixel<M> {
     /// By what paths from the corners of a simplex see. None where nothing of it is seen past the edges of faces, or more of them
     /// are near than can be cut.
-    fn new(world: &World, at: [&Sight<M>; CORNERS], simplex: &Simplex) -> Option<OverPixel<M>> {
+    fn new(world: &World, at: AtCorners<&Sight<M>>, simplex: &Simplex) -> Option<OverPixel<M>> {
         let [first, ..] = at;
         let strength = lanes::<M, _>(|lane| simplex.of(at.map(|sight| sight.strength[lane])));
         let lanes_of = |of: &dyn Fn(&Linear<f64>) -> f64| lanes::<M, _>(|lane| of(&strength[lane]));
@@ -130,13 +130,13 @@ pub(super) struct Square {
 }
 
 impl<M: Mode> Vision<'_, M> {
-    /// The lamps that all of a square about a pixel sees through all of the pupil.
+    /// The lamps that all of a square about a pixel sees through all of the pupil, and whether that is all that parts of it see.
     pub(super) fn over_square(
         &self,
         tracing: (&Ownership, &Optics<M>),
         (pixel, square): (Pixel, Square),
         choices: &Rng,
-    ) -> Vec<OverPixel<M>> {
+    ) -> (Vec<OverPixel<M>>, bool) {
         let simplex = Simplex::new(square.aside);
         let at = |[x, y, u, v]: [f64; 4]| {
             let place = (DVec2::new(x, y) + DVec2::from_array(square.aside)) * square.side + square.middle;
@@ -145,7 +145,7 @@ impl<M: Mode> Vision<'_, M> {
         let [start, others @ ..] = STARTS;
         let first = at(start);
         if first.is_empty() {
-            return Vec::new();
+            return (Vec::new(), false);
         }
         let others = others.map(at);
         let all = |sight: &Sight<M>| {
@@ -153,7 +153,10 @@ impl<M: Mode> Vision<'_, M> {
             let [a, b, c, d] = [0, 1, 2, 3].map(|k: usize| like(&others[k]).map(|at| &others[k][at]));
             OverPixel::new(self.world, [sight, a?, b?, c?, d?], &simplex)
         };
-        first.iter().filter_map(all).collect()
+        let most = others.iter().fold(first.len(), |most, sights| most.max(sights.len()));
+        let all: Vec<OverPixel<M>> = first.iter().filter_map(all).collect();
+        let whole = all.len() == most;
+        (all, whole)
     }
 
     /// The lamps, with pictures or behind slides or neither, that a path from a place of a pixel (from its middle) meets.
