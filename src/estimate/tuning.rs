@@ -84,10 +84,10 @@ pub(super) mod over_pixel {
     pub const WORTH: f64 = 0.5;
     /// or by this share of what is seen.
     pub const RIGHT: f64 = 1e-2;
-    /// Places of the pupil by which a pass knows the mean over all of it: so many for each pixel by which a picture moves from one
-    /// radius to another, and at most.
-    pub const PER_PIXEL: f64 = 256.0;
-    pub const MOST_PLACES: u64 = 256;
+    /// Pairs of places of the pupil by which a pass knows the mean over all of it: so many for each pixel by which a picture moves
+    /// from the middle to the rim, and at most.
+    pub const PER_PIXEL: f64 = 128.0;
+    pub const MOST_PAIRS: f64 = 64.0;
 }
 
 /// `vision.rs`

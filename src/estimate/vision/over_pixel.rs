@@ -9,18 +9,18 @@ mod sight;
 
 use super::{Met, Vision};
 use crate::base::rng::Stream;
-use crate::base::warp::disk;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::pixel::Pixel;
-use crate::estimate::tuning::over_pixel::{MOST_PLACES, PER_PIXEL, WIDER};
+use crate::estimate::tuning::over_pixel::{MOST_PAIRS, PER_PIXEL, WIDER};
 use crate::film::accumulate::Light;
 use crate::world::World;
-use crate::world::mode::{Mode, lanes, plane_of};
+use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
 use crate::world::optics::Optics;
 use crate::world::slide::footprint::{self, Brightness, Edge, Footprint, MOST};
 use arrayvec::ArrayVec;
 pub(super) use finder::PixelFootprints;
 use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
 
 /// What is linear in the place in a pixel, from its middle to the right and down, and in the pupil, in radii.
 #[derive(Debug, Clone, Copy)]
@@ -50,6 +50,14 @@ struct AtPupil<M: Mode> {
     edges: ArrayVec<Edge, MOST>,
 }
 
+/// Place number `k` of so many on a disc, in its radii: a spiral by the golden angle, each place in a ring of the same area (H. Vogel,
+/// "A better way to construct the sunflower head", Math. Biosci. 44, 1979). `start`: 0 to 1, where in its ring the first lies.
+fn on_spiral(k: u64, count: u64, start: [f64; 2]) -> DVec2 {
+    let golden_angle = PI * (3.0 - 5f64.sqrt());
+    let radius = ((k as f64 + start[0]) / count as f64).sqrt();
+    DVec2::from_angle(golden_angle * k as f64 + 2.0 * PI * start[1]) * radius
+}
+
 impl<M: Mode> AtPupil<M> {
     fn mean(&self, tracing: (&World, &Optics<M>)) -> Option<(M::Lanes<Light>, u64)> {
         footprint::mean(tracing, &self.brightness, (&self.edges, &self.footprints))
@@ -76,14 +84,21 @@ impl<M: Mode> OverPixel<M> {
         }
     }
 
-    /// How many places of the pupil tell what is seen through all of it: more the farther the picture moves from one to another.
-    fn places(&self) -> u64 {
+    /// In the middle, cd/m².
+    fn strength(&self) -> f64 {
+        self.brightness.middle.as_slice().iter().fold(0.0, |most: f64, own| most.max(own.abs()))
+    }
+
+    /// How many pairs of places of the pupil tell what is seen through all of it: more the farther the picture moves from one to
+    /// another, fewer where it has but a share of the light.
+    fn pairs(&self, share: f64) -> u64 {
         let of = |by: &[DVec3; 2]| by[0].length() + by[1].length();
         let of_slides = self.slides.iter().map(|(_, place)| of(&place.by_pupil) / of(&place.by_pixel));
         let of_edge = |by: &[f64; 2]| by[0].abs() + by[1].abs();
         let of_edges = self.edges.iter().map(|inside| of_edge(&inside.by_pupil) / of_edge(&inside.by_pixel));
         let pixels = of_slides.chain(of_edges).filter(|moves| moves.is_finite()).fold(0.0, f64::max);
-        ((PER_PIXEL * pixels) as u64).clamp(2, MOST_PLACES).next_power_of_two()
+        let share = if share.is_finite() { share } else { 1.0 };
+        (share * (PER_PIXEL * pixels).min(MOST_PAIRS)).max(1.0) as u64
     }
 
     /// What is seen at a place of the pixel, from its middle, and of the pupil; none where that is beside a picture or an edge.
@@ -117,15 +132,17 @@ impl<M: Mode> Vision<'_, M> {
         out: &mut [Light],
         ledger: &mut Ledger,
     ) {
+        if over.is_empty() {
+            return;
+        }
+        let brightest = over.iter().map(OverPixel::strength).fold(0.0, f64::max);
+        let [first, turn] = pixel.start(self.seed, Stream::PictureEdges, pixel.pass);
         for over in over {
-            let places = over.places();
-            let weight = 1.0 / (share * places as f64);
-            for k in 0..places {
-                // Each with the one across from it: what is linear over the pupil, most of it, is exact.
-                let index = pixel.pass.wrapping_mul(places / 2).wrapping_add(k / 2);
-                let place = disk(pixel.start(self.seed, Stream::PictureEdges, index));
-                let pupil = if k % 2 == 0 { place } else { -place };
-                let Some((mean, pieces)) = over.at_pupil(pupil).mean((self.world, optics)) else { continue };
+            let pairs = over.pairs(over.strength() / brightest);
+            let weight = 1.0 / (share * 2.0 * pairs as f64);
+            // Each with the one across from it: what is linear over the pupil, most of it, is exact.
+            for place in (0..pairs).map(|k| on_spiral(k, pairs, [first, turn])).flat_map(|place| [place, -place]) {
+                let Some((mean, pieces)) = over.at_pupil(place).mean((self.world, optics)) else { continue };
                 ledger.work += pieces * cost::CUT;
                 let light = lanes::<M, _>(|lane| mean[lane].scaled(weight));
                 M::deposit(optics, plane_of::<M>(out, over.plane), light, over.alone);
