@@ -5,7 +5,7 @@
 //! in a small part of it: where the plan knows which, most of the rays go there. Where specular connection has what it can,
 //! some pixels of a pass look for what comes over trains of faces that it does not know, or has no start for there, and for
 //! what the solver leaves of trains that paths from the lamps were not seen to arrive by. Where a slide's picture has an edge
-//! in a pixel, the picture is cut by the pixel's footprint ([`over_pixel`]).
+//! in a pixel, the picture is cut by the pixel's footprint (`vision/over_pixel.rs`).
 
 mod glints;
 mod over_pixel;
@@ -190,7 +190,7 @@ impl<'w, M: Mode> Vision<'w, M> {
         }
     }
 
-    /// A place in the pupil for two numbers from 0 to 1, as [`EyeLens::ray`] takes it, and its density relative to chance.
+    /// A place in the pupil for two numbers from 0 to 1, as [`ray`](crate::world::eye::EyeLens::ray) takes it, and its density relative to chance.
     fn lens(&self, pixel: Pixel, uv: [f64; 2]) -> ([f64; 2], f64) {
         let Some(guide) = &self.pupil else { return (uv, 1.0) };
         let [width, height] = self.world.eye.size();
