@@ -88,6 +88,9 @@ pub(super) mod over_pixel {
     /// from the middle to the rim, and at most.
     pub const PER_PIXEL: f64 = 128.0;
     pub const MOST_PAIRS: f64 = 64.0;
+    /// So many pieces of pictures are cut for a pixel and pass, about, once across and once for each pair; where one place alone
+    /// takes more, none.
+    pub const CUTS: u64 = 256;
 }
 
 /// `vision.rs`

@@ -11,7 +11,7 @@ use super::{Met, Vision};
 use crate::base::rng::Stream;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::pixel::Pixel;
-use crate::estimate::tuning::over_pixel::{MOST_PAIRS, PER_PIXEL, WIDER};
+use crate::estimate::tuning::over_pixel::{CUTS, MOST_PAIRS, PER_PIXEL, WIDER};
 use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
@@ -41,6 +41,8 @@ pub(super) struct OverPixel<M: Mode> {
     slides: Box<[(usize, Linear<DVec3>)]>,
     /// How far inside of where the chain's faces, and the lamp, end.
     edges: Box<[Linear<f64>]>,
+    /// Of how many pieces of the pictures it is put together, about.
+    pieces: u64,
 }
 
 /// The same for one place of the pupil.
@@ -90,7 +92,7 @@ impl<M: Mode> OverPixel<M> {
     }
 
     /// How many pairs of places of the pupil tell what is seen through all of it: more the farther the picture moves from one to
-    /// another, fewer where it has but a share of the light.
+    /// another, fewer where it has but a share of the light or is put together of many pieces.
     fn pairs(&self, share: f64) -> u64 {
         let of = |by: &[DVec3; 2]| by[0].length() + by[1].length();
         let of_slides = self.slides.iter().map(|(_, place)| of(&place.by_pupil) / of(&place.by_pixel));
@@ -98,7 +100,7 @@ impl<M: Mode> OverPixel<M> {
         let of_edges = self.edges.iter().map(|inside| of_edge(&inside.by_pupil) / of_edge(&inside.by_pixel));
         let pixels = of_slides.chain(of_edges).filter(|moves| moves.is_finite()).fold(0.0, f64::max);
         let share = if share.is_finite() { share } else { 1.0 };
-        (share * (PER_PIXEL * pixels).min(MOST_PAIRS)).max(1.0) as u64
+        ((share * (PER_PIXEL * pixels).min(MOST_PAIRS)) as u64).min(CUTS / self.pieces.max(1)).max(1)
     }
 
     /// What is seen at a place of the pixel, from its middle, and of the pupil; none where that is beside a picture or an edge.

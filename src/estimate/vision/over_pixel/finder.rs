@@ -6,7 +6,7 @@ use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::pixel::Pixel;
-use crate::estimate::tuning::over_pixel::{ASIDE, BLOCK, RIGHT, TRIALS, WORTH};
+use crate::estimate::tuning::over_pixel::{ASIDE, BLOCK, CUTS, RIGHT, TRIALS, WORTH};
 use crate::film::accumulate::Light;
 use crate::world::mode::{Mode, components, plane_of};
 use crate::world::optics::Optics;
@@ -122,7 +122,15 @@ impl<M: Mode> Finder<'_, M> {
                 break;
             }
         }
-        best.map_or_else(Vec::new, |(_, all)| all)
+        let Some((_, mut all)) = best else { return Vec::new() };
+        for over in &mut all {
+            match over.at_pupil(DVec2::ZERO).mean(tracing) {
+                Some((_, pieces)) if pieces <= CUTS => over.pieces = pieces,
+                // A picture much finer than the pixel: rays average it for less.
+                Some(_) | None => return Vec::new(),
+            }
+        }
+        all
     }
 
     /// By how much paths differ from what footprints say: squared, as a share of what is seen. None where that is not much less
