@@ -41,8 +41,16 @@ pub(super) struct OverPixel<M: Mode> {
     slides: Box<[(usize, Linear<DVec3>)]>,
     /// How far inside of where the chain's faces, and the lamp, end.
     edges: Box<[Linear<f64>]>,
-    /// Of how many pieces of the pictures it is put together, about.
-    pieces: u64,
+    /// By how many pairs of places of the pupil a pass knows the mean over all of it.
+    pairs: u64,
+}
+
+impl Linear<DVec3> {
+    /// By how many pixels the place moves from the middle of the pupil to its rim, about.
+    fn pixels_over_pupil(&self) -> f64 {
+        let of = |by: &[DVec3; 2]| by[0].length() + by[1].length();
+        of(&self.by_pupil) / of(&self.by_pixel)
+    }
 }
 
 /// The same for one place of the pupil.
@@ -93,14 +101,13 @@ impl<M: Mode> OverPixel<M> {
 
     /// How many pairs of places of the pupil tell what is seen through all of it: more the farther the picture moves from one to
     /// another, fewer where it has but a share of the light or is put together of many pieces.
-    fn pairs(&self, share: f64) -> u64 {
-        let of = |by: &[DVec3; 2]| by[0].length() + by[1].length();
-        let of_slides = self.slides.iter().map(|(_, place)| of(&place.by_pupil) / of(&place.by_pixel));
+    fn pairs(&self, share: f64, pieces: u64) -> u64 {
+        let of_slides = self.slides.iter().map(|(_, place)| place.pixels_over_pupil());
         let of_edge = |by: &[f64; 2]| by[0].abs() + by[1].abs();
         let of_edges = self.edges.iter().map(|inside| of_edge(&inside.by_pupil) / of_edge(&inside.by_pixel));
         let pixels = of_slides.chain(of_edges).filter(|moves| moves.is_finite()).fold(0.0, f64::max);
         let share = if share.is_finite() { share } else { 1.0 };
-        ((share * (PER_PIXEL * pixels).min(MOST_PAIRS)) as u64).min(CUTS / self.pieces.max(1)).max(1)
+        ((share * (PER_PIXEL * pixels).min(MOST_PAIRS)) as u64).min(CUTS / pieces.max(1)).max(1)
     }
 
     /// What is seen at a place of the pixel, from its middle, and of the pupil; none where that is beside a picture or an edge.
@@ -114,8 +121,7 @@ impl<M: Mode> OverPixel<M> {
         let mut wide = self.at_pupil(DVec2::ZERO);
         wide.edges.clear();
         for (footprint, (_, place)) in wide.footprints.iter_mut().zip(&self.slides) {
-            let of = |by: &[DVec3; 2]| by[0].length() + by[1].length();
-            let wider = WIDER + 2.0 * of(&place.by_pupil) / of(&place.by_pixel);
+            let wider = WIDER + 2.0 * place.pixels_over_pupil();
             footprint.by = footprint.by.map(|by| wider * by);
         }
         let at_rim = |footprint: &Footprint| footprint.to_rim(&tracing.0.slides[footprint.slide]) <= 0.0;
@@ -137,10 +143,9 @@ impl<M: Mode> Vision<'_, M> {
         if over.is_empty() {
             return;
         }
-        let brightest = over.iter().map(OverPixel::strength).fold(0.0, f64::max);
         let [first, turn] = pixel.start(self.seed, Stream::PictureEdges, pixel.pass);
         for over in over {
-            let pairs = over.pairs(over.strength() / brightest);
+            let pairs = over.pairs;
             let weight = 1.0 / (share * 2.0 * pairs as f64);
             // Each with the one across from it: what is linear over the pupil, most of it, is exact.
             for place in (0..pairs).map(|k| on_spiral(k, pairs, [first, turn])).flat_map(|place| [place, -place]) {

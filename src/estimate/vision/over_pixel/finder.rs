@@ -8,17 +8,16 @@ use crate::estimate::ownership::Ownership;
 use crate::estimate::pixel::Pixel;
 use crate::estimate::tuning::over_pixel::{ASIDE, BLOCK, CUTS, RIGHT, TRIALS, WORTH};
 use crate::film::accumulate::Light;
-use crate::world::mode::{Mode, components, plane_of};
+use crate::world::mode::{Mode, components};
 use crate::world::optics::Optics;
 use glam::DVec2;
 use rayon::prelude::*;
 
 /// The footprints of those pixels.
-pub(in crate::estimate::vision) struct PixelFootprints<M: Mode> {
-    /// Per pixel the end of its own, in pixel order.
-    ends: Vec<u32>,
-    all: Vec<OverPixel<M>>,
-}
+pub(in crate::estimate::vision) struct PixelFootprints<M: Mode>(
+    /// Per pixel; nothing where it has none.
+    Vec<Box<[OverPixel<M>]>>,
+);
 
 /// What a block by itself knows of pictures.
 #[derive(Debug, Clone, Copy)]
@@ -53,23 +52,14 @@ impl<M: Mode> PixelFootprints<M> {
         let of_pixel = |index: usize| {
             let at = [index % width, index / width];
             let wanted = vision.world.eye.wants(at) && is_near(at);
-            if wanted { finder.best(Pixel::new((at[0], at[1]), width, 0)) } else { Vec::new() }
+            if wanted { finder.best(Pixel::new((at[0], at[1]), width, 0)).into() } else { Box::default() }
         };
-        let found: Vec<Vec<OverPixel<M>>> = (0..width * height).into_par_iter().map(of_pixel).collect();
-        let mut end = 0u32;
-        let counted = |own: &Vec<OverPixel<M>>| {
-            end = end.saturating_add(u32::try_from(own.len()).unwrap_or(u32::MAX));
-            end
-        };
-        PixelFootprints { ends: found.iter().map(counted).collect(), all: found.into_iter().flatten().collect() }
+        PixelFootprints((0..width * height).into_par_iter().map(of_pixel).collect())
     }
 
-    /// Those of a pixel; nothing where it has none.
+    /// Those of a pixel.
     pub(in crate::estimate::vision) fn of(&self, pixel: u64) -> &[OverPixel<M>] {
-        let pixel = pixel as usize;
-        let first = pixel.checked_sub(1).and_then(|before| self.ends.get(before)).map_or(0, |end| *end as usize);
-        let end = self.ends.get(pixel).map_or(first, |end| *end as usize);
-        self.all.get(first..end).unwrap_or(&[])
+        self.0.get(pixel as usize).map_or(&[], |own| own)
     }
 }
 
@@ -123,9 +113,10 @@ impl<M: Mode> Finder<'_, M> {
             }
         }
         let Some((_, mut all)) = best else { return Vec::new() };
+        let brightest = all.iter().map(OverPixel::strength).fold(0.0, f64::max);
         for over in &mut all {
             match over.at_pupil(DVec2::ZERO).mean(tracing) {
-                Some((_, pieces)) if pieces <= CUTS => over.pieces = pieces,
+                Some((_, pieces)) if pieces <= CUTS => over.pairs = over.pairs(over.strength() / brightest, pieces),
                 // A picture much finer than the pixel: rays average it for less.
                 Some(_) | None => return Vec::new(),
             }
@@ -151,11 +142,7 @@ impl<M: Mode> Finder<'_, M> {
             let (jitter, pupil) = ([x + 0.5, y + 0.5], DVec2::new(u, v));
             let rng = Rng::new(vision.seed, Stream::PictureEdges, 1 + k as u64, pixel.index);
             vision.look_along((self.route, optics), (pixel, jitter, pupil), (1.0, rng), &mut seen, &mut ledger);
-            for over in all {
-                if let Some(light) = over.at((vision.world, optics), (DVec2::new(x, y), pupil)) {
-                    M::deposit(optics, plane_of::<M>(&mut more, over.plane), light, over.alone);
-                }
-            }
+            vision.take_off((optics, all), (jitter, pupil), -1.0, &mut more);
             *pair = [luminance(&seen), luminance(&more)];
         }
         let mean = |of: &dyn Fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>() / TRIALS.len() as f64;

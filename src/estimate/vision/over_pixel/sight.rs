@@ -115,7 +115,7 @@ impl<M: Mode> OverPixel<M> {
         };
         let fits = edges.len() + slides.len() <= MOST && slides.iter().all(|(_, place)| finite(place));
         let edges = edges.iter().copied().collect();
-        fits.then_some(OverPixel { plane: first.plane, alone: first.alone, brightness, slides, edges, pieces: 1 })
+        fits.then_some(OverPixel { plane: first.plane, alone: first.alone, brightness, slides, edges, pairs: 1 })
     }
 }
 
