@@ -308,3 +308,89 @@ fn light_of_large_pictured_lamps_goes_to_who_has_it_for_less() {
         }
     }
 }
+
+/// A white square at z = −1 m that a camera looks at from within the sphere of a light, about it at z = 1: E = π r² L/d² in its middle.
+const WITHIN: &str = r#"#usda 1.0
+(
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+def SphereLight "around" {
+    float inputs:intensity = 100
+    float inputs:radius = 0.5
+    double3 xformOp:translate = (0, 0, 1)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Camera "eye" {
+    float horizontalAperture = 0.1
+    float verticalAperture = 0.1
+    float focalLength = 100
+    double3 xformOp:translate = (0, 0, CAMERA)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Mesh "plate" {
+    uniform token subdivisionScheme = "none"
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)]
+    color3f[] primvars:displayColor = [(0.5, 0.5, 0.5)] (interpolation = "constant")
+}
+"#;
+
+#[test]
+fn a_camera_within_a_light_sees_what_that_lights() {
+    let folder = tempfile::tempdir().unwrap();
+    for place in ["1.2", "0.2"] {
+        let asset = folder.path().join(format!("within{place}.usda"));
+        std::fs::write(&asset, WITHIN.replace("CAMERA", place)).unwrap();
+        let scene = import(&asset, &ImportOptions::default()).unwrap().scene;
+        let told = scene.notes.iter().any(|note| note.text.contains("the eye stands inside of the sphere"));
+        assert_eq!(told, place == "1.2");
+        let want = 0.5 * 0.5f64.powi(2) * 100.0 / 2f64.powi(2);
+        let [got] = row(&asset, 1)[..] else { panic!("one pixel") };
+        // The plate is a dielectric of roughness 1, which reflects some per cent more or less than a matt one.
+        got.iter().for_each(|got| assert!((got / want - 1.0).abs() < 0.06, "{place}: {got}, want {want}"));
+    }
+}
+
+/// A camera in a closed box, and one beside it.
+const BOXED: &str = r#"#usda 1.0
+(
+    metersPerUnit = 1
+    upAxis = "Y"
+)
+def Cube "box" {
+    double size = 1
+}
+def Camera "inside" {
+}
+LAMP
+BESIDE
+"#;
+const BESIDE: &str = r#"def Camera "beside" {
+    double3 xformOp:translate = (0, 0, 5)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}"#;
+const LAMP: &str = r#"def SphereLight "lamp" {
+    float inputs:radius = 0.05
+    double3 xformOp:translate = (0, 0, -0.3)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}"#;
+
+#[test]
+fn a_camera_that_no_light_comes_to_gives_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let eye = |lamp: &str, beside: &str| {
+        let asset = folder.path().join("boxed.usda");
+        std::fs::write(&asset, BOXED.replace("LAMP", lamp).replace("BESIDE", beside)).unwrap();
+        let scene = import(&asset, &ImportOptions::default()).unwrap().scene;
+        let told =
+            scene.notes.iter().any(|note| note.text.contains("`inside` stands inside of box, where no light comes"));
+        (told, scene.eye.position)
+    };
+    assert_eq!(eye("", BESIDE), (true, glam::DVec3::Z * 5.0));
+    let (told, framing) = eye("", "");
+    assert!(told && framing.length() > 1.0, "{framing}");
+    // A room that a lamp lights is looked at from within.
+    assert_eq!(eye(LAMP, BESIDE), (false, glam::DVec3::ZERO));
+}

@@ -5,6 +5,7 @@ use super::asset_attributes::AssetAttributes;
 use super::bind::bind;
 use super::binding_slots::{PartBound, Rank, Slot, Slots};
 use super::defaults;
+use super::enclosed::Bodies;
 use super::explain::Explained;
 use super::files;
 use super::frames;
@@ -141,17 +142,9 @@ pub(super) fn build_within(
         Some(value) => Some(builder.sun(value)?),
         None => its_sun,
     };
-    let mut made = builder.lights(sky.as_ref().map(|sky| sky.group))?;
-    made.lights.extend(sun);
-    let sky = sky.or(made.dome.take());
-    // Glowing pictures on things are how those look; what lights a scene shines evenly.
-    let shines = |face: &Face| face.emitter.as_ref().is_some_and(|emitter| emitter.pattern.is_none());
-    let lit = |parts: &[Part]| parts.iter().flat_map(|part| &part.faces).any(shines);
-    let dark = sky.is_none() && made.lights.is_empty() && !lit(&scene_parts) && !lit(&made.parts);
-    let mut assumed = Assumed { eye: false, sky: bare && dark, sky_cd_m2: defaults::SKY_CD_M2 };
-    let sky = if assumed.sky { Some(builder.assumed_sky(assumed.sky_cd_m2)) } else { sky };
-    scene_parts.append(&mut made.parts);
-    let said = frames::eye(&assembly, sheet.eye.as_ref(), (unit_m, bare), &mut builder.notes)?;
+    let bodies = Bodies { assembly: &assembly, unit_m, parts: &scene_parts, surfaces: &builder.surfaces };
+    let said = frames::eye(&bodies, sheet.eye.as_ref(), bare, &mut builder.notes)?;
+    let assumes_eye = said.is_none();
     let eye = match said {
         Some(eye) => eye,
         None => {
@@ -159,10 +152,19 @@ pub(super) fn build_within(
             let (eye, note) = if bare { assumed_eye() } else { None }
                 .ok_or_else(|| if bare { no_surface(&assembly) } else { no_eye(sidecar, &assembly.file) })?;
             builder.notes.push(note);
-            assumed.eye = true;
             eye
         }
     };
+    let mut made = builder.lights(sky.as_ref().map(|sky| sky.group), eye.position)?;
+    made.lights.extend(sun);
+    let sky = sky.or(made.dome.take());
+    // Glowing pictures on things are how those look; what lights a scene shines evenly.
+    let shines = |face: &Face| face.emitter.as_ref().is_some_and(|emitter| emitter.pattern.is_none());
+    let lit = |parts: &[Part]| parts.iter().flat_map(|part| &part.faces).any(shines);
+    let dark = sky.is_none() && made.lights.is_empty() && !lit(&scene_parts) && !lit(&made.parts);
+    let assumed = Assumed { eye: assumes_eye, sky: bare && dark, sky_cd_m2: defaults::SKY_CD_M2 };
+    let sky = if assumed.sky { Some(builder.assumed_sky(assumed.sky_cd_m2)) } else { sky };
+    scene_parts.append(&mut made.parts);
     let Builder {
         media,
         coatings,

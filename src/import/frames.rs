@@ -2,6 +2,7 @@
 
 use super::assembly::{Assembly, Camera};
 use super::defaults;
+use super::enclosed::Bodies;
 use super::fit::{self, Fitted};
 use super::optics::{self, EyeSpec, Lens, Pose};
 use super::select;
@@ -50,16 +51,22 @@ fn frame_of(assembly: &Assembly, frame: Option<&(String, Where)>) -> Result<DAff
 
 /// The eye that `value` and the asset's camera describe; none if neither does.
 /// Faults: incomplete or contradictory descriptions.
-/// `bare`: nobody has said what parts are optically, so that cameras are pinholes and pictures larger.
-pub fn eye(
-    assembly: &Assembly,
-    value: Option<&Value>,
-    (unit_m, bare): (f64, bool),
-    notes: &mut Vec<Note>,
-) -> Result<Option<Eye>> {
-    let usable = |camera: &&Camera| camera.yfov.is_some();
-    let mut cameras = assembly.cameras.iter().filter(usable);
-    let camera = cameras.next();
+/// `bare`: nobody has said what parts are optically, so that cameras are pinholes and pictures larger; and cameras that stand
+/// inside of something without light are passed over.
+pub fn eye(bodies: &Bodies, value: Option<&Value>, bare: bool, notes: &mut Vec<Note>) -> Result<Option<Eye>> {
+    let Bodies { assembly, unit_m, .. } = *bodies;
+    let usable = |camera: &&Camera| {
+        let hidden = || bodies.about(assembly.axes * camera.to_world.translation * unit_m);
+        let dark = if bare && camera.yfov.is_some() { hidden() } else { None };
+        notes.extend(dark.map(|part| {
+            let text =
+                format!("the asset's camera `{}` stands inside of {part}, where no light comes: not used", camera.name);
+            Note::warning(Where::file(&assembly.file), text)
+        }));
+        camera.yfov.is_some() && dark.is_none()
+    };
+    let cameras: Vec<&Camera> = assembly.cameras.iter().filter(usable).collect();
+    let camera = cameras.first().copied();
     let empty = Value::new(Data::Table(Vec::new()), Where::file(&assembly.file));
     let value = match (value, camera) {
         (Some(value), _) => value,
@@ -108,7 +115,7 @@ pub fn eye(
                 return Err(Error::new(spec.at.clone(), format!("camera `{}` has no direction", camera.name))
                     .code(Code::EyeImpossible));
             }
-            let more = if cameras.next().is_some() { ", the first of several" } else { "" };
+            let more = if cameras.len() > 1 { ", the first of several" } else { "" };
             let text = format!("the eye is the asset's camera `{}`{more}", camera.name);
             notes.push(Note::info(spec.at.clone(), text));
             (assembly.axes * camera.to_world.translation * unit_m, look, up)

@@ -32,8 +32,9 @@ pub(super) struct Made {
 }
 
 impl Builder<'_> {
-    /// Makes the asset's lights. `sky`: the light group of the sky that something else says, whose dome has no say.
-    pub(super) fn lights(&mut self, sky: Option<GroupId>) -> Result<Made> {
+    /// Makes the asset's lights. `sky`: the light group of the sky that something else says, whose dome has no say; `eye`: where it
+    /// is, world, m.
+    pub(super) fn lights(&mut self, sky: Option<GroupId>, eye: DVec3) -> Result<Made> {
         let mut made = Made::default();
         let assembly = self.assembly;
         for light in &assembly.lights {
@@ -44,6 +45,13 @@ impl Builder<'_> {
                     Error::new(light.at.clone(), format!("light {} has no direction", light.name))
                         .expected("a node that is not scaled to nothing")
                 })
+            };
+            let about_eye = || light.form.holds(to_world.inverse().transform_point3(eye));
+            // A body whose outside shines has its flux, π · luminance · area.
+            let point = |intensity_cd: f64| BeaconForm::Point {
+                position: to_world.translation,
+                intensity_cd: intensity_cd / 4.0,
+                spot: None,
             };
             let form = match light.form {
                 LightForm::Point { intensity_cd, cone } if light.profile.is_some() => {
@@ -88,6 +96,14 @@ impl Builder<'_> {
                 LightForm::Cylinder { luminance_cd_m2, radius, length } if light.profile.is_some() => {
                     self.warn(light, "a cylinder with a measured distribution becomes a point");
                     self.web(light, PI * luminance_cd_m2 * area(&cylinder(radius, length), &to_world), &to_asset)?
+                }
+                LightForm::Sphere { luminance_cd_m2, radius } if about_eye() => {
+                    self.warn(light, "the eye stands inside of the sphere, which becomes a point");
+                    point(luminance_cd_m2 * area(&sphere(radius), &to_world))
+                }
+                LightForm::Cylinder { luminance_cd_m2, radius, length } if about_eye() => {
+                    self.warn(light, "the eye stands inside of the cylinder, which becomes a point");
+                    point(luminance_cd_m2 * area(&cylinder(radius, length), &to_world))
                 }
                 LightForm::Sphere { luminance_cd_m2, radius } => {
                     self.shine(light, luminance_cd_m2, sphere(radius), to_world, sky, &mut made)?;

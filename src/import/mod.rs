@@ -11,6 +11,7 @@ pub mod build; // assembly + sidecar + sets → scene
 mod daylight; // skies by formula, and the sun
 mod defaults; // an eye and a sky for assets that have none
 pub mod deps; // the files that an asset needs
+mod enclosed; // cameras that stand inside of things
 pub mod explain; // which line won
 mod faces; // parts and their faces from attributes
 pub(crate) mod files;
