@@ -1,6 +1,7 @@
 //! A slide as the tracer asks it: how open is it here?
 
 pub mod footprint;
+pub mod jump;
 
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};

@@ -1,5 +1,6 @@
 //! Specular connection: paths whose ends are chosen and whose specular faces between them are solved for.
 
+mod at_edges;
 mod eye_subpath;
 pub mod eye_table;
 pub mod film_grid;

@@ -1,6 +1,24 @@
 //! Numbers of this room that no formula gives, file by file. The commits that are named chose them: their messages tell on
 //! which scenes, and what was measured.
 
+/// `at_edges.rs`
+/// - `POINTS`: `a0ea753` (Sixteen points of a lamp a pass)
+/// - `EDGE_POINTS`, `PLACES`, `NEAREST`, `ANYWHERE`, `OF_A_CUT`: (the commit that made this file)
+pub(super) mod at_edges {
+    /// Points of a lamp that tables are asked about in a pass where an outline hides some of them, of those that are seen; up to the
+    /// square of it in all.
+    pub const POINTS: u64 = 16;
+    /// And where a slide's picture has an edge: a power of two, so that three of its steps reach all rows.
+    pub const EDGE_POINTS: u64 = 8;
+    /// At edges the solver is asked at one of so many places of a pixel, the nearer to an edge the more often: by one over the
+    /// distance and this much, in pixels, and so often wherever it is, for outlines are not known as well as slides.
+    pub const PLACES: usize = 64;
+    pub const NEAREST: f64 = 1e-3;
+    pub const ANYWHERE: f64 = 8.0;
+    /// Places that take as long as a piece that is cut.
+    pub const OF_A_CUT: u64 = 8;
+}
+
 /// `eye_subpath.rs`
 /// - `OF_PAIR`: `063e72c` (A combiner's ghost is followed, not drawn by lot)
 /// - `AT_EDGES`: `e69d869` (Rays that see an edge of a slide on a screen are followed every other time)
@@ -23,10 +41,7 @@ pub(super) mod film_grid {
 
 /// `vision.rs`
 /// - `INSIDE`: `e69d869` (Rays that see an edge of a slide on a screen are followed every other time)
-/// - `POINTS`: `a0ea753` (Sixteen points of a lamp a pass)
 pub(super) mod vision {
     /// The sides of a pixel, within it: on the line itself rounding would say that it reaches into the next cell.
     pub const INSIDE: [f64; 2] = [1e-9, 1.0 - 1e-9];
-    /// Points of a lamp that tables are asked about in a pass where what is seen of it changes much from one to the other.
-    pub const POINTS: u64 = 16;
 }

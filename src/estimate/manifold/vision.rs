@@ -8,14 +8,15 @@
 
 use super::eye_subpath;
 use super::eye_table::EyeTable;
-use super::film_table::{Branch, FilmTables, OverPixel};
+use super::film_table::{Branch, FilmTables};
 use super::receiver::Receivers;
 use super::seeds::MOST_SHEETS;
 use super::seeds::bands::Bands;
 use super::seeds::connections::{Connections, Entry};
 use super::seeds::edge_sampling::EdgeSampling;
 use super::solver::newton::{Root, Target};
-use super::tuning::vision::{INSIDE, POINTS};
+use super::tuning::at_edges::{OF_A_CUT, PLACES};
+use super::tuning::vision::INSIDE;
 use crate::base::lpe::Source;
 use crate::base::rng::Stream;
 use crate::estimate::ledger::{Ledger, cost};
@@ -28,7 +29,6 @@ use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::mode::{Mode, OPTICS_AT_A_TIME, lanes, plane_of};
 use crate::world::optics::Optics;
-use crate::world::slide::footprint;
 use arrayvec::ArrayVec;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -175,36 +175,60 @@ impl<'w, M: Mode> Manifold<'w, M> {
             // What the table says of all of the pixel. Where that is more than one piece of a picture the solver is always asked:
             // at an edge it differs most from the table.
             let mut share = if at_rim { 1.0 } else { share };
+            let mut at_edge = false;
             let mut means: ArrayVec<M::Lanes<Light>, MOST_SHEETS> = ArrayVec::new();
-            for (over, over_lamp) in branches.iter() {
+            for Branch { number, over, over_lamp } in branches.iter() {
                 let mut mean = lanes::<M, _>(|_| Light::default());
                 match over_lamp {
                     None => {
                         let pieces = self.add_mean(optics, over, weight, &mut mean);
                         ledger.work += pieces * cost::CUT;
-                        share = if pieces > 1 { 1.0 } else { share };
+                        at_edge |= pieces > 1;
+                        let others = useful.filter(|_| pieces > 1);
+                        let others = others
+                            .and_then(|(tables, spot, _)| tables.over_lamp(self.world, (index, *number), spot, size));
+                        if let Some(over_lamp) = others {
+                            let aimed = |uv: [f64; 2]| {
+                                let (point, density) =
+                                    entry.starts.aim(lamp, film, self.world.eye.pupil_radius_m(), uv);
+                                (middle.local(point.position - middle.point), 1.0 / (density * times))
+                            };
+                            self.add_others((optics, &over_lamp), [at[2], at[3]], aimed, &mut mean, ledger);
+                        }
                     }
                     Some(over_lamp) => {
-                        let number = (POINTS / times as u64).max(1);
-                        for k in 0..number {
-                            let index = pixel.pass.wrapping_mul(number).wrapping_add(k);
-                            let uv = pixel.start(self.seed, Stream::ConnectionLamp, index);
-                            let off = middle.local(lamp.sample_point(uv).position - middle.point);
-                            let weight = 1.0 / (times * number as f64);
-                            let pieces = self.add_mean(optics, &over_lamp.at(off), weight, &mut mean);
-                            ledger.work += pieces * cost::CUT;
+                        at_edge = true;
+                        let off = |uv: [f64; 2]| middle.local(lamp.sample_point(uv).position - middle.point);
+                        let points = (self.points(over_lamp, off) / times as u64).max(1);
+                        ledger.work += cost::CUT * points / OF_A_CUT;
+                        for k in 0..points {
+                            let index = pixel.pass.wrapping_mul(points).wrapping_add(k);
+                            let off = off(pixel.start(self.seed, Stream::ConnectionLamp, index));
+                            let weight = 1.0 / (times * points as f64);
+                            if over_lamp.is_seen(off) {
+                                ledger.work += cost::CUT * self.add_mean(optics, &over_lamp.at(off), weight, &mut mean);
+                            }
                         }
                     }
                 }
                 // There are no more branches than that.
                 let _ = means.try_push(mean);
             }
+            share = if at_edge { 1.0 } else { share };
             let chance = connections.chance(entry) * share;
             let solved = chance >= 1.0 || choices.uniform() < chance;
             ledger.work += cost::READ;
+            // Whether it is at an edge is a matter of the pixel and the lamp's point, and any place has a chance.
+            let (film, within, weight) = if solved && at_edge {
+                ledger.work += cost::CUT * (PLACES as u64 / OF_A_CUT);
+                let (within, stands_for) = self.near_edges(branches, within, choices.uniform());
+                (self.world.eye.film_of(pixel.x, pixel.y, (within + 0.5).to_array()), within, weight * stands_for)
+            } else {
+                (film, within, weight)
+            };
             // Less what it says of this place where the solver is asked about it.
             let less = if solved { weight / chance } else { 0.0 };
-            for ((over, _), mut light) in branches.iter().zip(means) {
+            for (Branch { over, .. }, mut light) in branches.iter().zip(means) {
                 let Some(share) = self.route.from_eye(lamp.group, over.trail) else { continue };
                 let plane = self.route.plane_from_eye(share, over.told, lamp.group, Source::Face);
                 let inside = less != 0.0 && over.pupil.length() <= self.world.eye.pupil_radius_m();
@@ -228,17 +252,6 @@ impl<'w, M: Mode> Manifold<'w, M> {
                 ledger.arrived += brought;
             }
         }
-    }
-
-    /// Adds what a table says of a pixel for a point of the lamp, `weight` times. Returns of how many pieces that is.
-    fn add_mean(&self, optics: &Optics<M>, over: &OverPixel<M>, weight: f64, out: &mut M::Lanes<Light>) -> u64 {
-        if over.pupil.length() > self.world.eye.pupil_radius_m() {
-            return 0;
-        }
-        let cut = (&over.edges[..], &over.footprints[..]);
-        let Some((mean, pieces)) = footprint::mean((self.world, optics), &over.brightness, cut) else { return 0 };
-        (0..M::LANES).for_each(|lane| out[lane].add(mean[lane].scaled(weight)));
-        pieces
     }
 
     /// Follows the solution as any path is followed, and adds what it sees. Returns its share of a unit of importance.

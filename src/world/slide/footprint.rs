@@ -131,6 +131,14 @@ impl<M: Mode> Sum<'_, M> {
 }
 
 impl SlideMap {
+    /// Column and row of the picture over the square, in its pixels from the first one's side.
+    pub(super) fn lines(&self, footprint: &Footprint) -> [Lines; 2] {
+        [(self.across, self.width), (self.down, self.height)].map(|(axis, count)| Lines {
+            first: (axis.dot(footprint.at - self.centre) + 0.5) * count as f64,
+            by: DVec2::new(axis.dot(footprint.by[0]), axis.dot(footprint.by[1])) * count as f64,
+        })
+    }
+
     /// Cuts a polygon of the square into pieces that each show one value of the picture, and calls `each` with them and a
     /// pixel of that value. What lies beside the picture is left out. None where the footprint is not finite.
     fn pieces(
@@ -139,10 +147,7 @@ impl SlideMap {
         footprint: &Footprint,
         each: &mut impl FnMut(&Polygon, usize) -> Option<()>,
     ) -> Option<()> {
-        let [columns, rows] = [(self.across, self.width), (self.down, self.height)].map(|(axis, count)| Lines {
-            first: (axis.dot(footprint.at - self.centre) + 0.5) * count as f64,
-            by: DVec2::new(axis.dot(footprint.by[0]), axis.dot(footprint.by[1])) * count as f64,
-        });
+        let [columns, rows] = self.lines(footprint);
         if !(columns.first.is_finite() && columns.by.is_finite() && rows.first.is_finite() && rows.by.is_finite()) {
             return None;
         }
@@ -241,4 +246,4 @@ fn moments(polygon: &Polygon) -> (f64, DVec2) {
 
 #[cfg(test)]
 #[path = "footprint_tests.rs"]
-mod tests;
+pub(super) mod tests;

@@ -5,7 +5,7 @@ use crate::scene::Slide;
 use std::sync::Arc;
 
 /// `width` pixels side by side along +x and rows of them along +y downwards, each one unit wide, about the origin.
-fn slide(width: usize, pixels: &[f32]) -> SlideMap {
+pub fn slide(width: usize, pixels: &[f32]) -> SlideMap {
     let height = pixels.len() / width;
     let slide = Slide {
         name: "lcd".into(),
@@ -43,7 +43,7 @@ fn sums(map: &SlideMap, footprint: &Footprint) -> (f64, f64, DVec2, usize) {
     (area, white, place, pieces)
 }
 
-fn turned(at: DVec3, size: f64, angle: f64) -> Footprint {
+pub fn turned(at: DVec3, size: f64, angle: f64) -> Footprint {
     let (sin, cos) = angle.sin_cos();
     let by = [DVec3::new(cos, sin, 0.0) * size, DVec3::new(-sin, cos, 0.0) * size];
     Footprint { slide: 0, at, by }

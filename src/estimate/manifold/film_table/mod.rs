@@ -126,7 +126,7 @@ impl<M: Mode> FilmTables<M> {
         let radius = world.eye.pupil_radius_m();
         let Some(spot) = self.over.nodes.aside(*spot, aside) else { return at_rim };
         let cells = self.over.by_pixel(world);
-        for nodes in &table.branches {
+        for (number, nodes) in table.branches.iter().enumerate() {
             let Some(crossed) = Crossed::read(nodes, &spot, cells) else { continue };
             // Most lamps are seen beside the pupil.
             let beside = (1.0 + pupil_rim) * radius + crossed.reach();
@@ -150,14 +150,36 @@ impl<M: Mode> FilmTables<M> {
             at_rim |= (over.pupil.length() - radius).abs() <= pupil_rim * radius + crossed.reach();
             at_rim |= over.footprints.iter().any(|footprint| footprint.to_rim(&world.slides[footprint.slide]) <= rim);
             let over_lamp = if edges.is_empty() { None } else { OverLamp::read(at, edges, size).map(Box::new) };
-            branches.push((over, over_lamp));
+            branches.push(Branch { number, over, over_lamp });
         }
         at_rim
     }
+
+    /// What a branch, by its number, brings to a pixel whose middle is there, for every point of the lamp; for one that no outline
+    /// cuts. None where a node is missing.
+    pub(super) fn over_lamp(
+        &self,
+        world: &World,
+        (entry, branch): (usize, usize),
+        spot: &Spot,
+        size: f64,
+    ) -> Option<OverLamp<M>> {
+        let table = self.tables.get(entry)?;
+        let spot = self.over.nodes.aside(*spot, table.uses[spot.cell].aside)?;
+        let (nodes, cells) = (table.branches.get(branch)?, self.over.by_pixel(world));
+        let crossed = Crossed::read(nodes, &spot, cells)?;
+        OverLamp::read(|off| OverPixel::read(nodes, &crossed, (&spot, cells), off), ArrayVec::new(), size)
+    }
 }
 
-/// A branch over a pixel for one point of the lamp, and for all where what is seen of it changes much from one to the other.
-pub(super) type Branch<M> = (OverPixel<M>, Option<Box<OverLamp<M>>>);
+/// A branch over a pixel.
+pub(super) struct Branch<M: Mode> {
+    pub(super) number: usize,
+    /// For one point of the lamp,
+    pub(super) over: OverPixel<M>,
+    /// and for all, where an outline moves with it.
+    pub(super) over_lamp: Option<Box<OverLamp<M>>>,
+}
 
 type Places = ArrayVec<(usize, DVec3), SLIDES>;
 

@@ -17,6 +17,8 @@ use glam::{DMat2, DVec2, DVec3};
 pub(in crate::estimate::manifold) struct OverPixel<M: Mode> {
     /// Place in the pupil of the light that comes to the middle, m.
     pub(in crate::estimate::manifold) pupil: DVec2,
+    /// From one pixel to the next.
+    pupil_by: [DVec2; 2],
     /// cd/m², with the slides open.
     pub(in crate::estimate::manifold) brightness: Brightness<M>,
     pub(in crate::estimate::manifold) footprints: ArrayVec<Footprint, SLIDES>,
@@ -105,7 +107,15 @@ impl<M: Mode> OverPixel<M> {
         }
         let pupil = crossed.at(off);
         let (alone, trail, told) = (near.alone, near.trail, near.told);
-        Some(OverPixel { pupil, brightness, footprints, edges: ArrayVec::new(), alone, trail, told })
+        let pupil_by = crossed.by_pixel;
+        Some(OverPixel { pupil, pupil_by, brightness, footprints, edges: ArrayVec::new(), alone, trail, told })
+    }
+
+    /// How far inside of the pupil's rim light from places of the pixel crosses it, m; none where it comes through the middle.
+    pub(in crate::estimate::manifold) fn to_rim_of_pupil(&self, radius_m: f64) -> Option<Edge> {
+        let outwards = self.pupil.try_normalize()?;
+        let by = -DVec2::from_array(self.pupil_by.map(|by| by.dot(outwards)));
+        Some(Edge { first: radius_m - self.pupil.length(), by })
     }
 
     /// What comes to a place within the pixel; none beside a slide's picture.
@@ -138,6 +148,14 @@ impl<M: Mode> OverLamp<M> {
         Some(OverLamp { middle: at(DVec2::ZERO)?, aside, edges, size_m })
     }
 
+    /// Whether outlines let any of the pixel see the lamp's point.
+    pub(in crate::estimate::manifold) fn is_seen(&self, off: DVec2) -> bool {
+        self.edges
+            .iter()
+            .map(|edge| edge.at(off))
+            .all(|edge| edge.first + 0.5 * (edge.by.x.abs() + edge.by.y.abs()) >= 0.0)
+    }
+
     pub(in crate::estimate::manifold) fn at(&self, off: DVec2) -> OverPixel<M> {
         let (OverLamp { middle, aside: [a, b], edges, size_m }, [x, y]) = (self, (off / self.size_m).to_array());
         let number = |of: &dyn Fn(&OverPixel<M>) -> f64| (1.0 - x - y) * of(middle) + x * of(a) + y * of(b);
@@ -154,6 +172,7 @@ impl<M: Mode> OverLamp<M> {
         };
         OverPixel {
             pupil: (1.0 - x - y) * middle.pupil + x * a.pupil + y * b.pupil,
+            pupil_by: middle.pupil_by,
             brightness,
             footprints: (0..middle.footprints.len()).map(footprint).collect(),
             edges: edges.iter().map(|edge| edge.at(off)).collect(),
