@@ -3,7 +3,7 @@
 
 /// `at_edges.rs`
 /// - `POINTS`: `a0ea753` (Sixteen points of a lamp a pass)
-/// - `EDGE_POINTS`, `PLACES`, `NEAREST`, `ANYWHERE`, `OF_A_CUT`: (the commit that made this file)
+/// - `EDGE_POINTS`, `PLACES`, `NEAREST`, `ANYWHERE`, `OF_A_CUT`: `5133a49` (Edges that connection sees)
 pub(super) mod at_edges {
     /// Points of a lamp that tables are asked about in a pass where an outline hides some of them, of those that are seen; up to the
     /// square of it in all.
