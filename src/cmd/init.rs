@@ -20,8 +20,9 @@ of optics, the sidecar keeps the picture of the bare asset: the eye and the sky 
 existing file is not overwritten without --force.
 
 A sequential lens file of Zemax OpticStudio (.zmx) or CODE V (.seq) becomes solids of glass and mirrors in NAME.glb beside the sidecar, which has \
-their exact surfaces, their glasses, an eye at the stop and a lamp at the image. Standard surfaces, even aspheres, toroids, \
-polynomials in x and y, standard Zernike surfaces and coordinate breaks are read, coatings are not.
+their exact surfaces and apertures, their glasses, an eye at the stop and a lamp at the image. Standard surfaces, even aspheres, \
+toroids, polynomials in x and y, standard and fringe Zernike surfaces, gratings and coordinate breaks are read; coatings and \
+obscurations are named and left out.
 
 Examples:
   eyebox init hud.glb -o hud.optics.toml

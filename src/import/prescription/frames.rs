@@ -20,11 +20,9 @@ pub(super) fn frames(prescription: &Prescription) -> Vec<DAffine3> {
     out
 }
 
-/// Tilts about x and y are left-handed, that about z is right-handed: a plane that is tilted about x by 45° sends light along z
-/// towards −y. So have it lens design programs (CODE V; rayoptics reads Zemax' in the same way).
 fn matrix(turn: &Turn) -> DAffine3 {
     let [x, y, z] = turn.tilt_deg.map(f64::to_radians);
-    let (x, y, z) = (DMat3::from_rotation_x(-x), DMat3::from_rotation_y(-y), DMat3::from_rotation_z(z));
+    let (x, y, z) = (DMat3::from_rotation_x(x), DMat3::from_rotation_y(y), DMat3::from_rotation_z(z));
     let shift = DAffine3::from_translation(DVec3::from_array(turn.shift));
     let turned = |tilts: DMat3| DAffine3::from_mat3(tilts);
     let whole = if turn.tilts_first { turned(z * y * x) * shift } else { shift * turned(x * y * z) };

@@ -32,13 +32,22 @@ pub struct Prescription {
     pub pupil: Option<f64>,
     /// Focal length over the diameter of the pupil, if the file says that instead.
     pub f_number: Option<f64>,
-    /// Largest field in x and y, degrees, if the file says it in angles.
+    /// Largest field in x and y, degrees.
     pub field_deg: Option<[f64; 2]>,
+    /// What the file says instead of angles.
+    pub heights: Option<Heights>,
     /// nm
     pub wavelength_nm: Option<f64>,
     /// Makers whose glasses it names, the first first.
     pub catalogues: Vec<String>,
     pub notes: Vec<Note>,
+}
+
+/// Largest heights of a field in x and y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Heights {
+    Object([f64; 2]),
+    Image([f64; 2]),
 }
 
 /// A surface, and what comes after it.
@@ -57,7 +66,34 @@ pub struct Surface {
     pub after: After,
     /// Half of the diameter that light uses; 0 if the file does not say.
     pub semi_diameter: f64,
+    /// Where the surface ends, if that is no circle about its axis.
+    pub outline: Option<Outline>,
+    /// Radius of the hole in it.
+    pub hole: f64,
     pub stop: bool,
+}
+
+/// An ellipse or a rectangle in the plane of x and y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outline {
+    pub centre: [f64; 2],
+    /// Half of its size along x and y.
+    pub half: [f64; 2],
+    /// It is a rectangle.
+    pub corners: bool,
+}
+
+impl Outline {
+    fn round(radius: f64) -> Outline {
+        Outline { centre: [0.0; 2], half: [radius; 2], corners: false }
+    }
+}
+
+impl Surface {
+    /// Where it ends; none if the file does not say.
+    fn ends(&self) -> Option<Outline> {
+        self.outline.or((self.semi_diameter > 0.0).then(|| Outline::round(self.semi_diameter)))
+    }
 }
 
 /// What is behind a surface.
@@ -71,7 +107,7 @@ pub enum After {
         name: String,
         model: Option<[f64; 2]>,
     },
-    /// n_d and V_d alone.
+    /// n_d and V_d alone; V_d 0: the same at all wavelengths.
     Model([f64; 2]),
     /// A glass that the file itself defines: rows of nm and n, rising.
     Private(Vec<[f64; 2]>),
@@ -81,7 +117,7 @@ pub enum After {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Turn {
     pub shift: [f64; 3],
-    /// About x, y, z.
+    /// About x, y, z, right-handed: a plane that is tilted about x by 45° sends light along z towards +y.
     pub tilt_deg: [f64; 3],
     /// Tilts about z, y, x come before the shift, instead of the shift before those about x, y, z.
     pub tilts_first: bool,
@@ -125,8 +161,8 @@ pub fn read(path: &Path) -> Result<Prescription> {
 /// Those of [`read`]; surfaces that do not make up solids.
 pub fn make(path: &Path, asset: &str) -> Result<Made> {
     let mut prescription = read(path)?;
-    sizes::fill(&mut prescription, path);
     let frames = frames::frames(&prescription);
+    sizes::fill(&mut prescription, &frames, path);
     let design = solids::design(&prescription, &frames, path)?;
     let text = sidecar::write(&prescription, &design, &frames, (path, asset))?;
     let mut notes = prescription.notes;

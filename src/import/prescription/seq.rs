@@ -1,47 +1,27 @@
 //! Sequences of CODE V: commands one after the other, several a line behind semicolons; those between two S commands are of the
 //! surface that the first one began. A command may name its surface instead (`THI S3 5`).
 
+mod axes;
 mod words;
 
-use super::profile::Form;
-use super::{After, Prescription, Profile, Surface, Turn};
+use super::{After, Heights, Prescription, Profile, Surface};
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::scene::Note;
+use axes::{Raw, Return, spread};
 use std::collections::BTreeMap;
 use std::path::Path;
 use words::{bare, commands, glass, qualifier};
 
-/// How the axes of a surface go on behind it.
-#[derive(Clone, Copy, PartialEq)]
-enum Return {
-    /// They stay turned.
-    Stay,
-    /// Back to those before it (DAR, RET to itself).
-    Back,
-    /// Turned once more by the same tilts (BEN): as light is by a mirror.
-    Bend,
-    /// Turned by the inverse, behind it alone (REV).
-    Reverse,
-}
-
-struct Raw {
-    surface: Surface,
-    shift: [f64; 3],
-    tilt_deg: [f64; 3],
-    back: Return,
-    even: [f64; 10],
-}
-
 /// Commands that bend light or turn axes in ways that are not read.
-const REFUSED: [&str; 14] =
-    ["SPS", "XTO", "YTO", "AAS", "CYL", "DIF", "HOE", "HCT", "GRT", "NSS", "GLB", "FRN", "UDS", "MOD"];
+const REFUSED: [&str; 15] =
+    ["SPS", "XTO", "YTO", "AAS", "CYL", "DIF", "HOE", "HCT", "GRT", "NSS", "GLB", "FRN", "UDS", "MOD", "RET"];
 
 /// The prescription in `text`, the file at `path`.
 pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
     let mut out = Prescription { unit_m: 1e-3, ..Prescription::default() };
     let (mut raws, mut radii, mut reference) = (Vec::<Raw>::new(), false, 1usize);
-    let (mut waves, mut fields, mut zoomed) = (Vec::new(), [0.0f64; 2], false);
+    let (mut waves, mut fields, mut zoomed, mut heights) = (Vec::new(), [0.0f64; 2], false, None);
     // Glasses of the file's own, between PRV and END, and the wavelengths of their indices.
     let (mut private, mut known, mut at_nm) = (false, BTreeMap::<String, Vec<[f64; 2]>>::new(), Vec::<f64>::new());
     for (line, command) in commands(text) {
@@ -108,9 +88,15 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
             "FNO" => out.f_number = Some(number(0)?).filter(|ratio| *ratio > 0.0),
             "WL" => waves = (0..words.len()).map(number).collect::<Result<Vec<f64>>>()?,
             "REF" => reference = number(0)?.max(1.0) as usize,
-            "XAN" | "YAN" => {
-                let angles = (0..words.len()).map(number).collect::<Result<Vec<f64>>>()?;
-                fields[usize::from(key == "YAN")] = angles.iter().fold(0.0, |most, angle| angle.abs().max(most));
+            "XAN" | "YAN" | "XOB" | "YOB" | "XIM" | "YIM" | "XRI" | "YRI" => {
+                let values = (0..words.len()).map(number).collect::<Result<Vec<f64>>>()?;
+                let side = usize::from(key.starts_with('Y'));
+                fields[side] = values.iter().fold(0.0, |most, value| value.abs().max(most));
+                heights = match &key[1..] {
+                    "OB" => Some(Heights::Object as fn([f64; 2]) -> Heights),
+                    "IM" | "RI" => Some(Heights::Image as fn([f64; 2]) -> Heights),
+                    _ => None,
+                };
             }
             "ZOO" => zoomed = true,
             "SO" | "S" | "SI" => {
@@ -136,9 +122,20 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
                     thickness,
                     after,
                     semi_diameter: 0.0,
+                    outline: None,
+                    hole: 0.0,
                     stop: false,
                 };
-                raws.push(Raw { surface, shift: [0.0; 3], tilt_deg: [0.0; 3], back: Return::Stay, even: [0.0; 10] });
+                raws.push(Raw {
+                    surface,
+                    shift: [0.0; 3],
+                    tilt_deg: [0.0; 3],
+                    back: Return::Stay,
+                    even: [0.0; 10],
+                    rectangle: [0.0; 2],
+                    ellipse: [0.0; 2],
+                    middle: [0.0; 2],
+                });
             }
             _ => {
                 let Some(raw) = raws.get_mut(whose) else { continue };
@@ -161,20 +158,37 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
                         raw.even[place + 1] = number(0)?;
                     }
                     "SLB" => raw.surface.comment = words.join(" ").replace(['"', '\''], ""),
-                    "CIR" | "REX" | "REY" => {
+                    "CIR" | "REX" | "REY" | "ELX" | "ELY" => {
                         let kind = words.first().map(|word| word.to_uppercase());
                         let value = match kind.as_deref() {
-                            Some("OBS" | "HOL") => continue,
-                            Some("EDG" | "CLR") => number(1)?,
-                            Some(_) | None => number(0)?,
+                            Some(kind @ ("OBS" | "HOL")) => {
+                                if kind == "HOL" && key == "CIR" {
+                                    raw.surface.hole = number(words.len() - 1)?.abs();
+                                } else {
+                                    let text = format!("`{command}` is not taken over: nothing stops light there");
+                                    out.notes.push(Note::info(at(), text));
+                                }
+                                continue;
+                            }
+                            Some(_) => number(words.len() - 1)?.abs(),
+                            None => 0.0,
                         };
-                        raw.surface.semi_diameter = raw.surface.semi_diameter.max(value.abs());
+                        raw.surface.semi_diameter = raw.surface.semi_diameter.max(value);
+                        let side = usize::from(key.ends_with('Y'));
+                        match key.as_str() {
+                            "REX" | "REY" => raw.rectangle[side] = raw.rectangle[side].max(value),
+                            "ELX" | "ELY" => raw.ellipse[side] = raw.ellipse[side].max(value),
+                            _ => {}
+                        }
                     }
+                    "ADX" => raw.middle[0] = number(words.len().saturating_sub(1))?,
+                    "ADY" => raw.middle[1] = number(words.len().saturating_sub(1))?,
                     "XDE" => raw.shift[0] = number(0)?,
                     "YDE" => raw.shift[1] = number(0)?,
                     "ZDE" => raw.shift[2] = number(0)?,
-                    "ADE" => raw.tilt_deg[0] = number(0)?,
-                    "BDE" => raw.tilt_deg[1] = number(0)?,
+                    // Those about x and y are left-handed (so are LightTools', whose manual says that they are CODE V's).
+                    "ADE" => raw.tilt_deg[0] = -number(0)?,
+                    "BDE" => raw.tilt_deg[1] = -number(0)?,
                     "CDE" => raw.tilt_deg[2] = number(0)?,
                     "DAR" => raw.back = Return::Back,
                     "BEN" => raw.back = Return::Bend,
@@ -197,52 +211,12 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
     for (index, raw) in raws.into_iter().enumerate() {
         spread(raw, index == last, &mut out.surfaces);
     }
-    out.field_deg = Some(fields).filter(|[x, y]| x.max(*y) > 0.0);
-    out.wavelength_nm = waves.get(reference - 1).or(waves.first()).copied();
-    Ok(out)
-}
-
-/// A surface with the turns before and behind it.
-fn spread(raw: Raw, last: bool, out: &mut Vec<Surface>) {
-    let Raw { mut surface, mut shift, tilt_deg, back, even } = raw;
-    if let Some(end) = even.iter().rposition(|a| *a != 0.0) {
-        surface.profile.form = Form::Even(even[..=end].to_vec());
-    }
-    if last {
-        // How far the image is out of focus.
-        let defocus = std::mem::take(&mut surface.thickness);
-        shift[2] += if defocus.is_finite() { defocus } else { 0.0 };
-    }
-    if shift == [0.0; 3] && tilt_deg == [0.0; 3] {
-        out.push(surface);
-        return;
-    }
-    let line = surface.line;
-    let turn = |turn: Turn, thickness: f64| Surface {
-        line,
-        comment: String::new(),
-        turn: Some(turn),
-        profile: Profile::PLANE,
-        grating: None,
-        thickness,
-        after: After::Air,
-        semi_diameter: 0.0,
-        stop: false,
-    };
-    let whole = Turn { shift, tilt_deg, ..Turn::default() };
-    let (before, behind) = match back {
-        Return::Stay => (Some(whole), None),
-        Return::Back => (Some(whole), Some(Turn { inverse: true, ..whole })),
-        Return::Bend => (Some(whole), Some(Turn { shift: [0.0; 3], ..whole })),
-        Return::Reverse => (None, Some(Turn { inverse: true, ..whole })),
-    };
-    out.extend(before.map(|before| turn(before, 0.0)));
-    match behind {
-        None => out.push(surface),
-        Some(behind) => {
-            let thickness = std::mem::take(&mut surface.thickness);
-            out.push(surface);
-            out.push(turn(behind, thickness));
+    if fields != [0.0; 2] {
+        match heights {
+            Some(heights) => out.heights = Some(heights(fields)),
+            None => out.field_deg = Some(fields),
         }
     }
+    out.wavelength_nm = waves.get(reference - 1).or(waves.first()).copied();
+    Ok(out)
 }

@@ -14,7 +14,7 @@ const IMAGE_CD_M2: f64 = 100.0;
 /// The pupil where the file has none, m; that of an eye by room light.
 const PUPIL_M: f64 = 4e-3;
 /// Full field where the file has none, degrees.
-const FIELD_DEG: f64 = 20.0;
+pub(super) const FIELD_DEG: f64 = 20.0;
 
 pub(super) fn write(
     prescription: &Prescription,
@@ -116,6 +116,7 @@ fn part(
 fn medium(prescription: &Prescription, surface: usize, path: &Path) -> Result<String> {
     let line = prescription.surfaces[surface].line;
     match &prescription.surfaces[surface].after {
+        After::Model([n, 0.0]) => Ok(format!("ior = {n}\n")),
         After::Model([n, v]) => Ok(format!("abbe = [{n}, {v}]\n")),
         After::Glass { name, model } => match (find(name, &prescription.catalogues), model) {
             (Some(found), _) => Ok(format!("glass = {found:?}\n")),

@@ -1,13 +1,19 @@
 //! Sizes of surfaces where the file gives none: what two paraxial rays need, one through the rim of the pupil and one from the
-//! rim of the field.
+//! rim of the field; and the field, where the file says it by heights.
 
-use super::{After, Prescription, sidecar};
+use super::sidecar::FIELD_DEG;
+use super::{After, Heights, Prescription, sidecar};
 use crate::base::Where;
 use crate::scene::{Dispersion, Note, glass};
+use glam::DAffine3;
 use std::path::Path;
 
 /// Light at the rim of the field has more to go through than paraxial rays say.
 const ROOM: f64 = 1.1;
+/// A design for one point has an image that no eye finds; smaller than this share of the field it is made as large as that.
+const POINT: f64 = 1e-3;
+/// A tilted surface needs more by one over the cosine, until it is seen from its edge.
+const EDGE_ON: f64 = 0.1;
 /// Where the file has no wavelength, nm.
 const NM: f64 = 587.5618;
 
@@ -34,6 +40,7 @@ fn traced(prescription: &Prescription, [mut y, mut u]: [f64; 2]) -> (Vec<f64>, f
                 let rows = rows.iter().map(|[nm, n]| (*nm, *n, 0.0)).collect();
                 f64::signum(n) * Dispersion::Table(rows).index(nm).re
             }
+            After::Model([d, 0.0]) => f64::signum(n) * d,
             After::Model([d, v]) => f64::signum(n) * Dispersion::Abbe { n_d: *d, v_d: *v }.index(nm).re,
         };
         let power = surface.profile.curvature * (next - n);
@@ -46,14 +53,37 @@ fn traced(prescription: &Prescription, [mut y, mut u]: [f64; 2]) -> (Vec<f64>, f
     (out, u)
 }
 
-/// Fills in the sizes that are missing.
-pub(super) fn fill(prescription: &mut Prescription, path: &Path) {
+/// Fills in the sizes that are missing, and the field.
+pub(super) fn fill(prescription: &mut Prescription, frames: &[DAffine3], path: &Path) {
     let missing = |surface: &super::Surface| surface.turn.is_none() && surface.semi_diameter <= 0.0;
+    let ((by_height, leaves), (by_slope, _)) = (traced(prescription, [1.0, 0.0]), traced(prescription, [0.0, 1.0]));
+    let stop = prescription.surfaces.iter().position(|surface| surface.stop).unwrap_or(1);
+    // The height at which a ray from the field's rim must enter to go through the middle of the stop.
+    let enters = by_height.get(stop).zip(by_slope.get(stop)).map_or(0.0, |(y, u)| if *y == 0.0 { 0.0 } else { -u / y });
+    let at_image = by_height.last().zip(by_slope.last()).map_or(0.0, |(y, u)| (u + enters * y).abs());
+    if let Some(heights) = prescription.heights {
+        let from_object = prescription.surfaces.first().map_or(f64::INFINITY, |object| object.thickness);
+        let (heights, reach) = match heights {
+            Heights::Object(heights) => (heights, (from_object - enters).abs()),
+            Heights::Image(heights) => (heights, at_image),
+        };
+        let angles = heights.map(|height| (height / reach).atan().to_degrees());
+        prescription.field_deg = Some(angles).filter(|[x, y]| x.max(*y) > 0.0 && (x + y).is_finite());
+    }
+    let angle = prescription.field_deg.map(|[x, y]| x.hypot(y).min(80.0));
+    let seen = at_image * angle.unwrap_or(0.5 * FIELD_DEG).to_radians().tan();
+    if let Some(image) = prescription.surfaces.last_mut()
+        && image.semi_diameter > 0.0
+        && image.semi_diameter < POINT * seen
+        && image.outline.is_none()
+    {
+        let text = format!("the image is a point of {:.1e}: it is made {seen:.3} large", image.semi_diameter);
+        prescription.notes.push(Note::info(Where::Line { file: path.to_owned(), line: image.line }, text));
+        image.semi_diameter = seen;
+    }
     if !prescription.surfaces.iter().skip(1).any(missing) {
         return;
     }
-    let ((by_height, leaves), (by_slope, _)) = (traced(prescription, [1.0, 0.0]), traced(prescription, [0.0, 1.0]));
-    let stop = prescription.surfaces.iter().position(|surface| surface.stop).unwrap_or(1);
     let by_ratio = || prescription.f_number.map(|ratio| 1.0 / (leaves * ratio).abs()).filter(|pupil| pupil.is_finite());
     let pupil = prescription.pupil.or_else(by_ratio).or_else(|| {
         // Without one, what its stop lets in.
@@ -62,12 +92,17 @@ pub(super) fn fill(prescription: &mut Prescription, path: &Path) {
     });
     let Some(pupil) = pupil else { return };
     prescription.pupil = Some(pupil);
-    let slope = prescription.field_deg.map_or(0.0, |[x, y]| x.hypot(y).min(80.0).to_radians().tan());
-    // The height at which a ray from the field's rim must enter to go through the middle of the stop.
-    let enters = by_height.get(stop).zip(by_slope.get(stop)).map_or(0.0, |(y, u)| if *y == 0.0 { 0.0 } else { -u / y });
-    for ((surface, y), u) in prescription.surfaces.iter_mut().zip(by_height).zip(by_slope).skip(1) {
+    let slope = angle.unwrap_or(0.0).to_radians().tan();
+    let mut from = None;
+    for (index, (y, u)) in by_height.into_iter().zip(by_slope).enumerate().skip(1) {
+        let (surface, frame) = (&mut prescription.surfaces[index], frames[index]);
+        let way = from.map_or(frame.matrix3.z_axis, |from| frame.translation - from).normalize_or(frame.matrix3.z_axis);
+        if surface.turn.is_none() {
+            from = Some(frame.translation);
+        }
         if missing(surface) {
-            let size = ROOM * (0.5 * pupil * y.abs() + slope * (u + enters * y).abs());
+            let upright = ROOM * (0.5 * pupil * y.abs() + slope * (u + enters * y).abs());
+            let size = upright / frame.matrix3.z_axis.dot(way).abs().max(EDGE_ON);
             surface.semi_diameter = if size.is_finite() { size } else { 0.0 };
         }
     }

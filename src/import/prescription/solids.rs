@@ -1,7 +1,7 @@
 //! Parts of a prescription: a solid for each space of glass, a sheet for each mirror, a disc for stop and image.
 
-use super::mesh::{around, cap, reaches, rim, shrunk};
-use super::{After, Prescription, Surface};
+use super::mesh::{cap, rim};
+use super::{After, Outline, Prescription, Surface};
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::scene::assembly::{MeshSource, Node};
@@ -75,7 +75,9 @@ pub(super) fn design(prescription: &Prescription, frames: &[DAffine3], path: &Pa
     for (place, mirror) in met.iter().enumerate().filter(|(_, met)| met.surface.after == After::Mirror) {
         let before = place.checked_sub(1).and_then(|before| met.get(before));
         if before.is_none_or(|before| before.glass.is_none()) && mirror.glass.is_none() {
-            maker.sheet(mirror, Kind::Mirror, [0.0, maker.radius(mirror.surface)?])?;
+            let ends = maker.ends(mirror.surface)?;
+            let hole = mirror.surface.hole / ends.half[0].min(ends.half[1]);
+            maker.sheet(mirror, Kind::Mirror, (ends, if hole < 1.0 { hole } else { 0.0 }))?;
         }
     }
     if let Some(stop) = met.iter().find(|met| Some(met.index) == stop && met.index > first && met.index != image.index)
@@ -85,10 +87,10 @@ pub(super) fn design(prescription: &Prescription, frames: &[DAffine3], path: &Pa
         && !touches_glass(&met, stop.index)
     {
         let hole = stop.surface.semi_diameter;
-        maker.sheet(stop, Kind::Stop, [hole, 2.0 * hole])?;
+        maker.sheet(stop, Kind::Stop, (Outline::round(2.0 * hole), 0.5))?;
     }
     if image.surface.semi_diameter > 0.0 {
-        maker.sheet(image, Kind::Image, [0.0, image.surface.semi_diameter])?;
+        maker.sheet(image, Kind::Image, (maker.ends(image.surface)?, 0.0))?;
     } else {
         let text = "the image has no size: nothing shines there".to_owned();
         notes.push(Note::info(Where::Line { file: path.to_owned(), line: image.surface.line }, text));
@@ -97,7 +99,8 @@ pub(super) fn design(prescription: &Prescription, frames: &[DAffine3], path: &Pa
         Some(stop) => frames[stop].translation,
         None => {
             let back = prescription.surfaces[first].semi_diameter.max(prescription.pupil.unwrap_or(0.0));
-            frames[first].transform_point3(DVec3::NEG_Z * 2.0 * back)
+            let [x, y] = prescription.surfaces[first].outline.map_or([0.0; 2], |outline| outline.centre);
+            frames[first].transform_point3(DVec3::new(x, y, -2.0 * back))
         }
     };
     let Maker { mut assembly, parts, .. } = maker;
@@ -143,11 +146,10 @@ impl Maker<'_> {
         Error::new(Where::Line { file: self.path.to_owned(), line: surface.line }, what)
     }
 
-    fn radius(&self, surface: &Surface) -> Result<f64> {
-        if surface.semi_diameter > 0.0 {
-            return Ok(surface.semi_diameter);
-        }
-        Err(self.fault(surface, "the surface has no size").expected("a semi-diameter (DIAM, CLAP or FLAP)"))
+    fn ends(&self, surface: &Surface) -> Result<Outline> {
+        surface.ends().ok_or_else(|| {
+            self.fault(surface, "the surface has no size").expected("a semi-diameter (DIAM, CLAP or FLAP)")
+        })
     }
 
     /// The solid between two surfaces: front, rim, back. Both end at the larger of their sizes, or where they meet.
@@ -160,25 +162,35 @@ impl Maker<'_> {
         let chain = met.get(from..=to).unwrap_or(&[]).iter();
         let wanted = chain.map(|met| met.surface.semi_diameter).fold(0.0, f64::max);
         let own = front.surface.semi_diameter.max(back.surface.semi_diameter);
-        if wanted <= 0.0 {
-            return Err(self
-                .fault(front.surface, "the glass has no size")
-                .expected("a semi-diameter (DIAM, CLAP or FLAP)"));
-        }
-        let ends = [&front.surface.profile, &back.surface.profile];
+        // What the file says of one face alone holds for both.
+        let ends = match [front, back].map(|met| met.surface.outline) {
+            [Some(front), Some(back)] => vec![[front, back]],
+            [Some(one), None] | [None, Some(one)] => vec![[one; 2]],
+            [None, None] if wanted > 0.0 => [wanted, own].map(|radius| [Outline::round(radius); 2]).to_vec(),
+            [None, None] => {
+                return Err(self
+                    .fault(front.surface, "the glass has no size")
+                    .expected("a semi-diameter (DIAM, CLAP or FLAP)"));
+            }
+        };
+        let profiles = [&front.surface.profile, &back.surface.profile];
         let thickness = to_front.translation.z;
         let side = if thickness < 0.0 { -1.0 } else { 1.0 };
-        // What is between the faces at a radius, all around; none where one of them does not reach.
-        let open = |radius: f64| {
-            around(radius).all(|[x, y]| {
-                let [a, b] = ends.map(|profile| profile.sag(x, y));
+        // Whether something is between the faces all around; not where one of them does not reach.
+        let open = |[front, back]: [Outline; 2]| {
+            front.around().zip(back.around()).all(|(at_front, at_back)| {
+                let [a, b] = [(profiles[0], at_front), (profiles[1], at_back)].map(|(p, [x, y])| p.sag(x, y));
                 let (Some(a), Some(b)) = (a, b) else { return false };
-                let [a, b] = [DVec3::new(x, y, a), to_front.transform_point3(DVec3::new(x, y, b))];
-                side * (b.z - a.z) > 0.0
+                let [a, b] = [a, to_front.transform_point3(DVec3::new(at_back[0], at_back[1], b)).z];
+                side * (b - a) > 0.0
             })
         };
-        let radius = [wanted, own].into_iter().find(|radius| open(*radius)).or_else(|| shrunk(own, open));
-        let Some(radius) = radius else {
+        let largest = ends[ends.len() - 1];
+        let found = ends.iter().copied().find(|ends| open(*ends)).or_else(|| {
+            let smaller = |k: u32| largest.map(|outline| outline.scaled(f64::from(k) / 1000.0));
+            (1..1000).rev().map(smaller).find(|ends| open(*ends))
+        });
+        let Some([at_front, at_back]) = found else {
             return Err(self
                 .fault(front.surface, "the faces of this glass cross on the axis")
                 .expected("a thickness that keeps them apart"));
@@ -189,18 +201,17 @@ impl Maker<'_> {
         );
         let mut mesh = Mesh { name: name.clone(), ..Mesh::default() };
         // Outwards is against the light at the front, with it at the back.
-        cap(&mut mesh, ends[0], &DAffine3::IDENTITY, [0.0, radius], -side);
-        let rims = [(ends[0], DAffine3::IDENTITY), (ends[1], to_front)];
-        rim(&mut mesh, &rims, radius, side);
-        cap(&mut mesh, ends[1], &to_front, [0.0, radius], side);
+        cap(&mut mesh, profiles[0], &DAffine3::IDENTITY, (at_front, 0.0), -side);
+        rim(&mut mesh, &[(profiles[0], DAffine3::IDENTITY, at_front), (profiles[1], to_front, at_back)], side);
+        cap(&mut mesh, profiles[1], &to_front, (at_back, 0.0), side);
         let faces = vec![Some(front.index), None, Some(back.index)];
         let glass = front.glass.unwrap_or(front.index);
         self.add(mesh, LensPart { name, kind: Kind::Glass(glass), faces, frame: front.index });
         Ok(())
     }
 
-    /// A surface by itself, between two radii; it looks towards the light.
-    fn sheet(&mut self, at: &Met<'_>, kind: Kind, range: [f64; 2]) -> Result<()> {
+    /// A surface by itself, without this share of it in the middle; it looks towards the light.
+    fn sheet(&mut self, at: &Met<'_>, kind: Kind, (ends, inner): (Outline, f64)) -> Result<()> {
         let base = match kind {
             Kind::Mirror => format!("M{}", self.parts.iter().filter(|part| part.kind == Kind::Mirror).count() + 1),
             Kind::Stop => "STOP".to_owned(),
@@ -209,9 +220,9 @@ impl Maker<'_> {
         };
         let name = named(at.surface, &base);
         let mut mesh = Mesh { name: name.clone(), ..Mesh::default() };
-        let Some(outer) = Some(range[1])
-            .filter(|r| reaches(&at.surface.profile, *r))
-            .or_else(|| shrunk(range[1], |r| reaches(&at.surface.profile, r)))
+        let profile = &at.surface.profile;
+        let Some(outer) =
+            Some(ends).filter(|ends| ends.within(profile)).or_else(|| ends.shrunk(|own| own.within(profile)))
         else {
             return Err(self.fault(at.surface, "the surface does not exist off its axis").expected("a finite curve"));
         };
@@ -220,7 +231,7 @@ impl Maker<'_> {
         let here = &self.frames[at.index];
         let way = before.map(|from| here.translation - from).find(|way| way.length() > 0.0).unwrap_or(DVec3::Z);
         let side = if here.matrix3.z_axis.dot(way) < 0.0 { 1.0 } else { -1.0 };
-        cap(&mut mesh, &at.surface.profile, &DAffine3::IDENTITY, [range[0].min(outer), outer], side);
+        cap(&mut mesh, profile, &DAffine3::IDENTITY, (outer, inner), side);
         self.add(mesh, LensPart { name, kind, faces: vec![Some(at.index)], frame: at.index });
         Ok(())
     }

@@ -51,6 +51,16 @@ fn half_a_file_is_no_panic() {
     }
 }
 
+/// Of n_d alone, the same at all wavelengths.
+#[test]
+fn a_model_glass_without_dispersion() {
+    let made = made(&SINGLET.replace("N-BK7 0 0 1.5 40", "___BLANK 1 0 1.52 0")).unwrap();
+    let sheet = toml::parse(&made.text, Path::new("x.optics.toml")).unwrap();
+    let scene = build(made.assembly, Some(&sheet), &[]).unwrap().scene;
+    let medium = scene.medium(scene.parts[0].medium.unwrap());
+    assert_eq!([400.0, 700.0].map(|nm| medium.index.index(nm).re), [1.52; 2]);
+}
+
 /// OSA's numbers and Noll's, by their first ten terms (n, m).
 #[test]
 fn zernike_numbers() {
@@ -118,4 +128,77 @@ fn fringe_terms() {
             assert!((got - want).abs() < 1e-12, "{number} at {x}, {y}: {got} for {want}");
         }
     }
+}
+
+/// Of a fringe sag that has the terms of an even asphere too, and beyond its norm radius.
+#[test]
+fn powers_beside_fringe_terms() {
+    let terms = "FZERNSAG\n  PARM 0 1\n  PARM 1 2e-4\n  PARM 2 3e-7\n  PARM 5 -4e-15\n  PARM 8 5e-24\n  XDAT 1 1\n  XDAT 2 12\n  XDAT 3 0.25";
+    let text = SINGLET.replacen("EVENASPH\n  CURV -0.02\n  CONI -1.5\n  PARM 2 1e-6", terms, 1);
+    let read = super::zmx::read(&text, Path::new("x.zmx")).unwrap();
+    for (x, y) in [(0.0f64, 0.0f64), (3.0, 4.0), (-7.0, 2.0), (10.0, -12.0)] {
+        let r2 = x * x + y * y;
+        let want = 0.25 + 2e-4 * r2 + 3e-7 * r2.powi(2) - 4e-15 * r2.powi(5) + 5e-24 * r2.powi(8);
+        let got = read.surfaces[3].profile.sag(x, y).unwrap();
+        assert!((got - want).abs() < 1e-13, "at {x}, {y}: {got} for {want}");
+    }
+    let shifted = text.replace("PARM 8 5e-24", "PARM 9 1");
+    assert!(super::zmx::read(&shifted, Path::new("x.zmx")).unwrap_err().to_string().contains("beside its own terms"));
+}
+
+/// What of a mirror is there: the part of a paraboloid off its axis, a rectangle, a ring; the image is turned by itself.
+#[test]
+fn apertures_end_mirrors() {
+    const MIRROR: &str = "MODE SEQ\nUNIT MM X W X CM MR CPMM\nENPD 8\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  DISZ 200\n\
+        SURF 2\n  CURV -0.005\n  CONI -1\n  DISZ -100\n  GLAS MIRROR\n  DIAM 20 1 0 0 1 \"\"\nSURF 3\n  DIAM 4\n";
+    let spread = |text: &str| {
+        let made = made(text).unwrap_or_else(|fault| panic!("{fault}"));
+        let mirror = made.assembly.nodes.iter().find(|node| node.name == "M1").unwrap();
+        let places = &made.assembly.meshes[mirror.mesh.unwrap()].mesh.positions;
+        let ends = |axis: usize| {
+            places
+                .iter()
+                .map(|place| f64::from(place[axis]))
+                .fold([f64::MAX, f64::MIN], |[low, high], v| [low.min(v), high.max(v)])
+        };
+        let inner = places.iter().map(|[x, y, _]| f64::from(x.hypot(*y))).fold(f64::MAX, f64::min);
+        (ends(0), ends(1), inner)
+    };
+    let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() < 1e-5 && (a[1] - b[1]).abs() < 1e-5;
+    let (x, y, inner) = spread(MIRROR);
+    assert!(near(x, [-20.0, 20.0]) && near(y, [-20.0, 20.0]) && inner == 0.0, "{x:?} {y:?} {inner}");
+    let (x, y, _) = spread(&MIRROR.replace("  DIAM 20", "  OBDC 5 100\n  CLAP 0 12.5 0\n  DIAM 20"));
+    assert!(near(x, [-7.5, 17.5]) && near(y, [87.5, 112.5]), "{x:?} {y:?}");
+    let (x, y, _) = spread(&MIRROR.replace("  DIAM 20", "  SQAP 30 10 0\n  OBDC 0 -50\n  DIAM 60"));
+    assert!(near(x, [-30.0, 30.0]) && near(y, [-60.0, -40.0]), "{x:?} {y:?}");
+    let (_, y, inner) = spread(&MIRROR.replace("  DIAM 20", "  CLAP 6 18 0\n  DIAM 20"));
+    assert!(near(y, [-20.0, 20.0]) && (inner - 6.0).abs() < 1e-5, "{y:?} {inner}");
+    let turned = MIRROR.replace("SURF 3\n", "SURF 3\n  SCBD 1 0 0 0 0 90 0 0\n");
+    let image = made(&turned).unwrap().assembly.nodes.iter().find(|node| node.name == "IMAGE").unwrap().to_world;
+    assert!((image.matrix3.z_axis - glam::DVec3::NEG_Y).length() < 1e-15, "{image}");
+    let fault = made(&MIRROR.replace("SURF 2\n", "SURF 2\n  SCBD 1 0 0 0 0 1 0 0\n")).unwrap_err().to_string();
+    assert!(fault.starts_with("x.zmx:10: ") || fault.contains(":10: a surface that is tilted"), "{fault}");
+}
+
+/// Fields by heights: those of an image in focus are f tan, and a mirror at 60° is twice as long as what it reflects.
+#[test]
+fn fields_and_sizes_follow_from_rays() {
+    let text = "rdm;dim m\nepd 2;wl 550\nyim 0 10\nso 0 1e13\ns 0 10\nsto\ns 0 -20 refl\nade 60; ben\ns -100 -4 nbk7_schott\ns 0 -190\nsi 0 0\ngo";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.seq");
+    std::fs::write(&path, text).unwrap();
+    let mut read = read(&path).unwrap();
+    let frames = frames::frames(&read);
+    sizes::fill(&mut read, &frames, &path);
+    let n = crate::scene::glass::find("SCHOTT N-BK7").unwrap().dispersion.index(550.0).re;
+    // The thin end of a plano-convex lens: f = R/(n − 1), and the focus is f − d/n behind its plane.
+    let f = 100.0 / (n - 1.0);
+    let out_of_focus = 190.0 - (f - 4.0 / n);
+    let [_, y] = read.field_deg.unwrap();
+    // A ray through the stop's middle meets the lens 30 away from it.
+    let at_image = f - out_of_focus * (30.0 / f - 1.0);
+    assert!((y.to_radians().tan() * at_image.abs() - 10.0).abs() < 1e-9, "{y} {at_image}");
+    let [stop, mirror] = [1, 3].map(|index| read.surfaces[index].semi_diameter);
+    let slope = y.to_radians().tan();
+    assert!((stop - 1.1).abs() < 1e-12 && (mirror - 2.0 * 1.1 * (1.0 + 10.0 * slope)).abs() < 1e-9, "{stop} {mirror}");
 }

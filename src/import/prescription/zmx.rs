@@ -1,11 +1,14 @@
 //! Lens files of Zemax OpticStudio: lines of a keyword and what it takes; those of a surface are indented under its SURF.
 
+mod terms;
+
 use super::profile::Form;
-use super::{After, Prescription, Profile, Surface, Turn};
+use super::{After, Heights, Outline, Prescription, Profile, Surface, Turn};
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::scene::Note;
 use std::path::Path;
+use terms::{fringe, noll, polynomial, rotational, zernike};
 
 /// A surface as it is read: its kind and the numbered parameters come before it is known what they mean.
 #[derive(Default)]
@@ -18,8 +21,14 @@ struct Raw {
     thickness: f64,
     glass: Option<(String, [f64; 2])>,
     semi_diameter: f64,
-    clear: f64,
+    /// Of a circular aperture: where it begins and ends.
+    clear: [f64; 2],
+    /// Half sizes of a rectangular or elliptical one.
+    half: Option<([f64; 2], bool)>,
+    centre: [f64; 2],
     stop: bool,
+    /// Turned and shifted by itself: the line, and the numbers there.
+    own_turn: Option<(usize, Vec<f64>)>,
     parm: Vec<(usize, f64)>,
     xdat: Vec<(usize, f64)>,
 }
@@ -29,7 +38,7 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
     let mut out = Prescription { unit_m: 1e-3, ..Prescription::default() };
     let mut raws: Vec<Raw> = Vec::new();
     let mut waves: Vec<f64> = Vec::new();
-    let (mut primary, mut fields, mut in_angles) = (1usize, [0.0f64; 2], false);
+    let (mut primary, mut fields, mut kind) = (1usize, [0.0f64; 2], 0.0);
     for (number, line) in text.lines().enumerate() {
         let line_no = number + 1;
         let at = || Where::Line { file: path.to_owned(), line: line_no };
@@ -61,7 +70,7 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
             "ENPD" => out.pupil = Some(need(0)?).filter(|pupil| *pupil > 0.0),
             "FNUM" => out.f_number = Some(need(0)?).filter(|ratio| *ratio > 0.0),
             "GCAT" => out.catalogues = words.iter().map(|word| (*word).to_owned()).collect(),
-            "FTYP" => in_angles = value(0) == Some(0.0),
+            "FTYP" => kind = need(0)?,
             "XFLN" | "YFLN" => {
                 let largest = (0..words.len()).filter_map(value).map(f64::abs).fold(0.0, f64::max);
                 fields[usize::from(key == "YFLN")] = largest;
@@ -83,7 +92,18 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
                         raw.glass = words.first().map(|name| ((*name).to_owned(), model));
                     }
                     "DIAM" => raw.semi_diameter = need(0)?,
-                    "CLAP" | "FLAP" => raw.clear = need(1)?,
+                    "CLAP" | "FLAP" => raw.clear = [need(0)?, need(1)?],
+                    "SQAP" | "ELAP" => raw.half = Some(([need(0)?, need(1)?], key == "SQAP")),
+                    "OBDC" => raw.centre = [need(0)?, need(1)?],
+                    "OBSC" | "SQOB" | "ELOB" | "SPID" | "USAP" | "USOB" => {
+                        let text =
+                            format!("the aperture `{}` is not taken over: nothing stops light there", line.trim());
+                        out.notes.push(Note::info(at(), text));
+                    }
+                    "SCBD" if (3..words.len()).any(|i| value(i) != Some(0.0)) => {
+                        let numbers = (0..words.len()).map(need).collect::<Result<Vec<f64>>>()?;
+                        raw.own_turn = Some((line_no, numbers));
+                    }
                     "STOP" => raw.stop = true,
                     "COAT" => {
                         let text = format!("the coating {} is not taken over: the surface is bare", words.join(" "));
@@ -100,12 +120,33 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
         return Err(Error::new(Where::file(path), "holds no lens").expected("SURF lines of object, surfaces and image"));
     }
     let (first, last) = (1, raws.len() - 1);
-    for (index, raw) in raws.into_iter().enumerate() {
+    for (index, mut raw) in raws.into_iter().enumerate() {
+        match raw.own_turn.take() {
+            // Before the image, which nothing comes after; what the first numbers mean elsewhere is written nowhere.
+            Some((line, numbers)) if index == last && matches!(numbers.as_slice(), [1.0, 0.0, 0.0, _, _, _, _, _]) => {
+                let turn = [(1, numbers[3]), (2, numbers[4]), (3, numbers[5]), (4, numbers[6]), (5, numbers[7])];
+                let own = Raw { line, kind: "COORDBRK".to_owned(), parm: turn.to_vec(), ..Raw::default() };
+                out.surfaces.push(surface(own, false, path)?);
+            }
+            Some((line, _)) => {
+                let at = Where::Line { file: path.to_owned(), line };
+                return Err(Error::new(at, "a surface that is tilted or decentred by itself is not read")
+                    .expected("a coordinate break (COORDBRK) before it"));
+            }
+            None => {}
+        }
         // What the object is like is of no meaning to the parts.
         let raw = if index < first { Raw { kind: "STANDARD".to_owned(), parm: Vec::new(), ..raw } } else { raw };
         out.surfaces.push(surface(raw, index == last, path)?);
     }
-    out.field_deg = Some(fields).filter(|[x, y]| in_angles && x.max(*y) > 0.0);
+    if fields != [0.0; 2] {
+        // Angles, heights of the object, heights of the image by paraxial or by real rays, angles of a theodolite.
+        match kind {
+            1.0 => out.heights = Some(Heights::Object(fields)),
+            2.0 | 3.0 => out.heights = Some(Heights::Image(fields)),
+            _ => out.field_deg = Some(fields),
+        }
+    }
     out.wavelength_nm = waves.get(primary.max(1) - 1).or(waves.first()).map(|um| um * 1e3);
     Ok(out)
 }
@@ -147,13 +188,18 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
             let norm_radius = Some(of(&raw.xdat, 2)).filter(|radius| *radius > 0.0).unwrap_or(1.0);
             let count = of(&raw.xdat, 1) as usize;
             let given: Vec<f64> = coefficients(&raw.xdat, 3).into_iter().take(count).collect();
-            if raw.parm.iter().any(|(_, value)| *value != 0.0) {
-                return refuse(format!("{} with aspheric terms beside its own cannot be traced", raw.kind));
+            // Parameter 0 of Zernike sags says whether they go on beyond the norm radius; 1 to 8 are those of even aspheres.
+            let most = if raw.kind == "XPOLYNOM" { 0 } else { 8 };
+            if raw.parm.iter().any(|(number, value)| *number > most && *value != 0.0) {
+                return refuse(format!("{} with numbers beside its own terms cannot be traced", raw.kind));
             }
+            let numbered = || given.iter().enumerate();
+            let even = (1..=8).map(|i| (i, parm(i))).filter(|(_, c)| *c != 0.0);
+            let even = even.flat_map(|(i, c)| rotational(i, c * norm_radius.powi(2 * i as i32)));
             match raw.kind.as_str() {
                 "XPOLYNOM" => polynomial(&given, norm_radius),
-                "SZERNSAG" => zernike(given.iter().enumerate().map(|(index, c)| (noll(index + 1), *c)), norm_radius),
-                _ => zernike(given.iter().enumerate().map(|(index, c)| fringe(index + 1, *c)), norm_radius),
+                "SZERNSAG" => zernike(numbered().map(|(index, c)| (noll(index + 1), *c)).chain(even), norm_radius),
+                _ => zernike(numbered().map(|(index, c)| fringe(index + 1, *c)).chain(even), norm_radius),
             }
         }
         other => return refuse(format!("surfaces of type {other} are not read")),
@@ -163,8 +209,11 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
         None => After::Air,
         Some((name, _)) if name == "MIRROR" => After::Mirror,
         Some((name, model)) if name == "___BLANK" => match model {
-            [n, v] if n >= 1.0 && v > 0.0 => After::Model(model),
-            [..] => return Err(Error::new(at, "a model glass without n_d and V_d").expected("numbers of it")),
+            [n, v] if n >= 1.0 && v >= 0.0 => After::Model(model),
+            [..] => {
+                return Err(Error::new(at, "a model glass without n_d and V_d")
+                    .expected("n_d of 1 and more, V_d of 0 and more"));
+            }
         },
         // The file's own numbers are the program's stand-ins unless they are those of a glass.
         Some((name, model)) => {
@@ -175,7 +224,13 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
     if !last && !raw.thickness.is_finite() && raw.line > 0 && turn.is_some() {
         return Err(Error::new(at, "a coordinate break at infinity").expected("a finite DISZ"));
     }
-    let semi_diameter = if raw.clear > 0.0 { raw.clear.max(raw.semi_diameter) } else { raw.semi_diameter };
+    let [hole, clear] = raw.clear;
+    let semi_diameter = if clear > 0.0 { clear.max(raw.semi_diameter) } else { raw.semi_diameter };
+    let semi_diameter = if semi_diameter.is_finite() { semi_diameter.abs() } else { 0.0 };
+    // An aperture that is shifted ends the surface where it does, a round one about the axis has room around it.
+    let round = if clear > 0.0 { clear } else { semi_diameter };
+    let shifted = (raw.centre != [0.0; 2]).then_some(([round; 2], false));
+    let outline = raw.half.or(shifted).filter(|(half, _)| half.iter().all(|half| *half > 0.0));
     Ok(Surface {
         line: raw.line,
         comment: raw.comment,
@@ -184,53 +239,9 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
         grating,
         thickness: if last { 0.0 } else { raw.thickness },
         after: if turn.is_some() { After::Air } else { after },
-        semi_diameter: if semi_diameter.is_finite() { semi_diameter.abs() } else { 0.0 },
+        semi_diameter,
+        outline: outline.map(|(half, corners)| Outline { centre: raw.centre, half, corners }),
+        hole: hole.max(0.0),
         stop: raw.stop,
     })
-}
-
-/// Coefficients of x, y, x², xy, … of the places over the norm radius.
-fn polynomial(given: &[f64], norm_radius: f64) -> Form {
-    let mut coeffs = vec![0.0];
-    for degree in 1.. {
-        for _ in 0..=degree {
-            let Some(c) = given.get(coeffs.len() - 1) else { return Form::Polynomial(coeffs) };
-            coeffs.push(c / norm_radius.powi(degree));
-        }
-    }
-    Form::Polynomial(coeffs)
-}
-
-/// Coefficients by n and m (below 0: sines) of polynomials whose mean square is 1.
-fn zernike(given: impl Iterator<Item = ([i64; 2], f64)>, norm_radius: f64) -> Form {
-    let mut coeffs = Vec::new();
-    for ([n, m], c) in given.filter(|(_, c)| *c != 0.0) {
-        let Ok(j) = usize::try_from((n * (n + 2) + m) / 2) else { continue };
-        if coeffs.len() <= j {
-            coeffs.resize(j + 1, 0.0);
-        }
-        coeffs[j] += c;
-    }
-    if coeffs.is_empty() { Form::Conic } else { Form::Zernike { norm_radius, coeffs } }
-}
-
-/// Standard Zernike coefficients are numbered as Noll does (J. Opt. Soc. Am. 66, 207, 1976): within an order by rising |m|,
-/// even numbers are cosines.
-fn noll(number: usize) -> [i64; 2] {
-    let n = (0..).find(|n| (n + 1) * (n + 2) / 2 >= number).unwrap_or(0);
-    let k = number - n * (n + 1) / 2 - 1;
-    let size = if n % 2 == 0 { 2 * k.div_ceil(2) } else { 2 * (k / 2) + 1 };
-    [n as i64, if number.is_multiple_of(2) { size as i64 } else { -(size as i64) }]
-}
-
-/// Fringe coefficients go by rising n + |m| and within that by falling |m|, cosine before sine, and their polynomials are 1 at
-/// the rim (Wyant and Creath, "Basic Wavefront Aberration Theory", 1992, table III); the thirty-seventh is that of n = 12.
-fn fringe(number: usize, c: f64) -> ([i64; 2], f64) {
-    let side = (1..).find(|side| side * side >= number).unwrap_or(1);
-    let behind = side * side - number;
-    let m = behind.div_ceil(2) as i64;
-    let n = 2 * (side as i64 - 1) - m;
-    let [n, m] = if number == 37 { [12, 0] } else { [n, if behind.is_multiple_of(2) { m } else { -m }] };
-    let norm = ((2 * n + 2) as f64 / if m == 0 { 2.0 } else { 1.0 }).sqrt();
-    ([n, m], c / norm)
 }
