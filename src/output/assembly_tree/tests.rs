@@ -119,7 +119,12 @@ fn scene() -> Scene {
             up: DVec3::Y,
             pupil_diameter_m: 0.004,
             adapts: false,
-            limits: crate::scene::BinocularLimits::default(),
+            limits: crate::scene::BinocularLimits {
+                convergence_mrad: Some(2.0),
+                dipvergence_mrad: Some(0.5),
+                image_distance_m: Some(2.2),
+                ..crate::scene::BinocularLimits::default()
+            },
             focus_distance_m: f64::INFINITY,
             fov_deg: 20.0,
             resolution: [40, 20],
@@ -164,6 +169,7 @@ lamps
 eye
   at (0, 0, 100) mm, looks along (0, 0, -1), up (0, 1, 0)
   pupil 4 mm, focus at infinity, field 20 x 10.08 deg, 40 x 20 pixels, age 45
+  limits of two eyes: convergence 2 mrad, dipvergence 0.5 mrad, the image at 2200 mm
 
 notes
   warning: a.glb: normals repaired

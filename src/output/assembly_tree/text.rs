@@ -286,6 +286,22 @@ fn lamps_and_eye(tree: &AssemblyTree, out: &mut String) {
         eye.resolution[1],
         words::number(eye.age, 4)
     );
+    let limits = &eye.limits;
+    let mrad = |name: &str, mrad: Option<f64>| mrad.map(|mrad| format!("{name} {} mrad", words::number(mrad, 4)));
+    let distance = limits.image_distance_m.map(|m| match m.is_finite() {
+        true => format!("the image at {} mm", words::mm(m)),
+        false => "the image at infinity".to_owned(),
+    });
+    let said = [
+        mrad("convergence", limits.convergence_mrad),
+        mrad("divergence", limits.divergence_mrad),
+        mrad("dipvergence", limits.dipvergence_mrad),
+        distance,
+    ];
+    let said: Vec<String> = said.into_iter().flatten().collect();
+    if !said.is_empty() {
+        let _ = writeln!(out, "  limits of two eyes: {}", said.join(", "));
+    }
 }
 
 /// Fits stand at their faces already.
