@@ -193,7 +193,7 @@ fn photons_come_off_a_mirror() {
         let mirror = face(Finish::MirrorIdeal { reflectance: 0.75 });
         let plane = mesh(&[quad(DVec3::ZERO, DVec3::X, DVec3::Y)]);
         add_part(&mut s, "mirror", plane, DVec3::Z, None, vec![mirror]);
-        light(&mut s, form);
+        light(&mut s, form.clone());
         let (films, plan) = render(&s, Choice::Auto, 48, 5);
         let visible = matches!(form, BeaconForm::Distant { angle_rad, .. } if angle_rad > 0.0);
         assert_eq!(plan.notes.iter().any(|note| note.contains("no luminance")), !visible, "{:?}", plan.notes);
@@ -393,7 +393,7 @@ fn the_ledger_closes_with_lights() {
         let mut ball = face(Finish::Polished);
         ball.shape = ball_shape(0.05);
         add_part(&mut s, "ball", sphere_mesh(0.05, 24, 48), DVec3::Z * 0.1, Some(1.5), vec![ball]);
-        light(&mut s, form);
+        light(&mut s, form.clone());
         let (films, _) = render(&s, FORWARD, 8, 3);
         let ledger = films.ledger(Estimator::Forward).expect("it ran");
         let sigma = ledger.imbalance_sigma().max(1e-12 * ledger.emitted);

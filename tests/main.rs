@@ -49,6 +49,7 @@ mod author;
 mod examples;
 mod hostile;
 mod prescriptions;
+mod ray_files;
 mod usd_out;
 mod usd_survive;
 

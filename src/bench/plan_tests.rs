@@ -26,7 +26,7 @@ fn owner(plan: &Plan, class: Class) -> (Estimator, bool) {
     match plan.row(GroupId(0), class).verdict {
         Verdict::Own { owner, .. } => (owner, false),
         Verdict::Connect { rest, .. } => (rest, true),
-        Verdict::Skip { .. } => panic!("{class:?} is skipped"),
+        Verdict::Emitted { .. } | Verdict::Skip { .. } => panic!("{class:?} is skipped"),
     }
 }
 

@@ -106,7 +106,7 @@ fn naively(plan: &mut Plan, found: &Judgement) -> Vec<Row> {
             let other = match &row.verdict {
                 Verdict::Own { owner, .. } => *owner != Estimator::Backward,
                 Verdict::Connect { .. } => true,
-                Verdict::Skip { .. } => false,
+                Verdict::Emitted { .. } | Verdict::Skip { .. } => false,
             };
             if other {
                 row.verdict = Verdict::Own { owner: Estimator::Backward, because };

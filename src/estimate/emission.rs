@@ -126,10 +126,9 @@ impl Emission {
             }
             Source::Light(index) => {
                 let light = &world.lights.all()[index];
-                let (origin, dir) = light.emit(place, uv);
-                let ray = Ray { origin, dir, from: None };
-                let from = Origin { group: light.group(), visible: light.is_visible(), face: None };
-                (ray, world.light_interiors[index], from, optics.light(index))
+                let (ray, interior) = world.start_of_light(index, place, uv);
+                let from = Origin { group: light.group(), visible: light.has_luminance(), face: None };
+                (ray, interior, from, optics.light(index))
             }
         };
         let dir = ray.dir;

@@ -196,6 +196,9 @@ pub fn plan_lines(scene: &Scene, plan: &Plan) -> Vec<String> {
                 Verdict::Connect { rest, because } => {
                     format!("{group} {class}: manifold because {because}; the rest: {}", rest.name())
                 }
+                Verdict::Emitted { because } => {
+                    format!("{group} {class}: photon and forward because {because}")
+                }
                 Verdict::Skip { because } => format!("{group} {class}: skipped because {because}"),
             }
         })

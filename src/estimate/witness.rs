@@ -184,6 +184,12 @@ fn kinds(world: &World, plan: &Plan) -> (Vec<Watched>, Vec<Unwatched>) {
     for row in plan.rows.iter().filter(|row| !is_plain(&row.verdict)) {
         let points = || world.lights.all().iter().any(|light| light.group() == row.group && !light.is_visible());
         let over_faces = matches!(row.class, Class::Caustic | Class::Secondary);
+        let rays = world.lights.all().iter().any(|light| light.group() == row.group && light.rays().is_some());
+        if rays {
+            let because = "no path from the eye meets the rays of a file".to_owned();
+            unwatched.push(Unwatched { group: row.group, class: row.class, because });
+            continue;
+        }
         if specular && over_faces && points() {
             let because = "no path from the eye meets a lamp without extent".to_owned();
             unwatched.push(Unwatched { group: row.group, class: row.class, because });
@@ -213,7 +219,7 @@ fn kinds(world: &World, plan: &Plan) -> (Vec<Watched>, Vec<Unwatched>) {
 fn is_plain(verdict: &Verdict) -> bool {
     match verdict {
         Verdict::Own { owner, .. } => *owner == Estimator::Backward,
-        Verdict::Connect { .. } => false,
+        Verdict::Connect { .. } | Verdict::Emitted { .. } => false,
         Verdict::Skip { .. } => true,
     }
 }

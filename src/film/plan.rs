@@ -44,6 +44,9 @@ pub enum Verdict {
     /// no start: no pilot has seen these, so paths from the lamps to there may have any weight, but no ray from the eye brings
     /// more than a lamp's luminance.
     Connect { rest: Estimator, because: String },
+    /// Only paths that start on the lamps follow this light, the rays of a file: photons have what a broad scatterer gets of
+    /// it, light tracing the rest.
+    Emitted { because: String },
     /// There are no such paths, or nobody is asked for them.
     Skip { because: String },
 }
@@ -264,6 +267,8 @@ impl Plan {
             // At a narrow lobe nothing is gathered, and nothing connected.
             Verdict::Connect { rest: Estimator::Photon, .. } if !has_broad => Some(Estimator::Backward),
             Verdict::Connect { .. } => Some(Estimator::Manifold),
+            Verdict::Emitted { .. } if has_broad && class != Class::Vision => Some(Estimator::Photon),
+            Verdict::Emitted { .. } => Some(Estimator::Forward),
             Verdict::Skip { .. } => None,
         }
     }
@@ -276,7 +281,7 @@ impl Plan {
                 let unknown = class == Class::Vision && estimator == Estimator::Backward;
                 estimator == Estimator::Manifold || estimator == *rest || unknown
             }
-            Verdict::Connect { .. } | Verdict::Own { .. } | Verdict::Skip { .. } => {
+            Verdict::Connect { .. } | Verdict::Own { .. } | Verdict::Emitted { .. } | Verdict::Skip { .. } => {
                 self.owner(group, class, has_broad) == Some(estimator)
             }
         }

@@ -11,6 +11,7 @@ use super::files;
 use super::frames;
 use super::gltf::{large_by_its_unit, looks_like_millimetres};
 use super::optics;
+use super::ray_lamps::KnownRays;
 use super::select::{Candidate, candidates, listed};
 use super::set::Set;
 use super::surfaces::Surfaces;
@@ -18,8 +19,8 @@ use super::value::Value;
 use crate::base::error::Result;
 use crate::base::{Code, Error, Shared, Where};
 use crate::scene::{
-    Coating, Face, Grating, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide, StandardSurface,
-    WavePlate, Wavelengths,
+    Beacon, Coating, Face, Grating, Group, LuminousProfile, Medium, Note, Part, ScatterTable, Scene, Slide,
+    StandardSurface, WavePlate, Wavelengths,
 };
 use glam::DMat3;
 use std::collections::HashMap;
@@ -120,13 +121,19 @@ pub(super) fn build_within(
         groups: Vec::new(),
         profiles: Vec::new(),
         measured: HashMap::new(),
+        ray_files: HashMap::new(),
+        beacons: Vec::new(),
         pictures: HashMap::new(),
         files: assembly.dependencies.clone(),
         notes,
     };
     builder.unused(&bound)?;
-    let mut scene_parts: Vec<Part> =
-        parts.iter().zip(&bound).map(|(part, bound)| builder.part(part, bound)).collect::<Result<_>>()?;
+    let mut scene_parts: Vec<Part> = parts
+        .iter()
+        .zip(&bound)
+        .enumerate()
+        .map(|(i, (part, bound))| builder.part(i, part, bound))
+        .collect::<Result<_>>()?;
     let (sky, its_sun) = match &sheet.sky {
         Some(value) => {
             let (sky, sun) = builder.sky(value)?;
@@ -156,7 +163,7 @@ pub(super) fn build_within(
         }
     };
     let mut made = builder.lights(sky.as_ref().map(|sky| sky.group), eye.position)?;
-    made.lights.extend(sun);
+    made.lights.extend(sun.into_iter().chain(std::mem::take(&mut builder.beacons)));
     let sky = sky.or(made.dome.take());
     // Glowing pictures on things are how those look; what lights a scene shines evenly.
     let shines = |face: &Face| face.emitter.as_ref().is_some_and(|emitter| emitter.pattern.is_none());
@@ -319,6 +326,9 @@ pub(super) struct Builder<'a> {
     pub(super) profiles: Vec<LuminousProfile>,
     /// Profiles as their files say, by file.
     pub(super) measured: HashMap<PathBuf, LuminousProfile>,
+    /// Ray files, by file, and the lamps that they have become.
+    pub(super) ray_files: HashMap<PathBuf, KnownRays>,
+    pub(super) beacons: Vec<Beacon>,
     /// Pictures of slides by file.
     pub(super) pictures: HashMap<(PathBuf, Option<String>, [u64; 3]), Known>,
     pub(super) files: Vec<PathBuf>,

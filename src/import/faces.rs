@@ -5,13 +5,15 @@ use super::binding_slots::{PartBound, Rank, Slot, Slots};
 use super::build::{Builder, intern};
 use super::files;
 use super::frames;
-use super::optics::{self, FinishSpec, MeasuredFile, ShapeSpec, SpectrumSpec};
+use super::optics::{self, FinishSpec, MeasuredFile, ShapeSpec, SlideSpec, SpectrumSpec, Spreading};
 use super::select::Candidate;
 use super::value::{Data, Value};
 use crate::base::error::Result;
 use crate::base::ids::{CoatingId, GratingId, MediumId, MeshId, ScatterId, WavePlateId};
 use crate::base::{Code, Error, Where};
-use crate::scene::{Absorption, Face, Finish, Medium, Note, Part, Shape, Spectrum, WavePlate, Wavelengths, glass};
+use crate::scene::{
+    Absorption, Emitter, Face, Finish, Medium, Note, Part, Shape, Spectrum, WavePlate, Wavelengths, glass,
+};
 use glam::DAffine3;
 use std::path::PathBuf;
 
@@ -40,12 +42,13 @@ fn lets_in(face: &Face) -> bool {
 }
 
 impl Builder<'_> {
-    pub(super) fn part(&mut self, part: &Candidate, bound: &PartBound) -> Result<Part> {
+    /// `index`: of the part in the scene.
+    pub(super) fn part(&mut self, index: usize, part: &Candidate, bound: &PartBound) -> Result<Part> {
         let to_world = self.assembly.nodes.get(part.node).map_or(DAffine3::IDENTITY, |node| node.to_world);
         let priority = bound.part.get(Slot::Priority).map(|won| optics::priority(&won.entry.value)).transpose()?;
         let mut faces = Vec::with_capacity(bound.faces.len());
         for (number, slots) in bound.faces.iter().enumerate() {
-            faces.push(self.face(part, number, slots, &to_world)?);
+            faces.push(self.face((index, part), number, slots, &to_world)?);
         }
         let medium = self.medium(&bound.part, faces.iter().any(lets_in))?;
         if medium.is_none() {
@@ -154,7 +157,13 @@ impl Builder<'_> {
         }
     }
 
-    fn face(&mut self, part: &Candidate, number: usize, slots: &Slots, to_world: &DAffine3) -> Result<Face> {
+    fn face(
+        &mut self,
+        (index, part): (usize, &Candidate),
+        number: usize,
+        slots: &Slots,
+        to_world: &DAffine3,
+    ) -> Result<Face> {
         let shines = slots.get(Slot::Emitter).is_some_and(|won| won.entry.value.text() != Some("none"));
         let said = slots.finish();
         let finish = match said {
@@ -176,27 +185,7 @@ impl Builder<'_> {
             Some(won) => self.shape(part, number, &won.entry.value, to_world)?,
             None => Shape::Mesh,
         };
-        let mut picture = None;
-        let emitter = match slots.get(Slot::Emitter) {
-            // `emitter = "none"` darkens what another carrier lights.
-            Some(won) if won.entry.value.text() == Some("none") => None,
-            Some(won) => {
-                let spec = optics::emitter(self.sheet.emitters.follow(&won.entry.value)?, &mut self.notes)?;
-                if spec.spectrum.is_none() && self.coloured() {
-                    let (at, text) = (won.entry.value.at.clone(), "`spectrum` of emitter is not said: D65".to_owned());
-                    self.notes.push(Note::info(at, text));
-                }
-                picture = spec.picture.clone();
-                let mut emitter = self.emitter(part, number, spec)?;
-                // What a format says of emission goes with its texture; what a person says is the whole face's.
-                if won.rank == Rank::Mapped {
-                    let own = self.own_surface(part, number)?;
-                    emitter.pattern = self.surfaces[own.index()].emission.is_some().then_some(own);
-                }
-                Some(emitter)
-            }
-            None => None,
-        };
+        let (emitter, picture) = self.shining((index, part), number, slots)?;
         let slide = match slots.get(Slot::Slide).filter(|won| won.entry.value.text() != Some("none")) {
             Some(won) if picture.is_some() => {
                 let what = format!("part {} face {number} has a slide and an emitter with an image", part.path);
@@ -214,6 +203,36 @@ impl Builder<'_> {
         let tint = if is_mapped { self.stain(part, number, finish) } else { None };
         let sensor = slots.get(Slot::Sensor).map(|won| optics::sensor(&won.entry.value)).transpose()?;
         Ok(Face { finish, coating: self.coating(part, number, slots, finish)?, shape, emitter, tint, slide, sensor })
+    }
+
+    /// What a face emits, and the picture that it shows. The rays of a file become lamps of their own.
+    fn shining(
+        &mut self,
+        (index, part): (usize, &Candidate),
+        number: usize,
+        slots: &Slots,
+    ) -> Result<(Option<Emitter>, Option<SlideSpec>)> {
+        // `emitter = "none"` darkens what another carrier lights.
+        let Some(won) = slots.get(Slot::Emitter).filter(|won| won.entry.value.text() != Some("none")) else {
+            return Ok((None, None));
+        };
+        let spec = optics::emitter(self.sheet.emitters.follow(&won.entry.value)?, &mut self.notes)?;
+        if let Spreading::RayFile { file, at } = spec.angular.clone() {
+            self.rays(index, part, spec, (&file, &at))?;
+            return Ok((None, None));
+        }
+        if spec.spectrum.is_none() && self.coloured() {
+            let (at, text) = (won.entry.value.at.clone(), "`spectrum` of emitter is not said: D65".to_owned());
+            self.notes.push(Note::info(at, text));
+        }
+        let picture = spec.picture.clone();
+        let mut emitter = self.emitter(part, number, spec)?;
+        // What a format says of emission goes with its texture; what a person says is the whole face's.
+        if won.rank == Rank::Mapped {
+            let own = self.own_surface(part, number)?;
+            emitter.pattern = self.surfaces[own.index()].emission.is_some().then_some(own);
+        }
+        Ok((Some(emitter), picture))
     }
 
     /// What the base colour of a solid that transmits takes at each of its faces: the root, as light gets in and out (so has it

@@ -11,6 +11,21 @@ pub fn read(path: &Path, at: &Where, kind: &str) -> Result<Vec<u8>> {
     package::read(path).map_err(|error| unreadable(&error, path, at, kind))
 }
 
+/// The same of a regular file of at most so many bytes; `code`: of every fault.
+pub fn read_at_most(path: &Path, at: &Where, kind: &str, (most, code): (u64, Code)) -> Result<Vec<u8>> {
+    if let Ok(facts) = std::fs::metadata(path) {
+        let what =
+            |why: String| Error::new(at.clone(), format!("can't read the {kind} {}: {why}", path.display())).code(code);
+        if !facts.is_file() {
+            return Err(what("it is no regular file".into()));
+        }
+        if facts.len() > most {
+            return Err(what(format!("it has {} bytes", facts.len())).expected(format!("at most {most}")));
+        }
+    }
+    read(path, at, kind).map_err(|fault| fault.code(code))
+}
+
 fn unreadable(error: &io::Error, path: &Path, at: &Where, kind: &str) -> Box<Error> {
     let why = match error.kind() {
         ErrorKind::NotFound => "there is no such file".to_owned(),

@@ -19,7 +19,7 @@ use std::path::Path;
 
 /// Lumens of a watt: of the scene's one wavelength, else of the spectrum from 360 to 830 nm. Errors: no spectrum, none
 /// that can be seen.
-fn efficacy_lm_per_w(spectrum: Option<&Spectrum>, wavelengths: Wavelengths) -> Result<f64, String> {
+pub(super) fn efficacy_lm_per_w(spectrum: Option<&Spectrum>, wavelengths: Wavelengths) -> Result<f64, String> {
     let per_watt = match (wavelengths, spectrum) {
         (Wavelengths::Mono { nm }, _) => K_M * cmf(nm)[1],
         (Wavelengths::Visible, Some(spectrum)) => spectrum.resolve()?.lumens_per_watt(),
@@ -48,6 +48,7 @@ impl Builder<'_> {
                 self.behind(&measured, &at)?;
                 Angular::Profile { profile: self.profile(measured), c0: u }
             }
+            Spreading::RayFile { at, .. } => return Err(Error::new(at, "the rays of a file are no face")),
         };
         let polarisation = spec.polarisation.map(|(angle, degree)| {
             let normal = normal.unwrap_or(DVec3::Z);

@@ -31,6 +31,8 @@ mod outline; // the geometry alone
 mod patch; // changing a value in place
 pub mod photometric; // IES LM-63 and EULUMDAT
 pub mod prescription; // lens files of design programs
+pub mod ray_file; // rays of lamps: TM-25 and Zemax binary source files
+mod ray_lamps; // lamps that are the rays of a file
 mod scene_images; // slides and panoramas
 pub mod select; // which parts and faces a selector means
 pub mod set; // --set

@@ -13,9 +13,10 @@ pub mod sensor;
 pub mod tolerance;
 mod tuning;
 
+use crate::base::{Error, Result, Where};
 use crate::check::Checked;
 use crate::estimate::ShouldStop;
-use crate::film::plan::{Estimator, Plan};
+use crate::film::plan::{Estimator, Plan, Verdict};
 use crate::world::World;
 use pilots::pilot_cache::PilotCache;
 use planner::Planner;
@@ -78,6 +79,28 @@ pub fn plan_unless(checked: &Checked, world: &World, asked: Asked, stop: &Should
 /// it change.
 pub fn plan_handicapped(checked: &Checked, world: &World, handicap: &Handicap) -> Plan {
     make(checked, world, Choice::Auto.into(), &|| false, handicap)
+}
+
+/// Refuses what would be black: rays of a file where only paths from the eye may be traced, which never meet one; and a
+/// picture that has no light but theirs and gets none of it.
+pub fn follows_rays(checked: &Checked, world: &World, asked: Asked) -> Result<()> {
+    let rows = facts::rows(checked, world, asked.choice);
+    let groups = facts::unfollowed(world, &rows);
+    let Some(first) = groups.first() else { return Ok(()) };
+    let name = &checked.scene().group(*first).name;
+    if asked.choice == Choice::Only(Estimator::Backward) {
+        let what = format!("no path from the eye meets the rays of a file, and light group {name} has some");
+        return Err(
+            Error::new(Where::Option("--estimator".to_owned()), what).expected("auto, forward, photon or manifold")
+        );
+    }
+    if rows.iter().all(|row| matches!(row.verdict, Verdict::Skip { .. })) {
+        let what = format!(
+            "no light of group {name}, rays of a file, can get into the picture: the pupil is a point, and nothing scatters"
+        );
+        return Err(Error::new(Where::Nowhere, what).expected("a pupil_diameter above 0"));
+    }
+    Ok(())
 }
 
 fn make(checked: &Checked, world: &World, asked: Asked, stop: &ShouldStop<'_>, handicap: &Handicap) -> Plan {

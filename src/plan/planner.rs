@@ -19,7 +19,7 @@ use crate::film::specular_chain::Screen;
 use crate::world::World;
 use crate::world::mode::Mono;
 use crate::world::surface::Surface;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What the pilots are run with.
 pub(super) struct Planner<'m> {
@@ -110,7 +110,9 @@ impl Planner<'_> {
             leave_unconnected(plan, Class::Vision);
             // What specular connection leaves is not the light that the pilot has found most of.
             let leaves = |row: &Row| matches!(row.verdict, Verdict::Connect { rest: Estimator::Forward, .. });
-            let owns = |row: &Row| matches!(row.verdict, Verdict::Own { owner: Estimator::Forward, .. });
+            let owns = |row: &Row| {
+                matches!(row.verdict, Verdict::Own { owner: Estimator::Forward, .. } | Verdict::Emitted { .. })
+            };
             // Where the rest is nobody knows.
             let rest = if plan.rows.iter().any(owns) {
                 1.0
@@ -130,6 +132,7 @@ impl Planner<'_> {
         let has_lamps = |row: &Row| self.world.lamps.all().iter().any(|lamp| lamp.group == row.group);
         let is_dark = |row: &Row| match row.verdict {
             Verdict::Skip { .. } => true,
+            Verdict::Emitted { .. } => false,
             Verdict::Own { .. } | Verdict::Connect { .. } => given_up.contains(&row.group) || !has_lamps(row),
         };
         let vision = |row: &&Row| row.class == Class::Vision;
@@ -238,6 +241,17 @@ impl Planner<'_> {
         }
     }
 
+    /// Light groups with rays of files, and how many those are.
+    fn ray_files(&self) -> BTreeMap<GroupId, usize> {
+        let mut counts = BTreeMap::new();
+        for light in self.world.lights.all() {
+            if let Some(rays) = light.rays() {
+                *counts.entry(light.group()).or_default() += rays.count();
+            }
+        }
+        counts
+    }
+
     /// What a reader of the plan should know.
     pub(super) fn remarks(&self, plan: &mut Plan) {
         if plan.rows.iter().any(|row| row.class == Class::Vision && is_connected(row)) {
@@ -246,7 +260,13 @@ impl Planner<'_> {
                 1.0 / plan.unknown_share
             ));
         }
-        let sightless = self.world.lights.all().iter().filter(|light| !light.is_visible());
+        for (group, count) in self.ray_files() {
+            plan.notes.push(format!(
+                "group {}: {count} rays of files: what shows of them is made of no more points than rays get there, and the stated error counts from the files on",
+                self.checked.scene().group(group).name
+            ));
+        }
+        let sightless = self.world.lights.all().iter().filter(|light| !light.has_luminance());
         let sightless: BTreeSet<GroupId> = sightless.map(|light| light.group()).collect();
         plan.notes.extend(sightless.into_iter().map(|group| {
             format!(

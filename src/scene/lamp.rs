@@ -1,7 +1,8 @@
 //! Whatever emits: faces, lamps that are no faces, and the sky.
 
-use super::Spectrum;
-use crate::base::ids::{GroupId, ProfileId, SurfaceId};
+use super::{RaySet, Spectrum};
+use crate::base::Shared;
+use crate::base::ids::{GroupId, PartId, ProfileId, SurfaceId};
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
@@ -62,7 +63,7 @@ pub struct Emitter {
     pub pattern: Option<SurfaceId>,
 }
 
-/// A lamp that is no face: a point, a spot or a distant lamp.
+/// A lamp that is no face: a point, a spot, a distant lamp or the rays of a file.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Beacon {
     /// For messages.
@@ -74,7 +75,7 @@ pub struct Beacon {
 }
 
 /// Where it is and how strong.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BeaconForm {
     Point {
@@ -102,6 +103,14 @@ pub enum BeaconForm {
         illuminance_lx: f64,
         /// Full angle of its disc, 0 for parallel light, at most π: half of all directions.
         angle_rad: f64,
+    },
+    /// Rays of a file that leave a part: its own faces are not there for them until they have met another part.
+    Rays {
+        rays: Shared<RaySet>,
+        /// In whose frame they are: the axes and the origin of its node, in millimetres whatever its scale.
+        part: PartId,
+        /// Luminous flux of all of them, lm.
+        flux_lm: f64,
     },
 }
 

@@ -20,6 +20,7 @@ pub mod motion; // how an assembly moves
 pub mod note;
 pub mod part;
 pub mod profile; // measured intensity distributions
+pub mod ray_set; // lamps as rays of a file
 pub mod scatter_table;
 pub mod sensor;
 pub mod shape;
@@ -42,6 +43,7 @@ pub use mesh::{FaceRange, Mesh};
 pub use note::{Known, Note, Residual, Severity};
 pub use part::{Absorption, Face, Medium, Part};
 pub use profile::LuminousProfile;
+pub use ray_set::{LampRay, RaySet};
 pub use scatter_table::ScatterTable;
 pub use sensor::Sensor;
 pub use shape::Shape;

@@ -1,11 +1,12 @@
-//! Lamps that are no faces: points, spots and distant lamps, sampled from both ends.
+//! Lamps that are no faces: points, spots and distant lamps, sampled from both ends, and rays of files, from theirs alone.
 
+use super::ray_lamp::RayLamp;
 use super::web::Web;
 use crate::base::error::Result;
 use crate::base::ids::GroupId;
 use crate::base::warp::{self, Frame};
 use crate::base::{Error, Where};
-use crate::scene::{Beacon, BeaconForm, LuminousProfile, Scene};
+use crate::scene::{Beacon, BeaconForm, Scene};
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 
@@ -38,6 +39,7 @@ enum Form {
         centre: DVec3,
         radius: f64,
     },
+    Rays(RayLamp),
 }
 
 /// I(θ) = I₀ x² with x = (cos θ − `edge`)/`width` within 0 … 1 (KHR_lights_punctual, "Inner and Outer Cone Angles").
@@ -120,12 +122,7 @@ fn about(axis: DVec3, versine: f64, turn: f64) -> DVec3 {
 
 impl Light {
     /// `centre` and `radius` of a sphere about all that light can reach, recentred frame whose origin is `origin`, m.
-    fn build(
-        light: &Beacon,
-        profiles: &[LuminousProfile],
-        origin: DVec3,
-        (centre, radius): (DVec3, f64),
-    ) -> Result<Light> {
+    fn build(light: &Beacon, scene: &Scene, origin: DVec3, (centre, radius): (DVec3, f64)) -> Result<Light> {
         let fault = |what: &str, value: f64, range: &str| {
             Error::new(Where::part(&light.name), format!("the light's {what} is {value}")).expected(range)
         };
@@ -136,6 +133,10 @@ impl Light {
             axis.try_normalize().ok_or_else(|| fault("direction", axis.length(), "a direction of positive length"))
         };
         let (form, flux_lm) = match light.form {
+            BeaconForm::Rays { ref rays, part, flux_lm } => {
+                strength("flux in lm", flux_lm)?;
+                (Form::Rays(RayLamp::build(scene, (rays, part.index()), origin)?), flux_lm)
+            }
             BeaconForm::Point { position, intensity_cd, spot } => {
                 strength("intensity in cd", intensity_cd)?;
                 if !position.is_finite() {
@@ -170,7 +171,7 @@ impl Light {
                 if off.is_nan() || off > 1e-9 {
                     return Err(fault("frame is no rotation: it", off, "orthogonal axes"));
                 }
-                let profile = profiles.get(profile.index()).cloned();
+                let profile = scene.profiles.get(profile.index()).cloned();
                 let web = profile.and_then(Web::new).ok_or_else(|| fault("profile's flux", 0.0, "light"))?;
                 let flux = factor * web.flux_lm();
                 (Form::Profile { position: position - origin, axes, web: Box::new(web), factor }, flux)
@@ -209,9 +210,22 @@ impl Light {
     /// Has a luminance, so that a ray may find it.
     pub fn is_visible(&self) -> bool {
         match &self.form {
-            Form::Point { .. } | Form::Profile { .. } => false,
+            Form::Point { .. } | Form::Profile { .. } | Form::Rays(_) => false,
             Form::Distant { disc, .. } => disc.is_some(),
         }
+    }
+
+    /// The rays of a file, which only paths that start on them follow.
+    pub fn rays(&self) -> Option<&RayLamp> {
+        match &self.form {
+            Form::Rays(rays) => Some(rays),
+            Form::Point { .. } | Form::Profile { .. } | Form::Distant { .. } => None,
+        }
+    }
+
+    /// What paths from the lamp bring straight to the pupil has a luminance: that of a point or of parallel light has none.
+    pub fn has_luminance(&self) -> bool {
+        self.is_visible() || self.rays().is_some()
     }
 
     /// Where a path starts and its direction, with density ∝ intensity: every path carries `flux_lm`/N. `uv` is what a
@@ -222,6 +236,7 @@ impl Light {
                 (*position, spot.map_or_else(|| warp::sphere(uv), |spot| spot.sample(uv)))
             }
             Form::Profile { position, axes, web, .. } => (*position, (*axes * web.sample(uv)).normalize()),
+            Form::Rays(rays) => rays.emit(uv[0]),
             Form::Distant { dir, disc, centre, radius, .. } => {
                 let dir = disc.map_or(*dir, |disc| about(*dir, other[0] * disc.versine, other[1]));
                 let frame = Frame::about(dir);
@@ -234,7 +249,7 @@ impl Light {
     /// What [`Light::emit`] takes as `uv` for light that passes a point, if that tells where light starts: of a distant lamp.
     pub fn passing(&self, point: DVec3) -> Option<[f64; 2]> {
         match &self.form {
-            Form::Point { .. } | Form::Profile { .. } => None,
+            Form::Point { .. } | Form::Profile { .. } | Form::Rays(_) => None,
             Form::Distant { dir, centre, radius, .. } => {
                 let across = Frame::about(*dir).to_local(point - *centre).truncate() / *radius;
                 (across.length_squared() <= 1.0).then(|| warp::disk_inverse(across))
@@ -245,7 +260,7 @@ impl Light {
     /// The direction that the light of a distant lamp travels in.
     pub fn direction(&self) -> Option<DVec3> {
         match &self.form {
-            Form::Point { .. } | Form::Profile { .. } => None,
+            Form::Point { .. } | Form::Profile { .. } | Form::Rays(_) => None,
             Form::Distant { dir, .. } => Some(*dir),
         }
     }
@@ -266,12 +281,15 @@ impl Light {
                 if importance.is_finite() { importance } else { 0.0 }
             }
             Form::Distant { illuminance_lx, .. } => *illuminance_lx,
+            // No ray meets one of them.
+            Form::Rays(_) => 0.0,
         }
     }
 
     /// The lamp as seen from a point.
     fn toward(&self, at: DVec3, uv: [f64; 2]) -> Option<Toward> {
         match &self.form {
+            Form::Rays(_) => None,
             Form::Point { position, .. } | Form::Profile { position, .. } => {
                 let distance = at.distance(*position);
                 let dir = ((*position - at) / distance).try_normalize()?;
@@ -293,7 +311,7 @@ impl Light {
     /// Luminance of the disc that a ray which leaves the scene along `dir` meets, and its density of sampling.
     fn met(&self, ray: DVec3) -> Option<(f64, f64)> {
         match &self.form {
-            Form::Point { .. } | Form::Profile { .. } => None,
+            Form::Point { .. } | Form::Profile { .. } | Form::Rays(_) => None,
             Form::Distant { dir, disc, .. } => {
                 let disc = (*disc)?;
                 // 1 − cos θ = |a − b|²/2 for unit vectors.
@@ -321,11 +339,7 @@ impl Lights {
     /// Errors: strengths, directions or angles outside their ranges, named by the light.
     pub fn build(scene: &Scene, origin: DVec3, bounds: (DVec3, f64)) -> Result<Lights> {
         Ok(Lights {
-            lights: scene
-                .lights
-                .iter()
-                .map(|l| Light::build(l, &scene.profiles, origin, bounds))
-                .collect::<Result<_>>()?,
+            lights: scene.lights.iter().map(|l| Light::build(l, scene, origin, bounds)).collect::<Result<_>>()?,
         })
     }
 

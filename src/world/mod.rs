@@ -17,6 +17,7 @@ pub mod light;
 pub mod mode;
 pub mod optics;
 pub mod outline;
+pub mod ray_lamp;
 pub mod rim;
 pub mod role;
 pub mod scatter;
@@ -37,7 +38,7 @@ use crate::base::lpe::Product;
 use crate::scene::{BeaconForm, Coating, Eye, Medium, Scene};
 use contact::Contacts;
 use eye::EyeLens;
-use geometry::{Geometry, Hit, Site};
+use geometry::{Geometry, Hit, Ray, Site};
 use glam::DVec3;
 use interior::{Interior, Solid};
 use lamp::Lamps;
@@ -148,11 +149,17 @@ impl World {
         let light_interiors = scene
             .lights
             .iter()
-            .map(|light| match light.form {
+            .zip(lights.all())
+            .map(|(light, made)| match light.form {
                 BeaconForm::Point { position, .. } | BeaconForm::Profile { position, .. } => {
                     Interior::of(geometry.solids_containing(position - geometry.origin()))
                 }
                 BeaconForm::Distant { .. } => Interior::default(),
+                // Each ray has its own ([`World::start_of_light`]); this is that of one in their middle.
+                BeaconForm::Rays { .. } => {
+                    let part = made.rays().map(|rays| rays.part());
+                    Interior::of(geometry.solids_around(made.emit([0.5; 2], [0.5; 2]).0, part))
+                }
             })
             .collect();
         let is_ordinary = |face: &FaceOptics| matches!(&face.surface, Surface::Scatter(s) if s.principled().is_some());
@@ -210,6 +217,20 @@ impl World {
             | Surface::Splitter(_)
             | Surface::Grating(_)
             | Surface::Interface(_) => None,
+        }
+    }
+
+    /// How a path starts on a light that is no face, and what it starts inside of: [`light::Light::emit`], and of the rays
+    /// of a file [`ray_lamp::RayLamp::leaving`].
+    pub fn start_of_light(&self, index: usize, other: [f64; 2], uv: [f64; 2]) -> (Ray, Interior) {
+        let light = &self.lights.all()[index];
+        let (origin, dir) = light.emit(other, uv);
+        match light.rays() {
+            None => (Ray { origin, dir, from: None }, self.light_interiors[index]),
+            Some(rays) => {
+                let around = self.geometry.solids_around(origin, Some(rays.part()));
+                (rays.leaving(&self.geometry, (origin, dir)), Interior::of(around))
+            }
         }
     }
 

@@ -1,4 +1,4 @@
-//! A photometric file is missing.
+//! A photometric or ray file is missing.
 
 use crate::check::finding::Level;
 use crate::check::rule::{Example, Rule, kept, nothing};
@@ -7,7 +7,7 @@ pub const RULE: Rule = Rule {
     code: "EB0304",
     name: "profile-missing",
     level: Level::Error,
-    title: "A photometric file is missing",
+    title: "A photometric or ray file is missing",
     why: "The lamp's distribution is not known without it.",
     bad: Example::Code("toml", r#"angular = { profile = { file = "led.ies" } }   # not beside the sidecar"#),
     good: Example::Code("toml", r#"angular = { profile = { file = "photometry/led.ies" } }"#),

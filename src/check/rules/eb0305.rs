@@ -1,4 +1,4 @@
-//! A photometric file is malformed.
+//! A photometric or ray file is malformed.
 
 use crate::check::finding::Level;
 use crate::check::rule::{Example, Rule, kept, nothing};
@@ -7,8 +7,8 @@ pub const RULE: Rule = Rule {
     code: "EB0305",
     name: "profile-malformed",
     level: Level::Error,
-    title: "A photometric file is malformed",
-    why: "An IES or EULUMDAT file is a list of numbers whose meaning hangs on their count: one too many, and every candela is another direction's.",
+    title: "A photometric or ray file is malformed",
+    why: "An IES or EULUMDAT file is a list of numbers whose meaning hangs on their count: one too many, and every candela is another direction's. A ray file (TM-25, Zemax) is as long as its header says, with unit directions and flux that is not negative.",
     bad: Example::Code(
         "text",
         r#"1 -1 1 3 1 1 2 0 0 0

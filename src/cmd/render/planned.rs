@@ -19,7 +19,7 @@ use crate::film::pupil::Pupil;
 use crate::film::sharpness::{GroupPupil, Sharpness};
 use crate::plan::pilots::pupil::{Surveyed, survey};
 use crate::plan::plan_file::PlanFile;
-use crate::plan::plan_unless;
+use crate::plan::{follows_rays, plan_unless};
 use crate::scene::{Scene, Wavelengths};
 use crate::world::World;
 
@@ -42,6 +42,7 @@ impl Run<'_> {
         let Opened { scene, world, own, wishes, asked, .. } = opened;
         let (asked, stop) = (*asked, || self.is_stopped());
         let checked = check(scene)?;
+        follows_rays(&checked, world, asked)?;
         let behind = if args.resume { resume(&args.output, &|head| args.is_mine(head, scene))? } else { None };
         let plan = match (&args.plan, &behind) {
             (Some(path), _) => Some(PlanFile::read(path, scene, asked)?.plan),

@@ -49,6 +49,11 @@ pub enum Spreading {
         file: String,
         at: Where,
     },
+    /// The same, of rays with places and directions of their own.
+    RayFile {
+        file: String,
+        at: Where,
+    },
 }
 
 /// The attributes that say how strong an emitter is; one of them holds.
@@ -56,6 +61,9 @@ pub const STRENGTHS: [&str; 6] =
     ["flux_lm", "luminance_cd_m2", "primaries_cd_m2", "intensity_cd", "illuminance_lx", "radiant_flux_w"];
 
 pub use crate::scene::attribute::EMITTER as ATTRIBUTES;
+
+/// What goes with a ray file: all else says of a face what its rays have of their own.
+const OF_RAYS: [&str; 6] = ["name", "group", "flux_lm", "radiant_flux_w", "angular", "spectrum"];
 
 pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
     let fields = Fields::of(Noun::Emitter, "emitter", value, &ATTRIBUTES)?;
@@ -73,6 +81,16 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
             Spreading::Lambert
         }
     };
+    if matches!(angular, Spreading::RayFile { .. })
+        && let Some(name) = ATTRIBUTES.into_iter().find(|name| fields.has(name) && !OF_RAYS.contains(name))
+    {
+        let at = fields.value(name).map_or(&value.at, |value| &value.at);
+        return Err(Error::new(
+            at.clone(),
+            format!("`{name}` of emitter is of a face, and the rays of a file are none"),
+        )
+        .expected("group, flux_lm or radiant_flux_w, and spectrum beside a ray file"));
+    }
     let primaries = fields.numbers::<3>("primaries_cd_m2")?;
     let given: Vec<&str> = STRENGTHS.into_iter().filter(|name| fields.has(name)).collect();
     let strength = match given.as_slice() {
@@ -84,7 +102,9 @@ pub fn emitter(value: &Value, notes: &mut Vec<Note>) -> Result<EmitterSpec> {
             watts: fields.need_number("radiant_flux_w")?,
             at: fields.value("radiant_flux_w").map_or_else(|| value.at.clone(), |value| value.at.clone()),
         },
-        [] if matches!(angular, Spreading::Profile { .. }) => Strength::Said(Photometry::AsMeasured),
+        [] if matches!(angular, Spreading::Profile { .. } | Spreading::RayFile { .. }) => {
+            Strength::Said(Photometry::AsMeasured)
+        }
         ["illuminance_lx"] => {
             let at = fields.value("illuminance_lx").map_or(&value.at, |value| &value.at);
             return Err(Error::new(at.clone(), "`illuminance_lx` is of a distant source, and a face is none")
@@ -147,10 +167,11 @@ fn angular(value: &Value) -> Result<Spreading> {
         "lambert" => Ok(Spreading::Lambert),
         "cos_n" => Ok(Spreading::CosN { n: read.fields.need_number("n")? }),
         "gauss" => Ok(Spreading::Gauss { fwhm_deg: read.fields.need_number("fwhm_deg")? }),
-        _ => Ok(Spreading::Profile {
-            file: read.fields.need_text("file")?.to_owned(),
-            at: read.fields.value("file").map_or_else(|| value.at.clone(), |value| value.at.clone()),
-        }),
+        name => {
+            let file = read.fields.need_text("file")?.to_owned();
+            let at = read.fields.value("file").map_or_else(|| value.at.clone(), |value| value.at.clone());
+            Ok(if name == "ray_file" { Spreading::RayFile { file, at } } else { Spreading::Profile { file, at } })
+        }
     }
 }
 

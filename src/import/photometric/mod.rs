@@ -11,7 +11,7 @@ mod tests;
 mod text;
 
 use crate::base::error::Result;
-use crate::base::{Code, Error, Where};
+use crate::base::{Code, Where};
 use crate::import::files;
 use crate::scene::Note;
 use crate::scene::profile::{LuminousProfile, ProfileFacts};
@@ -55,19 +55,7 @@ pub fn tilt_file(file: &Path) -> Option<PathBuf> {
 
 /// The bytes of a regular file of reasonable size.
 fn small(file: &Path, at: &Where) -> Result<Vec<u8>> {
-    if let Ok(facts) = std::fs::metadata(file) {
-        let what = |why: String| {
-            Error::new(at.clone(), format!("can't read the light profile {}: {why}", file.display()))
-                .code(Code::ProfileMissing)
-        };
-        if !facts.is_file() {
-            return Err(what("it is no regular file".into()));
-        }
-        if facts.len() > MOST_BYTES {
-            return Err(what(format!("it has {} bytes", facts.len())).expected(format!("at most {MOST_BYTES}")));
-        }
-    }
-    files::read(file, at, "light profile").map_err(|fault| fault.code(Code::ProfileMissing))
+    files::read_at_most(file, at, "light profile", (MOST_BYTES, Code::ProfileMissing))
 }
 
 /// The grid of planes (deg, candela); none if it is dark or not finite.

@@ -48,7 +48,7 @@ fn sun(scene: &Scene) -> (DVec3, f64) {
             assert!((angle_rad.to_degrees() - 0.533).abs() < 1e-12);
             (-dir, illuminance_lx)
         }
-        BeaconForm::Point { .. } | BeaconForm::Profile { .. } => panic!("{:?}", sun.form),
+        BeaconForm::Point { .. } | BeaconForm::Profile { .. } | BeaconForm::Rays { .. } => panic!("{:?}", sun.form),
     }
 }
 

@@ -67,6 +67,10 @@ pub fn of_light(scene: &Scene, light: &Beacon) -> LampReport {
             report.peak_cd = profile.map(|profile| factor * profile.peak_cd());
             report.half_angle_deg = profile.and_then(|profile| profile.half_angle_rad()).map(f64::to_degrees);
         }
+        BeaconForm::Rays { flux_lm, .. } => {
+            report.kind = "ray file";
+            report.flux_lm = Some(flux_lm);
+        }
         BeaconForm::Distant { illuminance_lx, angle_rad, .. } => {
             report.kind = "distant";
             report.illuminance_lx = Some(illuminance_lx);

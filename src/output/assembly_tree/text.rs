@@ -241,7 +241,7 @@ fn lamps_and_eye(tree: &AssemblyTree, out: &mut String) {
         let all: Vec<String> = [count(group.faces, "face"), count(group.lights, "light")]
             .into_iter()
             .flatten()
-            .chain(group.peak_cd.map(|_| format!("{} lm", number(group.flux_lm))))
+            .chain((group.peak_cd.is_some() || group.flux_lm > 0.0).then(|| format!("{} lm", number(group.flux_lm))))
             .chain(group.peak_cd.map(|peak| format!("peak {} cd", number(peak))))
             .chain(group.illuminance_lx.map(|lux| format!("{} lx", number(lux))))
             .chain(group.luminance_cd_m2.map(|luminance| range(luminance, "cd/m²")))

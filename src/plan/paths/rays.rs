@@ -134,13 +134,12 @@ fn start<'w>(
             } else {
                 let mut left = pick - faces;
                 let mut all = world.lights.all().iter().enumerate().filter(|(_, light)| light.flux_lm() > 0.0);
-                let (index, light) = all.find(|(_, light)| {
+                let (index, _) = all.find(|(_, light)| {
                     left -= light.flux_lm();
                     left < 0.0
                 })?;
-                let (origin, dir) = light.emit(rng.pair(), rng.pair());
-                let ray = Ray { origin, dir, from: None };
-                (Source::Light(index), ray, None, *world.light_interiors.get(index)?)
+                let (ray, interior) = world.start_of_light(index, rng.pair(), rng.pair());
+                (Source::Light(index), ray, None, interior)
             };
             let dir = ray.dir;
             let mut walker = Walker::new((world, optics), Travel::FromLamp, ray, 1.0, interior, rng);

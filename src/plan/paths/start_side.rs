@@ -15,7 +15,7 @@ use crate::estimate::photon::visible_receivers::VisibleReceivers;
 use crate::film::guide::Guide;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Spectral, Verdict};
 use crate::plan::pilots::{self, pilot_cache::PilotCache};
-use crate::plan::selection::facts::{auto, skip};
+use crate::plan::selection::facts::{auto, has_rays, skip};
 use crate::world::World;
 
 /// From which side the light of each group is found.
@@ -67,6 +67,9 @@ impl Sides {
         let from_eye: Vec<bool> = (0..groups)
             .map(GroupId::from_index)
             .map(|group| {
+                if has_rays(world, group) {
+                    return false;
+                }
                 let verdict = auto(checked, world, group, Class::Vision, is_sky(group));
                 !has_lamp(group) || matches!(verdict, Verdict::Own { owner: Estimator::Backward, .. })
             })

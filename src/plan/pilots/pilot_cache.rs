@@ -35,6 +35,7 @@ impl PilotCache {
     pub fn forward(&self, world: &World, plan: &Plan, groups: usize, stop: &ShouldStop<'_>) -> Rc<ForwardPilot> {
         let by = |verdict: &Verdict| match verdict {
             Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => *by == Estimator::Forward,
+            Verdict::Emitted { .. } => true,
             Verdict::Skip { .. } => false,
         };
         let rows = plan.rows.iter().map(|row| by(&row.verdict)).collect();

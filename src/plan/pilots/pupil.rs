@@ -122,7 +122,9 @@ pub fn survey(checked: &Checked, world: &World, asked: Asked, plan: &Plan, stop:
         let vision = own.row(group, Class::Vision);
         if !matches!(
             vision.verdict,
-            Verdict::Own { owner: Estimator::Forward, .. } | Verdict::Connect { rest: Estimator::Forward, .. }
+            Verdict::Own { owner: Estimator::Forward, .. }
+                | Verdict::Connect { rest: Estimator::Forward, .. }
+                | Verdict::Emitted { .. }
         ) {
             continue;
         }

@@ -70,6 +70,8 @@ pub(in crate::plan) fn may_meet(world: &World, plan: &Plan, groups: usize, stop:
         Verdict::Own { owner: by, .. } | Verdict::Connect { rest: by, .. } => {
             by == Estimator::Forward && row.class != Class::Vision
         }
+        // A lamp in plain sight is none that has a face.
+        Verdict::Emitted { .. } => true,
         Verdict::Skip { .. } => false,
     });
     if scattered {

@@ -14,7 +14,7 @@ use crate::output::average::{Image, Uncertain, mean, pixels_are_independent};
 use crate::output::leak::{modulated, patch_pixels};
 use crate::output::light_shares::{Rendering, luminance_of};
 use crate::output::luminance::Luminance;
-use crate::plan::{Asked, plan_unless};
+use crate::plan::{Asked, follows_rays, plan_unless};
 use crate::scene::Scene;
 use crate::world::World;
 use glam::DVec2;
@@ -131,6 +131,7 @@ pub(in crate::plan) fn rendered(
     stop: &ShouldStop<'_>,
 ) -> Result<Option<(Frame, World)>> {
     let (checked, world) = (check(scene)?, World::freeze(scene)?);
+    follows_rays(&checked, &world, light.asked)?;
     let Some(mut plan) = plan_unless(&checked, &world, light.asked, stop) else { return Ok(None) };
     plan.errors = ErrorDetail::Layers;
     let limits = Limits { passes: Some(light.passes), ..Limits::default() };

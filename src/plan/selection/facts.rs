@@ -12,6 +12,9 @@ use crate::world::World;
 pub(in crate::plan) fn rows(checked: &Checked, world: &World, choice: Choice) -> Vec<Row> {
     let scene = checked.scene();
     let row = |group: GroupId, class: Class| {
+        if has_rays(world, group) {
+            return Row { group, class, verdict: of_rays(checked, choice, class) };
+        }
         let is_sky = scene.sky.as_ref().is_some_and(|sky| sky.group == group);
         let verdict = match choice {
             Choice::Auto => auto(checked, world, group, class, is_sky),
@@ -24,6 +27,47 @@ pub(in crate::plan) fn rows(checked: &Checked, world: &World, choice: Choice) ->
     groups.flat_map(|group| Class::ALL.map(|class| row(group, class))).collect()
 }
 
+/// Whether a lamp of a group is the rays of a file.
+pub(in crate::plan) fn has_rays(world: &World, group: GroupId) -> bool {
+    world.lights.all().iter().any(|light| light.group() == group && light.rays().is_some())
+}
+
+/// Who has the light of a group with rays of a file: no ray from the eye ever meets one, so its paths start on them, and with
+/// them those of the group's other lamps.
+fn of_rays(checked: &Checked, choice: Choice, class: Class) -> Verdict {
+    let facts = checked.facts();
+    let asked = match choice {
+        Choice::Auto | Choice::Only(Estimator::Photon | Estimator::Manifold) => None,
+        Choice::Only(Estimator::Forward) => Some(own(Estimator::Forward, "asked for")),
+        Choice::Only(Estimator::Backward) => Some(skip(UNMET)),
+    };
+    match (class, asked) {
+        (Class::Primary | Class::Caustic | Class::Secondary, _) if !facts.scatters => skip("no face scatters"),
+        (Class::Caustic, _) if !facts.specular => skip("no face is specular"),
+        (Class::Vision, None) | (_, Some(Verdict::Own { .. })) if facts.pinhole => {
+            skip("the pupil is a point: no ray of a file arrives")
+        }
+        (_, Some(asked)) => asked,
+        (_, None) if facts.pinhole => {
+            emitted(format!("{UNMET}; what narrow lobes send to a point of a pupil is not seen"))
+        }
+        (_, None) => emitted(UNMET),
+    }
+}
+
+/// Why paths from the eye are no use for the rays of a file.
+const UNMET: &str = "no path from the eye meets the rays of a file";
+
+/// Light groups of which the picture would be black for want of an estimator that follows the rays of their files.
+pub(in crate::plan) fn unfollowed(world: &World, rows: &[Row]) -> Vec<GroupId> {
+    let traced = |group: GroupId| {
+        let of_group = rows.iter().filter(|row| row.group == group);
+        of_group.clone().any(|row| !matches!(row.verdict, Verdict::Skip { .. }))
+    };
+    let groups: std::collections::BTreeSet<GroupId> = rows.iter().map(|row| row.group).collect();
+    groups.into_iter().filter(|group| has_rays(world, *group) && !traced(*group)).collect()
+}
+
 /// What remains of a verdict for a group of lamps with emission textures or displays: the tables of connection take a lamp to
 /// shine alike from all of its places.
 fn uneven(world: &World, group: GroupId, verdict: Verdict) -> Verdict {
@@ -32,7 +76,7 @@ fn uneven(world: &World, group: GroupId, verdict: Verdict) -> Verdict {
         Verdict::Connect { rest, because } if !even => {
             own(rest, format!("{because}; a lamp has a picture, which connection does not know"))
         }
-        Verdict::Own { .. } | Verdict::Connect { .. } | Verdict::Skip { .. } => verdict,
+        Verdict::Own { .. } | Verdict::Connect { .. } | Verdict::Emitted { .. } | Verdict::Skip { .. } => verdict,
     }
 }
 
@@ -56,7 +100,7 @@ fn without_area(world: &World, group: GroupId, class: Class, verdict: Verdict) -
             skip("rays from the eye can't meet a point or parallel light through specular faces")
         }
         (
-            Verdict::Own { .. } | Verdict::Connect { .. },
+            Verdict::Own { .. } | Verdict::Connect { .. } | Verdict::Emitted { .. },
             Class::Vision | Class::Primary | Class::Caustic | Class::Secondary,
         ) => verdict,
     }
@@ -68,6 +112,10 @@ pub(in crate::plan) fn own(owner: Estimator, because: impl Into<String>) -> Verd
 
 pub(in crate::plan) fn connect(rest: Estimator, because: impl Into<String>) -> Verdict {
     Verdict::Connect { rest, because: because.into() }
+}
+
+fn emitted(because: impl Into<String>) -> Verdict {
+    Verdict::Emitted { because: because.into() }
 }
 
 pub(in crate::plan) fn skip(because: impl Into<String>) -> Verdict {
@@ -84,6 +132,7 @@ pub(in crate::plan) fn kind(verdict: &Verdict) -> Option<(Estimator, bool)> {
     match verdict {
         Verdict::Own { owner, .. } => Some((*owner, false)),
         Verdict::Connect { rest, .. } => Some((*rest, true)),
+        Verdict::Emitted { .. } => Some((Estimator::Forward, false)),
         Verdict::Skip { .. } => None,
     }
 }

@@ -251,7 +251,7 @@ pub const ROWS: &[Row] = &[
     // Exponents are bounded where cosⁿ is a beam of 0.1 mrad: a typing error, not a lamp.
     new(Emitter, "n", Number, "", Within(0.0, 1e8), "exponent of cosⁿ"),
     new(Emitter, "fwhm_deg", Number, "deg", Between(0.0, 180.0), "full width at half maximum of the intensity"),
-    new(Emitter, "file", File, "", Any, "luminous intensity distribution, IES LM-63 (.ies) or EULUMDAT (.ldt); its direction (0, 0) is the face's normal, its plane C0 lies along u, and C turns counter-clockwise as seen from behind the face; what it has behind the face is left out"),
+    new(Emitter, "file", File, "", Any, "of a ray_file: IES TM-25-13 (.tm25ray) or a Zemax binary source file (.dat, .sdf); of a profile: luminous intensity distribution, IES LM-63 (.ies) or EULUMDAT (.ldt); its direction (0, 0) is the face's normal, its plane C0 lies along u, and C turns counter-clockwise as seen from behind the face; what it has behind the face is left out"),
     new(Emitter, "sides", Word(&["front", "both"]), "", Any, "which sides of the face shine; both share its flux, and each has its luminance").or("front"),
     new(Emitter, "spectrum", Form::Kind, "", Any, "colour of the light, from 360 to 830 nm").or("D65"),
     new(Emitter, "cct", Number, "K", Within(1000.0, 25_000.0), "correlated colour temperature: a black body below 4000 K, CIE daylight from there on"),
@@ -381,6 +381,7 @@ pub const KINDS: &[Kind] = &[
     kind("angular", "cos_n", &["n"], "I ∝ cosⁿ θ"),
     kind("angular", "gauss", &["fwhm_deg"], "I ∝ exp(−4 ln 2 (θ/fwhm)²)"),
     kind("angular", "profile", &["file"], "measured: bilinear between the file's angles"),
+    kind("angular", "ray_file", &["file"], "rays of a file, which says where each starts, too: in the axes and about the origin of the part's node, in millimetres whatever its scale; one lamp for the part, however many of its faces it is bound to, and none of them is in the way of rays that have not met another part yet"),
     kind("spectrum", "D65", &[], "CIE standard illuminant D65"),
     kind("spectrum", "A", &[], "CIE standard illuminant A"),
     kind("spectrum", "equal", &[], "equal power at every wavelength"),

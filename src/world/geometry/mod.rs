@@ -226,10 +226,15 @@ impl Geometry {
     /// The parts with a medium that the point is inside of, ascending. A part contains the point if most of several
     /// rays meet it from inside first, so a missing side or a hit on a seam does not turn it.
     pub fn solids_containing(&self, p: DVec3) -> Vec<u32> {
+        self.solids_around(p, None)
+    }
+
+    /// The same if a part were not there.
+    pub fn solids_around(&self, p: DVec3, without: Option<u32>) -> Vec<u32> {
         let mut parts: Vec<u32> = self
             .instances
             .iter()
-            .filter(|instance| instance.medium && instance.bounds.contains(p))
+            .filter(|instance| instance.medium && instance.bounds.contains(p) && Some(instance.part) != without)
             .filter(|instance| instance.contains(&self.solids[instance.solid], p))
             .map(|instance| instance.part)
             .collect();
