@@ -3,4 +3,4 @@
 mod carriers;
 mod light;
 mod reading;
-mod writer;
+pub mod writer;

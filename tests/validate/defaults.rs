@@ -2,6 +2,7 @@
 //! with no more said of it than it needs, in colour, which is the default.
 
 use super::bench::Bench;
+use crate::ray_files::writer::{Ray, luminous};
 use eyebox::check::finding::Level;
 use eyebox::import;
 use eyebox::scene::attribute::{KINDS, Kind, Noun, ROWS, row};
@@ -123,6 +124,7 @@ fn value(kind: &Kind) -> String {
         .map(|parameter| match (kind.name, *parameter) {
             // (1 + 3)² heights.
             ("bspline", "coeffs") => format!(", coeffs = {:?}", [0; 16]),
+            ("ray_file", "file") => ", file = \"led.tm25ray\"".to_owned(),
             _ => format!(", {parameter} = {}", needed(kind.attribute, parameter)),
         })
         .collect();
@@ -147,6 +149,8 @@ fn kinds() -> Vec<(String, Bench)> {
         let bench = match kind.attribute {
             "finish" | "shape" => block(&said),
             "coating" => block(&format!("finish = \"polished\"\n{said}")),
+            // The file has a flux of its own.
+            "angular" if kind.name == "ray_file" => led(&said),
             "angular" | "spectrum" => led(&format!("luminance_cd_m2 = 5000, {said}")),
             "wavelengths" => with(|b| b.swap("unit = 0.001\n", &format!("unit = 0.001\n{said}\n"))),
             other => panic!("{other} stands nowhere"),
@@ -259,7 +263,14 @@ fn graver(path: &Path) -> Vec<String> {
 fn written(mut bench: Bench, folder: &Path) -> PathBuf {
     bench.files.insert("led.csv".to_owned(), b"450,1\n650,2\n".to_vec());
     bench.files.insert("scatter.csv".to_owned(), b"R,0,0,0,0.1\nR,0,90,0,0.1\n".to_vec());
+    bench.files.insert("led.tm25ray".to_owned(), luminous(&parallel()));
     bench.write(folder)
+}
+
+/// Rays along the axis, which the lens brings to the pupil.
+fn parallel() -> Vec<Ray> {
+    let at = |k: i32| f64::from(k) / 10.0 - 0.95;
+    (0..400).map(|k| ([at(k / 20), at(k % 20), 0.5], [0.0, 0.0, 1.0], 0.1)).collect()
 }
 
 #[test]
