@@ -11,7 +11,7 @@ mod tuning;
 use super::ledger::Ledger;
 use crate::base::memory::give_back;
 use crate::base::stats::{beyond_noise, variance_ratio};
-use crate::film::accumulate::{Components, Film, Saved};
+use crate::film::accumulate::{Film, Saved};
 use crate::film::guide::ApertureGuide;
 use crate::film::plan::Estimator;
 use crate::film::witness::{Judgement, Witness, judge};
@@ -217,12 +217,10 @@ fn likely_noise([noise, squares, unknown, seen]: [f64; 4]) -> Option<(f64, f64)>
 
 /// What evenness over the passes leaves of a film's variance.
 fn saved(estimator: Estimator, film: &Film) -> Saved {
-    match (estimator, film.components) {
-        (Estimator::Backward | Estimator::Manifold, Components::Luminance) => film.saved_by_evenness(),
-        // What all pixels have of the same photons or wavelengths does not tell as much as so many pixels would; scrambles know
-        // by themselves.
-        (Estimator::Backward | Estimator::Manifold, Components::Rec709)
-        | (Estimator::Forward | Estimator::Photon, _) => Saved::NOTHING,
+    match estimator {
+        Estimator::Backward | Estimator::Manifold => film.saved_by_evenness(),
+        // What all pixels have of the same photons does not tell as much as so many pixels would; scrambles know by themselves.
+        Estimator::Forward | Estimator::Photon => Saved::NOTHING,
     }
 }
 

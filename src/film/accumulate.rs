@@ -7,7 +7,7 @@ use super::kernel_bias::{self, KernelBias};
 use super::layer::Layer;
 use super::layer_moments::{LayerMoments, LayerMomentsRow};
 use super::replicates::{REPLICATES, Replicates};
-use super::rqmc_variance::{RqmcVariance, RqmcVarianceRow, surplus_of};
+use super::rqmc_variance::{Evenness, RqmcVariance, RqmcVarianceRow};
 use super::sample_map::{SampleMap, SampleMapRow};
 use super::tiles::{Tiles, TilesRow};
 use super::totals::{Totals, TotalsRow};
@@ -95,7 +95,7 @@ impl Film {
         let (squares, turns, scrambles) = match sampling {
             Sampling::PerPass => {
                 let squares = Tiles::new(size, total_of(count) + 1, 1);
-                (Some(squares), Some(RqmcVariance::new(size)), None)
+                (Some(squares), Some(RqmcVariance::new(size, Evenness::OfPixels)), None)
             }
             Sampling::PerScramble { paths } => (None, None, Some(Replicates::new(size, count, paths))),
         };
@@ -125,6 +125,18 @@ impl Film {
     pub fn with_blur(mut self) -> Self {
         self.blur = Some(KernelBias::new([self.width, self.height]));
         self
+    }
+
+    /// Says of what its passes are even.
+    #[must_use]
+    pub fn with_evenness(mut self, evenness: Evenness) -> Self {
+        self.turns = self.turns.map(|_| RqmcVariance::new([self.width, self.height], evenness));
+        self
+    }
+
+    /// Of what its passes are even; none where scrambles tell.
+    pub fn evenness(&self) -> Option<Evenness> {
+        self.turns.as_ref().map(RqmcVariance::evenness)
     }
 
     /// Whether that is kept.
@@ -248,11 +260,11 @@ impl Film {
         };
         let Some(turns) = &self.turns else { return Saved::NOTHING };
         match &self.map {
-            None => Saved(vec![(self.passes, turns.saved((self.passes, turns.surplus), |_| true, of_pixel))]),
+            None => Saved(vec![(self.passes, turns.saved((self.passes, turns.surplus()), |_| true, of_pixel))]),
             Some(map) => {
                 let of_count = |passes: u64| {
                     let own = |pixel: usize| map.made(pixel) == passes;
-                    (passes, turns.saved((passes, surplus_of(passes)), own, of_pixel))
+                    (passes, turns.saved((passes, &turns.evenness().surplus_of(passes)), own, of_pixel))
                 };
                 Saved(map.counts().into_iter().map(of_count).collect())
             }

@@ -7,6 +7,12 @@
 //! independent of each other. Nets are even against each other, too, so for them that is more than it is. A lattice may
 //! swing in step with runs of some length, and then they tell too little: so two lengths are asked, and the larger counts. One
 //! sum tells little, those of many pixels much.
+//!
+//! Where all pixels of a pass share its wavelengths those of many pixels tell no more than one. But there it is known what a pass
+//! draws: van der Corput's sequence, so that passes of the same lowest bits of their number have wavelengths of the same small
+//! part of all. So passes are parted by these, and what they differ by within a part is left (`shared.rs`).
+
+mod shared;
 
 use crate::base::double_double::Sum;
 
@@ -50,25 +56,73 @@ impl Asked {
     }
 }
 
+/// What sums are kept of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Evenness {
+    /// Of passes for, less passes against: pixels have points of their own.
+    OfPixels,
+    /// Of parts of the passes: they share wavelengths, in van der Corput's order.
+    OfPasses,
+}
+
+impl Evenness {
+    /// How many sums a pixel has.
+    pub fn per_pixel(self) -> usize {
+        match self {
+            Evenness::OfPixels => COUNT,
+            Evenness::OfPasses => shared::PARTS,
+        }
+    }
+
+    /// How many pixels tell enough.
+    fn most(self) -> usize {
+        match self {
+            Evenness::OfPixels => MOST,
+            Evenness::OfPasses => shared::MOST,
+        }
+    }
+
+    /// What a pass counts in the sum of this number.
+    fn sign(self, pass: u64, number: usize) -> i64 {
+        match self {
+            Evenness::OfPixels if is_against(pass, number) => -1,
+            Evenness::OfPixels => 1,
+            Evenness::OfPasses => i64::from(shared::part(pass) == number),
+        }
+    }
+
+    /// What passes before this one count in the sum of this number.
+    fn before(self, pass: u64, number: usize) -> i64 {
+        match self {
+            Evenness::OfPixels => surplus_before(pass, number),
+            Evenness::OfPasses => shared::before(pass, number),
+        }
+    }
+
+    /// What the first `passes` count in each sum.
+    pub fn surplus_of(self, passes: u64) -> Vec<i64> {
+        (0..self.per_pixel()).map(|number| self.before(passes, number)).collect()
+    }
+}
+
 /// The sums of a film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RqmcVariance {
     asked: Asked,
-    /// `[asked pixel][run]`: luminance of all planes.
-    sums: Vec<[Sum; COUNT]>,
-    /// Passes for, less passes against.
-    pub(super) surplus: [i64; COUNT],
+    evenness: Evenness,
+    /// `[asked pixel][number]`: luminance of all planes.
+    sums: Vec<Sum>,
+    /// What the passes so far count in each.
+    pub(super) surplus: Vec<i64>,
 }
 
 /// One row of them.
 pub struct RqmcVarianceRow<'f> {
     first: usize,
     step: usize,
-    sums: &'f mut [[Sum; COUNT]],
+    evenness: Evenness,
+    sums: &'f mut [Sum],
 }
-
-/// How many sums a pixel has.
-pub const PER_PIXEL: usize = COUNT;
 
 fn is_against(pass: u64, run: usize) -> bool {
     pass >> RUNS[run] & 1 == 1
@@ -81,22 +135,24 @@ fn surplus_before(pass: u64, run: usize) -> i64 {
     rest.min(length) as i64 - rest.saturating_sub(length) as i64
 }
 
-/// Passes for, less passes against, of the first `passes`.
-pub fn surplus_of(passes: u64) -> [i64; COUNT] {
-    std::array::from_fn(|run| surplus_before(passes, run))
-}
-
 impl RqmcVariance {
-    pub fn new([width, height]: [usize; 2]) -> Self {
-        let asked = Asked { width, step: (width * height).div_ceil(MOST).max(1) };
-        RqmcVariance { asked, sums: vec![[Sum::ZERO; COUNT]; asked.per_row() * height], surplus: [0; COUNT] }
+    pub fn new([width, height]: [usize; 2], evenness: Evenness) -> Self {
+        let asked = Asked { width, step: (width * height).div_ceil(evenness.most()).max(1) };
+        let count = evenness.per_pixel();
+        let sums = vec![Sum::ZERO; asked.per_row() * height * count];
+        RqmcVariance { asked, evenness, sums, surplus: vec![0; count] }
+    }
+
+    /// Of the film's passes.
+    pub fn evenness(&self) -> Evenness {
+        self.evenness
     }
 
     /// The rows, top to bottom.
     pub fn rows(&mut self) -> impl Iterator<Item = RqmcVarianceRow<'_>> {
-        let asked = self.asked;
-        let rows = self.sums.chunks_mut(asked.per_row()).enumerate();
-        rows.map(move |(y, sums)| RqmcVarianceRow { first: asked.first(y), step: asked.step, sums })
+        let (asked, evenness) = (self.asked, self.evenness);
+        let rows = self.sums.chunks_mut(asked.per_row() * evenness.per_pixel()).enumerate();
+        rows.map(move |(y, sums)| RqmcVarianceRow { first: asked.first(y), step: asked.step, evenness, sums })
     }
 
     /// Memory, bytes.
@@ -111,15 +167,22 @@ impl RqmcVariance {
         Some(y * self.asked.per_row() + along / self.asked.step)
     }
 
-    /// Sum of a run of a pixel: zero if it is not asked.
-    pub(super) fn sum(&self, pixel: usize, run: usize) -> Sum {
-        self.slot(pixel).map_or(Sum::ZERO, |slot| self.sums[slot][run])
+    /// The sums that are kept at this place.
+    fn at(&self, slot: usize) -> &[Sum] {
+        let count = self.evenness.per_pixel();
+        &self.sums[slot * count..(slot + 1) * count]
+    }
+
+    /// A sum of a pixel: zero if it is not asked.
+    pub(super) fn sum(&self, pixel: usize, number: usize) -> Sum {
+        self.slot(pixel).map_or(Sum::ZERO, |slot| self.at(slot)[number])
     }
 
     /// Sets the sums of a pixel. False if it is not asked, and they are not zero.
     pub(super) fn put(&mut self, pixel: usize, sums: &[Sum]) -> bool {
+        let count = self.evenness.per_pixel();
         match self.slot(pixel) {
-            Some(slot) => self.sums[slot].iter_mut().zip(sums).for_each(|(own, sum)| *own = *sum),
+            Some(slot) => self.sums[slot * count..][..count].iter_mut().zip(sums).for_each(|(own, sum)| *own = *sum),
             None => return sums.iter().all(|sum| *sum == Sum::ZERO),
         }
         true
@@ -127,38 +190,53 @@ impl RqmcVariance {
 
     /// Adds the sums of other passes of the same picture.
     pub(super) fn merge(&mut self, other: &RqmcVariance) {
-        let own = self.sums.as_flattened_mut().iter_mut();
-        own.zip(other.sums.as_flattened()).for_each(|(sum, more)| sum.merge(*more));
-        self.surplus.iter_mut().zip(other.surplus).for_each(|(own, more)| *own = own.saturating_add(more));
+        self.sums.iter_mut().zip(&other.sums).for_each(|(sum, more)| sum.merge(*more));
+        self.surplus.iter_mut().zip(&other.surplus).for_each(|(own, more)| *own = own.saturating_add(*more));
     }
 
     /// The first pixel with a sum that is NaN or infinite.
     pub(super) fn first_invalid(&self) -> Option<usize> {
-        let invalid = |sums: &[Sum; COUNT]| sums.iter().any(|sum| !sum.is_finite());
-        self.asked.pixel(self.sums.iter().position(invalid)?)
+        let invalid = self.sums.iter().position(|sum| !sum.is_finite())?;
+        self.asked.pixel(invalid / self.evenness.per_pixel())
     }
 
     /// To be called when these passes have been added.
     pub fn close(&mut self, first: u64, count: u64) {
-        for (run, surplus) in self.surplus.iter_mut().enumerate() {
-            let more = surplus_before(first.wrapping_add(count), run) - surplus_before(first, run);
+        let evenness = self.evenness;
+        for (number, surplus) in self.surplus.iter_mut().enumerate() {
+            let more = evenness.before(first.wrapping_add(count), number) - evenness.before(first, number);
             *surplus = surplus.saturating_add(more);
         }
     }
 
+    /// What the passes so far count in each sum.
+    pub fn surplus(&self) -> &[i64] {
+        &self.surplus
+    }
+
     /// How many times smaller the variance of the mean over `passes` is than the spread of the passes says, as far as
-    /// that can be told: at most 1. `own`: the pixels that have so many passes, of which `surplus` more are for than against.
+    /// that can be told: at most 1. `own`: the pixels that have so many passes, which count `surplus` in each sum.
     /// `of_pixel`: mean luminance of a pixel and its variance by the spread of the passes.
     pub fn saved(
         &self,
-        (passes, surplus): (u64, [i64; COUNT]),
+        (passes, surplus): (u64, &[i64]),
         own: impl Fn(usize) -> bool,
         of_pixel: impl Fn(usize) -> (f64, f64),
     ) -> f64 {
+        match self.evenness {
+            Evenness::OfPixels => {}
+            Evenness::OfPasses => return self.saved_by_parts((passes, surplus), own, of_pixel),
+        }
         let enough = (0..COUNT).filter(|run| passes >= FEWEST << RUNS[*run]).count();
         let Some(shorter) = enough.checked_sub(2) else { return 1.0 };
         let by = |run: usize| self.saved_by((run, surplus[run] as f64), passes as f64, &own, &of_pixel);
         [shorter, shorter + 1].map(by).into_iter().fold(0.0, f64::max)
+    }
+
+    /// The asked ones of some pixels, and their sums.
+    fn pixels(&self, own: impl Fn(usize) -> bool) -> impl Iterator<Item = (usize, &[Sum])> {
+        let slots = self.sums.len() / self.evenness.per_pixel();
+        (0..slots).filter_map(move |slot| Some((self.asked.pixel(slot).filter(|pixel| own(*pixel))?, self.at(slot))))
     }
 
     /// By runs of one length.
@@ -175,8 +253,7 @@ impl RqmcVariance {
             return 1.0;
         }
         let (mut by_passes, mut by_runs, mut squares) = (0.0, 0.0, 0.0);
-        for (slot, sums) in self.sums.iter().enumerate() {
-            let Some(pixel) = self.asked.pixel(slot).filter(|pixel| own(*pixel)) else { continue };
+        for (pixel, sums) in self.pixels(own) {
             let (mean, variance) = of_pixel(pixel);
             let swing = (sums[run].value() - surplus * mean) / passes;
             let of_runs = swing * swing / swinging;
@@ -197,8 +274,12 @@ impl RqmcVarianceRow<'_> {
     /// Adds the luminance of pixel `x` in a pass, if it is asked.
     pub fn add(&mut self, x: usize, pass: u64, luminance: f64) {
         let Some(along) = x.checked_sub(self.first).filter(|along| along % self.step == 0) else { return };
-        for (run, sum) in self.sums[along / self.step].iter_mut().enumerate() {
-            sum.add(if is_against(pass, run) { -luminance } else { luminance });
+        let count = self.evenness.per_pixel();
+        for (number, sum) in self.sums[along / self.step * count..][..count].iter_mut().enumerate() {
+            match self.evenness.sign(pass, number) {
+                0 => {}
+                sign => sum.add(sign as f64 * luminance),
+            }
         }
     }
 }
@@ -225,7 +306,7 @@ mod tests {
     fn runs_tell_what_evenness_saves() {
         const PIXELS: usize = 2000;
         let of = |passes: std::ops::Range<u64>, value: &dyn Fn(usize, u64) -> f64| {
-            let mut turns = RqmcVariance::new([PIXELS, 1]);
+            let mut turns = RqmcVariance::new([PIXELS, 1], Evenness::OfPixels);
             let mut sums = vec![[0.0; 2]; PIXELS];
             for pass in passes.clone() {
                 let mut row = turns.rows().next().unwrap();
@@ -243,7 +324,7 @@ mod tests {
                 let mean = sum / count_f;
                 (mean, (square / count_f - mean * mean) / (count_f - 1.0))
             };
-            let saved = turns.saved((count, turns.surplus), |_| true, of_pixel);
+            let saved = turns.saved((count, &turns.surplus), |_| true, of_pixel);
             let real: f64 = (0..PIXELS).map(|pixel| (of_pixel(pixel).0 - 0.5).powi(2)).sum();
             let stated: f64 = (0..PIXELS).map(|pixel| of_pixel(pixel).1).sum();
             (saved, real / stated)
@@ -271,11 +352,11 @@ mod tests {
     fn some_of_many_pixels_are_asked() {
         for size in [[640, 480], [3840, 2160], [70_000, 3], [3, 70_000], [1, 1]] {
             let pixels: usize = size.iter().product();
-            let turns = RqmcVariance::new(size);
+            let turns = RqmcVariance::new(size, Evenness::OfPixels);
             let slots: Vec<usize> = (0..pixels).filter_map(|pixel| turns.slot(pixel)).collect();
             assert!(slots.windows(2).all(|pair| pair[0] < pair[1]) && slots.len() <= MOST * 5 / 4);
             assert!(slots.len() >= (MOST / 2).min(pixels), "{size:?} {}", slots.len());
-            let asked = (0..turns.sums.len()).filter_map(|slot| turns.asked.pixel(slot));
+            let asked = (0..turns.sums.len() / COUNT).filter_map(|slot| turns.asked.pixel(slot));
             assert!(asked.eq((0..pixels).filter(|pixel| turns.slot(*pixel).is_some())));
             let [width, height] = size;
             if width.min(height) > 3 {
@@ -292,7 +373,7 @@ mod tests {
     /// Where few pixels have what is left, nothing is told.
     #[test]
     fn a_few_pixels_tell_nothing() {
-        let mut turns = RqmcVariance::new([1000, 1]);
+        let mut turns = RqmcVariance::new([1000, 1], Evenness::OfPixels);
         let mut rng = Rng::new(3, Stream::Check, 0, 0);
         for pass in 0..256 {
             let mut row = turns.rows().next().unwrap();
@@ -301,7 +382,7 @@ mod tests {
         turns.close(0, 256);
         assert_eq!(
             turns.saved(
-                (256, turns.surplus),
+                (256, &turns.surplus),
                 |_| true,
                 |pixel| if pixel < 10 { (0.5, 1.0 / 12.0 / 256.0) } else { (0.0, 1.0) }
             ),

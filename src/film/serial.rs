@@ -2,7 +2,7 @@
 
 use super::accumulate::Film;
 use super::replicates::Replicates;
-use super::rqmc_variance::{PER_PIXEL, RqmcVariance};
+use super::rqmc_variance::RqmcVariance;
 use super::sample_map::SampleMap;
 use super::tiles::Tiles;
 use crate::base::double_double::Sum;
@@ -42,7 +42,7 @@ impl Table<'_> {
     pub fn stride(&self) -> usize {
         match &self.sums {
             Sums::Tiles(tiles) => tiles.stride(),
-            Sums::RqmcVariance(_) => PER_PIXEL,
+            Sums::RqmcVariance(turns) => turns.evenness().per_pixel(),
             Sums::Passes(_) => 2,
         }
     }
@@ -82,7 +82,7 @@ impl TableMut<'_> {
     pub fn stride(&self) -> usize {
         match &self.sums {
             SumsMut::Tiles(tiles) => tiles.stride(),
-            SumsMut::RqmcVariance(_) => PER_PIXEL,
+            SumsMut::RqmcVariance(turns) => turns.evenness().per_pixel(),
             SumsMut::Passes(_) => 2,
         }
     }
@@ -157,15 +157,19 @@ impl Film {
         tiles.chain(turns).chain(passes).collect()
     }
 
-    /// Passes for, less passes against, of its [turns](super::rqmc_variance); zeros if it has none.
-    pub fn surplus(&self) -> [i64; PER_PIXEL] {
-        self.turns.as_ref().map_or([0; PER_PIXEL], |turns| turns.surplus)
+    /// What its passes count in each of its [turns](super::rqmc_variance); nothing if it has none.
+    pub fn surplus(&self) -> &[i64] {
+        self.turns.as_ref().map_or(&[], RqmcVariance::surplus)
     }
 
-    pub fn set_surplus(&mut self, surplus: [i64; PER_PIXEL]) {
-        if let Some(turns) = &mut self.turns {
-            turns.surplus = surplus;
+    /// False if that is of another kind of film.
+    pub fn set_surplus(&mut self, surplus: Vec<i64>) -> bool {
+        match &mut self.turns {
+            Some(turns) if turns.surplus.len() == surplus.len() => turns.surplus = surplus,
+            Some(_) => return false,
+            None => return surplus.is_empty(),
         }
+        true
     }
 
     /// Adds the passes of another film of the same picture. False, and nothing done, if it is of another kind. A film whose

@@ -9,7 +9,8 @@ use crate::base::error::{Error, Result, Where};
 use crate::base::lpe;
 use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
 use crate::film::frame::{Channel, Frame, Meta, Samples};
-use crate::film::{kernel_bias, rqmc_variance};
+use crate::film::kernel_bias;
+use crate::film::rqmc_variance::Evenness;
 use crate::output::exr::{read_exr, write_exr};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -19,7 +20,7 @@ use std::path::Path;
 /// The attribute that makes an EXR a shard.
 const KEY: &str = "shard";
 /// What the sums mean; another number when they come to mean something else. Programs before there was one wrote none.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 /// The layer of the sums.
 const SUMS: &str = "sums";
 const BITS: u32 = 24;
@@ -51,8 +52,8 @@ struct Kind {
     /// Passes that it was to have, where those are more.
     #[serde(default, skip_serializing_if = "is_none")]
     wanted: u64,
-    /// Passes for, less passes against, see [`crate::film::turns`].
-    surplus: [i64; rqmc_variance::PER_PIXEL],
+    /// What its passes count in each of the sums of [`crate::film::rqmc_variance`], which says what these are.
+    surplus: Vec<i64>,
     detail: bool,
     blur: bool,
     /// Pixels have passes of their own.
@@ -68,7 +69,7 @@ impl Kind {
         let light = 6 * self.components.count() as u64;
         let further = match self.sampling {
             Sampling::PerPass => {
-                8 + rqmc_variance::PER_PIXEL as u64 + if self.blur { kernel_bias::PER_PIXEL as u64 } else { 0 }
+                8 + self.surplus.len() as u64 + if self.blur { kernel_bias::PER_PIXEL as u64 } else { 0 }
             }
             Sampling::PerScramble { .. } => 9 + if self.detail { 16 } else { 0 },
         };
@@ -106,7 +107,7 @@ pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture
         sampling: film.sampling,
         passes: film.passes,
         wanted: film.wanted,
-        surplus: film.surplus(),
+        surplus: film.surplus().to_vec(),
         detail: film.detail().is_some(),
         blur: film.has_blur(),
         adaptive: film.sample_map().is_some(),
@@ -182,7 +183,9 @@ fn channel(film: usize, table: &str, column: usize, part: char) -> String {
 fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, Samples>) -> Result<Film, String> {
     let film = Film::new(frame.width, frame.height, kind.planes, kind.components, kind.sampling);
     let film = if kind.detail { film.with_detail() } else { film };
-    let mut film = if kind.blur { film.with_blur() } else { film };
+    let film = if kind.blur { film.with_blur() } else { film };
+    let shared = kind.surplus.len() == Evenness::OfPasses.per_pixel();
+    let mut film = if shared { film.with_evenness(Evenness::OfPasses) } else { film };
     if kind.adaptive {
         film.sample_map_mut();
     }
@@ -190,7 +193,9 @@ fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, S
     if kind.surplus.iter().any(|surplus| surplus.unsigned_abs() > kind.passes) {
         return Err(format!("film {number} has a surplus of {:?} of its {} passes", kind.surplus, kind.passes));
     }
-    film.set_surplus(kind.surplus);
+    if !film.set_surplus(kind.surplus) {
+        return Err(format!("film {number} has the surplus of another kind of film"));
+    }
     if !film.put_totals(kind.totals) {
         return Err(format!("film {number} has totals of another kind of film"));
     }

@@ -19,6 +19,7 @@ use crate::film::accumulate::{Film, Sampling};
 use crate::film::error_detail::ErrorDetail;
 use crate::film::guide::ApertureGuide;
 use crate::film::plan::{Estimator, Plan};
+use crate::film::rqmc_variance::Evenness;
 use crate::film::sample_map::COARSE;
 use crate::world::World;
 use crate::world::mode::{Hero, Mode, Mono, Rgb, Spectral, components, wavelengths_change};
@@ -262,6 +263,7 @@ fn begin_with<'w, M: Mode + 'w>(
             Estimator::Backward | Estimator::Photon | Estimator::Manifold => Sampling::PerPass,
         };
         let film = Film::new(size[0], size[1], route.planes.clone(), components::<M>(), sampling);
+        let film = if wavelengths_change::<M>() { film.with_evenness(Evenness::OfPasses) } else { film };
         let film = match plan.errors {
             ErrorDetail::Picture => film,
             ErrorDetail::Layers => film.with_detail(),
