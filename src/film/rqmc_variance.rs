@@ -82,15 +82,6 @@ impl Evenness {
         }
     }
 
-    /// What a pass counts in the sum of this number.
-    fn sign(self, pass: u64, number: usize) -> i64 {
-        match self {
-            Evenness::OfPixels if is_against(pass, number) => -1,
-            Evenness::OfPixels => 1,
-            Evenness::OfPasses => i64::from(shared::part(pass) == number),
-        }
-    }
-
     /// What passes before this one count in the sum of this number.
     fn before(self, pass: u64, number: usize) -> i64 {
         match self {
@@ -275,11 +266,14 @@ impl RqmcVarianceRow<'_> {
     pub fn add(&mut self, x: usize, pass: u64, luminance: f64) {
         let Some(along) = x.checked_sub(self.first).filter(|along| along % self.step == 0) else { return };
         let count = self.evenness.per_pixel();
-        for (number, sum) in self.sums[along / self.step * count..][..count].iter_mut().enumerate() {
-            match self.evenness.sign(pass, number) {
-                0 => {}
-                sign => sum.add(sign as f64 * luminance),
+        let sums = &mut self.sums[along / self.step * count..][..count];
+        match self.evenness {
+            Evenness::OfPixels => {
+                for (run, sum) in sums.iter_mut().enumerate() {
+                    sum.add(if is_against(pass, run) { -luminance } else { luminance });
+                }
             }
+            Evenness::OfPasses => sums[shared::part(pass)].add(luminance),
         }
     }
 }

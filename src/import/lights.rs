@@ -47,10 +47,10 @@ impl Builder<'_> {
                 })
             };
             let about_eye = || light.form.holds(to_world.inverse().transform_point3(eye));
-            // A body whose outside shines has its flux, π · luminance · area.
-            let point = |intensity_cd: f64| BeaconForm::Point {
+            // A body whose outside shines has a flux of π · luminance · area, over 4π sr.
+            let point = |luminance_cd_m2: f64, body: &Mesh| BeaconForm::Point {
                 position: to_world.translation,
-                intensity_cd: intensity_cd / 4.0,
+                intensity_cd: luminance_cd_m2 * area(body, &to_world) / 4.0,
                 spot: None,
             };
             let form = match light.form {
@@ -99,11 +99,11 @@ impl Builder<'_> {
                 }
                 LightForm::Sphere { luminance_cd_m2, radius } if about_eye() => {
                     self.warn(light, "the eye stands inside of the sphere, which becomes a point");
-                    point(luminance_cd_m2 * area(&sphere(radius), &to_world))
+                    point(luminance_cd_m2, &sphere(radius))
                 }
                 LightForm::Cylinder { luminance_cd_m2, radius, length } if about_eye() => {
                     self.warn(light, "the eye stands inside of the cylinder, which becomes a point");
-                    point(luminance_cd_m2 * area(&cylinder(radius, length), &to_world))
+                    point(luminance_cd_m2, &cylinder(radius, length))
                 }
                 LightForm::Sphere { luminance_cd_m2, radius } => {
                     self.shine(light, luminance_cd_m2, sphere(radius), to_world, sky, &mut made)?;
