@@ -16,7 +16,7 @@ fn order(order: i32, transmittance: f64, reflectance: f64) -> Order {
 }
 
 fn grating(s: &mut Scene, at: DVec3, lines_per_mm: f64, orders: Vec<Order>, rest: bool) {
-    s.gratings.push(Grating { direction: DVec3::Y, lines_per_mm, orders, rest_in_zero_order: rest });
+    s.gratings.push(Grating { direction: DVec3::Y, lines_per_mm, orders: orders.into(), rest_in_zero_order: rest });
     let finish = Finish::Grating { grating: GratingId::from_index(s.gratings.len() - 1) };
     let wide = mesh(&[quad(DVec3::ZERO, DVec3::X, DVec3::Y)]);
     add_part(s, &format!("grating at {at}"), wide, at, None, vec![face(finish)]);
@@ -140,7 +140,7 @@ fn a_screen_lit_through_a_grating_or_a_reflective_polariser() {
         s.gratings.push(Grating {
             direction: DVec3::Y,
             lines_per_mm: 400.0,
-            orders: orders.clone(),
+            orders: orders.clone().into(),
             rest_in_zero_order: false,
         });
         let finish = if is_grating { Finish::Grating { grating: GratingId::from_index(0) } } else { polariser };

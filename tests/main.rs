@@ -21,6 +21,7 @@ mod oracle_thinfilm;
 mod displays;
 mod doublet;
 mod generated;
+mod grating_tables;
 mod gratings;
 mod hud;
 mod klems;

@@ -316,8 +316,12 @@ fn a_lamp_behind_a_grating() {
     for (orders, rest) in [(vec![(1, 0.3)], true), (vec![(1, 0.3), (0, 0.4)], false), (vec![(1, 0.01)], true)] {
         let mut scene = scene();
         let orders = orders.into_iter().map(|(order, transmittance)| Order { order, transmittance, reflectance: 0.1 });
-        let grating =
-            Grating { direction: DVec3::Y, lines_per_mm: 600.0, orders: orders.collect(), rest_in_zero_order: rest };
+        let grating = Grating {
+            direction: DVec3::Y,
+            lines_per_mm: 600.0,
+            orders: orders.collect::<Vec<_>>().into(),
+            rest_in_zero_order: rest,
+        };
         scene.gratings.push(grating);
         let finish = Finish::Grating { grating: GratingId::from_index(0) };
         let pane = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.3, DVec3::Y * 0.3)]);

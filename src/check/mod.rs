@@ -217,8 +217,8 @@ fn check_face(scene: &Scene, part: &crate::scene::Part, index: usize, face: &cra
             if let Some(text) = grating.problem() {
                 return Err(Error::new(at(), text).expected("finite numbers, shares of 0 to 1, each order once"));
             }
-            if grating.total() > 1.0 + 1e-12 {
-                return Err(Error::new(at(), format!("the orders of a grating have {} of the light", grating.total()))
+            if let Some(total) = grating.gains() {
+                return Err(Error::new(at(), format!("the orders of a grating have {total} of the light"))
                     .expected("shares that together are at most 1")
                     .code(Code::ScatterGainsEnergy));
             }

@@ -80,16 +80,24 @@ impl<'w, M: Mode> Walker<'w, M> {
         let (dir, normal) = (self.ray.dir, vertex.normal);
         let across = self.world.geometry.part_to_world(vertex.hit.site.part).transform_vector3(grating.direction);
         let grooves = normal.cross(across);
-        let mut ways = Vec::with_capacity(2 * grating.orders.len() + 2);
-        let own = grating.orders.iter().map(|order| (order.order, [order.reflectance, order.transmittance]));
-        for (order, shares) in own {
-            for (share, through) in shares.into_iter().zip([false, true]) {
+        let from_eye = self.travel == Travel::FromEye;
+        // How the light arrives that goes on, or has come, that way.
+        let incidence = |onward: DVec3, through: bool| {
+            let (dir, front) = if from_eye { (-onward, vertex.outside != through) } else { (dir, vertex.outside) };
+            Grating::incidence(across, normal, (dir, front), self.optics.nm(0))
+        };
+        let mut ways = Vec::with_capacity(2 * grating.orders.count() + 2);
+        for (place, order) in grating.orders.numbers().enumerate() {
+            for through in [false, true] {
                 let shift = grating.shift(across, self.optics.nm(0)) * f64::from(order);
-                let Some(onward) = diffract(dir, normal, (n1[0], n2[0]), shift, through).filter(|_| share > 0.0) else {
+                let Some(onward) = diffract(dir, normal, (n1[0], n2[0]), shift, through) else { continue };
+                let own = grating.orders.efficiency(place, &incidence(onward, through));
+                let shares = if through { own.transmittance } else { own.reflectance };
+                if shares == [0.0; 2] {
                     continue;
-                };
+                }
                 let axis = M::Amount::axis_along(self.beam.axis(), dir, grooves);
-                let turning = Turning::even(share, through);
+                let turning = Turning::one_way(shares, through);
                 let amounts = lanes::<M, _>(|lane| {
                     let parted = self.part(vertex, lane, axis, &turning);
                     if through { parted.transmitted } else { parted.reflected }
@@ -103,24 +111,45 @@ impl<'w, M: Mode> Walker<'w, M> {
             let cos = -dir.dot(normal);
             for through in [false, true] {
                 let Some(onward) = diffract(dir, normal, (n1[0], n2[0]), DVec3::ZERO, through) else { continue };
+                let arrives = incidence(onward, through);
                 let amounts = lanes::<M, _>(|lane| {
                     let (a, b) = (n1[lane], n2[lane]);
                     let films = self.optics.films(0, lane);
                     let turning = films.turning::<M::Amount>(a, b, cos, vertex.outside, self.optics.nm(lane));
-                    let parted = self.part(vertex, lane, axis, &turning);
                     let along = a * (dir + normal * cos);
-                    let from_eye = self.travel == Travel::FromEye;
-                    let (arrives, sides) = match (from_eye, through) {
+                    let (along, sides) = match (from_eye, through) {
                         (false, _) => (along, (a, b)),
                         (true, false) => (-along, (a, b)),
                         (true, true) => (-along, (b, a)),
                     };
-                    let rest = grating.rest(arrives, grating.shift(across, self.optics.nm(lane)), normal, sides);
-                    (if through { parted.transmitted } else { parted.reflected }).scaled(rest)
+                    let rest =
+                        grating.rest(&arrives, along, grating.shift(across, self.optics.nm(lane)), normal, sides);
+                    let left = |amount: M::Amount, axis, dir| self.left(vertex, (amount, axis, dir), grooves, rest);
+                    let own = self.beam.amount(lane).turned(self.beam.axis(), axis, dir);
+                    let own = if from_eye { own } else { left(own, axis, dir) };
+                    let parted = self.part_of(vertex, own, &turning);
+                    let own = if through { parted.transmitted } else { parted.reflected };
+                    if from_eye { left(own, axis, onward) } else { own }
                 });
                 ways.push(Way { order: 0, through, dir: onward, amounts, axis });
             }
         }
         ways
+    }
+
+    /// What the orders leave of an amount along `dir`: shares of what is polarised along the lines and across them.
+    fn left(
+        &self,
+        vertex: &Vertex,
+        (amount, axis, dir): (M::Amount, <M::Amount as Amount>::Axis, DVec3),
+        grooves: DVec3,
+        rest: [f64; 2],
+    ) -> M::Amount {
+        if rest[0] == rest[1] {
+            return amount.scaled(rest[0]);
+        }
+        let lines = M::Amount::axis_along(axis, dir, grooves);
+        let parted = self.part_of(vertex, amount.turned(axis, lines, dir), &Turning::one_way(rest, true));
+        parted.transmitted.turned(lines, axis, dir)
     }
 }

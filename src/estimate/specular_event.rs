@@ -172,12 +172,16 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     pub(super) fn part(
         &self,
-        _vertex: &Vertex,
+        vertex: &Vertex,
         lane: usize,
         axis: <M::Amount as Amount>::Axis,
         turning: &Turning,
     ) -> Parted<M::Amount> {
-        let amount = self.beam.amount(lane).turned(self.beam.axis(), axis, self.ray.dir);
+        self.part_of(vertex, self.beam.amount(lane).turned(self.beam.axis(), axis, self.ray.dir), turning)
+    }
+
+    /// The same of an amount that is given with respect to s.
+    pub(super) fn part_of(&self, _vertex: &Vertex, amount: M::Amount, turning: &Turning) -> Parted<M::Amount> {
         let parted = amount.part(turning, self.travel == Travel::FromEye);
         #[cfg(test)]
         if self.world.planted == (Planted::Leak { part: _vertex.hit.site.part }) {

@@ -5,14 +5,16 @@ use super::binding_slots::{PartBound, Rank, Slot, Slots};
 use super::build::{Builder, intern};
 use super::files;
 use super::frames;
-use super::optics::{self, FinishSpec, MeasuredFile, ShapeSpec, SlideSpec, SpectrumSpec, Spreading};
+use super::optics::{
+    self, FinishSpec, GratingSpec, MeasuredFile, OrdersSpec, ShapeSpec, SlideSpec, SpectrumSpec, Spreading,
+};
 use super::select::Candidate;
 use super::value::{Data, Value};
 use crate::base::error::Result;
 use crate::base::ids::{CoatingId, GratingId, MediumId, MeshId, ScatterId, WavePlateId};
 use crate::base::{Code, Error, Where};
 use crate::scene::{
-    Absorption, Emitter, Face, Finish, Medium, Note, Part, Shape, Spectrum, WavePlate, Wavelengths, glass,
+    Absorption, Emitter, Face, Finish, Medium, Note, Orders, Part, Shape, Spectrum, WavePlate, Wavelengths, glass,
 };
 use glam::DAffine3;
 use std::path::PathBuf;
@@ -170,10 +172,7 @@ impl Builder<'_> {
             Some((entry, _)) => match optics::finish(&entry.value, &mut self.notes)? {
                 FinishSpec::Given(finish) => finish,
                 FinishSpec::Material => Finish::Surface { surface: self.own_surface(part, number)? },
-                FinishSpec::Grating(grating) => {
-                    let grating = GratingId::from_index(intern(&mut self.gratings, grating));
-                    Finish::Grating { grating }
-                }
+                FinishSpec::Grating(spec) => self.grating(&spec)?,
                 FinishSpec::Plate { plate, of } => self.plate(plate, of),
                 FinishSpec::Measured { files } => self.measured_finish(&files)?,
                 FinishSpec::Surface { surface, at } => Finish::Surface { surface: self.given_surface(*surface, &at)? },
@@ -277,6 +276,33 @@ impl Builder<'_> {
             }
         };
         Ok(Finish::Measured { table: ScatterId::from_index(index) })
+    }
+
+    /// The finish of a grating, which is kept among the scene's; its table is read once.
+    fn grating(&mut self, spec: &GratingSpec) -> Result<Finish> {
+        let orders = match &spec.orders {
+            OrdersSpec::Given { orders, .. } => Orders::Even(orders.clone()),
+            OrdersSpec::File { file, at } => {
+                let file = files::resolve(file, at);
+                let known = self.gratings.iter().find_map(|grating| match &grating.orders {
+                    Orders::Table(table) => (table.file == file.display().to_string()).then(|| table.clone()),
+                    Orders::Even(_) => None,
+                });
+                let table = match known {
+                    Some(table) => table,
+                    None => {
+                        let bytes = files::read(&file, at, "efficiencies of a grating")?;
+                        optics::efficiency_table(&bytes, &file, at)?.into()
+                    }
+                };
+                if !self.files.contains(&file) {
+                    self.files.push(file);
+                }
+                Orders::Table(table)
+            }
+        };
+        let grating = intern(&mut self.gratings, spec.with(orders)?);
+        Ok(Finish::Grating { grating: GratingId::from_index(grating) })
     }
 
     /// The finish of a wave plate, which is kept among the scene's.

@@ -176,6 +176,10 @@ fn polarised(checked: &Checked, world: &World, asked: Polarisation, stop: &Shoul
     if let Some(part) = scene.parts.iter().find(|part| part.faces.iter().any(|face| sheet(&face.finish))) {
         return (true, format!("{} is there to act on it", part.path));
     }
+    let parts = |finish: &Finish| finish.grating().is_some_and(|id| scene.grating(id).orders.part_polarisations());
+    if let Some(part) = scene.parts.iter().find(|part| part.faces.iter().any(|face| parts(&face.finish))) {
+        return (true, format!("the grating of {} tells polarisations apart", part.path));
+    }
     if !checked.facts().specular {
         return (false, "no face is specular".to_owned());
     }

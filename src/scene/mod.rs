@@ -8,7 +8,7 @@ pub mod assembly; // what a format reader delivers
 pub mod attribute;
 pub mod coating;
 pub mod dispersion;
-
+pub mod efficiency_table; // of gratings
 pub mod eye;
 pub mod finish;
 pub mod glass;
@@ -34,10 +34,10 @@ pub mod wave_plate;
 pub use abg::AbgLaw;
 pub use coating::{Coating, CoatingLaw, CoatingTable, FilmLayer};
 pub use dispersion::{Dispersion, Formula, FormulaKind};
-
+pub use efficiency_table::{Efficiency, EfficiencyGrid, EfficiencyTable};
 pub use eye::{BinocularLimits, Eye};
 pub use finish::Finish;
-pub use grating::{Grating, Order};
+pub use grating::{Grating, Order, Orders};
 pub use lamp::{Angular, Beacon, BeaconForm, Emitter, Photometry, PolarisedLight, Sky, SpotCone};
 pub use mesh::{FaceRange, Mesh};
 pub use note::{Known, Note, Residual, Severity};

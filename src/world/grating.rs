@@ -1,6 +1,7 @@
 //! Diffraction at a face: the phase of the light along the face changes by m times that of the grating's lines.
 
-use crate::scene::Order;
+use crate::scene::Orders;
+use crate::scene::efficiency_table::Incidence;
 use glam::DVec3;
 
 /// A grating as the tracer asks it.
@@ -10,7 +11,7 @@ pub struct Grating {
     pub direction: DVec3,
     /// Planes per nm.
     pub per_nm: f64,
-    pub orders: Vec<Order>,
+    pub orders: Orders,
     pub rest_in_zero_order: bool,
 }
 
@@ -29,19 +30,37 @@ impl Grating {
         across.normalize_or_zero() * (self.per_nm * nm)
     }
 
-    /// What the orders leave of light that arrives in `n1` with `along`, its momentum (index × direction) along the face; what
-    /// an evanescent order would have is left, too.
-    pub fn rest(&self, along: DVec3, shift: DVec3, normal: DVec3, (n1, n2): (f64, f64)) -> f64 {
+    /// How light arrives that goes along `dir` (unit) onto a face with this normal (unit, to either side). `across`: the planes
+    /// in the world.
+    pub fn incidence(across: DVec3, normal: DVec3, (dir, front): (DVec3, bool), nm: f64) -> Incidence {
+        let across = (across - normal * across.dot(normal)).normalize_or_zero();
+        Incidence { nm, across: dir.dot(across), along: dir.dot(normal.cross(across)), front }
+    }
+
+    /// What the orders leave of light, of s and of p, that arrives in `n1` with `along`, its momentum (index × direction) along
+    /// the face; what an evanescent order would have is left, too.
+    pub fn rest(
+        &self,
+        incidence: &Incidence,
+        along: DVec3,
+        shift: DVec3,
+        normal: DVec3,
+        (n1, n2): (f64, f64),
+    ) -> [f64; 2] {
         if !self.rest_in_zero_order {
-            return 0.0;
+            return [0.0; 2];
         }
-        let taken = self.orders.iter().map(|order| {
-            let there = along + f64::from(order.order) * (shift - normal * shift.dot(normal));
+        let mut taken = [0.0; 2];
+        for (place, order) in self.orders.numbers().enumerate() {
+            let there = along + f64::from(order) * (shift - normal * shift.dot(normal));
             let leaves = |n: f64| there.length_squared() < n * n;
-            let through = if leaves(n2) { order.transmittance } else { 0.0 };
-            through + if leaves(n1) { order.reflectance } else { 0.0 }
-        });
-        (1.0 - taken.sum::<f64>()).max(0.0)
+            let own = self.orders.efficiency(place, incidence);
+            for (taken, (through, back)) in taken.iter_mut().zip(own.transmittance.into_iter().zip(own.reflectance)) {
+                *taken += if leaves(n2) { through } else { 0.0 };
+                *taken += if leaves(n1) { back } else { 0.0 };
+            }
+        }
+        taken.map(|taken| (1.0 - taken).max(0.0))
     }
 }
 

@@ -24,10 +24,10 @@ pub struct Turning {
 }
 
 impl Turning {
-    /// A share of both polarisations that goes one way, with the phases of a clear sheet or a mirror.
-    pub fn even(share: f64, through: bool) -> Self {
-        let (r, t) = if through { (0.0, share) } else { (share, 0.0) };
-        let power = PowerSp { r_s: r, r_p: r, t_s: t, t_p: t, a_s: 1.0 - share, a_p: 1.0 - share };
+    /// Shares of s and p that go one way, with the phases of a clear sheet or a mirror.
+    pub fn one_way([s, p]: [f64; 2], through: bool) -> Self {
+        let ([r_s, r_p], [t_s, t_p]) = if through { ([0.0; 2], [s, p]) } else { ([s, p], [0.0; 2]) };
+        let power = PowerSp { r_s, r_p, t_s, t_p, a_s: 1.0 - s, a_p: 1.0 - p };
         Turning { power, reflected: -Complex::ONE, transmitted: Complex::ONE }
     }
 

@@ -1,11 +1,12 @@
 //! `finish`: what a face does with light.
 
 use super::fields::union;
+use super::grating::GratingSpec;
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::Noun;
-use crate::scene::{Finish, Grating, Note, Retardance, StandardSurface, WavePlate};
+use crate::scene::{Finish, Note, Retardance, StandardSurface, WavePlate};
 use glam::DVec3;
 
 /// A finish, a file that it names still to be read.
@@ -19,7 +20,8 @@ pub enum FinishSpec {
         plate: WavePlate,
         of: PlateOf,
     },
-    Grating(Grating),
+    /// A grating, its table still to be read.
+    Grating(GratingSpec),
     /// The files as they are written, one or one of each side, and where.
     Measured {
         files: Vec<(String, Where)>,

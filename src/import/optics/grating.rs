@@ -3,23 +3,90 @@
 use super::fields::Fields;
 use super::wave_plate::word;
 use crate::base::error::Result;
-use crate::base::{Code, Error};
+use crate::base::{Code, Error, Where};
 use crate::import::value::Value;
 use crate::scene::attribute::{self, Noun};
-use crate::scene::{Grating, Note, Order};
+use crate::scene::{Grating, Note, Order, Orders};
+use glam::DVec3;
 
 /// Orders of one grating: each is a way on that every ray weighs.
-const MOST_ORDERS: usize = 64;
+pub const MOST_ORDERS: usize = 64;
 
-/// The grating of a finish. Faults: orders twice, shares together above 1, order 0 beside `rest = "zero_order"`.
-pub fn grating(fields: &Fields<'_>, notes: &mut Vec<Note>) -> Result<Grating> {
+/// A grating, its table still to be read if there is one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GratingSpec {
+    direction: DVec3,
+    lines_per_mm: f64,
+    rest_in_zero_order: bool,
+    pub orders: OrdersSpec,
+}
+
+/// The shares of its orders.
+#[derive(Debug, Clone, PartialEq)]
+pub enum OrdersSpec {
+    Given {
+        orders: Vec<Order>,
+        at: Where,
+    },
+    /// The file as it is written, and where.
+    File {
+        file: String,
+        at: Where,
+    },
+}
+
+impl OrdersSpec {
+    fn at(&self) -> &Where {
+        match self {
+            OrdersSpec::Given { at, .. } | OrdersSpec::File { at, .. } => at,
+        }
+    }
+}
+
+impl GratingSpec {
+    /// With its orders. Faults: orders twice, shares together above 1, order 0 beside `rest = "zero_order"`.
+    pub fn with(&self, orders: Orders) -> Result<Grating> {
+        let GratingSpec { direction, lines_per_mm, rest_in_zero_order, .. } = *self;
+        let grating = Grating { direction, lines_per_mm, orders, rest_in_zero_order };
+        let at = || self.orders.at().clone();
+        if let Some(text) = grating.problem() {
+            return Err(Error::new(at(), text).expected("each order once, order 0 only where the rest is absorbed"));
+        }
+        if let Some(total) = grating.gains() {
+            return Err(Error::new(at(), format!("the orders of a grating have {total} of the light"))
+                .expected("shares that together are at most 1")
+                .code(Code::ScatterGainsEnergy));
+        }
+        Ok(grating)
+    }
+}
+
+/// The grating of a finish. Faults: no shares, or two ways of saying them.
+pub fn grating(fields: &Fields<'_>, notes: &mut Vec<Note>) -> Result<GratingSpec> {
     let direction = fields.need_direction("direction")?;
     let lines_per_mm = fields.need_number("lines_per_mm")?;
     let rest_in_zero_order = word(fields, "rest", ["absorbed", "zero_order"], Some(false))?;
     if !fields.has("rest") {
         notes.push(fields.defaulted("rest"));
     }
-    let Some(value) = fields.value("orders") else { return Err(fields.missing("orders")) };
+    let orders = match (fields.value("orders"), fields.value("efficiencies")) {
+        (Some(value), None) => OrdersSpec::Given { orders: list(value)?, at: value.at.clone() },
+        (None, Some(value)) => {
+            OrdersSpec::File { file: fields.need_text("efficiencies")?.to_owned(), at: value.at.clone() }
+        }
+        (None, None) => {
+            return Err(Error::new(fields.at().clone(), format!("{} has no `orders`", fields.what()))
+                .expected("`orders = [{ order, T, R }, …]`, or a file of them in `efficiencies`"));
+        }
+        (Some(_), Some(value)) => {
+            return Err(Error::new(value.at.clone(), format!("{} has `orders` and `efficiencies`", fields.what()))
+                .expected("one of them"));
+        }
+    };
+    Ok(GratingSpec { direction, lines_per_mm, rest_in_zero_order, orders })
+}
+
+fn list(value: &Value) -> Result<Vec<Order>> {
     let list = value.list().filter(|list| !list.is_empty()).ok_or_else(|| {
         Error::new(value.at.clone(), format!("`orders` is {} ({value})", value.kind()))
             .expected("a list of { order, T, R }")
@@ -28,22 +95,7 @@ pub fn grating(fields: &Fields<'_>, notes: &mut Vec<Note>) -> Result<Grating> {
         return Err(Error::new(value.at.clone(), format!("a grating with {} orders", list.len()))
             .expected(format!("at most {MOST_ORDERS}: those that carry light")));
     }
-    let orders = list.iter().map(order).collect::<Result<_>>()?;
-    let grating = Grating { direction, lines_per_mm, orders, rest_in_zero_order };
-    if let Some(text) = grating.problem() {
-        return Err(
-            Error::new(value.at.clone(), text).expected("each order once, order 0 only where the rest is absorbed")
-        );
-    }
-    if grating.total() > 1.0 + 1e-12 {
-        return Err(Error::new(
-            value.at.clone(),
-            format!("the orders of a grating have {} of the light", grating.total()),
-        )
-        .expected("shares that together are at most 1")
-        .code(Code::ScatterGainsEnergy));
-    }
-    Ok(grating)
+    list.iter().map(order).collect()
 }
 
 fn order(value: &Value) -> Result<Order> {

@@ -2,6 +2,7 @@
 //! `scene::attribute`'s rows and nothing about glTF, TOML or where a value is bound.
 
 mod coating;
+mod efficiency_table;
 mod emitter;
 mod eye;
 mod fields;
@@ -22,10 +23,12 @@ mod wavelengths;
 mod zemax_bsdf;
 
 pub use coating::{coating, unknown as unknown_coating};
+pub use efficiency_table::efficiency_table;
 pub use emitter::{ATTRIBUTES as EMITTER, EmitterSpec, STRENGTHS, Spreading, Strength, emitter, group_name, white_of};
 pub use eye::{EyeSpec, Lens, Pose, eye};
 pub use fields::{Fields, Union, not_yet, number, stray, union};
 pub use finish::{FinishSpec, PlateOf, finish};
+pub use grating::{GratingSpec, OrdersSpec};
 pub use medium::{absorption, entries as medium_entries, index, law, possible, priority};
 pub use scatter_table::{MeasuredFile, name_of_table, scatter_table};
 pub use sensor::sensor;

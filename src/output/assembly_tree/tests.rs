@@ -243,7 +243,12 @@ fn without_optics_and_with_broken_tables_nothing_panics() {
 fn gratings_and_wave_plates_say_what_they_are() {
     let mut scene = scene();
     let orders = vec![Order { order: 1, transmittance: 0.3, reflectance: 0.05 }];
-    scene.gratings.push(Grating { direction: DVec3::Y, lines_per_mm: 600.0, orders, rest_in_zero_order: true });
+    scene.gratings.push(Grating {
+        direction: DVec3::Y,
+        lines_per_mm: 600.0,
+        orders: orders.into(),
+        rest_in_zero_order: true,
+    });
     let retardance = Retardance::Nm(vec![[500.0, 130.0], [600.0, 150.0]]);
     scene.wave_plates.push(WavePlate { retardance, indices: Some([1.544, 1.553]) });
     scene.parts[0].faces[0] = face(Finish::Grating { grating: GratingId(0) });

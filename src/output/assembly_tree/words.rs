@@ -4,7 +4,7 @@ use super::face::{EmitterReport, FaceReport, SlideReport};
 use super::look::LookReport;
 use super::parts::MediumReport;
 pub use crate::base::units::significant as number;
-use crate::scene::{Angular, Coating, CoatingLaw, Finish, Grating, Shape, WavePlate};
+use crate::scene::{Angular, Coating, CoatingLaw, EfficiencyGrid, Finish, Grating, Order, Orders, Shape, WavePlate};
 use glam::DVec3;
 
 /// Metres as mm.
@@ -70,12 +70,24 @@ pub fn face(face: &FaceReport, traced_nm: f64) -> String {
 }
 
 fn grating(grating: &Grating) -> String {
-    let orders = grating.orders.iter().map(|order| {
-        format!("{:+} R {} T {}", order.order, number(order.reflectance, 4), number(order.transmittance, 4))
-    });
+    let orders = match &grating.orders {
+        Orders::Even(orders) => {
+            let one = |order: &Order| {
+                format!("{:+} R {} T {}", order.order, number(order.reflectance, 4), number(order.transmittance, 4))
+            };
+            orders.iter().map(one).collect::<Vec<_>>().join("; ")
+        }
+        Orders::Table(table) => {
+            let orders: Vec<String> = table.orders.iter().map(|order| format!("{order:+}")).collect();
+            let EfficiencyGrid { nm, angle, conical, .. } = &table.front;
+            let cones = if conical.len() > 1 { format!(" x {} conical angles", conical.len()) } else { String::new() };
+            let sides = if table.back.is_some() { "each side by itself" } else { "both sides alike" };
+            let size = format!("{} wavelengths x {} angles{cones}", nm.len(), angle.len());
+            format!("{} by {} ({size}, {sides})", orders.join(" "), table.file)
+        }
+    };
     let lines = number(grating.lines_per_mm, 6);
     let rest = if grating.rest_in_zero_order { "goes on in order 0" } else { "is absorbed" };
-    let orders = orders.collect::<Vec<_>>().join("; ");
     format!("{lines} lines/mm across {}, orders {orders}; the rest {rest}", direction(grating.direction))
 }
 
