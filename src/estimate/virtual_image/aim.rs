@@ -5,6 +5,7 @@ use super::sent;
 use super::subject::{Point, Subject};
 use super::tuning::aim::{FINE, FINEST, NEAR};
 use crate::estimate::ledger::Ledger;
+use crate::estimate::manifold::solver::media::OneWavelength;
 use crate::estimate::manifold::solver::newton::{Family, Target, newton};
 use crate::estimate::walk::{Meeting, Met};
 use crate::world::World;
@@ -65,13 +66,13 @@ fn transported(
     eye: DVec3,
 ) -> Option<DVec3> {
     let origin = world.geometry.origin();
-    let index = |part: Option<u32>| optics.index_in(part)[0];
+    let media = OneWavelength(optics);
     let size = FINE * subject.size[0].max(subject.size[1]);
     let target = Target::new(point.place - origin, subject.normal);
     let solved = |share: f64, dir: DVec3| {
         let here = from.lerp(eye, share) - origin;
         let (family, [a, b]) = Family::about(here, None, dir);
-        let root = newton(world, &index, &family, DVec2::ZERO, &subject.train, &target, size)?;
+        let root = newton(world, &media, &family, DVec2::ZERO, &subject.train, &target, size)?;
         (dir + root.u.x * a + root.u.y * b).try_normalize()
     };
     if let Some(dir) = solved(1.0, near) {

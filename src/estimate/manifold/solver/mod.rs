@@ -2,6 +2,7 @@
 
 pub mod bicubic;
 pub mod grid;
+pub mod media;
 pub mod newton;
 pub mod ray_differentials;
 pub mod simd_nodes;

@@ -4,6 +4,7 @@
 //! 2012; J. Hanika et al., "Manifold next event estimation", 2015, walk the vertices; here the ray is traced through
 //! exact surfaces, so every iterate obeys Snell's law and two unknowns are all there is).
 
+use super::media::Media;
 use super::ray_differentials::RayDifferentials;
 use super::tuning::newton::{HALVINGS, STEPS};
 use crate::film::specular_chain::SpecularChain;
@@ -102,13 +103,13 @@ pub struct End {
 /// Follows one ray of the family to the plane of the target.
 pub fn trace(
     world: &World,
-    index: &impl Fn(Option<u32>) -> f64,
+    media: &impl Media,
     family: &Family,
     u: DVec2,
     train: &SpecularChain,
     target: &Target,
 ) -> Option<End> {
-    end_of(&family.bundle(&world.eye, u).through(world, train, index)?, target)
+    end_of(&family.bundle(&world.eye, u).through(world, train, media)?, target)
 }
 
 /// Where a bundle that has gone through its train meets the plane of the target.
@@ -133,7 +134,7 @@ pub struct Root {
 /// function of the arguments alone. None where it does not converge, or the map is singular.
 pub fn newton(
     world: &World,
-    index: &impl Fn(Option<u32>) -> f64,
+    media: &impl Media,
     family: &Family,
     start: DVec2,
     train: &SpecularChain,
@@ -148,7 +149,7 @@ pub fn newton(
     const SHRUNK: f64 = 3e-3;
     let mut u = start;
     let mut before = 0.0;
-    let mut end = trace(world, index, family, u, train, target)?;
+    let mut end = trace(world, media, family, u, train, target)?;
     for _ in 0..STEPS {
         let inverse = end.slope.inverse();
         if !inverse.is_finite() {
@@ -166,7 +167,7 @@ pub fn newton(
         let mut next = None;
         for _ in 0..HALVINGS {
             let tried = u - share * step;
-            if let Some(there) = trace(world, index, family, tried, train, target)
+            if let Some(there) = trace(world, media, family, tried, train, target)
                 && (there.off.length_squared() < end.off.length_squared() || near)
             {
                 next = Some((tried, there));
