@@ -9,7 +9,7 @@ use eyebox::plan::scan::edges::Figure;
 use eyebox::plan::scan::light::LightAsked;
 use eyebox::plan::scan::limits::{Kind, Limits, beyond};
 use eyebox::plan::scan::table::{csv, edges_csv, ghosts_csv, lines};
-use eyebox::plan::scan::{Line, Scan, ScanAsked, scan};
+use eyebox::plan::scan::{Line, Position, Scan, ScanAsked, scan};
 use eyebox::plan::{Asked, Choice, Guides, Polarisation};
 use eyebox::scene::{Absorption, Angular, Dispersion, Emitter, Finish, Grating, Medium, Order, Scene, Shape};
 use glam::{DAffine3, DQuat, DVec2, DVec3};
@@ -550,5 +550,121 @@ fn limits_on_the_command_line() {
     ] {
         let (code, [_, said]) = run(&bad);
         assert!(code == Some(2) && said.trim_end().lines().count() == 1 && said.contains(why), "{code:?} {said}");
+    }
+}
+
+/// A sheet of lines 0.3 m ahead, and a lamp 0.6 m ahead.
+fn behind_lines(orders: &[(i32, f64)]) -> Scene {
+    let mut scene = scene();
+    let orders = orders.iter().map(|(order, share)| Order { order: *order, transmittance: *share, reflectance: 0.0 });
+    let orders = orders.collect::<Vec<_>>().into();
+    scene.gratings.push(Grating { direction: DVec3::Y, lines_per_mm: LINES_PER_MM, orders, rest_in_zero_order: false });
+    let finish = Finish::Grating { grating: GratingId::from_index(0) };
+    let pane = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.3, DVec3::Y * 0.3)]);
+    add_part(&mut scene, "hologram", pane, DVec3::new(0.0, 0.0, -0.3), None, vec![face(finish)]);
+    let group = add_group(&mut scene, "led");
+    let mut shining = face(Finish::Absorber);
+    shining.emitter = lamp(group, LAMP_CD_M2);
+    let panel = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.02, DVec3::Y * 0.01)]);
+    add_part(&mut scene, "lamp", panel, DVec3::new(0.0, 0.0, -0.6), None, vec![shining]);
+    scene.eye.resolution = [24, 24];
+    scene
+}
+
+const LINES_PER_MM: f64 = 200.0;
+
+/// Where a ray from `eye` with these tangents is in the lamp's plane, over order m: s' = s + m λ/d along y (Born and Wolf, 8.6.1).
+fn over_order(eye: DVec3, tangents: DVec2, order: i32) -> DVec2 {
+    let dir = tangents.extend(-1.0).normalize();
+    let y = dir.y + f64::from(order) * 550e-6 * LINES_PER_MM;
+    let bent = DVec3::new(dir.x, y, -(1.0 - dir.x * dir.x - y * y).sqrt());
+    let after = |from: DVec3, dir: DVec3, z: f64| from + dir * ((z - from.z) / dir.z);
+    after(after(eye, dir, -0.3), bent, -0.6).truncate()
+}
+
+/// In which tangents `eye` sees a place of the lamp: by a secant for each axis in turn, which converges as the axes hardly mix.
+fn seen_over(eye: DVec3, place: DVec2, order: i32) -> DVec2 {
+    let mut tangents = DVec2::ZERO;
+    for _ in 0..200 {
+        for axis in 0..2 {
+            let off = |t: DVec2| (over_order(eye, t, order) - place)[axis];
+            let mut aside = tangents;
+            aside[axis] += 1e-6;
+            let (here, there) = (off(tangents), off(aside));
+            if there != here {
+                tangents[axis] -= here * 1e-6 / (there - here);
+            }
+        }
+    }
+    assert!((over_order(eye, tangents, order) - place).length() < 1e-13);
+    tangents
+}
+
+/// A lamp over a diffracted order, which is brighter than what goes straight on: where each point is seen and how far away it is, in both
+/// planes, from positions of an eyebox; the ghost is the lamp itself. Then the other way round.
+#[test]
+fn a_lamp_over_a_diffracted_order() {
+    for (orders, main, other) in
+        [([(1, 0.6), (0, 0.1)], 1, 0), ([(0, 0.6), (1, 0.1)], 0, 1), ([(-1, 0.5), (1, 0.25)], -1, 1)]
+    {
+        let scene = behind_lines(&orders);
+        let found = run(&scene, &asked([3, 2], [0.04, 0.02]));
+        let name = |order: i32| if order == 0 { "hologram".to_owned() } else { format!("hologram; orders {order:+}") };
+        assert_eq!((found.part.as_str(), found.by.as_str()), ("lamp", name(main).as_str()));
+        let (mut places, mut distances, mut separations) = (0f64, 0f64, 0f64);
+        let place = |position: &Position, cell: [usize; 2]| {
+            let line = position.points.iter().find(|line| line.cell == cell).unwrap();
+            let tangents = line.direction_deg.unwrap().map(|angle| angle.to_radians().tan());
+            over_order(DVec3::new(position.x_m, position.y_m, 0.0), tangents.into(), main)
+        };
+        // Of a lamp the box is scanned that is seen of it, nearly all.
+        let first = |cell: [usize; 2]| place(&found.positions[0], cell);
+        let middle = first([1, 1]);
+        let sides = [first([2, 1]) - first([0, 1]), first([1, 0]) - first([1, 2])];
+        assert!(middle.length() < 1e-3 && sides[0].dot(sides[1]).abs() < 1e-9, "{middle} {sides:?}");
+        for (side, size) in sides.into_iter().zip(found.picture_m) {
+            assert!((side.length() / (0.99 * size) - 1.0).abs() < 1e-9, "{side} {size}");
+            let lamp = if side.x.abs() > side.y.abs() { 0.04 } else { 0.02 };
+            assert!(size > 0.9 * lamp && size < lamp, "{size}");
+        }
+        for position in &found.positions {
+            assert_eq!(position.seen, 1.0);
+            let eye = DVec3::new(position.x_m, position.y_m, 0.0);
+            let place = |cell: [usize; 2]| place(position, cell);
+            for line in &position.points {
+                let at = place(line.cell);
+                // From everywhere the same: columns count to the right, rows down.
+                let [column, row] = line.cell.map(|at| (at as f64 - 1.0) / 2.0);
+                places = places.max((at - middle).distance(column * sides[0] - row * sides[1]));
+                let want = seen_over(eye, at, main);
+                let step = scene.eye.pupil_diameter_m / 4.0;
+                let dir = |t: DVec2| t.extend(-1.0).normalize();
+                let seen = |shift: DVec3| dir(seen_over(eye + shift, at, main));
+                let vergence = line.vergence.unwrap();
+                for (axis, got) in [(DVec3::X, vergence.horizontal_per_m), (DVec3::Y, vergence.vertical_per_m)] {
+                    let across = axis - dir(want) * dir(want).dot(axis);
+                    let turned = seen(step * axis) - seen(-step * axis);
+                    let want = -turned.dot(across) / (2.0 * step * across.length_squared());
+                    distances = distances.max((got - want).abs());
+                }
+            }
+            let ghost = position.ghosts.iter().find(|ghost| ghost.by == name(other)).expect("the other order");
+            assert_eq!(position.ghosts.len(), 1);
+            for point in &ghost.points {
+                let at = place(point.cell);
+                let [a, b] = [main, other].map(|order| seen_over(eye, at, order).extend(-1.0).normalize());
+                let angle = 2.0 * (a - b).length().atan2((a + b).length());
+                let [x, y] = point.separation_arcmin;
+                let turned = DVec2::new(x, y).map(|side| (side / 60.0).to_radians().tan()).length().atan();
+                separations = separations.max((turned - angle).abs().to_degrees() * 60.0);
+                let share = |order: i32| orders.iter().find(|own| own.0 == order).unwrap().1;
+                assert!((point.ratio / (share(other) / share(main)) - 1.0).abs() < 1e-12, "{}", point.ratio);
+            }
+            assert!(!ghost.points.is_empty());
+        }
+        println!(
+            "order {main}: places on the lamp off by {places:.1e} m, vergences by {distances:.1e} 1/m, ghosts by {separations:.1e}′"
+        );
+        assert!(places < 1e-9 && distances < 1e-6 && separations < 1e-6, "{places} {distances} {separations}");
     }
 }

@@ -43,9 +43,42 @@ impl Sight {
     }
 }
 
-/// How `eye` (world, m) sees a point of the subject. `known`: an eye and the direction in which it sees that point or one
-/// near it, world. Exact up to rounding.
+/// How `eye` (world, m) sees a point of the subject, over its own train or, where that is not seen, over another of its ways. `known`: an
+/// eye and the direction in which it sees that point or one near it over the subject's train, world. Exact up to rounding.
 pub fn aim(
+    tracing: (&World, &Optics<Mono>),
+    subject: &Subject,
+    point: &Point,
+    known: (DVec3, DVec3),
+    eye: DVec3,
+) -> Sight {
+    aim_over(tracing, subject, point, known, eye).0
+}
+
+/// The same, and the way over which it is seen.
+pub fn aim_over<'s>(
+    tracing: (&World, &Optics<Mono>),
+    subject: &'s Subject,
+    point: &Point,
+    known: (DVec3, DVec3),
+    eye: DVec3,
+) -> (Sight, &'s Subject) {
+    let own = aim_alone(tracing, subject, point, known, eye);
+    if own.seen().is_none() {
+        for way in &subject.ways {
+            if let Some(point) = way.point(point.cell) {
+                let sight = aim_alone(tracing, way, point, (way.from, point.near), eye);
+                if sight.seen().is_some() {
+                    return (sight, way);
+                }
+            }
+        }
+    }
+    (own, subject)
+}
+
+/// The same over the subject's own train alone.
+pub fn aim_alone(
     tracing: (&World, &Optics<Mono>),
     subject: &Subject,
     point: &Point,

@@ -1,11 +1,11 @@
 //! Second images of what is looked at: the same face over other trains of specular faces, and how they lie beside the main
 //! image.
 
-use super::aim::{Sight, aim, carried_along};
+use super::aim::{aim_over, carried_along};
 use super::image::{arcmin, turned};
 use super::look::{Effort, Landed, look_around};
 use super::subject::{Point, Subject};
-use super::tuning::ghosts::{MOST_BRANCHES, MOST_RIVALS};
+use super::tuning::ghosts::{MOST_BRANCHES, MOST_RIVALS, MOST_WAYS};
 use crate::world::World;
 use crate::world::mode::{Mode, Mono, MonoStokes};
 use crate::world::optics::Optics;
@@ -34,7 +34,7 @@ pub fn find(tracing: (&World, &Optics<Mono>), main: &Subject, least: f64) -> Vec
     for ((_, _, face, chain), hits) in found {
         if face == main.face && chain != own {
             let brightest = hits.iter().map(|hit| hit.carried).fold(0.0, f64::max);
-            ghosts.extend(over(main, &hits).map(|ghost| (brightest, ghost)));
+            ghosts.extend(over(tracing.0, main, &hits).map(|ghost| (brightest, ghost)));
         }
     }
     // By name where two are alike, so that their order hangs on nothing else.
@@ -60,11 +60,31 @@ pub fn main_image(tracing: (&World, &Optics<Mono>), subject: Subject, least: f64
     others.into_iter().take(MOST_RIVALS).fold(first, brighter).1
 }
 
+/// Trains other than that of `main` that show the same image: over gratings, by the same orders of the same parts. Between them light
+/// may have been reflected any number of times, as in the slab of a light guide, which sends the picture out again and again.
+pub fn ways(tracing: (&World, &Optics<Mono>), main: &Subject, least: f64) -> Vec<Subject> {
+    if !main.train.0.iter().any(|lens| lens.link.order != 0) {
+        return Vec::new();
+    }
+    find(tracing, main, least).into_iter().filter(|other| shows_the_same(main, other)).take(MOST_WAYS).collect()
+}
+
+/// Whether two trains bend light by the same orders of the same parts, of which there are some.
+pub fn shows_the_same(main: &Subject, other: &Subject) -> bool {
+    let orders = |subject: &Subject| -> Vec<(u32, i32)> {
+        let bent = subject.train.0.iter().filter(|lens| lens.link.order != 0);
+        bent.map(|lens| (lens.link.part, lens.link.order)).collect()
+    };
+    let own = orders(main);
+    !own.is_empty() && own == orders(other)
+}
+
 /// The same picture over the train of these hits.
-fn over(main: &Subject, hits: &[Landed]) -> Option<Subject> {
+fn over(world: &World, main: &Subject, hits: &[Landed]) -> Option<Subject> {
     let near = |place: DVec3| hits.iter().min_by(|a, b| a.place.distance(place).total_cmp(&b.place.distance(place)));
     let points = main.points.iter().map(|point| Some(Point { near: near(point.place)?.dir, ..*point }));
-    Some(Subject { train: hits.first()?.train.clone(), points: points.collect::<Option<_>>()?, ..main.clone() })
+    let (points, from) = (points.collect::<Option<_>>()?, world.eye.position() + world.geometry.origin());
+    Some(Subject { train: hits.first()?.train.clone(), points, from, ways: Vec::new(), ..main.clone() })
 }
 
 /// A point of an image that an eye sees.
@@ -84,9 +104,9 @@ pub fn seen(
     eye: DVec3,
 ) -> Vec<Option<Seen>> {
     let one = |point: &Point| {
-        let sight = aim(tracing, subject, point, (subject.from, point.near), eye);
-        let Sight::Seen(dir) = sight else { return None };
-        Some(Seen { dir, light: carried_along((tracing.0, polarised), subject, point, eye, dir)? })
+        let (sight, way) = aim_over(tracing, subject, point, (subject.from, point.near), eye);
+        let dir = sight.seen()?;
+        Some(Seen { dir, light: carried_along((tracing.0, polarised), way, point, eye, dir)? })
     };
     subject.points.iter().map(one).collect()
 }

@@ -9,6 +9,7 @@ use crate::estimate::specular_event::Branch;
 use crate::estimate::walk::{Meeting, Met, Vertex, Walker};
 use crate::film::specular_chain::{Lens, SpecularChain};
 use crate::world::World;
+use crate::world::grating::Grating;
 use crate::world::mode::Mono;
 use crate::world::optics::Optics;
 use crate::world::surface::Surface;
@@ -70,37 +71,43 @@ pub(super) fn look_around(
     found
 }
 
-/// The way back from a face that parts light, with at least the share `least`; the walker itself is set to go through. Of a
-/// grating only light that is not diffracted is followed: where its orders lead has no derivatives here.
-fn other_way<'w>(
-    walker: &mut Walker<'w, Mono>,
+/// The ways on from a grating with at least the share `least` of what the ray started with, most light first; at least one if
+/// light goes on at all.
+fn orders<'w>(
+    walker: &Walker<'w, Mono>,
     vertex: &Vertex,
+    grating: &Grating,
     least: f64,
     ledger: &mut Ledger,
-) -> Option<Walker<'w, Mono>> {
-    if !matches!(walker.face(vertex).surface, Surface::Grating(_)) {
-        return walker.split(vertex, least, u8::MAX, ledger);
+) -> Vec<Walker<'w, Mono>> {
+    // What is left may go straight on.
+    let rest = (!grating.orders.numbers().any(|order| order == 0)).then_some(0);
+    let both = |order: i32| [Step::Through, Step::Back].map(|step| (step, order));
+    let mut ways: Vec<(f64, Walker<'w, Mono>)> = Vec::new();
+    for way in grating.orders.numbers().chain(rest).flat_map(both) {
+        let mut on = walker.clone();
+        on.order = Some(way);
+        if matches!(on.meet(vertex, ledger), Meeting::Went) {
+            ways.push((on.beam.weight(), on));
+        }
     }
-    let before = walker.beam.weight();
-    let mut back = walker.clone();
-    walker.order = Some((Step::Through, 0));
-    back.order = Some((Step::Back, 0));
-    let went = matches!(back.meet(vertex, ledger), Meeting::Went);
-    (went && back.beam.weight() >= least * before).then_some(back)
+    ways.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let followed = ways.iter().skip(1).take_while(|(weight, _)| *weight >= least).count();
+    ways.into_iter().take(1 + followed).map(|(_, way)| way).collect()
 }
 
 /// Follows a ray and its branches to the faces that may be a picture.
-fn follow<'w>(
+pub(super) fn follow<'w>(
     tracing: (&'w World, &'w Optics<Mono>),
     (origin, dir): (DVec3, DVec3),
     effort: Effort,
     mut each: impl FnMut(Kind, &Vertex, &Walker<'w, Mono>, &SpecularChain),
 ) {
     let mut ledger = Ledger::new(tracing.0.solids.len());
-    let mut open = vec![(sent(tracing, origin, dir).recording(), SpecularChain::default())];
+    let mut open = vec![(sent(tracing, origin, dir).recording(), SpecularChain::default(), 0)];
     let mut branches = 1;
-    while let Some((mut walker, mut train)) = open.pop() {
-        for _ in 0..MOST_FACES {
+    while let Some((mut walker, mut train, already)) = open.pop() {
+        for met in already..MOST_FACES {
             let Met::Face(vertex) = walker.advance(&mut ledger) else { break };
             let site = vertex.hit.site;
             let picture = match &walker.face(&vertex).surface {
@@ -122,15 +129,27 @@ fn follow<'w>(
                 break;
             }
             let before = walker.part_around();
+            if let Surface::Grating(grating) = &walker.face(&vertex).surface {
+                let mut ways = orders(&walker, &vertex, grating, effort.least, &mut ledger);
+                ways.truncate(1 + effort.most_branches.saturating_sub(branches));
+                branches += ways.len().saturating_sub(1);
+                // The brightest is followed first.
+                for mut way in ways.into_iter().rev() {
+                    way.events = way.events.min(1);
+                    let mut on = train.clone();
+                    linked(&mut on, &way, &vertex, before);
+                    open.push((way, on, met + 1));
+                }
+                break;
+            }
             let share = walker.beam.weight();
             let other = if branches < effort.most_branches && share > effort.least {
-                other_way(&mut walker, &vertex, effort.least / share, &mut ledger)
+                walker.split(&vertex, effort.least / share, u8::MAX, &mut ledger)
             } else {
                 None
             };
             // Nothing is left to chance: where one way is too faint to be followed the other one is.
             if walker.forced.is_none()
-                && walker.order.is_none()
                 && let Some(turn) = walker.look_ahead(&vertex, &mut ledger)
             {
                 let [back, through] = turn.powers(&walker);
@@ -141,7 +160,7 @@ fn follow<'w>(
                 branches += 1;
                 let mut other = train.clone();
                 linked(&mut other, &reflected, &vertex, before);
-                open.push((reflected, other));
+                open.push((reflected, other, 0));
             }
             if !matches!(walker.meet(&vertex, &mut ledger), Meeting::Went) {
                 break;
@@ -149,10 +168,6 @@ fn follow<'w>(
             // Chance takes nothing: no branch is to be lost by it.
             walker.events = walker.events.min(1);
             linked(&mut train, &walker, &vertex, before);
-            // The derivatives of what a grating bends are not known: what is seen over it has no distance.
-            if train.0.last().is_some_and(|lens| lens.link.order != 0) {
-                break;
-            }
         }
     }
 }

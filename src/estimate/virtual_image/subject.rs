@@ -53,6 +53,8 @@ pub struct Subject {
     pub points: Vec<Point>,
     /// The eye's middle from which it was found, world, m.
     pub from: DVec3,
+    /// Other trains that show the same image, those with most light first: of light guides with gratings.
+    pub ways: Vec<Subject>,
 }
 
 const EFFORT: Effort = Effort { least: LEAST, most_branches: MOST_BRANCHES };
@@ -116,7 +118,7 @@ impl Subject {
         let nearest = hits.iter().min_by(|a, b| a.place.distance(middle).total_cmp(&b.place.distance(middle)));
         let train = nearest.map_or_else(|| first.train.clone(), |hit| hit.train.clone());
         let from = world.eye.position() + world.geometry.origin();
-        Ok(Subject { kind, part, face, train, normal, size, points, from })
+        Ok(Subject { kind, part, face, train, normal, size, points, from, ways: Vec::new() })
     }
 }
 
@@ -126,7 +128,19 @@ impl Subject {
     pub fn moved(&self, motion: &DAffine3) -> Subject {
         let place = |point: &Point| Point { place: motion.transform_point3(point.place), ..*point };
         let normal = motion.transform_vector3(self.normal).normalize_or(self.normal);
-        Subject { normal, points: self.points.iter().map(place).collect(), ..self.clone() }
+        let ways = self.ways.iter().map(|way| way.moved(motion)).collect();
+        Subject { normal, points: self.points.iter().map(place).collect(), ways, ..self.clone() }
+    }
+
+    /// The point of this column and row.
+    pub fn point(&self, cell: [usize; 2]) -> Option<&Point> {
+        self.points.iter().find(|point| point.cell == cell)
+    }
+
+    /// The same with the other ways over which the eye of this world sees the image.
+    #[must_use]
+    pub fn stitched(&self, tracing: (&World, &Optics<Mono>)) -> Subject {
+        Subject { ways: ghosts::ways(tracing, self, LEAST), ..self.clone() }
     }
 
     /// The same as polarised light shows it: over the brightest of the trains that carry as much as this one had to.

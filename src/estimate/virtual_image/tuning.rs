@@ -46,4 +46,7 @@ pub(super) mod ghosts {
     pub const MOST_BRANCHES: usize = 4096;
     /// Trains that may be the picture's main image: those that carry most of unpolarised light.
     pub const MOST_RIVALS: usize = 4;
+    /// Ways of one image that are tried: a slab of which each point of the picture is seen after another number of reflections, over
+    /// this face or the next, has some dozen of them.
+    pub const MOST_WAYS: usize = 64;
 }

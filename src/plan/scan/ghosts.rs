@@ -1,7 +1,7 @@
 //! The picture's second images from one position, named by the parts that make them.
 
 use super::tuning::ghosts::{LEAST, MOST};
-use crate::estimate::virtual_image::ghosts::{self, GhostPoint, find};
+use crate::estimate::virtual_image::ghosts::{self, GhostPoint, find, shows_the_same};
 use crate::estimate::virtual_image::subject::Subject;
 use crate::plan::paths::Visits;
 use crate::scene::{Eye, Scene};
@@ -40,13 +40,18 @@ impl Named {
 /// The name of a train that leads from the eye to the picture.
 pub fn name(scene: &Scene, world: &World, subject: &Subject) -> String {
     let solid = |part: u32| world.solids.get(part as usize).is_some_and(Option::is_some);
-    Visits::of(&subject.train.chain().reversed(), solid, |_| false).words(scene).join(", ")
+    let chain = subject.train.chain().reversed();
+    let parts = Visits::of(&chain, solid, |_| false).words(scene).join(", ");
+    let orders: Vec<String> =
+        chain.0.iter().filter(|link| link.order != 0).map(|link| format!("{:+}", link.order)).collect();
+    if orders.is_empty() { parts } else { format!("{parts}; orders {}", orders.join(", ")) }
 }
 
 /// The picture's other images from the middle of the eyebox, most light first.
 pub fn trains(scene: &Scene, tracing: (&World, &Optics<Mono>), main: &Subject) -> Vec<Named> {
     let mut names: Vec<Named> = Vec::new();
-    for subject in find(tracing, main, LEAST).into_iter().take(MOST) {
+    let other_images = find(tracing, main, LEAST).into_iter().filter(|other| !shows_the_same(main, other));
+    for subject in other_images.take(MOST) {
         let by = name(scene, tracing.0, &subject);
         // Faces of one part are not told apart by its name.
         let alike = names.iter().filter(|other| other.by == by || other.by.starts_with(&format!("{by} #"))).count();

@@ -2,7 +2,7 @@
 
 use super::{
     DVec3, Disparities, Disparity, Distances, Eye, Line, Mono, Optics, Point, Position, Sight, Subject, Vergence,
-    World, aim, arcmin, disparity, distortion, step_m, vergence,
+    World, aim, aim_alone, aim_over, arcmin, disparity, distortion, step_m, vergence,
 };
 
 /// Fills in what geometry says of a position, that of `eye`.
@@ -11,17 +11,23 @@ pub fn fill(position: &mut Position, tracing: (&World, &Optics<Mono>), eye: &Eye
     let step = step_m(eye);
     let mut seen = Vec::with_capacity(subject.points.len());
     for point in &subject.points {
-        let sight = aim(tracing, subject, point, (subject.from, point.near), at);
+        let (sight, way) = aim_over(tracing, subject, point, (subject.from, point.near), at);
         let from_here = |shift: DVec3| {
-            let known = (at, sight.direction().unwrap_or(point.near));
+            let known = if std::ptr::eq(way, subject) {
+                (at, sight.direction().unwrap_or(point.near))
+            } else {
+                (subject.from, point.near)
+            };
             aim(tracing, subject, point, known, at + shift)
         };
+        // How a wave spreads is a matter of one way.
+        let alone = |dir: DVec3, shift: DVec3| aim_alone(tracing, way, point, (at, dir), at + shift);
         let line = Line {
             cell: point.cell,
             seen: sight.seen().is_some(),
             direction_deg: sight.direction().map(|dir| angles(dir, eye)),
             vergence: sight.seen().and_then(|dir| {
-                let cross = [right, eye.up].map(|axis| [-step, step].map(|shift| from_here(axis * shift).seen()));
+                let cross = [right, eye.up].map(|axis| [-step, step].map(|shift| alone(dir, axis * shift).seen()));
                 let [[Some(left), Some(right_of)], [Some(below), Some(above)]] = cross else { return None };
                 vergence(dir, [[left, right_of], [below, above]], [right, eye.up], step)
             }),

@@ -14,7 +14,7 @@ mod tuning;
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::estimate::ShouldStop;
-use crate::estimate::virtual_image::aim::{Sight, aim};
+use crate::estimate::virtual_image::aim::{Sight, aim, aim_alone, aim_over};
 use crate::estimate::virtual_image::image::{Disparity, Distortion, Vergence, arcmin, disparity, distortion, vergence};
 use crate::estimate::virtual_image::subject::{Kind, Point, Subject};
 use crate::scene::{Eye, Scene};
@@ -145,7 +145,7 @@ pub fn scan(
     let world = World::freeze(&scene)?;
     let optics = Mono::<f64>::optics(&world, 0, 0);
     let subject = Subject::find(&scene, (&world, &optics), asked.target.as_deref(), asked.points)?;
-    let subject = subject.polarised((&world, &optics));
+    let subject = subject.polarised((&world, &optics)).stitched((&world, &optics));
     let doubled = ghosts::trains(&scene, (&world, &optics), &subject);
     let by = ghosts::name(&scene, &world, &subject);
     let (middle, [columns, rows]) = (scene.eye.position, asked.positions);
@@ -158,6 +158,7 @@ pub fn scan(
         match World::freeze(&scene) {
             Ok(world) => {
                 let optics = Mono::<f64>::optics(&world, 0, 0);
+                let subject = subject.stitched((&world, &optics));
                 lines::fill(&mut position, (&world, &optics), &scene.eye, &subject, asked.ipd_m);
                 position.ghosts = ghosts::seen((&world, &optics), &subject, &doubled, &scene.eye);
                 let places = Places::new(&position.points, asked.points);

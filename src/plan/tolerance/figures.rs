@@ -3,7 +3,7 @@
 use super::parameter::{Change, Parameter};
 use crate::base::error::Result;
 use crate::base::{Error, Where};
-use crate::estimate::virtual_image::aim::{Sight, aim, carried_along};
+use crate::estimate::virtual_image::aim::{aim_over, carried_along};
 use crate::estimate::virtual_image::subject::{Point, Subject};
 use crate::plan::scan::ghosts::{self, Named};
 use crate::plan::scan::{self, Position};
@@ -135,7 +135,8 @@ impl Nominal {
 /// The share of the picture's light that a ray through the middle takes up.
 fn light(world: &World, scene: &Scene, (optics, subject): (&Optics<Mono>, &Subject), point: &Point) -> Option<f64> {
     let eye = scene.eye.position;
-    let Sight::Seen(dir) = aim((world, optics), subject, point, (subject.from, point.near), eye) else { return None };
+    let (sight, way) = aim_over((world, optics), subject, point, (subject.from, point.near), eye);
+    let dir = sight.seen()?;
     let polarised = MonoStokes::optics(world, 0, 0);
-    carried_along((world, &polarised), subject, point, eye, dir)
+    carried_along((world, &polarised), way, point, eye, dir)
 }

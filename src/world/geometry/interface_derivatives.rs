@@ -4,10 +4,11 @@
 use super::curved::Curved;
 use super::instance::Instance;
 use super::local_ray::Touch;
-use super::patch::Projection;
+use super::patch::{Projection, vertex};
 use super::solid::Solid;
 use super::surface::Surface;
-use super::triangle::Triangle;
+
+use super::triangle::{Triangle, winding};
 use super::{Geometry, Ray, Site};
 use glam::{DMat3, DVec3};
 
@@ -71,6 +72,16 @@ impl Geometry {
     }
 }
 
+impl Geometry {
+    /// The same, of a flat face on its plane where the ray passes beside it.
+    pub fn meet_past_rim(&self, part: u32, face: u32, ray: &Ray, about: DVec3) -> Option<Meet> {
+        self.meet(part, face, ray, about).or_else(|| {
+            let instance = self.instances.get(*self.slots.get(part as usize)? as usize)?;
+            instance.meet_plane(self.solids.get(instance.solid)?, face, ray)
+        })
+    }
+}
+
 impl Instance {
     fn meet(&self, solid: &Solid, face: u32, ray: &Ray, about: DVec3) -> Option<Meet> {
         let sheet = solid.faces.get(face as usize)?;
@@ -120,6 +131,26 @@ impl Instance {
                 self.met(t, local, normal, shading, bend, ray, triangle.index)
             }
         }
+    }
+
+    /// Where the ray meets the plane of a flat face; none of a face that is not flat, or that the ray leaves.
+    fn meet_plane(&self, solid: &Solid, face: u32, ray: &Ray) -> Option<Meet> {
+        let leaves = ray.from.is_some_and(|from| (from.part, from.face) == (self.part, face));
+        if leaves || !matches!(solid.faces.get(face as usize)?.surface, Surface::Flat) {
+            return None;
+        }
+        // The largest triangle knows the plane best.
+        let own = solid.triangles.iter().enumerate().filter(|(_, triangle)| triangle.face == face);
+        let area = |triangle: &Triangle| winding(&triangle.corners).length_squared();
+        let (slot, triangle) = own.max_by(|(_, a), (_, b)| area(a).total_cmp(&area(b)))?;
+        let normal = winding(&triangle.corners);
+        let (origin, dir, scale) = self.to_mesh(ray);
+        let t = normal.dot(vertex(triangle.corners[0]) - origin) / normal.dot(dir);
+        if !(t > 0.0 && t.is_finite()) {
+            return None;
+        }
+        let shading = vertex(solid.normals.get(slot)?[0]);
+        self.met(t / scale, origin + t * dir, normal, shading, Bend::Flat, ray, triangle.index)
     }
 
     /// The nearest touch of a face, and its distance in metres; other faces of the solid do not hide it: a pane's front is
@@ -191,8 +222,8 @@ fn bend_of(curved: &Curved, p: DVec3) -> Option<DMat3> {
 
 /// Of a triangle's interpolated normals: Σ wᵢ nᵢ, whose weights change as the dual basis of the edges says.
 fn of_corners(solid: &Solid, touch: &Touch, triangle: &Triangle) -> Option<DMat3> {
-    let [a, b, c] = triangle.corners.map(super::patch::vertex);
-    let [na, nb, nc] = solid.normals.get(touch.slot as usize)?.map(super::patch::vertex);
+    let [a, b, c] = triangle.corners.map(vertex);
+    let [na, nb, nc] = solid.normals.get(touch.slot as usize)?.map(vertex);
     let (e1, e2) = (b - a, c - a);
     let normal = e1.cross(e2);
     let n2 = normal.length_squared();

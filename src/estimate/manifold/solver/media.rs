@@ -9,6 +9,8 @@ pub trait Media {
     fn index(&self, part: Option<u32>) -> f64;
     /// In vacuum, nm. None: what a grating bends is not followed.
     fn nm(&self) -> Option<f64>;
+    /// Whether flat faces go on beyond their rims, so that one knows where something would be seen.
+    fn past_rims(&self) -> bool;
 }
 
 /// Paths of many wavelengths: each leaves a grating in another direction.
@@ -21,6 +23,10 @@ impl<F: Fn(Option<u32>) -> f64> Media for F {
     fn nm(&self) -> Option<f64> {
         None
     }
+    #[inline]
+    fn past_rims(&self) -> bool {
+        false
+    }
 }
 
 /// Lines of sight at the wavelength of the first lane.
@@ -32,5 +38,8 @@ impl<M: Mode> Media for OneWavelength<'_, M> {
     }
     fn nm(&self) -> Option<f64> {
         Some(self.0.nm(0))
+    }
+    fn past_rims(&self) -> bool {
+        true
     }
 }

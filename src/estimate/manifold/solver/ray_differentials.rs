@@ -54,7 +54,12 @@ impl RayDifferentials {
                 straight(&self, lens);
                 continue;
             }
-            let meet = world.geometry.meet(lens.link.part, lens.link.face, &self.ray, DVec3::from_array(lens.about))?;
+            let (part, face, about) = (lens.link.part, lens.link.face, DVec3::from_array(lens.about));
+            let meet = if media.past_rims() {
+                world.geometry.meet_past_rim(part, face, &self.ray, about)?
+            } else {
+                world.geometry.meet(part, face, &self.ray, about)?
+            };
             self = if order == 0 { self.at(lens, &meet, media)? } else { self.diffracted(world, lens, &meet, media)? };
         }
         Some(self)

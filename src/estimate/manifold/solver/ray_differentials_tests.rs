@@ -19,6 +19,9 @@ impl Media for Bent {
     fn nm(&self) -> Option<f64> {
         Some(NM)
     }
+    fn past_rims(&self) -> bool {
+        false
+    }
 }
 
 /// A ball of glass with an exact face, or a plane sheet, in which a grating is cut; tilted and scaled.
