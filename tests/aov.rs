@@ -61,7 +61,8 @@ fn sums_of_shares_with_their_bits() {
         let outcome = run(world, plan, 2, s.eye.resolution, 0, &limits, &mut ());
         let frame: Frame = picture(s, plan, &outcome, ColourSpace::Rec709).expect("a picture").frame;
         let one = |lpe: &str| {
-            let Granted { aovs, notes, sieve } = granted(&asked("mine", lpe), (&[], &[]), s, world, plan).expect(lpe);
+            let Granted { aovs, notes, sieve, .. } =
+                granted(&asked("mine", lpe), (&[], &[]), s, world, plan).expect(lpe);
             assert!(notes.is_empty() && sieve.is_none());
             let (channels, said) = layers(&frame, &aovs);
             assert_eq!(said[0].0, "aov.mine");
@@ -145,7 +146,7 @@ impl Told {
         let mut plan = plan(&checked, &world, choice);
         plan.errors = ErrorDetail::Layers;
         let asked: Vec<_> = lpes.iter().map(|(name, lpe)| ((*name).to_owned(), (*lpe).to_owned())).collect();
-        let Granted { aovs, notes, sieve } = granted(&asked, (&[], &[]), &scene, &world, &plan).expect("granted");
+        let Granted { aovs, notes, sieve, .. } = granted(&asked, (&[], &[]), &scene, &world, &plan).expect("granted");
         assert!(notes.is_empty() && (lpes.is_empty() || sieve.is_some()));
         world.sieve = sieve;
         let mut tracing = begin(&world, &plan, scene.groups.len(), scene.eye.resolution, seed);
@@ -212,7 +213,7 @@ fn complements_are_the_picture() {
     // Another gain of one group.
     let mixed = mix(
         &Rendering::of(&parted).expect("a rendering"),
-        &Recipe { gains: vec![("led".to_owned(), 3.0)], contrast: None },
+        &Recipe { gains: vec![("led".to_owned(), 3.0)], ..Recipe::default() },
     )
     .expect("a gain")
     .frame;

@@ -55,7 +55,7 @@ fn the_error_of_a_mixture_is_the_scatter_of_seeds() {
         let outcome = run(&world, &plan, 1, s.eye.resolution, seed, &limits, &mut ());
         outcome.films.films.into_iter().map(|(_, film, _)| film).collect::<Vec<Film>>()
     };
-    let group = GroupInfo { name: "panel".to_owned(), contrast: Some(50.0), tint: [1.0; 3] };
+    let group = GroupInfo { name: "panel".to_owned(), contrast: Some(50.0), slides: None, tint: [1.0; 3] };
     let contrasts = [1.0, 2.0, 5.0, 300.0, f64::INFINITY];
     let pixels = 16;
     let mut seen = vec![[Moments::default(); 5]; pixels];
@@ -105,7 +105,7 @@ fn nothing_is_kept_that_was_not_asked_for() {
     let share = (Layer::Caustic, GroupId(0));
     assert!(films[0].planes_of(Together::Share(share.0, share.1)).next().is_some(), "it is filled");
     assert!(films[0].mix_error(0, share).is_none());
-    let group = GroupInfo { name: "panel".to_owned(), contrast: Some(50.0), tint: [1.0; 3] };
+    let group = GroupInfo { name: "panel".to_owned(), contrast: Some(50.0), slides: None, tint: [1.0; 3] };
     let frame = finish(s.eye.resolution, &films, &[group], &[], ColourSpace::Rec709).frame;
     let extra = |name: &str| name.contains("_stderr") || name.contains("covariance");
     assert!(frame.channels.iter().all(|channel| !extra(&channel.name)));

@@ -44,6 +44,7 @@ mod crop;
 mod cryptomatte;
 mod layer_errors;
 mod mix;
+mod several_slides;
 
 // Files in and out.
 mod author;

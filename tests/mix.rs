@@ -63,7 +63,7 @@ fn a_mixture_is_a_new_rendering() {
     let taken = Rendering::of(&rendering).expect("complete");
     assert!(taken.shares.iter().any(|share| share.group == "side" && share.split.is_none()), "{:?}", taken.groups);
     for (contrast, gain) in [(4.0, 1.0), (50.0, 0.25), (1000.0, 3.0), (1.0, 1.0), (f64::INFINITY, 0.5)] {
-        let recipe = Recipe { gains: vec![("panel".to_owned(), gain)], contrast: Some(contrast) };
+        let recipe = Recipe { gains: vec![("panel".to_owned(), gain)], contrast: Some(contrast), ..Recipe::default() };
         let mixed = mix(&taken, &recipe).expect("it has a slide");
         assert!(mixed.errors != Errors::Unknown && mixed.errors != Errors::Absent);
         // Another seed: the same but for noise, in every layer, and in the split that the mixture still has.

@@ -119,7 +119,7 @@ fn mixtures(frame: &Frame, found: &Value) -> Result<(), String> {
     for mixture in mixtures {
         let contrast = mixture["contrast"].as_str().map(|text| text.parse().expect("a contrast"));
         let gain = mixture["gain"].as_f64().unwrap_or(f64::NAN);
-        let recipe = Recipe { gains: vec![(HOSTILE.to_owned(), gain)], contrast };
+        let recipe = Recipe { gains: vec![(HOSTILE.to_owned(), gain)], contrast, ..Recipe::default() };
         let want = layer_luminance(&mix(&rendering, &recipe).expect("mixed").frame, "").expect("a picture");
         let got = numbers(&mixture["luminances"]);
         ensure!(got.len() == PIXELS, "mixture: {} pixels", got.len());

@@ -146,7 +146,7 @@ fn wave_plate(scene: &Scene, axis: DVec3, plate: WavePlateId, at: impl Fn() -> W
 
 /// Light groups are parts of layers' names, so no two things may be written under one.
 fn check_groups(scene: &Scene) -> Result<()> {
-    match names::clash(scene.groups.iter().map(|group| group.name.as_str())) {
+    match names::clash(scene.groups.iter().map(|group| group.name.as_str()), &[]) {
         None => Ok(()),
         Some(Clash { layer, causes: [one, other] }) => {
             let text = format!("the layer `{layer}` would be {one} and {other}");

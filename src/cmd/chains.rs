@@ -5,6 +5,7 @@ use crate::base::{Error, Result, Where};
 use crate::check::{Checked, check};
 use crate::estimate::ShouldStop;
 use crate::estimate::picture::possible_layers;
+use crate::estimate::slides;
 use crate::film::frame::{Frame, Meta};
 use crate::plan::paths::{self, Table, Wanted};
 use crate::scene::Scene;
@@ -28,7 +29,7 @@ impl Chains {
         if args.chains.is_empty() {
             return Ok(Some(Chains { table: None, wanted: Vec::new() }));
         }
-        let mut names = possible_layers(&scene.groups);
+        let mut names = possible_layers(&scene.groups, &slides::names(scene));
         names.extend(taken.iter().cloned());
         for text in &args.chains {
             let name = paths::layer_name(text)?;

@@ -39,9 +39,10 @@ pub struct MixArgs {
     /// Factor on the light of a group; `plate` is the group of a plate
     #[arg(long = "gain", value_name = "GROUP=G", value_parser = parse_gain)]
     pub gains: Vec<(String, f64)>,
-    /// Contrast T_white/T_black of the slide, 1 to inf; 300:1 is 300 [default: as rendered]
-    #[arg(long, value_name = "C", value_parser = parse_contrast)]
-    pub contrast: Option<f64>,
+    /// Contrast T_white/T_black of the slide, 1 to inf; 300:1 is 300. Of several: of all, or of the one that is named
+    /// [default: as rendered]
+    #[arg(long = "contrast", value_name = "[SLIDE=]C", value_parser = parse_contrast)]
+    pub contrasts: Vec<(Option<String>, f64)>,
     /// A picture to put behind the optics: EXR in cd/m² (or what its whiteLuminance says), or PNG or JPEG in sRGB
     #[arg(long, value_name = "BACKGROUND.exr|png|jpg")]
     pub plate: Option<PathBuf>,
@@ -92,9 +93,13 @@ fn parse_white(text: &str) -> std::result::Result<f64, String> {
     number.ok_or_else(|| format!("`{text}` is no luminance; write cd/m² above 0, e.g. 250"))
 }
 
-fn parse_contrast(text: &str) -> std::result::Result<f64, String> {
-    let number = text.trim().strip_suffix(":1").unwrap_or(text.trim());
-    number.parse().map_err(|_| format!("`{text}` is no contrast; write e.g. 300, 300:1 or inf"))
+fn parse_contrast(text: &str) -> std::result::Result<(Option<String>, f64), String> {
+    let (slide, number) =
+        text.rsplit_once('=').map_or((None, text), |(slide, number)| (Some(slide.trim().to_owned()), number));
+    let number = number.trim().strip_suffix(":1").unwrap_or(number.trim());
+    let number =
+        number.parse().map_err(|_| format!("`{text}` is no contrast; write e.g. 300, 300:1, inf or lcd=300"))?;
+    Ok((slide, number))
 }
 
 /// Runs the command.
@@ -156,18 +161,20 @@ fn mixed(args: &MixArgs) -> Result<(serde_json::Value, String)> {
                 .map(|group| format!("light of `{group}` still shines behind the plate; --gain {group}=0 removes it")),
         );
     }
-    let mut recipe = Recipe { gains: args.gains.clone(), contrast: args.contrast };
+    let mut recipe = recipe(args)?;
     let (mixed, solved) = recombine(args, &frame, &mut recipe).map_err(|fault| within(fault, first))?;
     let mut record = Record {
         frames: args.frames.iter().map(|path| path.display().to_string()).collect(),
         gains: recipe.gains.clone(),
         contrast: None,
+        slides: Vec::new(),
         plate: args.plate.as_ref().map(|path| path.display().to_string()),
         solved,
         errors: mixed.errors,
     };
     record.gains.retain(|(_, gain)| *gain != 1.0);
     record.contrast = frame.number("contrast").zip(mixed.frame.number("contrast")).map(|(a, b)| [a, b]);
+    record.slides = changed_slides(&frame, &recipe)?;
     let chain = |layer: &String| format!("`{layer}` was left out: a chain's layer does not say whose light it is");
     warnings.extend(mixed.left_out.iter().map(chain));
     let mut out = mixed.frame;
@@ -184,6 +191,34 @@ fn mixed(args: &MixArgs) -> Result<(serde_json::Value, String)> {
     let told = warnings.iter().map(|warning| format!("warning: {warning}"));
     let told = told.chain(notes.iter().map(|note| format!("note: {note}"))).collect();
     Ok((json, text(args, &record, told)))
+}
+
+/// What is to be changed of the light. Errors: two contrasts for the same.
+fn recipe(args: &MixArgs) -> Result<Recipe> {
+    let mut recipe = Recipe { gains: args.gains.clone(), ..Recipe::default() };
+    for (at, (slide, contrast)) in args.contrasts.iter().enumerate() {
+        if args.contrasts[..at].iter().any(|(other, _)| other == slide) {
+            let name = slide.as_ref().map(|slide| format!("{slide}=")).unwrap_or_default();
+            return Err(Error::new(
+                Where::Option(format!("--contrast {name}{contrast}")),
+                "is the second one of the same",
+            )
+            .expected("one for all slides, and one for each that is named"));
+        }
+        match slide {
+            Some(slide) => recipe.slides.push((slide.clone(), *contrast)),
+            None => recipe.contrast = Some(*contrast),
+        }
+    }
+    Ok(recipe)
+}
+
+/// Of several slides those that are changed, from and to which contrast.
+fn changed_slides(frame: &Frame, recipe: &Recipe) -> Result<Vec<(String, [f64; 2])>> {
+    let rendering = Rendering::of(frame)?;
+    let contrasts = recipe.contrasts(&rendering);
+    let name = |slide: usize| rendering.slides.get(slide).map(|slide| slide.name.clone());
+    Ok(contrasts.changed().filter_map(|(slide, both)| Some((name(slide)?, both))).collect())
 }
 
 fn recombine(args: &MixArgs, frame: &Frame, recipe: &mut Recipe) -> Result<(Mixed, Option<Solved>)> {
@@ -229,6 +264,8 @@ fn text(args: &MixArgs, record: &Record, mut lines: Vec<String>) -> String {
         && before != after
     {
         done.push(format!("contrast {before} to {after}"));
+    } else {
+        done.extend(record.slides.iter().map(|(slide, [a, b])| format!("contrast of {slide} {a} to {b}")));
     }
     done.extend(record.plate.iter().map(|plate| format!("plate {plate}")));
     let unchanged = done.is_empty();

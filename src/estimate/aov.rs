@@ -4,7 +4,8 @@
 
 use super::picture::possible_layers;
 use super::render_vars::{Named, plain};
-use crate::base::lpe::{Alphabet, Letter, Lpe, Product, Source, Verdict};
+use super::slides;
+use crate::base::lpe::{Alphabet, Letter, Lpe, MOST_SLIDES, Product, Source, Verdict};
 use crate::base::path::{Class, Event};
 use crate::base::{Error, Result, Where};
 use crate::film::aov::Aov;
@@ -39,6 +40,9 @@ pub struct Granted {
     pub notes: Vec<Note>,
     /// For [`World::sieve`]: the expressions that part classes.
     pub sieve: Option<Arc<Product>>,
+    /// Of a scene with several slides: the bit from which on paths tell which of them they cross, for
+    /// [`Finishing::tell_slides_apart`](super::finishing::Finishing::tell_slides_apart).
+    pub slides_bit: Option<u32>,
 }
 
 /// The layers of `asked` (names and expressions of the command line) and of those `wishes` of the asset that are
@@ -53,7 +57,8 @@ pub fn granted(
     plan: &Plan,
 ) -> Result<Granted> {
     let mut granted = Granted::default();
-    if asked.is_empty() && !wishes.iter().any(|wish| wish.expression) {
+    let slides = slides::names(scene);
+    if asked.is_empty() && slides.is_empty() && !wishes.iter().any(|wish| wish.expression) {
         return Ok(granted);
     }
     let mut maker = Maker::new(scene, world, plan);
@@ -81,6 +86,19 @@ pub fn granted(
             }
         };
         granted.notes.push(Note::warning(wish.at.clone(), text));
+    }
+    if !slides.is_empty() {
+        match maker.tell_slides_apart(slides.len()) {
+            Ok(bit) => {
+                granted.slides_bit = Some(bit);
+            }
+            Err(because) => {
+                granted.aovs.iter_mut().for_each(|aov| aov.slides.clear());
+                let at = Where::File(scene.name.clone().into());
+                let text = format!("light is not split by the contrasts of its {} slides: {because}", slides.len());
+                granted.notes.push(Note::warning(at, text));
+            }
+        }
     }
     granted.sieve = maker.sieve.map(Arc::new);
     Ok(granted)
@@ -125,7 +143,7 @@ impl<'s> Maker<'s> {
             plan,
             events: events(scene, world),
             sources: sources(scene),
-            taken: possible_layers(&scene.groups),
+            taken: possible_layers(&scene.groups, &slides::names(scene)),
             parting: Vec::new(),
             sieve: None,
         }
@@ -138,11 +156,10 @@ impl<'s> Maker<'s> {
         }
         let lpe = Lpe::parse(text).map_err(Refused::Expression)?;
         let aov = match self.kind(&lpe).map_err(Refused::Expression)? {
-            Kind::Shares(shares) => Aov { name, lpe: text.to_owned(), shares, part: None },
+            Kind::Shares(shares) => Aov { name, lpe: text.to_owned(), shares, part: None, slides: Vec::new() },
             Kind::Parts => {
                 let all: Vec<Lpe> = self.parting.iter().cloned().chain([lpe]).collect();
-                let groups = self.scene.groups.iter().map(|group| group.name.as_str());
-                let groups: Vec<(&str, Vec<Source>)> = groups.zip(self.sources.iter().cloned()).collect();
+                let groups = self.groups();
                 let sieve = Product::new(&all, &groups, &self.events).map_err(Refused::Expression)?;
                 let bit = self.parting.len();
                 let takes = |group: usize| {
@@ -153,7 +170,13 @@ impl<'s> Maker<'s> {
                 };
                 let taken = (0..groups.len()).filter(|group| takes(*group));
                 let shares = taken.map(|group| format!("{name}_{}", groups[group].0)).collect();
-                let aov = Aov { name, lpe: text.to_owned(), shares, part: u32::try_from(bit).ok() };
+                let aov = Aov {
+                    name,
+                    lpe: text.to_owned(),
+                    shares,
+                    part: u32::try_from(bit).ok(),
+                    slides: slides::names(self.scene),
+                };
                 if let Some(layer) = aov.layers().find(|layer| self.is_taken(layer)) {
                     return Err(Refused::Name(layer));
                 }
@@ -163,6 +186,25 @@ impl<'s> Maker<'s> {
         };
         self.taken.extend(aov.layers());
         Ok(aov)
+    }
+
+    fn groups(&self) -> Vec<(&'s str, Vec<Source>)> {
+        let names = self.scene.groups.iter().map(|group| group.name.as_str());
+        names.zip(self.sources.iter().cloned()).collect()
+    }
+
+    /// Has paths tell which slide they cross; the first bit that says so. Errors: why they can't.
+    fn tell_slides_apart(&mut self, count: usize) -> std::result::Result<u32, String> {
+        if count > MOST_SLIDES {
+            return Err(format!("no more than {MOST_SLIDES} are told apart"));
+        }
+        let first = u32::try_from(self.parting.len()).map_err(|fault| fault.to_string())?;
+        let slides = (0..count).filter_map(|slide| u8::try_from(slide).ok()).map(Some);
+        let crossing = [None].into_iter().chain(slides).map(Lpe::crossing);
+        let all: Vec<Lpe> = self.parting.iter().cloned().chain(crossing).collect();
+        let sieve = Product::new(&all, &self.groups(), &self.events);
+        self.sieve = Some(sieve.map_err(|what| format!("with layers by light path expression, a path {what}"))?);
+        Ok(first)
     }
 
     fn is_taken(&self, layer: &str) -> bool {
@@ -247,7 +289,8 @@ fn events(scene: &Scene, world: &World) -> Vec<Letter> {
         for (face, optics) in part.faces.iter().zip(faces) {
             match &optics.surface {
                 Surface::Absent | Surface::Absorber => {}
-                Surface::Slide(_) | Surface::Sheet(_) => found.extend([Letter::TransmitStraight]),
+                Surface::Slide(slide) => found.extend([world.slide_letter(*slide)]),
+                Surface::Sheet(_) => found.extend([Letter::TransmitStraight]),
                 Surface::Splitter(_) => found.extend([Letter::ReflectSpecular, Letter::TransmitStraight]),
                 Surface::Mirror(_) => found.extend([Letter::ReflectSpecular]),
                 Surface::Grating(_) => found.extend([Letter::ReflectSpecular, Letter::TransmitSpecular]),

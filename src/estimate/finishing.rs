@@ -5,7 +5,9 @@ use super::aov;
 use super::picture::{infos, keep_layers};
 use super::render_vars::{self, Named};
 use super::run::Films;
+use super::slides;
 use crate::base::colour::ColourSpace;
+use crate::base::ids::GroupId;
 use crate::base::{Error, Result, Where};
 use crate::film::accumulate::Film;
 use crate::film::aov::Aov;
@@ -60,6 +62,13 @@ impl Finishing {
     pub fn new(scene: &Scene, plan: &Plan, space: ColourSpace, diffraction: Option<Diffraction>) -> Finishing {
         let (size, groups) = (scene.eye.resolution, infos(scene, plan));
         Finishing { size, groups, space, diffraction, wanted: Wanted::default() }
+    }
+
+    /// Splits light by the slide that it crosses: paths tell of it from this bit on.
+    pub fn tell_slides_apart(&mut self, scene: &Scene, bit: u32) {
+        for (index, group) in self.groups.iter_mut().enumerate() {
+            group.slides = Some(slides::by_slide(scene, GroupId::from_index(index), bit));
+        }
     }
 
     /// The picture layers of films. Errors: NaN or infinite light, which is never coloured over.
@@ -133,7 +142,13 @@ mod tests {
     #[test]
     fn light_is_told_from_data() {
         let channel = |name: &str| Channel { name: name.to_owned(), data: Vec::new().into() };
-        let aov = Aov { name: "mine".into(), lpe: "C".into(), shares: vec!["mine_led".into()], part: Some(0) };
+        let aov = Aov {
+            name: "mine".into(),
+            lpe: "C".into(),
+            shares: vec!["mine_led".into()],
+            part: Some(0),
+            slides: Vec::new(),
+        };
         let wanted = Wanted { aovs: vec![aov], ..Wanted::default() };
         for name in [
             "R",

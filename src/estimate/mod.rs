@@ -30,6 +30,7 @@ pub mod run;
 pub mod scatter_event;
 pub mod sensor;
 pub mod shard;
+pub mod slides; // scenes with several
 pub mod specular_event;
 pub mod splitting;
 pub mod throughput;

@@ -3,6 +3,7 @@
 use super::data::{Data, SeenLooks, SeenPixels};
 use super::finishing::Finishing;
 use super::run::{Films, Outcome, Stop};
+use super::slides;
 use crate::base::colour::ColourSpace;
 use crate::base::{Error, Result, Where};
 use crate::film::cryptomatte::Matte;
@@ -42,10 +43,8 @@ pub(super) fn infos(scene: &Scene, plan: &Plan) -> Vec<GroupInfo> {
         .zip(tints)
         .map(|(group, tint)| GroupInfo {
             name: group.name.clone(),
-            contrast: match scene.slides.as_slice() {
-                [slide] => Some(slide.contrast),
-                [] | [_, _, ..] => None,
-            },
+            contrast: slides::common_contrast(scene),
+            slides: None,
             tint,
         })
         .collect()
@@ -128,8 +127,8 @@ pub fn add_meta(frame: &mut Frame, scene: &Scene, plan: &Plan, outcome: &Outcome
     put("wavelengths", text(&scene.wavelengths));
     put("pupilDiameter_m", Meta::Number(scene.eye.pupil_diameter_m));
     put("eye", text(&scene.eye));
-    if let [slide] = scene.slides.as_slice() {
-        put("contrast", Meta::Number(slide.contrast));
+    if let Some(contrast) = slides::common_contrast(scene) {
+        put("contrast", Meta::Number(contrast));
     }
     add_sums(frame, &outcome.films, outcome.stop, splits);
 }
@@ -211,15 +210,15 @@ pub fn plan_lines(scene: &Scene, plan: &Plan) -> Vec<String> {
     lines
 }
 
-/// Every layer that a picture with these groups may have.
-pub fn possible_layers(groups: &[Group]) -> BTreeSet<String> {
-    names::possible(groups.iter().map(|group| group.name.as_str()))
+/// Every layer that a picture with these groups may have, and with these slides if there are several.
+pub fn possible_layers(groups: &[Group], slides: &[String]) -> BTreeSet<String> {
+    names::possible(groups.iter().map(|group| group.name.as_str()), slides)
 }
 
 /// Checks the names of layers that are asked for, before anything is traced. Errors: a layer that no picture of this
 /// scene can have, with the nearest one.
-pub fn check_layers(layers: &[String], groups: &[Group]) -> Result<()> {
-    let possible = possible_layers(groups);
+pub fn check_layers(layers: &[String], groups: &[Group], slides: &[String]) -> Result<()> {
+    let possible = possible_layers(groups, slides);
     match layers.iter().find(|layer| !possible.contains(*layer)) {
         None => Ok(()),
         Some(layer) => Err(Error::new(Where::Option("--layers".to_owned()), format!("there is no layer `{layer}`"))

@@ -32,8 +32,8 @@ const SYNONYMS: [(&str, &str); 13] = [
 ];
 
 /// What of `wishes` can be had, and a warning for each that cannot; light path expressions are `aov`'s.
-pub fn granted(wishes: &[RequestedLayer], groups: &[Group]) -> (Vec<Named>, Vec<Note>) {
-    let possible = possible_layers(groups);
+pub fn granted(wishes: &[RequestedLayer], (groups, slides): (&[Group], &[String])) -> (Vec<Named>, Vec<Note>) {
+    let possible = possible_layers(groups, slides);
     let (mut all, mut notes) = (Vec::<Named>::new(), Vec::new());
     for wish in wishes.iter().filter(|wish| !wish.expression) {
         let source: String = wish.source.chars().filter(|c| !c.is_whitespace()).collect();
@@ -112,7 +112,7 @@ mod tests {
             wish("forward_sun", false, "x"),
             wish("depth", false, "far"),
         ];
-        let (named, notes) = granted(&wishes, &groups);
+        let (named, notes) = granted(&wishes, (&groups, &[]));
         let pairs: Vec<_> = named.iter().map(|n| (n.layer.as_str(), n.name.as_str())).collect();
         assert_eq!(
             pairs,

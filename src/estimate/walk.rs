@@ -320,7 +320,7 @@ impl<'w, M: Mode> Walker<'w, M> {
                 self.cross(vertex, slide, &s);
                 self.absorb(part, before - self.beam.carried(), ledger);
                 self.trail = self.trail.then(Event::Specular);
-                self.tell(Letter::TransmitStraight);
+                self.tell(world.slide_letter(*index));
                 self.link(vertex, Step::Through);
                 self.pass_through(vertex);
                 self.roulette(ledger)

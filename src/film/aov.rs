@@ -19,6 +19,9 @@ pub struct Aov {
     /// It parts classes: its bit in [`PlaneKey::takes`](super::accumulate::PlaneKey::takes).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub part: Option<u32>,
+    /// Of several slides, what each is called: its shares come for each of them, too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub slides: Vec<String>,
 }
 
 /// What the names of layers that come with a share end with.
@@ -26,13 +29,19 @@ pub const OF_SHARE: [&str; 6] = ["", "_open", "_content", "_cross", "_cross2", "
 /// The same for a layer of one's own.
 const OF_LAYER: [&str; 3] = ["", "_stderr", "_variance"];
 
+/// The layers that come with a share for each of several slides.
+pub fn layers_by_slide<'s>(share: &'s str, slides: &'s [String]) -> impl Iterator<Item = String> + 's {
+    slides.iter().flat_map(move |slide| OF_SHARE[1..].iter().map(move |suffix| format!("{share}_{slide}{suffix}")))
+}
+
 impl Aov {
     /// The names of all layers that it may write.
     pub fn layers(&self) -> impl Iterator<Item = String> + '_ {
         let own: &[&str] = if self.part.is_some() { &OF_LAYER } else { &OF_LAYER[..1] };
         let shares = if self.part.is_some() { self.shares.as_slice() } else { &[] };
         let of_shares = shares.iter().flat_map(|share| OF_SHARE.map(|suffix| format!("{share}{suffix}")));
-        own.iter().map(|suffix| format!("{}{suffix}", self.name)).chain(of_shares)
+        let of_slides = shares.iter().flat_map(|share| layers_by_slide(share, &self.slides));
+        own.iter().map(|suffix| format!("{}{suffix}", self.name)).chain(of_shares).chain(of_slides)
     }
 
     /// The light group of each of its shares, where it parts classes; none of others.
@@ -118,7 +127,7 @@ mod tests {
             }
         }
         let shares = ["direct_a", "direct_b", "direct_dark", "caustic_a"].map(str::to_owned).to_vec();
-        let aov = Aov { name: "mine".into(), lpe: "C.*".into(), shares, part: None };
+        let aov = Aov { name: "mine".into(), lpe: "C.*".into(), shares, part: None, slides: Vec::new() };
         // Half a step above 1 is lost twice, not added up first.
         assert_eq!(aov.picture(&frame), [vec![1.0], vec![1.0], vec![1.0]]);
         let (channels, (key, said)) = aov.written(&frame);

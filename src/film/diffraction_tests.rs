@@ -222,7 +222,8 @@ fn layers_of_a_spread_picture_add_up() {
     film.splat(index(13, 8, 24), 1, 0, &[open]);
     (0..24 * 16).for_each(|pixel| film.splat(pixel, 0, 0, &[Light::ONE.scaled(0.3)]));
     film.passes = 1;
-    let groups = ["led", "sky"].map(|name| GroupInfo { name: name.into(), contrast: Some(300.0), tint: [1.0; 3] });
+    let groups =
+        ["led", "sky"].map(|name| GroupInfo { name: name.into(), contrast: Some(300.0), slides: None, tint: [1.0; 3] });
     let full = Pupil::full(4e-3);
     let lit = Pupil::Lit(vec![(1.0, Aperture::of(&square(0.4e-3, [0.0; 2])).unwrap())]);
     let of =

@@ -1,6 +1,7 @@
 //! From films to a frame: means, layers per group, the contrast split, `hybrid`, standard errors.
 
 mod maker;
+pub mod slides;
 
 use super::accumulate::{Components, Film, Light, PlaneKey, Together};
 use super::aov::Aov;
@@ -12,21 +13,25 @@ use super::sharpness::Applied;
 use crate::base::colour::ColourSpace;
 use crate::base::ids::GroupId;
 use maker::{Channels, Maker};
+use slides::{BySlide, Crossed};
 use std::collections::BTreeMap;
 
 /// What the frame's maker knows of a light group.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct GroupInfo {
     pub name: String,
-    /// Contrast C of the slide that the group's light crosses, if its layers are to be split into `open` and `content`.
-    #[serde(with = "contrast")]
+    /// Contrast C of the slide that the group's light crosses, or of all slides where they are alike, if its layers are to be split into `open` and `content`.
+    #[serde(with = "optional_contrast")]
     pub contrast: Option<f64>,
+    /// How its light is told apart by slides, in a scene that has several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slides: Option<BySlide>,
     /// Linear Rec.709 of a unit of the group's luminance, where films hold luminance alone.
     pub tint: [f64; 3],
 }
 
 /// JSON has no infinity, and a contrast may be infinite.
-mod contrast {
+mod optional_contrast {
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -137,6 +142,9 @@ pub struct Split {
     /// The layer, or the name of a layer by light path expression.
     pub layer: String,
     pub group: String,
+    /// Of several, the one that this is about.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slide: Option<String>,
     pub written: bool,
     pub because: String,
 }
@@ -212,6 +220,8 @@ pub fn finish_through(
         for (group, plane) in own {
             let info = &groups[group.index()];
             let stored = out.group(layer.name(), info, &plane);
+            let own = |key: &PlaneKey| (key.layer, key.group) == (layer, group);
+            out.by_slide(layer.name(), info, &plane, &|crossed| crossing(&planes, pixels, (group, info), crossed, own));
             out.group_errors(films, (layer, group), info);
             sum.add(&stored);
         }
@@ -222,13 +232,19 @@ pub fn finish_through(
     for (aov, bit) in aovs.iter().filter_map(|aov| Some((aov, aov.part?))) {
         let taken = Together::Taken(bit);
         for (group, plane) in by_group(&planes, pixels, |key| taken.has(key)) {
-            out.group(&aov.name, &groups[group.index()], &plane);
+            let info = &groups[group.index()];
+            out.group(&aov.name, info, &plane);
+            let own = |key: &PlaneKey| taken.has(key) && key.group == group;
+            out.by_slide(&aov.name, info, &plane, &|crossed| crossing(&planes, pixels, (group, info), crossed, own));
         }
         out.errors(films, taken, &aov.name);
     }
     out.rgb("hybrid", hybrid.clone());
     out.rgb("", hybrid);
     out.stderr(films, pixels);
+    if let Some(by) = groups.iter().find_map(|group| group.slides.as_ref()) {
+        out.frame.meta.insert(slides::KEY.to_owned(), by.listed());
+    }
     let invalid = out.frame.channels.iter().filter_map(first_invalid).collect();
     Finished { frame: out.frame, splits: out.splits, invalid, applied }
 }
@@ -247,6 +263,18 @@ fn by_group<'p, 'f>(
     }
     groups.retain(|_, sum| sum.is_lit());
     groups
+}
+
+/// The light of a group, among the planes of these keys, that crosses slides so.
+fn crossing<'p, 'f>(
+    planes: &'p BTreeMap<PlaneKey, Plane<'f>>,
+    pixels: usize,
+    (group, info): (GroupId, &GroupInfo),
+    crossed: Crossed,
+    has: impl Fn(&PlaneKey) -> bool,
+) -> Option<Sum<'p, 'f>> {
+    let by = info.slides.as_ref()?;
+    by_group(planes, pixels, |key| has(key) && by.crossed(key.takes) == crossed).remove(&group)
 }
 
 /// The mean light of a pixel in a plane: luminance times the group's tint, or what the film holds.

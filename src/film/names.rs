@@ -20,6 +20,8 @@ const OF_SHARE: [(&str, &str); 12] = [
     ("_content_variance", "of the slide's content, as a variance"),
     ("_covariance", "as the covariance of its parts"),
 ];
+/// The first so many come for each of several slides, too.
+const SPLIT: usize = 5;
 /// Layers that hold data of their own.
 const DATA: [&str; 9] = ["Z", "normal", "position", "albedo", "id", "normal_geometric", "uv", "opacity", "motion"];
 
@@ -40,18 +42,21 @@ pub struct Clash {
     pub causes: [String; 2],
 }
 
-/// The layers that a picture with these light groups may have.
-pub fn possible<'g>(groups: impl Iterator<Item = &'g str> + Clone) -> BTreeSet<String> {
-    of_groups(groups).0.into_keys().collect()
+/// The layers that a picture with these light groups may have, and these slides if there are several.
+pub fn possible<'g>(groups: impl Iterator<Item = &'g str> + Clone, slides: &[String]) -> BTreeSet<String> {
+    of_groups(groups, slides).0.into_keys().collect()
 }
 
 /// A name that two of them have.
-pub fn clash<'g>(groups: impl Iterator<Item = &'g str> + Clone) -> Option<Clash> {
-    of_groups(groups).1
+pub fn clash<'g>(groups: impl Iterator<Item = &'g str> + Clone, slides: &[String]) -> Option<Clash> {
+    of_groups(groups, slides).1
 }
 
 /// All of them, each with what it is, and the first name that two have.
-fn of_groups<'g>(groups: impl Iterator<Item = &'g str> + Clone) -> (BTreeMap<String, String>, Option<Clash>) {
+fn of_groups<'g>(
+    groups: impl Iterator<Item = &'g str> + Clone,
+    slides: &[String],
+) -> (BTreeMap<String, String>, Option<Clash>) {
     let mut all = BTreeMap::<String, String>::new();
     let mut clash = None;
     let mut add = |layer: String, cause: String| {
@@ -83,6 +88,12 @@ fn of_groups<'g>(groups: impl Iterator<Item = &'g str> + Clone) -> (BTreeMap<Str
             for (suffix, what) in OF_SHARE {
                 add(format!("{share}{suffix}"), format!("the light of group `{group}`, {what}"));
             }
+            for slide in slides {
+                for (suffix, what) in &OF_SHARE[..SPLIT] {
+                    let cause = format!("the light of group `{group}` through `{slide}`, {what}");
+                    add(format!("{share}_{slide}{suffix}"), cause);
+                }
+            }
         }
     }
     (all, clash)
@@ -102,12 +113,12 @@ mod tests {
             (&["a", "a_open_stderr"], "direct_a_open_stderr"),
             (&["a_open", "a"], "direct_a_open"),
         ] {
-            let found = clash(groups.iter().copied()).unwrap_or_else(|| panic!("{groups:?} clash"));
+            let found = clash(groups.iter().copied(), &[]).unwrap_or_else(|| panic!("{groups:?} clash"));
             assert_eq!(found.layer, layer, "{groups:?}");
             assert_ne!(found.causes[0], found.causes[1], "{groups:?}");
         }
         for sound in [&["led", "sky"][..], &["open"], &["led_opened", "led"], &["LED_open", "led"], &["direct"]] {
-            assert_eq!(clash(sound.iter().copied()), None, "{sound:?}");
+            assert_eq!(clash(sound.iter().copied(), &[]), None, "{sound:?}");
         }
     }
 }

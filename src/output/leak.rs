@@ -1,5 +1,6 @@
 //! Light that a dark slide lets through, and whether an adapted eye sees it.
 
+use super::contrasts::Contrasts;
 use super::field::Field;
 use super::light_shares::{Rendering, luminance_of};
 use super::luminance::Luminance;
@@ -52,9 +53,18 @@ pub fn modulated(rendering: &Rendering) -> Result<String, Vec<String>> {
     let weigh = Luminance::in_frame(rendering.frame);
     let mut weights: Vec<(f64, &str)> = Vec::new();
     for share in &rendering.shares {
-        let Some(split) = &share.split else { continue };
-        let (open, content) = (weigh.image(split.open), weigh.image(split.content));
-        let weight: f64 = open.iter().zip(&content).map(|(open, content)| (open - content).abs()).sum();
+        if !share.is_split() {
+            continue;
+        }
+        let weight: f64 = share
+            .split
+            .iter()
+            .chain(share.by_slide.iter().map(|(_, split)| split))
+            .map(|split| {
+                let (open, content) = (weigh.image(split.open), weigh.image(split.content));
+                open.iter().zip(&content).map(|(open, content)| (open - content).abs()).sum::<f64>()
+            })
+            .sum();
         match weights.iter_mut().find(|(_, group)| *group == share.group) {
             Some((sum, _)) => *sum += weight,
             None => weights.push((weight, share.group.as_str())),
@@ -69,14 +79,25 @@ pub fn modulated(rendering: &Rendering) -> Result<String, Vec<String>> {
     }
 }
 
-/// open/C of these groups' shares that the slide modulates, cd/m² of luminance per pixel.
-pub fn leak_luminance(rendering: &Rendering, groups: &[String], contrast: f64) -> Vec<f64> {
+/// open/C of these groups' shares that slides modulate, cd/m² of luminance per pixel: for the contrasts that are asked for, or
+/// that were rendered.
+pub fn leak_luminance(rendering: &Rendering, groups: &[String], contrasts: &Contrasts) -> Vec<f64> {
     let pixels = rendering.frame.width * rendering.frame.height;
+    let weigh = Luminance::in_frame(rendering.frame);
     let mut sum = vec![0.0; pixels];
-    for share in rendering.shares.iter().filter(|share| share.split.is_some() && groups.contains(&share.group)) {
-        // The share with the slide open is the share for C = 1.
-        let open = luminance_of(share, Some(1.0), &Luminance::in_frame(rendering.frame), pixels);
-        sum.iter_mut().zip(open).for_each(|(sum, open)| *sum += open / contrast);
+    let mut add =
+        |open: Vec<f64>, contrast: f64| sum.iter_mut().zip(open).for_each(|(sum, open)| *sum += open / contrast);
+    for share in rendering.shares.iter().filter(|share| groups.contains(&share.group)) {
+        if share.by_slide.is_empty() && share.split.is_some() {
+            // The share with the slide open is the share for C = 1.
+            let open = luminance_of(share, &Contrasts::of_all(rendering, 1.0), &weigh, pixels);
+            add(open, contrasts.all().or(rendering.contrast).unwrap_or(f64::INFINITY));
+        }
+        for (slide, split) in &share.by_slide {
+            let rendered = || rendering.slides.get(*slide).map(|slide| slide.contrast);
+            let contrast = contrasts.each().nth(*slide).or_else(rendered).unwrap_or(f64::INFINITY);
+            add(weigh.image(split.open).to_vec(), contrast);
+        }
     }
     sum
 }

@@ -2,10 +2,12 @@
 //! slide's contrast and its standard error. Names and formulas: `docs/layers.md`.
 
 use super::compare::is_data;
+use super::contrasts::Contrasts;
 use super::luminance::Luminance;
 use crate::base::error::{Error, Result, Where};
 use crate::film::aov;
 use crate::film::cryptomatte::Matte;
+use crate::film::finish::slides::{self, SlideInfo};
 use crate::film::frame::Frame;
 use crate::film::layer::Layer;
 use crate::film::names;
@@ -46,6 +48,10 @@ pub struct Share<'f> {
     pub split: Option<Split<'f>>,
     /// Why the split was refused.
     pub refused: Option<String>,
+    /// Of several slides, by number: the light that crosses it and no other.
+    pub by_slide: Vec<(usize, Split<'f>)>,
+    /// Those, by name, whose split was refused, and why.
+    pub refused_by_slide: Vec<(String, String)>,
     /// One-sigma standard error of its luminance.
     pub error: Option<&'f [f32]>,
 }
@@ -59,8 +65,10 @@ pub struct Rendering<'f> {
     pub shares: Vec<Share<'f>>,
     /// Those of layers by light path expression: their light is in `shares`, too.
     pub taken: Vec<Share<'f>>,
-    /// Contrast of the only slide.
+    /// Contrast of the only slide, or of several that have the same.
     pub contrast: Option<f64>,
+    /// If there are several, those slides.
+    pub slides: Vec<SlideInfo>,
 }
 
 /// Reads the list of light groups that a frame's header has.
@@ -83,6 +91,7 @@ impl<'f> Rendering<'f> {
         check_data(frame)?;
         let mut groups = groups_of(frame)?;
         let contrast = frame.number("contrast");
+        let slides = slides_of(frame)?;
         let splits = refusals(frame);
         let share = |layer: &str, group: &str| -> Result<Option<Share<'f>>> {
             let name = format!("{layer}_{group}");
@@ -91,13 +100,16 @@ impl<'f> Rendering<'f> {
             if let (Some(split), Some(contrast)) = (&split, contrast) {
                 split.check(&name, contrast, picture, tolerance(frame))?;
             }
-            let refused = |(of, by, _): &&(String, String, String)| of == layer && by == group;
+            let own = || splits.iter().filter(|refusal| refusal.layer == layer && refusal.group == group);
+            let named = |slide: &SlideInfo| Split::of(frame, &format!("{name}_{}", slide.name));
             Ok(Some(Share {
                 layer: layer.to_owned(),
                 group: group.to_owned(),
                 picture,
                 split,
-                refused: splits.iter().find(refused).map(|(_, _, because)| because.clone()),
+                refused: own().find(|own| own.slide.is_none()).map(|own| own.because.clone()),
+                by_slide: slides.iter().enumerate().filter_map(|(k, slide)| Some((k, named(slide)?))).collect(),
+                refused_by_slide: own().filter_map(|own| Some((own.slide.clone()?, own.because.clone()))).collect(),
                 error: grey(frame, &format!("{name}_stderr")),
                 name,
             }))
@@ -119,9 +131,11 @@ impl<'f> Rendering<'f> {
             let (group, name) = (PLATE.to_owned(), PLATE.to_owned());
             groups.push(group.clone());
             let layer = PLATE.to_owned();
-            shares.push(Share { layer, group, name, picture, split: None, refused: None, error: None });
+            let (by_slide, refused_by_slide) = (Vec::new(), Vec::new());
+            let (split, refused, error) = (None, None, None);
+            shares.push(Share { layer, group, name, picture, split, refused, by_slide, refused_by_slide, error });
         }
-        let rendering = Rendering { frame, groups, shares, taken, contrast };
+        let rendering = Rendering { frame, groups, shares, taken, contrast, slides };
         rendering.check_sums()?;
         Ok(rendering)
     }
@@ -159,6 +173,23 @@ impl<'f> Rendering<'f> {
         }
         Ok(())
     }
+}
+
+impl<'f> Share<'f> {
+    /// The split by one of several slides.
+    pub fn of_slide(&self, slide: usize) -> Option<&Split<'f>> {
+        self.by_slide.iter().find(|(own, _)| *own == slide).map(|(_, split)| split)
+    }
+}
+
+/// The slides that a header lists, if there are several. Errors: a list that cannot be read.
+fn slides_of(frame: &Frame) -> Result<Vec<SlideInfo>> {
+    let Some(json) = frame.text(slides::KEY) else { return Ok(Vec::new()) };
+    let read = serde_json::from_str::<Vec<SlideInfo>>(json).ok();
+    read.filter(|slides| slides.iter().all(|slide| slide.contrast >= 1.0)).ok_or_else(|| {
+        Error::new(Where::Nowhere, "the header's list of slides (`eyebox.slides`) cannot be read")
+            .expected("a name, a part and a contrast of 1 or more of each")
+    })
 }
 
 impl<'f> Split<'f> {
@@ -220,23 +251,28 @@ fn grey<'f>(frame: &'f Frame, layer: &str) -> Option<&'f [f32]> {
     frame.rgb(layer).map(|[first, _, _]| first)
 }
 
-/// (layer, group, reason) of splits that were refused.
-fn refusals(frame: &Frame) -> Vec<(String, String, String)> {
-    #[derive(serde::Deserialize)]
-    struct Record {
-        layer: String,
-        group: String,
-        written: bool,
-        because: String,
-    }
+/// A split that was refused, and why.
+#[derive(serde::Deserialize)]
+struct Record {
+    layer: String,
+    group: String,
+    slide: Option<String>,
+    written: bool,
+    because: String,
+}
+
+fn refusals(frame: &Frame) -> Vec<Record> {
     let records: Vec<Record> =
         frame.text("splits").and_then(|json| serde_json::from_str(json).ok()).unwrap_or_default();
     // What was written once and is not there any more was left out.
-    let gone = |record: &Record| frame.rgb(&format!("{}_{}_open", record.layer, record.group)).is_none();
+    let gone = |record: &Record| {
+        let slide = record.slide.as_ref().map(|slide| format!("_{slide}")).unwrap_or_default();
+        frame.rgb(&format!("{}_{}{slide}_open", record.layer, record.group)).is_none()
+    };
     let because =
         |record: &Record| if record.written { "its layers were left out".to_owned() } else { record.because.clone() };
     let refused = records.into_iter().filter(|record| !record.written || gone(record));
-    refused.map(|record| (record.layer.clone(), record.group.clone(), because(&record))).collect()
+    refused.map(|record| Record { because: because(&record), ..record }).collect()
 }
 
 /// Channels fill the frame and hold finite values.
@@ -288,11 +324,8 @@ fn adds_up<'f>(sum: Picture<'f>, terms: impl Iterator<Item = Picture<'f>>, toler
     })
 }
 
-/// The luminance of a share for a contrast, as it was rendered if none is given, pixel by pixel, cd/m².
-pub fn luminance_of(share: &Share, contrast: Option<f64>, weigh: &Luminance, pixels: usize) -> Vec<f64> {
-    let value = |channel: usize, pixel: usize| match (&share.split, contrast) {
-        (Some(split), Some(contrast)) => split.value(contrast, channel, pixel),
-        (_, _) => share.picture[channel].get(pixel).map_or(0.0, |value| f64::from(*value)),
-    };
-    (0..pixels).map(|pixel| weigh.of([0, 1, 2].map(|channel| value(channel, pixel)))).collect()
+/// The luminance of a share for other contrasts, pixel by pixel, cd/m².
+pub fn luminance_of(share: &Share, contrasts: &Contrasts, weigh: &Luminance, pixels: usize) -> Vec<f64> {
+    let value = |pixel: usize| [0, 1, 2].map(|channel| share.value(contrasts, channel, pixel));
+    (0..pixels).map(|pixel| weigh.of(value(pixel))).collect()
 }

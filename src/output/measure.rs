@@ -8,6 +8,7 @@ mod likeness;
 mod points;
 
 use super::average::{Image, Uncertain, pixels_are_independent, weighted};
+use super::contrasts::Contrasts;
 use super::field::Field;
 use super::leak::modulated;
 use super::light_shares::Rendering;
@@ -161,14 +162,11 @@ impl<'f> Measurer<'f> {
     fn image(&self, takes: &dyn Fn(&str) -> bool, contrast: Option<f64>) -> Image {
         let pixels = self.all.values.len();
         let (mut values, mut variances) = (vec![0.0; pixels], Some(vec![0.0; pixels]));
+        let contrasts = Contrasts::new(&self.rendering, contrast, &[]);
         for share in self.rendering.shares.iter().filter(|share| takes(&share.group)) {
-            let light = super::light_shares::luminance_of(share, contrast, &self.weigh, pixels);
+            let light = super::light_shares::luminance_of(share, &contrasts, &self.weigh, pixels);
             values.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
-            let at = |pixel: usize| match (&share.split, contrast) {
-                (Some(split), Some(contrast)) => split.variance(contrast, pixel),
-                (_, _) => Some(share.error?.get(pixel).map_or(0.0, |e| f64::from(*e).powi(2))),
-            };
-            let own: Option<Vec<f64>> = (0..pixels).map(at).collect();
+            let own: Option<Vec<f64>> = (0..pixels).map(|pixel| share.variance(&contrasts, pixel)).collect();
             // A plate has no noise.
             if share.layer == super::light_shares::PLATE {
                 continue;

@@ -1,9 +1,11 @@
 //! One rendering, recombined: gains per light group, another contrast of the slide, standard errors carried along.
 //! `docs/mix.md` has the formulas.
 
+use super::contrasts::Contrasts;
 use super::light_shares::{PLATE, Rendering, Share};
 use crate::base::error::{Error, Result, Where};
 use crate::film::aov;
+use crate::film::finish::slides::{self, SlideInfo};
 use crate::film::frame::{Frame, Meta, split_name};
 use crate::film::layer::Layer;
 use crate::film::variance;
@@ -11,14 +13,19 @@ use crate::film::variance;
 /// What the header's entries about layers of `render --chain` begin with, and the path table that comes with them.
 const CHAIN: &str = "chain.";
 const PATHS: &str = "paths";
+/// What the names of the layers of a split end with, and those of its errors.
+const OF_SPLIT: [&str; 5] = ["_open", "_content", "_cross", "_cross2", "_cross3"];
+const OF_ERRORS: [&str; 3] = ["_open_stderr", "_content_stderr", "_covariance"];
 
 /// What is to be changed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recipe {
     /// Factors of light groups; a group that is named twice gets both.
     pub gains: Vec<(String, f64)>,
-    /// T_white/T_black of the slide, 1 to ∞; as it was rendered if none.
+    /// T_white/T_black of the slide, 1 to ∞, or of all of several; as it was rendered if none.
     pub contrast: Option<f64>,
+    /// That of single slides among several, by name.
+    pub slides: Vec<(String, f64)>,
 }
 
 /// How the standard errors of the mixed frame are known.
@@ -34,6 +41,8 @@ pub enum Errors {
     AtMost,
     /// The file doesn't hold what they need: `stderr` was left out.
     Unknown,
+    /// No file holds those of the light of one slide among several: `stderr` was left out.
+    UnknownOfSlide,
     /// The frame had none.
     Absent,
     /// The frame's passes are too few to tell any (one of rays from the eye): it stays unknown, NaN.
@@ -48,6 +57,9 @@ impl Errors {
             Errors::FromShares => "stderr from the errors of the shares",
             Errors::AtMost => "stderr is an upper bound; render with --stderr layers for a closer one",
             Errors::Unknown => "stderr left out: for another contrast it needs a frame rendered with --stderr layers",
+            Errors::UnknownOfSlide => {
+                "stderr left out: frames do not hold the errors of the light of one slide among several"
+            }
             Errors::Absent => "no stderr, as in the frame",
             Errors::Untold => "stderr is unknown, as in the frame: its passes are too few to tell it",
         }
@@ -71,6 +83,9 @@ pub struct Record {
     pub gains: Vec<(String, f64)>,
     /// Before and after; infinite is null.
     pub contrast: Option<[f64; 2]>,
+    /// The same of each slide among several that was changed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub slides: Vec<(String, [f64; 2])>,
     pub plate: Option<String>,
     pub solved: Option<super::solve::Solved>,
     pub errors: Errors,
@@ -96,24 +111,63 @@ impl Recipe {
                 return Err(Error::new(at(), format!("{gain} is no gain")).expected("0 or more, finite"));
             }
         }
-        let Some(contrast) = self.contrast else { return Ok(()) };
-        let at = || Where::Option(format!("--contrast {contrast}"));
-        if contrast.is_nan() || contrast < 1.0 {
-            return Err(Error::new(at(), format!("{contrast} is no contrast")).expected("1 or more; `inf` is allowed"));
-        }
-        let Some(rendered) = rendering.contrast else {
-            return Err(Error::new(at(), "the frame has no slide whose contrast could be changed")
-                .expected("a scene with one slide"));
-        };
-        let refused =
-            rendering.shares.iter().chain(&rendering.taken).find_map(|share| Some((share, share.refused.as_ref()?)));
-        match refused {
-            Some((share, because)) if contrast != rendered => {
-                Err(Error::new(at(), format!("`{}` is not split by contrast: {because}", share.name))
-                    .expected(format!("`{}_open` and `{}_content` in the frame", share.name, share.name)))
+        self.check_contrasts(rendering)
+    }
+
+    /// What the contrasts of the slides become.
+    pub fn contrasts(&self, rendering: &Rendering) -> Contrasts {
+        Contrasts::new(rendering, self.contrast, &self.slides)
+    }
+
+    fn check_contrasts(&self, rendering: &Rendering) -> Result<()> {
+        let all = self.contrast.map(|contrast| (format!("--contrast {contrast}"), contrast));
+        let single = self.slides.iter().map(|(slide, contrast)| (format!("--contrast {slide}={contrast}"), *contrast));
+        for (option, contrast) in all.iter().cloned().chain(single) {
+            if contrast.is_nan() || contrast < 1.0 {
+                return Err(Error::new(Where::Option(option), format!("{contrast} is no contrast"))
+                    .expected("1 or more; `inf` is allowed"));
             }
-            Some(_) | None => Ok(()),
         }
+        let names = || rendering.slides.iter().map(|slide| slide.name.as_str());
+        if let Some((slide, contrast)) = self.slides.iter().find(|(slide, _)| !names().any(|name| name == slide)) {
+            let at = Where::Option(format!("--contrast {slide}={contrast}"));
+            let fault = Error::new(at, format!("the frame names no slide `{slide}`"));
+            return Err(match names().next() {
+                Some(_) => {
+                    fault.expected(format!("one of {}", names().collect::<Vec<_>>().join(", "))).nearest(slide, names())
+                }
+                None => fault.expected("a scene with several slides; of one, --contrast C alone"),
+            });
+        }
+        if let Some((option, _)) = &all
+            && rendering.contrast.is_none()
+            && rendering.slides.is_empty()
+        {
+            return Err(Error::new(
+                Where::Option(option.clone()),
+                "the frame has no slide whose contrast could be changed",
+            )
+            .expected("a scene with a slide"));
+        }
+        let contrasts = self.contrasts(rendering);
+        let changed: Vec<&str> = contrasts.changed().filter_map(|(slide, _)| names().nth(slide)).collect();
+        for share in rendering.shares.iter().chain(&rendering.taken) {
+            let of_slides = || share.refused_by_slide.iter().find(|(slide, _)| changed.contains(&slide.as_str()));
+            let refused = match contrasts.all() {
+                Some(_) => share.refused.as_ref().map(|because| (String::new(), because)),
+                None => of_slides().map(|(slide, because)| (format!("_{slide}"), because)),
+            };
+            let Some((slide, because)) = refused else { continue };
+            let name = &share.name;
+            // One of several is named where it is one.
+            let of = slide.strip_prefix('_').map(|slide| format!(" of `{slide}`")).unwrap_or_default();
+            let option =
+                all.as_ref().filter(|_| self.slides.is_empty() || slide.is_empty()).map(|(option, _)| option.clone());
+            let option = option.unwrap_or_else(|| "--contrast".to_owned());
+            return Err(Error::new(Where::Option(option), format!("`{name}` is not split by contrast{of}: {because}"))
+                .expected(format!("`{name}{slide}_open` and `{name}{slide}_content` in the frame")));
+        }
+        Ok(())
     }
 }
 
@@ -128,38 +182,59 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
     let frame = rendering.frame;
     let pixels = frame.width * frame.height;
     let mut out = frame.clone();
-    let contrast = recipe.contrast.filter(|contrast| Some(*contrast) != rendering.contrast);
+    let contrasts = recipe.contrasts(rendering);
+    // Slides at other contrasts than each other have no picture with all of them open or black.
+    let apart = contrasts.all().is_none() && contrasts.changed().next().is_some();
     let mut changed = Vec::new();
     for share in rendering.shares.iter().chain(&rendering.taken) {
-        let (gain, new_contrast) = (recipe.gain(&share.group), contrast.filter(|_| share.split.is_some()));
-        if gain == 1.0 && new_contrast.is_none() {
+        if apart && share.split.is_some() {
+            let name = &share.name;
+            let errors = OF_ERRORS.map(|suffix| format!("{name}{suffix}"));
+            let together: Vec<String> = OF_SPLIT.iter().map(|suffix| format!("{name}{suffix}")).chain(errors).collect();
+            out.channels.retain(|channel| !together.iter().any(|layer| layer == channel.layer()));
+        }
+        let gain = recipe.gain(&share.group);
+        if gain == 1.0 && !share.follows(&contrasts) {
             continue;
         }
-        let value = |channel: usize, pixel: usize| match (&share.split, new_contrast) {
-            (Some(split), Some(contrast)) => split.value(contrast, channel, pixel),
-            (_, _) => share.picture[channel].get(pixel).map_or(0.0, |value| f64::from(*value)),
-        };
-        let picture: [Vec<f32>; 3] =
-            [0, 1, 2].map(|c| (0..pixels).map(|pixel| (gain * value(c, pixel)) as f32).collect());
+        let value = |channel: usize, pixel: usize| (gain * share.value(&contrasts, channel, pixel)) as f32;
+        let picture: [Vec<f32>; 3] = [0, 1, 2].map(|c| (0..pixels).map(|pixel| value(c, pixel)).collect());
         set_layer(&mut out, &share.name, &picture);
-        for suffix in ["_open", "_content", "_cross", "_cross2", "_cross3", "_open_stderr", "_content_stderr"] {
-            scale_layer(&mut out, &format!("{}{suffix}", share.name), gain);
+        let slides = share.by_slide.iter().filter_map(|(slide, _)| rendering.slides.get(*slide));
+        let slides: Vec<String> = slides.map(|slide| format!("_{}", slide.name)).collect();
+        for suffix in OF_SPLIT {
+            for slide in [""].into_iter().chain(slides.iter().map(String::as_str)) {
+                scale_layer(&mut out, &format!("{}{slide}{suffix}", share.name), gain);
+            }
         }
-        scale_layer(&mut out, &format!("{}_covariance", share.name), gain * gain);
+        let [open, content, covariance] = OF_ERRORS.map(|suffix| format!("{}{suffix}", share.name));
+        [open, content].iter().for_each(|layer| scale_layer(&mut out, layer, gain));
+        scale_layer(&mut out, &covariance, gain * gain);
         changed.push(share.layer.as_str());
     }
     let mut errors = if frame.rgb("stderr").is_some() { Errors::Exact } else { Errors::Absent };
     if !changed.is_empty() {
-        errors = super::mix_errors::carry(rendering, recipe, contrast, &mut out);
+        errors = super::mix_errors::carry(rendering, recipe, &contrasts, &mut out);
         sum_up(&mut out, rendering, &changed);
         aov::refresh(&mut out);
         variance::refresh(&mut out);
     }
+    if apart && errors == Errors::Unknown {
+        errors = Errors::UnknownOfSlide;
+    }
     if frame.rgb("stderr").is_some_and(|[sigma, ..]| sigma.iter().any(|sigma| sigma.is_nan())) {
         errors = Errors::Untold;
     }
-    if let Some(contrast) = contrast {
+    if let Some(contrast) = contrasts.all() {
         out.meta.insert("contrast".to_owned(), Meta::Number(contrast));
+    }
+    if contrasts.changed().next().is_some() {
+        let of = |(slide, contrast): (&SlideInfo, f64)| SlideInfo { contrast, ..slide.clone() };
+        let slides: Vec<SlideInfo> = rendering.slides.iter().zip(contrasts.each()).map(of).collect();
+        out.meta.insert(slides::KEY.to_owned(), Meta::Text(serde_json::to_string(&slides).unwrap_or_default()));
+        if apart {
+            out.meta.remove("contrast");
+        }
     }
     let left_out = if changed.is_empty() { Vec::new() } else { leave_out_chains(&mut out) };
     Ok(Mixed { frame: out, errors, left_out })

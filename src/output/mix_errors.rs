@@ -4,20 +4,20 @@
 //! sum, so the sum of all covariances is known, and for two shares that is the only one. For more it is spread over the
 //! pairs as one correlation ρ = (V − Σσᵢ²)/Σᵢ≠ⱼ σᵢσⱼ: exact for two shares, and where all gains are alike.
 
+use super::contrasts::Contrasts;
 use super::light_shares::{PLATE, Rendering, Share, not_negative};
 use super::mix::{Errors, Recipe, is_lit, set_layer};
 use crate::film::frame::Frame;
 use crate::film::layer::Layer;
 
-/// Sets the errors in `out`, the frame with the new light; removes those that cannot be known. `contrast`: the new one,
-/// if it changes.
-pub fn carry(rendering: &Rendering, recipe: &Recipe, contrast: Option<f64>, out: &mut Frame) -> Errors {
+/// Sets the errors in `out`, the frame with the new light; removes those that cannot be known.
+pub fn carry(rendering: &Rendering, recipe: &Recipe, contrasts: &Contrasts, out: &mut Frame) -> Errors {
     let frame = rendering.frame;
     let pixels = frame.width * frame.height;
     let lit: Vec<&Share> = rendering.shares.iter().filter(|share| share.layer != PLATE && is_lit(share)).collect();
     for share in &rendering.shares {
         let name = format!("{}_stderr", share.name);
-        match Terms::of(share, recipe, contrast) {
+        match Terms::of(share, recipe, contrasts) {
             Some(terms) => {
                 let sigma = (0..pixels).map(|pixel| terms.after(pixel) as f32).collect();
                 set_layer(out, &name, &same(sigma));
@@ -27,37 +27,37 @@ pub fn carry(rendering: &Rendering, recipe: &Recipe, contrast: Option<f64>, out:
     }
     for layer in Layer::SUM_ORDER.map(Layer::name) {
         let own: Vec<&Share> = lit.iter().copied().filter(|share| share.layer == layer).collect();
-        sum(frame, recipe, contrast, &own, &format!("{layer}_stderr"), out);
+        sum(frame, recipe, contrasts, &own, &format!("{layer}_stderr"), out);
     }
     let mut aovs: Vec<&str> = rendering.taken.iter().map(|share| share.layer.as_str()).collect();
     aovs.dedup();
     for aov in aovs {
         let own: Vec<&Share> = rendering.taken.iter().filter(|share| share.layer == aov && is_lit(share)).collect();
-        sum(frame, recipe, contrast, &own, &format!("{aov}_stderr"), out);
+        sum(frame, recipe, contrasts, &own, &format!("{aov}_stderr"), out);
     }
-    sum(frame, recipe, contrast, &lit, "stderr", out)
+    sum(frame, recipe, contrasts, &lit, "stderr", out)
 }
 
 /// The errors of a sum of shares, whose rendered ones are the layer `name`.
 fn sum(
     frame: &Frame,
     recipe: &Recipe,
-    contrast: Option<f64>,
+    contrasts: &Contrasts,
     shares: &[&Share],
     name: &str,
     out: &mut Frame,
 ) -> Errors {
     let Some([stored, ..]) = frame.rgb(name) else { return Errors::Absent };
-    let new_contrast = |share: &Share| contrast.is_some() && share.split.is_some();
+    let new_contrast = |share: &Share| share.follows(contrasts);
     let gains: Vec<f64> = shares.iter().map(|share| recipe.gain(&share.group)).collect();
     let [first, ..] = gains.as_slice() else { return Errors::Exact };
     let alike = gains.iter().all(|gain| gain == first) && !shares.iter().any(|share| new_contrast(share));
-    let terms: Option<Vec<Terms>> = shares.iter().map(|share| Terms::of(share, recipe, contrast)).collect();
+    let terms: Option<Vec<Terms>> = shares.iter().map(|share| Terms::of(share, recipe, contrasts)).collect();
     let (sigma, errors): (Vec<f32>, Errors) = if alike {
         (stored.iter().map(|sigma| (f64::from(*sigma) * first) as f32).collect(), Errors::Exact)
     } else if let Some(terms) = terms {
         let at = |(pixel, sigma): (usize, &f32)| combined(f64::from(*sigma).powi(2), &terms, pixel).sqrt() as f32;
-        let exact = terms.len() <= 2 && contrast.is_none();
+        let exact = terms.len() <= 2 && !shares.iter().any(|share| new_contrast(share));
         (stored.iter().enumerate().map(at).collect(), if exact { Errors::Exact } else { Errors::FromShares })
     } else if !shares.iter().any(|share| new_contrast(share)) {
         let largest = |pixel: usize| {
@@ -98,18 +98,14 @@ struct Terms<'s, 'f> {
     share: &'s Share<'f>,
     before: &'f [f32],
     gain: f64,
-    /// The new one, if it changes this share.
-    contrast: Option<f64>,
+    contrasts: &'s Contrasts,
 }
 
 impl<'s, 'f> Terms<'s, 'f> {
     /// None if the frame doesn't hold them.
-    fn of(share: &'s Share<'f>, recipe: &Recipe, contrast: Option<f64>) -> Option<Self> {
-        let contrast = contrast.filter(|_| share.split.is_some());
-        if contrast.is_some() && share.split.as_ref().is_none_or(|split| split.errors.is_none()) {
-            return None;
-        }
-        Some(Terms { share, before: share.error?, gain: recipe.gain(&share.group), contrast })
+    fn of(share: &'s Share<'f>, recipe: &Recipe, contrasts: &'s Contrasts) -> Option<Self> {
+        share.variance(contrasts, 0)?;
+        Some(Terms { share, before: share.error?, gain: recipe.gain(&share.group), contrasts })
     }
 
     fn before(&self, pixel: usize) -> f64 {
@@ -117,9 +113,10 @@ impl<'s, 'f> Terms<'s, 'f> {
     }
 
     fn after(&self, pixel: usize) -> f64 {
-        let split = self.share.split.as_ref();
-        let variance = self.contrast.and_then(|contrast| split?.variance(contrast, pixel));
-        self.gain * variance.map_or(self.before(pixel), f64::sqrt)
+        if !self.share.follows(self.contrasts) {
+            return self.gain * self.before(pixel);
+        }
+        self.gain * self.share.variance(self.contrasts, pixel).map_or(self.before(pixel), f64::sqrt)
     }
 }
 

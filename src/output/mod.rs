@@ -5,6 +5,7 @@ pub mod average;
 pub mod canvas;
 pub mod compare;
 pub mod contact_sheet;
+pub mod contrasts;
 pub mod exr;
 pub mod false_colour;
 pub mod field;

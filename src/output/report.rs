@@ -7,6 +7,7 @@ mod html;
 mod paths;
 mod planes;
 
+use super::contrasts::Contrasts;
 use super::exr::COLOR_INTEROP_ID;
 use super::false_colour;
 use super::light_shares::{Picture, Rendering, luminance_of};
@@ -54,7 +55,11 @@ impl<'f> Shares<'f> {
         };
         let (weigh, pixels) = (Luminance::in_frame(frame), frame.width * frame.height);
         let mean = |values: Vec<f64>| values.iter().sum::<f64>() / pixels.max(1) as f64;
-        let means = rendering.shares.iter().map(|share| mean(luminance_of(share, None, &weigh, pixels))).collect();
+        let means = rendering
+            .shares
+            .iter()
+            .map(|share| mean(luminance_of(share, &Contrasts::default(), &weigh, pixels)))
+            .collect();
         Shares { rendering: Some(rendering), means, fault: None }
     }
 }

@@ -168,18 +168,18 @@ fn measured(rendering: &Rendering, recipe: &Recipe, groups: &[String]) -> Result
     let frame = rendering.frame;
     let pixels = frame.width * frame.height;
     let weigh = Luminance::in_frame(frame);
+    let contrasts = recipe.contrasts(rendering);
     let (mut own, mut other) = (vec![0.0; pixels], vec![0.0; pixels]);
     for share in &rendering.shares {
         let to = if groups.contains(&share.group) { &mut own } else { &mut other };
         let gain = recipe.gain(&share.group);
-        let light = luminance_of(share, recipe.contrast, &weigh, pixels);
+        let light = luminance_of(share, &contrasts, &weigh, pixels);
         to.iter_mut().zip(light).for_each(|(sum, light)| *sum += gain * light);
     }
-    let contrast = recipe.contrast.or(rendering.contrast).unwrap_or(f64::INFINITY);
     let mut leak = vec![0.0; pixels];
     for group in groups {
         let gain = recipe.gain(group);
-        let light = leak_luminance(rendering, std::slice::from_ref(group), contrast);
+        let light = leak_luminance(rendering, std::slice::from_ref(group), &contrasts);
         leak.iter_mut().zip(light).for_each(|(sum, light)| *sum += gain * light);
     }
     let lit = lit_pixels(&own);

@@ -4,6 +4,7 @@ use super::light_shares::{PLATE, Rendering, groups_of};
 use super::mix::set_layer;
 use crate::base::error::{Error, Result, Where};
 use crate::film::aov;
+use crate::film::finish::slides;
 use crate::film::frame::{Frame, Meta};
 use crate::film::layer::Layer;
 use crate::film::variance;
@@ -45,7 +46,8 @@ fn join_aovs(sum: &mut Frame, other: &Frame) {
             continue;
         };
         for share in &its.shares {
-            let layers = aov::OF_SHARE.map(|suffix| format!("{share}{suffix}"));
+            let own_layers = aov::OF_SHARE.iter().map(|suffix| format!("{share}{suffix}"));
+            let layers: Vec<String> = own_layers.chain(aov::layers_by_slide(share, &its.slides)).collect();
             let is_new = sum.rgb(share).is_none();
             let channels = other.channels.iter().filter(|c| is_new && layers.iter().any(|layer| layer == c.layer()));
             sum.channels.extend(channels.cloned());
@@ -79,6 +81,7 @@ fn comparable(first: &Frame, other: &Frame, number: usize) -> Result<()> {
         (WHITE_LUMINANCE, "the white"),
         ("eye", "the eye"),
         ("contrast", "the contrast"),
+        (slides::KEY, "the slides"),
     ] {
         // A frame without slide light says no contrast, and goes with any.
         let (Some(own), Some(its)) = (first.meta.get(key), other.meta.get(key)) else { continue };
@@ -145,8 +148,10 @@ fn add(mut sum: Frame, other: &Frame, number: usize) -> Result<Frame> {
     };
     let splits: Vec<Value> = list(&sum).into_iter().chain(list(other)).collect();
     sum.meta.insert("splits".to_owned(), Meta::Text(Value::from(splits).to_string()));
-    if let Some(contrast) = other.meta.get("contrast") {
-        sum.meta.entry("contrast".to_owned()).or_insert_with(|| contrast.clone());
+    for key in ["contrast", slides::KEY] {
+        if let Some(said) = other.meta.get(key) {
+            sum.meta.entry(key.to_owned()).or_insert_with(|| said.clone());
+        }
     }
     Ok(sum)
 }

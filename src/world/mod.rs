@@ -34,7 +34,7 @@ pub mod tint;
 pub mod web;
 
 use crate::base::Result;
-use crate::base::lpe::Product;
+use crate::base::lpe::{Letter, MOST_SLIDES, Product};
 use crate::scene::{BeaconForm, Coating, Eye, Medium, Scene};
 use contact::Contacts;
 use eye::EyeLens;
@@ -106,6 +106,12 @@ impl World {
     pub fn indices_at(&self, nm: f64) -> Vec<f64> {
         let index = |medium: &Option<Medium>| medium.as_ref().map_or(1.0, |medium| medium.index.index(nm).re);
         self.media_of_parts.iter().map(index).collect()
+    }
+
+    /// What crossing a slide is to light path expressions: where there are several, these can tell them apart.
+    pub fn slide_letter(&self, slide: usize) -> Letter {
+        let several = (2..=MOST_SLIDES).contains(&self.slides.len());
+        u8::try_from(slide).ok().filter(|_| several).map_or(Letter::TransmitStraight, Letter::CrossSlide)
     }
 
     /// Builds the tables for a scene. Errors: geometry that cannot be traced, a zero-area emitter, an eye inside glass.

@@ -128,7 +128,9 @@ impl Machine {
 /// The event of a path's trail that a letter is; none of a camera or a source.
 pub(super) fn event(letter: Letter) -> Option<Event> {
     match letter {
-        Letter::ReflectSpecular | Letter::TransmitSpecular | Letter::TransmitStraight => Some(Event::Specular),
+        Letter::ReflectSpecular | Letter::TransmitSpecular | Letter::TransmitStraight | Letter::CrossSlide(_) => {
+            Some(Event::Specular)
+        }
         Letter::ReflectGlossy | Letter::TransmitGlossy => Some(Event::Glossy),
         Letter::ReflectDiffuse | Letter::TransmitDiffuse => Some(Event::Diffuse),
         Letter::Camera | Letter::Source(_) => None,

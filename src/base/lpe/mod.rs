@@ -36,11 +36,16 @@ pub enum Letter {
     TransmitStraight,
     TransmitGlossy,
     TransmitDiffuse,
+    /// Through a slide of a scene that has several, by its number: for expressions a straight transmission as any other.
+    CrossSlide(u8),
     Source(Source),
 }
 
+/// Slides that are told apart, most.
+pub const MOST_SLIDES: usize = 8;
+
 impl Letter {
-    pub const ALL: [Letter; 11] = [
+    pub const ALL: [Letter; 11 + MOST_SLIDES] = [
         Letter::Camera,
         Letter::ReflectSpecular,
         Letter::ReflectGlossy,
@@ -49,6 +54,14 @@ impl Letter {
         Letter::TransmitStraight,
         Letter::TransmitGlossy,
         Letter::TransmitDiffuse,
+        Letter::CrossSlide(0),
+        Letter::CrossSlide(1),
+        Letter::CrossSlide(2),
+        Letter::CrossSlide(3),
+        Letter::CrossSlide(4),
+        Letter::CrossSlide(5),
+        Letter::CrossSlide(6),
+        Letter::CrossSlide(7),
         Letter::Source(Source::Face),
         Letter::Source(Source::Light),
         Letter::Source(Source::Sky),
@@ -62,7 +75,7 @@ impl Letter {
             Letter::ReflectGlossy => "<RG>",
             Letter::ReflectDiffuse => "<RD>",
             Letter::TransmitSpecular => "<TS>",
-            Letter::TransmitStraight => "<Ts>",
+            Letter::TransmitStraight | Letter::CrossSlide(_) => "<Ts>",
             Letter::TransmitGlossy => "<TG>",
             Letter::TransmitDiffuse => "<TD>",
             Letter::Source(Source::Face) => "O",
@@ -83,14 +96,18 @@ impl Letter {
         }
     }
 
+    /// Place in [`Letter::ALL`].
+    fn index(self) -> usize {
+        Letter::ALL.iter().position(|letter| *letter == self).unwrap_or(0)
+    }
+
     fn bit(self) -> Set {
-        let index = Letter::ALL.iter().position(|letter| *letter == self).unwrap_or(0);
-        1 << index
+        1 << self.index()
     }
 }
 
 /// Letters, a bit each.
-type Set = u16;
+type Set = u32;
 /// Every letter.
 const EVERY: Set = (1 << Letter::ALL.len()) - 1;
 
@@ -109,6 +126,11 @@ impl Lpe {
     /// Whether it says the name of this light group; all others are alike for it.
     pub fn names(&self, group: &str) -> bool {
         self.root.names(group)
+    }
+
+    /// Takes the paths that cross slide number `only` and no other one, however often; or those that cross none.
+    pub fn crossing(only: Option<u8>) -> Lpe {
+        Lpe { root: parse::Node::crossing(only) }
     }
 
     /// For each class what the expression takes of its paths from the lamps of `group`, among those that the alphabet can

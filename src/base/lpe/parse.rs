@@ -1,6 +1,6 @@
 //! Text → tree. Expressions come from files: lengths and depths are bounded.
 
-use super::{EVERY, Letter, Set, Source};
+use super::{EVERY, Letter, MOST_SLIDES, Set, Source};
 
 /// Most characters of an expression.
 const LONGEST: usize = 4096;
@@ -33,6 +33,20 @@ pub struct Choice {
 }
 
 impl Node {
+    /// See [`Lpe::crossing`](super::Lpe::crossing).
+    pub fn crossing(only: Option<u8>) -> Node {
+        let event = |letters: Set| Node::Event(vec![Choice::letters(letters)]);
+        let any = |letters: Set| Node::Repeat(Box::new(event(letters)), 0, None);
+        let others = EVERY & !(SOURCES | SLIDES | set(&[Letter::Camera]));
+        let mut all = vec![event(set(&[Letter::Camera])), any(others)];
+        if let Some(only) = only {
+            let own = set(&[Letter::CrossSlide(only)]);
+            all.extend([event(own), any(others | own)]);
+        }
+        all.push(event(SOURCES));
+        Node::Sequence(all)
+    }
+
     /// Whether it says the name of this light group.
     pub fn names(&self, group: &str) -> bool {
         match self {
@@ -62,7 +76,9 @@ fn set(letters: &[Letter]) -> Set {
 }
 
 /// The three last of [`Letter::ALL`].
-const SOURCES: Set = 0b111 << 8;
+const SOURCES: Set = 0b111 << (Letter::ALL.len() - 3);
+/// Those before them.
+const SLIDES: Set = ((1 << MOST_SLIDES) - 1) << (Letter::ALL.len() - 3 - MOST_SLIDES);
 
 /// What a single letter of an expression stands for: events of this type, or of this scattering. None: no letter of ours.
 fn meaning(letter: char) -> Option<Set> {
@@ -70,14 +86,14 @@ fn meaning(letter: char) -> Option<Set> {
     Some(match letter {
         'C' | 'E' => set(&[Camera]),
         'R' => set(&[ReflectSpecular, ReflectGlossy, ReflectDiffuse]),
-        'T' => set(&[TransmitSpecular, TransmitStraight, TransmitGlossy, TransmitDiffuse]),
+        'T' => set(&[TransmitSpecular, TransmitStraight, TransmitGlossy, TransmitDiffuse]) | SLIDES,
         // No medium scatters.
         'V' => 0,
         'L' => SOURCES,
         'O' => set(&[Source(self::Source::Face)]),
         'B' => set(&[Source(self::Source::Sky)]),
         'S' => set(&[ReflectSpecular, TransmitSpecular]),
-        's' => set(&[TransmitStraight]),
+        's' => set(&[TransmitStraight]) | SLIDES,
         'G' => set(&[ReflectGlossy, TransmitGlossy]),
         'D' => set(&[ReflectDiffuse, TransmitDiffuse]),
         '.' => EVERY,

@@ -6,7 +6,7 @@
 //! so a path carries one small number, and where it ends or two pieces meet the answer is read from a table.
 
 use super::automaton::{Machine, event};
-use super::{Letter, Lpe, Source};
+use super::{Letter, Lpe, MOST_SLIDES, Source};
 use crate::base::path::{Class, Trail};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
@@ -23,7 +23,7 @@ const MOST_PAIRS: usize = 1 << 21;
 pub struct LpeState(u16);
 
 /// The events between eye and lamp: all letters but the camera and the sources.
-const EVENTS: [Letter; 7] = {
+const EVENTS: [Letter; 7 + MOST_SLIDES] = {
     let [_, events @ .., _, _, _] = Letter::ALL;
     events
 };
@@ -247,21 +247,27 @@ impl Product {
 
 fn moved(moves: &Moves, told: LpeState, letter: Letter) -> LpeState {
     let row = moves.get(usize::from(told.0));
-    let at = EVENTS.iter().position(|event| *event == letter);
-    row.zip(at).map_or(told, |(row, at)| row[at])
+    // Events are the letters after the camera's.
+    row.and_then(|row| row.get(letter.index().checked_sub(1)?)).copied().unwrap_or(told)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn words(length: usize) -> Vec<Vec<Letter>> {
-        (0..EVENTS.len().pow(length as u32))
+    /// What paths of scenes without several slides can do.
+    const PLAIN: [Letter; 7] = {
+        let [events @ .., _, _, _, _, _, _, _, _] = EVENTS;
+        events
+    };
+
+    fn words(letters: &[Letter], length: usize) -> Vec<Vec<Letter>> {
+        (0..letters.len().pow(length as u32))
             .map(|mut code| {
                 (0..length)
                     .map(|_| {
-                        let letter = EVENTS[code % EVENTS.len()];
-                        code /= EVENTS.len();
+                        let letter = letters[code % letters.len()];
+                        code /= letters.len();
                         letter
                     })
                     .collect()
@@ -286,7 +292,7 @@ mod tests {
         let want = cases.map(|(_, text)| regex::Regex::new(text).expect("a sound expression"));
         let both = vec![Source::Face, Source::Sky];
         let groups = [("led", both.clone()), ("sun", both)];
-        let sieve = Product::new(&lpes, &groups, &EVENTS).expect("few cases");
+        let sieve = Product::new(&lpes, &groups, &PLAIN).expect("few cases");
         let symbol = |letter: &Letter| match letter {
             Letter::ReflectSpecular => 'r',
             Letter::ReflectGlossy => 'g',
@@ -295,10 +301,10 @@ mod tests {
             Letter::TransmitStraight => 's',
             Letter::TransmitGlossy => 'n',
             Letter::TransmitDiffuse => 'x',
-            Letter::Camera | Letter::Source(_) => panic!("no event"),
+            Letter::Camera | Letter::CrossSlide(_) | Letter::Source(_) => panic!("no event"),
         };
         let ends = [(0, Source::Face, 'O'), (0, Source::Sky, 'B'), (1, Source::Face, 'o'), (1, Source::Sky, 'b')];
-        for word in (0..=4).flat_map(words) {
+        for word in (0..=4).flat_map(|length| words(&PLAIN, length)) {
             for (group, source, last) in ends {
                 let text: String = word.iter().map(symbol).chain([last]).collect();
                 let matches = |(k, want): (usize, &regex::Regex)| Takes::from(want.is_match(&text)) << k;
@@ -321,5 +327,39 @@ mod tests {
         let lpe = Lpe::parse("C.*<RS>.{14}L").expect("an expression");
         let said = Product::new(&[lpe], &[("led", vec![Source::Face])], &EVENTS).unwrap_err();
         assert!(said.contains("cases"), "{said}");
+    }
+
+    /// Paths through one of several slides, through none and through two are told apart from either end and joined anywhere;
+    /// for other expressions a slide is a straight transmission.
+    #[test]
+    fn slides_are_told_apart() {
+        let slide = Letter::CrossSlide;
+        let letters = [Letter::ReflectDiffuse, Letter::TransmitStraight, slide(0), slide(1), slide(2)];
+        let straight = Lpe::parse("C<.s>+L").unwrap();
+        let crossing = [None, Some(0), Some(1), Some(2)].map(Lpe::crossing);
+        let all: Vec<Lpe> = [straight].into_iter().chain(crossing).collect();
+        let groups = [("led", vec![Source::Face])];
+        let sieve = Product::new(&all, &groups, &letters).expect("few cases");
+        for word in (0..=4).flat_map(|length| words(&letters, length)) {
+            let crossed: BTreeSet<u8> = word
+                .iter()
+                .filter_map(|letter| match letter {
+                    Letter::CrossSlide(slide) => Some(*slide),
+                    _ => None,
+                })
+                .collect();
+            let by_slide = match crossed.len() {
+                0 => 0b10,
+                1 => 0b100 << crossed.first().expect("one"),
+                _ => 0,
+            };
+            let want = Takes::from(!word.is_empty() && !word.contains(&Letter::ReflectDiffuse)) | by_slide;
+            for cut in 0..=word.len() {
+                let eye = word[..cut].iter().fold(sieve.eye(), |told, letter| sieve.after(told, *letter));
+                let lamp = sieve.lamp(0, Source::Face);
+                let lamp = word[cut..].iter().rev().fold(lamp, |told, letter| sieve.before(told, *letter));
+                assert_eq!(sieve.takes(eye, lamp), want, "{word:?} cut at {cut}");
+            }
+        }
     }
 }

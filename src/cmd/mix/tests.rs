@@ -63,9 +63,10 @@ fn usage() {
     ] {
         assert!(parse(bad).is_err(), "{bad:?}");
     }
-    assert_eq!(parse_contrast("300:1"), Ok(300.0));
-    assert_eq!(parse_contrast("inf"), Ok(f64::INFINITY));
-    assert!(parse_contrast("1000:2").unwrap_err().contains("write e.g. 300, 300:1 or inf"));
+    assert_eq!(parse_contrast("300:1"), Ok((None, 300.0)));
+    assert_eq!(parse_contrast("inf"), Ok((None, f64::INFINITY)));
+    assert_eq!(parse_contrast("lcd = 20:1"), Ok((Some("lcd".to_owned()), 20.0)));
+    assert!(parse_contrast("1000:2").unwrap_err().contains("write e.g. 300, 300:1, inf or lcd=300"));
     assert_eq!(parse_gain("a=b=2"), Ok(("a=b".to_owned(), 2.0)));
     let help = MixArgs::augment_args(clap::Command::new("mix")).render_long_help().to_string();
     assert!(help.contains("eyebox mix hud.exr --gain led=0.25 --contrast 1000 -o dim.exr"), "{help}");

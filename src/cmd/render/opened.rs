@@ -4,6 +4,7 @@ use super::Run;
 use crate::base::{Error, Result, Where};
 use crate::check::check;
 use crate::estimate::picture::check_layers;
+use crate::estimate::slides;
 use crate::import::Built;
 use crate::plan::{Asked, Guides};
 use crate::scene::Scene;
@@ -35,7 +36,7 @@ impl Run<'_> {
         self.pool.install(|| args.source.adapt_eye(&mut scene, polarisation, &|| self.is_stopped()))?;
         self.check_crop(scene.eye.resolution)?;
         check(&scene)?;
-        check_layers(&args.layers, &scene.groups)?;
+        check_layers(&args.layers, &scene.groups, &slides::names(&scene))?;
         let world = World::freeze(&scene)?;
         let guides = if args.unguided { Guides::Off } else { Guides::On };
         let asked = Asked { choice: args.estimator.choice(), polarisation: args.polarisation.asked(), guides };

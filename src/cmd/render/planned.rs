@@ -11,6 +11,7 @@ use crate::estimate::finishing::Finishing;
 use crate::estimate::render_vars;
 use crate::estimate::run::{Films, Start};
 use crate::estimate::shard::Head;
+use crate::estimate::slides;
 use crate::film::aov::Aov;
 use crate::film::diffraction::{Diffraction, PRIMARIES_NM};
 use crate::film::guide::ApertureGuide;
@@ -59,8 +60,8 @@ impl Run<'_> {
         let sharpness = Sharpness::new(&pupils, scene.wavelengths.traced_nm(), world.eye.pixel());
         let diffraction = args.diffraction.then(|| spread_by(scene, &checked, world, &pupils));
         let frozen = PlanFile::new(scene, asked, &plan);
-        let (named_layers, ungranted) = render_vars::granted(wishes, &scene.groups);
-        let Granted { aovs, notes: refused, sieve } =
+        let (named_layers, ungranted) = render_vars::granted(wishes, (&scene.groups, &slides::names(scene)));
+        let Granted { aovs, notes: refused, sieve, slides_bit } =
             aov::granted(&args.aovs, (wishes, &named_layers), scene, world, &plan)?;
         let names: Vec<String> =
             named_layers.iter().map(|own| own.name.clone()).chain(aovs.iter().flat_map(Aov::layers)).collect();
@@ -73,6 +74,9 @@ impl Run<'_> {
         // Only now: plan and pilots are those of the whole picture, so that the part has its bits.
         world.eye.crop = args.crop;
         let mut finishing = Finishing::new(scene, &plan, args.color.space(), diffraction);
+        if let Some(bit) = slides_bit {
+            finishing.tell_slides_apart(scene, bit);
+        }
         finishing.wanted = args.wanted(named_layers, aovs);
         let head = args.head(scene, &frozen, finishing);
         let start = self.start_of(behind, &head)?;

@@ -1,5 +1,6 @@
 //! Layers of a frame as they are stored: of light, of a group with its contrast split, of standard errors.
 
+use super::slides::{Crossed, Shows};
 use super::{GroupInfo, Split, Sum};
 use crate::base::ids::GroupId;
 use crate::film::accumulate::{Film, Light, MixError, Together};
@@ -72,14 +73,53 @@ impl Maker {
     pub(super) fn group(&mut self, layer: &str, group: &GroupInfo, plane: &Sum) -> Channels {
         let name = format!("{layer}_{}", group.name);
         if let Some(contrast) = group.contrast {
-            self.split(layer, group, &name, contrast, plane);
+            self.split((layer, group, None), &name, contrast, plane);
         }
         let stored = Channels::of(plane, |light| light.value);
         self.rgb(&name, stored.clone());
         stored
     }
 
-    fn split(&mut self, layer: &str, group: &GroupInfo, name: &str, contrast: f64, plane: &Sum) {
+    /// Adds what tells how a group's light depends on each of several slides: of the light that crosses one of them and no
+    /// other what [`Maker::split`] makes of it. `of`: the part of `whole` that crosses slides so.
+    pub(super) fn by_slide<'p, 'f: 'p>(
+        &mut self,
+        layer: &str,
+        group: &GroupInfo,
+        whole: &Sum<'p, 'f>,
+        of: &dyn Fn(Crossed) -> Option<Sum<'p, 'f>>,
+    ) {
+        let Some(by) = &group.slides else { return };
+        let most =
+            |sum: &Sum| sum.all().fold(0.0f64, |most, light| most.max(light.open().abs().max(light.value.abs())));
+        let several = of(Crossed::Several).map_or(0.0, |sum| most(&sum) / most(whole));
+        for (index, slide) in by.slides.iter().enumerate() {
+            if several > SPLIT_TOLERANCE {
+                let because = match by.shows {
+                    Shows::Several => {
+                        "its lamps show several pictures, or some show none: give each a light group of its own"
+                            .to_owned()
+                    }
+                    Shows::Nothing | Shows::Slide(_) => format!(
+                        "light that crosses two slides, one after the other, makes up to {several:.1e} of the peak with all of them open"
+                    ),
+                };
+                let (layer, group) = (layer.to_owned(), group.name.clone());
+                self.splits.push(Split { layer, group, slide: Some(slide.name.clone()), written: false, because });
+            } else if let Some(own) = of(Crossed::One(index)) {
+                let name = format!("{layer}_{}_{}", group.name, slide.name);
+                self.split((layer, group, Some(&slide.name)), &name, slide.contrast, &own);
+            }
+        }
+    }
+
+    fn split(
+        &mut self,
+        (layer, group, slide): (&str, &GroupInfo, Option<&String>),
+        name: &str,
+        contrast: f64,
+        plane: &Sum,
+    ) {
         // Light that crossed no slide does not depend on the contrast: there is nothing to split.
         if plane.all().all(|l| l.powers[1..].iter().all(|p| *p == 0.0)) {
             return;
@@ -106,7 +146,8 @@ impl Maker {
             let most = Light::DEGREE;
             format!("light that crosses the slide more than {most} times makes up to {share:.1e} of the peak")
         };
-        self.splits.push(Split { layer: layer.to_owned(), group: group.name.clone(), written, because });
+        let (layer, group) = (layer.to_owned(), group.name.clone());
+        self.splits.push(Split { layer, group, slide: slide.cloned(), written, because });
         if !written {
             return;
         }

@@ -4,6 +4,7 @@ use super::points::{nine, uv, window};
 use super::{Measurer, Quantity, ghost, plain, quantity, unmeasured};
 use crate::base::colour::ColourSpace;
 use crate::output::average::{Image, Uncertain, mean};
+use crate::output::contrasts::Contrasts;
 use crate::output::field::Field;
 use crate::output::leak::{Visibility, brightest, leak_luminance};
 use crate::output::solve::lit_pixels;
@@ -25,17 +26,16 @@ impl Measurer<'_> {
     pub fn display(&self, groups: &[String], found: &mut Vec<Quantity>) {
         let frame = self.frame();
         let own = |group: &str| groups.iter().any(|name| name == group);
-        let split = self.rendering.shares.iter().any(|share| own(&share.group) && share.split.is_some());
+        let split = self.rendering.shares.iter().any(|share| own(&share.group) && share.is_split());
         let white = self.image(&own, split.then_some(1.0));
         let picture = self.image(&own, None);
         let background = self.image(&|group| !own(group), None);
         let window = window(&white.values, frame.width);
         let lit = lit_pixels(&picture.values);
         self.nine_points(&white, window, found);
-        let contrast = self.rendering.contrast.unwrap_or(f64::INFINITY);
-        let leak = Image { values: leak_luminance(&self.rendering, groups, contrast), errors: None };
+        let leak = Image { values: leak_luminance(&self.rendering, groups, &Contrasts::default()), errors: None };
         self.contrasts(&[&white, &picture, &background], &leak, &lit, found);
-        self.leak(&leak, groups, contrast, found);
+        self.leak(&leak, groups, found);
         self.ghost(&picture, found);
         self.colour(groups, split, window, found);
         if let (Some([x0, y0, x1, y1]), Some(field)) = (window, Field::of(frame)) {
@@ -116,7 +116,7 @@ impl Measurer<'_> {
         });
     }
 
-    fn leak(&self, leak: &Image, groups: &[String], contrast: f64, found: &mut Vec<Quantity>) {
+    fn leak(&self, leak: &Image, groups: &[String], found: &mut Vec<Quantity>) {
         let [_, _, _, _, (spot_name, spot_unit), (visible, none), ..] = DISPLAY;
         let Some(spot) = brightest(self.frame(), &leak.values) else {
             for (name, unit) in [(spot_name, spot_unit), (visible, none)] {
@@ -138,18 +138,26 @@ impl Measurer<'_> {
             .map(|i| (corner[1] + i / side) * width + corner[0] + i % side)
             .filter(|pixel| *pixel < open.values.len())
             .collect();
-        let sigma = mean(&open, &pixels, self.independent).and_then(|of| of.sigma).map(|sigma| sigma / contrast);
+        // Where slides of several contrasts make it up, only the light of each knows its error, and that is not kept.
+        let contrast = match (self.rendering.contrast, self.rendering.slides.is_empty()) {
+            (Some(contrast), _) => Some(contrast),
+            (None, true) => Some(f64::INFINITY),
+            (None, false) => None,
+        };
+        let sigma = mean(&open, &pixels, self.independent).and_then(|of| Some(of.sigma? / contrast?));
         let of = Uncertain { value: spot.cd_m2, sigma };
         let place = match spot.at_deg {
             Some([x, y]) => format!("at {x:+.2}°, {y:+.2}° (right, up)"),
             None => format!("at pixel {:.1}, {:.1}", spot.at_pixel[0], spot.at_pixel[1]),
         };
+        let each = || self.rendering.slides.iter().map(|slide| format!("{} of `{}`", slide.contrast, slide.name));
+        let said = contrast.map_or_else(|| each().collect::<Vec<_>>().join(", "), |contrast| contrast.to_string());
         let chosen = "the brightest patch: noise makes it too large";
         found.push(quantity(
             spot_name,
             spot_unit,
             of,
-            &format!("{place}, patch of {side} pixels, C = {contrast}; {chosen}"),
+            &format!("{place}, patch of {side} pixels, C = {said}; {chosen}"),
         ));
         let adaptation = self.all.values.iter().sum::<f64>() / self.all.values.len().max(1) as f64;
         let seen = Visibility::of(spot.cd_m2, adaptation);

@@ -56,7 +56,7 @@ fn red<'f>(frame: &'f Frame, layer: &str) -> &'f [f32] {
 }
 
 fn gains(list: &[(&str, f64)]) -> Recipe {
-    Recipe { gains: list.iter().map(|(group, gain)| ((*group).to_owned(), *gain)).collect(), contrast: None }
+    Recipe { gains: list.iter().map(|(group, gain)| ((*group).to_owned(), *gain)).collect(), ..Recipe::default() }
 }
 
 #[test]

@@ -45,14 +45,15 @@ fn contrast_in_closed_form() {
         assert!((found.contrast - contrast).abs() < 1e-9);
         assert_eq!(found.groups, ["led"]);
         // The mixture with that gain has it.
-        let recipe = Recipe { gains: vec![("led".into(), found.gain)], contrast: None };
+        let recipe = Recipe { gains: vec![("led".into(), found.gain)], ..Recipe::default() };
         let mixed = mix(&Rendering::of(&frame).unwrap(), &recipe).unwrap().frame;
         let light = mixed.rgb("").unwrap()[1];
         let (lit, dark) = (f64::from(light[0]), f64::from(light[WIDTH * (HEIGHT - 1)]));
         assert!((lit / dark / contrast - 1.0).abs() < 1e-6, "{lit} over {dark}");
     }
     // A gain that is asked for beside it stays, and the slide's own contrast is the limit.
-    let recipe = Recipe { gains: vec![("led".into(), 4.0), ("sky".into(), 0.5)], contrast: Some(100.0) };
+    let recipe =
+        Recipe { gains: vec![("led".into(), 4.0), ("sky".into(), 0.5)], contrast: Some(100.0), ..Recipe::default() };
     let found = solved(&frame, &recipe, Goal::Contrast(2.0)).unwrap();
     assert!((found.gain / (50.0 / (200.0 - 2.0 * 2.0)) - 1.0).abs() < 1e-6, "{found:?}");
     let fault = solved(&frame, &Recipe::default(), Goal::Contrast(50.5)).unwrap_err().to_string();
@@ -69,7 +70,7 @@ fn the_leak_ends_at_the_threshold() {
     assert!((found.gain / want - 1.0).abs() < 1e-5, "{} {want}", found.gain);
     assert!((found.visibility.factor - 1.0).abs() < 1e-9 && (found.leak_spot_cd_m2 - found.gain).abs() < 1e-4);
     // In the dark the curved part of the threshold decides.
-    let night = Recipe { gains: vec![("sky".into(), 1e-3)], contrast: None };
+    let night = Recipe { gains: vec![("sky".into(), 1e-3)], ..Recipe::default() };
     let found = solved(&frame, &night, Goal::LeakHidden).unwrap();
     let adaptation = 0.1 + 12.75 * found.gain;
     assert!((found.gain / threshold_ferwerda(adaptation) - 1.0).abs() < 1e-5, "{found:?}");
@@ -94,7 +95,7 @@ fn the_group_is_chosen_or_asked_for() {
     bare.channels.retain(|channel| !channel.name.starts_with("forward_led_"));
     let fault = solved(&bare, &Recipe::default(), Goal::LeakHidden).unwrap_err().to_string();
     assert!(fault.contains("no group's light depends on a slide; expected --solve-for GROUP,… of led, sky"), "{fault}");
-    let black = Recipe { gains: vec![("led".into(), 0.0)], contrast: None };
+    let black = Recipe { gains: vec![("led".into(), 0.0)], ..Recipe::default() };
     assert!(solved(&frame, &black, Goal::LeakHidden).unwrap_err().to_string().contains("no light of led"));
 }
 

@@ -11,6 +11,7 @@ use crate::estimate::run::{Films, Limits, Observer, Status, run};
 use crate::film::error_detail::ErrorDetail;
 use crate::film::frame::Frame;
 use crate::output::average::{Image, Uncertain, mean, pixels_are_independent};
+use crate::output::contrasts::Contrasts;
 use crate::output::leak::{modulated, patch_pixels};
 use crate::output::light_shares::{Rendering, luminance_of};
 use crate::output::luminance::Luminance;
@@ -151,23 +152,20 @@ fn display(frame: &Frame) -> Result<Image> {
     let rendering = Rendering::of(frame)?;
     let weigh = Luminance::in_frame(frame);
     let pixels = frame.width * frame.height;
-    let slides = rendering.shares.iter().any(|share| share.split.is_some());
+    let slides = rendering.shares.iter().any(|share| share.is_split());
     let own = match modulated(&rendering) {
         Ok(group) => Some(group),
         // A slide that no light comes through makes a black picture, whatever else shines.
         Err(groups) if groups.is_empty() && slides => return Ok(Image { values: vec![0.0; pixels], errors: None }),
         Err(_) => None,
     };
+    let open = Contrasts::of_all(&rendering, 1.0);
     let mut values = vec![0.0; pixels];
     let mut variances = Some(vec![0.0; pixels]);
     for share in rendering.shares.iter().filter(|share| own.as_ref().is_none_or(|own| *own == share.group)) {
-        let light = luminance_of(share, Some(1.0), &weigh, pixels);
+        let light = luminance_of(share, &open, &weigh, pixels);
         values.iter_mut().zip(light).for_each(|(sum, light)| *sum += light);
-        let variance = |pixel: usize| match &share.split {
-            Some(split) => split.variance(1.0, pixel),
-            None => Some(share.error?.get(pixel).map_or(0.0, |error| f64::from(*error).powi(2))),
-        };
-        let own: Option<Vec<f64>> = (0..pixels).map(variance).collect();
+        let own: Option<Vec<f64>> = (0..pixels).map(|pixel| share.variance(&open, pixel)).collect();
         variances = variances.zip(own).map(|(sum, own)| sum.iter().zip(own).map(|(a, b)| a + b).collect());
     }
     let errors = variances.map(|all: Vec<f64>| all.into_iter().map(f64::sqrt).collect());

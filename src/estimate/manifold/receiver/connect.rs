@@ -59,11 +59,12 @@ pub(super) struct Connector<M: Mode> {
 
 /// What a path does at a face of a chain.
 pub(super) fn letter(world: &World, link: &Link) -> Letter {
-    let straight = matches!(surface(world, link), Some(Surface::Slide(_) | Surface::Sheet(_) | Surface::Splitter(_)));
-    match link.step {
-        Step::Through if straight => Letter::TransmitStraight,
-        Step::Through => Letter::of(Event::Specular, true),
-        Step::Back => Letter::of(Event::Specular, false),
+    let surface = surface(world, link);
+    match (link.step, surface) {
+        (Step::Through, Some(Surface::Slide(slide))) => world.slide_letter(*slide),
+        (Step::Through, Some(Surface::Sheet(_) | Surface::Splitter(_))) => Letter::TransmitStraight,
+        (Step::Through, _) => Letter::of(Event::Specular, true),
+        (Step::Back, _) => Letter::of(Event::Specular, false),
     }
 }
 

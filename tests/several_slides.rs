@@ -1,0 +1,270 @@
+//! Scenes with several slides: the light through each is told apart, and another contrast of one is a new rendering.
+
+use crate::common::*;
+use eyebox::base::colour::ColourSpace;
+use eyebox::base::ids::SlideId;
+use eyebox::check::check;
+use eyebox::estimate::aov::granted;
+use eyebox::estimate::finishing::Finishing;
+use eyebox::estimate::picture::add_meta;
+use eyebox::estimate::run::{Limits, run};
+use eyebox::estimate::slides::names;
+use eyebox::film::error_detail::ErrorDetail;
+use eyebox::film::finish::Split;
+use eyebox::film::frame::Frame;
+use eyebox::film::plan::Estimator;
+use eyebox::output::contrasts::Contrasts;
+use eyebox::output::leak::leak_luminance;
+use eyebox::output::light_shares::Rendering;
+use eyebox::output::mix::{Errors, Recipe, mix};
+use eyebox::plan::{Asked, Choice, plan};
+use eyebox::scene::*;
+use eyebox::world::World;
+use glam::DVec3;
+use std::sync::Arc;
+
+const PASSES: u64 = 32;
+
+fn square(half: f64) -> Mesh {
+    mesh(&[quad(DVec3::ZERO, DVec3::X * half, DVec3::Y * half)])
+}
+
+fn add_slide(s: &mut Scene, name: &str, slide: Slide) -> SlideId {
+    s.slides.push(Slide { name: name.to_owned(), ..slide });
+    SlideId::from_index(s.slides.len() - 1)
+}
+
+/// A lamp behind a slide at each side, of one light group, and a display between them, of its own. All three shine at the eye
+/// and at a wall below, which shines back on them.
+fn three(contrasts: [f64; 3]) -> Scene {
+    let mut s = scene();
+    let (lamps, oled) = (add_group(&mut s, "lamps"), add_group(&mut s, "oled"));
+    s.eye.resolution = [18, 12];
+    s.eye.fov_deg = 30.0;
+    for (name, x, contrast) in [("left", -0.09, contrasts[0]), ("right", 0.09, contrasts[1])] {
+        let picture = Slide { size: [0.08; 2], ..mottled_slide(contrast) };
+        let mut slide = face(Finish::None);
+        slide.slide = Some(add_slide(&mut s, &format!("hud/{name}"), picture));
+        add_part(&mut s, name, square(0.04), DVec3::new(x, 0.0, -0.5), None, vec![slide]);
+        let mut panel = face(Finish::Absorber);
+        panel.emitter = lamp(lamps, 1000.0);
+        add_part(&mut s, "panel", square(0.036), DVec3::new(x, 0.0, -0.51), None, vec![panel]);
+    }
+    let picture = Slide { size: [0.08; 2], ..mottled_slide(contrasts[2]) };
+    let mut display = face(Finish::Absorber);
+    display.emitter = lamp(oled, 400.0);
+    display.slide = Some(add_slide(&mut s, "hud/oled", picture));
+    add_part(&mut s, "oled", square(0.04), DVec3::NEG_Z * 0.5, None, vec![display]);
+    let wall = face(Finish::Lambert { reflectance: 0.6, transmittance: 0.0 });
+    let floor = mesh(&[quad(DVec3::ZERO, DVec3::Z * 0.2, DVec3::X * 0.2)]);
+    add_part(&mut s, "wall", floor, DVec3::new(0.0, -0.06, -0.3), None, vec![wall]);
+    s
+}
+
+/// Two slides one behind the other before a lamp, at these contrasts, evenly grey.
+fn stack(contrasts: [f64; 2], values: [f32; 2]) -> Scene {
+    let mut s = scene();
+    let group = add_group(&mut s, "lamp");
+    for (k, (contrast, value)) in contrasts.into_iter().zip(values).enumerate() {
+        let even = Slide { width: 1, height: 1, pixels: Arc::new(vec![value]), ..mottled_slide(contrast) };
+        let mut slide = face(Finish::None);
+        slide.slide = Some(add_slide(&mut s, ["near", "far"][k], Slide { size: [0.6; 2], ..even }));
+        let at = DVec3::NEG_Z * (0.5 + 0.1 * k as f64);
+        add_part(&mut s, "slide", square(0.3), at, None, vec![slide]);
+    }
+    let mut panel = face(Finish::Absorber);
+    panel.emitter = lamp(group, 1000.0);
+    add_part(&mut s, "panel", square(0.3), DVec3::NEG_Z * 0.7, None, vec![panel]);
+    s
+}
+
+fn rendered(s: &Scene, asked: impl Into<Asked>, seed: u64) -> (Frame, Vec<Split>) {
+    let checked = check(s).expect("the scene is sound");
+    let mut world = World::freeze(s).expect("the scene can be traced");
+    let mut plan = plan(&checked, &world, asked);
+    plan.errors = ErrorDetail::Layers;
+    let told = granted(&[], (&[], &[]), s, &world, &plan).expect("nothing is asked");
+    world.sieve = told.sieve;
+    let limits = Limits { passes: Some(PASSES), ..Limits::default() };
+    let outcome = run(&world, &plan, s.groups.len(), s.eye.resolution, seed, &limits, &mut ());
+    let mut finishing = Finishing::new(s, &plan, ColourSpace::Rec709, None);
+    finishing.tell_slides_apart(s, told.slides_bit.expect("there are several"));
+    let finished = finishing.picture(&outcome.films).expect("finite light");
+    let mut frame = finished.frame;
+    add_meta(&mut frame, s, &plan, &outcome, seed, &finished.splits);
+    (frame, finished.splits)
+}
+
+fn recipe(slides: &[(&str, f64)]) -> Recipe {
+    let slides = slides.iter().map(|(name, contrast)| ((*name).to_owned(), *contrast)).collect();
+    Recipe { slides, ..Recipe::default() }
+}
+
+/// Every slide is changed alone, and all of them, and all but one: the picture is what another seed renders of the scene with
+/// those contrasts, layer by layer. The picture itself has the light of a run that no slide is told in.
+#[test]
+fn another_contrast_of_one_is_a_new_rendering() {
+    for choice in [Choice::Only(Estimator::Backward), Choice::Auto] {
+        let (frame, splits) = rendered(&three([50.0, 20.0, 100.0]), choice, 1);
+        assert!(splits.iter().all(|split| split.written), "{splits:?}");
+        let taken = Rendering::of(&frame).expect("complete");
+        assert_eq!(taken.contrast, None);
+        let names: Vec<&str> = taken.slides.iter().map(|slide| slide.name.as_str()).collect();
+        assert_eq!(names, ["left", "right", "oled"]);
+        let by_slide = |group: &str| -> Vec<usize> {
+            let own = taken.shares.iter().filter(|share| share.group == group);
+            own.flat_map(|share| share.by_slide.iter().map(|(slide, _)| *slide)).collect()
+        };
+        assert!(by_slide("lamps").iter().all(|slide| *slide < 2) && by_slide("lamps").len() >= 4);
+        assert!(by_slide("oled").iter().all(|slide| *slide == 2) && !by_slide("oled").is_empty());
+        let most = if choice == Choice::Auto { 2 } else { 5 };
+        let recipes = [
+            (recipe(&[("left", 2.0)]), [2.0, 20.0, 100.0]),
+            (recipe(&[("right", f64::INFINITY)]), [50.0, f64::INFINITY, 100.0]),
+            (recipe(&[("oled", 1.0)]), [50.0, 20.0, 1.0]),
+            (Recipe { contrast: Some(5.0), ..Recipe::default() }, [5.0; 3]),
+            (Recipe { contrast: Some(5.0), ..recipe(&[("right", 20.0)]) }, [5.0, 20.0, 5.0]),
+        ];
+        // The leak is what each slide lets through where it is dark.
+        let leak = leak_luminance(&taken, &["lamps".to_owned()], &Contrasts::default());
+        let open = |slide: &str| frame.rgb(&format!("direct_lamps_{slide}_open")).expect("told apart")[0];
+        let want = |pixel: usize| f64::from(open("left")[pixel]) / 50.0 + f64::from(open("right")[pixel]) / 20.0;
+        let seen = (0..leak.len()).filter(|pixel| pixel / 18 < 7 && want(*pixel) > 0.0);
+        assert!(seen.clone().count() > 20 && seen.clone().all(|at| (leak[at] / want(at) - 1.0).abs() < 0.05));
+        for (asked, contrasts) in recipes.into_iter().take(most) {
+            let mixed = mix(&taken, &asked).expect("they are told apart");
+            assert_eq!(mixed.errors, Errors::UnknownOfSlide, "{contrasts:?}");
+            let (again, _) = rendered(&three(contrasts), choice, 2);
+            let (worst, bound) = far(&frame, &mixed.frame, &again);
+            assert!(worst < bound, "{contrasts:?}: {worst} {bound}");
+            // A mixture can be mixed again: back.
+            let second = Rendering::of(&mixed.frame).expect("complete");
+            let found: Vec<f64> = second.slides.iter().map(|slide| slide.contrast).collect();
+            assert_eq!(found, contrasts);
+            let back = mix(&second, &recipe(&[("left", 50.0), ("right", 20.0), ("oled", 100.0)]));
+            let back = back.expect("as rendered").frame;
+            let peak = peak(&frame);
+            let (a, b) = (back.rgb("").expect("a picture")[0], frame.rgb("").expect("a picture")[0]);
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 4e-6 * peak), "{contrasts:?}");
+        }
+        // What a wrong mixture looks like.
+        let wrong = mix(&taken, &recipe(&[("left", 2.0)])).expect("told apart").frame;
+        let (worst, bound) = far(&frame, &wrong, &rendered(&three([50.0, 2.0, 100.0]), choice, 2).0);
+        assert!(worst > 3.0 * bound, "{worst} {bound}");
+    }
+}
+
+/// Largest |z| between a mixture of `first` and another rendering, over blocks of pixels of layers and shares, and the bound
+/// that it must keep. What the mixture errs by is not in it: its noise is taken for that of `first`, times √2.
+fn far(first: &Frame, mixed: &Frame, b: &Frame) -> (f64, f64) {
+    let floor = 2e-6 * f64::from(peak(b));
+    let mut z = Vec::new();
+    for layer in
+        ["hybrid", "direct_lamps", "direct_oled", "secondary_lamps", "forward_lamps", "caustic_lamps", "forward_oled"]
+    {
+        let error = if layer == "hybrid" { "stderr".to_owned() } else { format!("{layer}_stderr") };
+        let pixels = |frame: &Frame, errors: &Frame, factor: f64| -> Option<Vec<(f64, f64)>> {
+            let ([value, ..], [sigma, ..]) = (frame.rgb(layer)?, errors.rgb(&error)?);
+            let variance = |sigma: &f32| factor * f64::from(*sigma).powi(2) + 0.5 * floor * floor;
+            Some(value.iter().zip(sigma).map(|(value, sigma)| (f64::from(*value), variance(sigma))).collect())
+        };
+        let (Some(x), Some(y)) = (pixels(mixed, first, 2.0), pixels(b, b, 1.0)) else {
+            assert!(mixed.rgb(layer).is_none() && b.rgb(layer).is_none(), "{layer}");
+            continue;
+        };
+        z.extend(block_z(&x, &y, b.width, 6));
+    }
+    assert!(z.len() >= 3 * 6, "{}", z.len());
+    worst_z(&z, 1e-3)
+}
+
+fn peak(frame: &Frame) -> f32 {
+    frame.rgb("").map_or(0.0, |[red, ..]| red.iter().copied().fold(0.0, f32::max))
+}
+
+/// Telling slides apart changes no light but by rounding.
+#[test]
+fn the_picture_is_the_same() {
+    let s = three([50.0, 20.0, 100.0]);
+    let (told, _) = rendered(&s, Choice::Only(Estimator::Backward), 3);
+    let plain = image(&render(&s, Choice::Only(Estimator::Backward), PASSES, 3).0);
+    let peak = f64::from(peak(&told));
+    let red = told.rgb("").expect("a picture")[0];
+    assert!(red.iter().zip(plain).all(|(a, (b, _))| (f64::from(*a) - b).abs() < 1e-6 * peak));
+}
+
+/// Through two slides in series comes L·T₁·T₂, Tₖ = t·(1/C + s·(1 − 1/C)) each (Beer's law of filters). Slides of one contrast
+/// are changed together; one of them alone is refused, and so are those of different contrasts.
+#[test]
+fn slides_in_series() {
+    let transmittance = |contrast: f64, s: f32| 0.9 * (1.0 / contrast + f64::from(s) * (1.0 - 1.0 / contrast));
+    let through = |contrasts: [f64; 2], values: [f32; 2]| {
+        1000.0 * transmittance(contrasts[0], values[0]) * transmittance(contrasts[1], values[1])
+    };
+    let values = [0.25, 0.5];
+    let near = |frame: &Frame, want: f64| {
+        let red = frame.rgb("").expect("a picture")[0];
+        assert!(red.iter().all(|value| (f64::from(*value) / want - 1.0).abs() < 2e-6), "{} {want}", red[0]);
+    };
+    let (frame, splits) = rendered(&stack([20.0; 2], values), Choice::Only(Estimator::Backward), 1);
+    near(&frame, through([20.0; 2], values));
+    let taken = Rendering::of(&frame).expect("complete");
+    assert_eq!(taken.contrast, Some(20.0));
+    for contrast in [1.0, 3.0, 500.0, f64::INFINITY] {
+        let mixed = mix(&taken, &Recipe { contrast: Some(contrast), ..Recipe::default() }).expect("all alike");
+        near(&mixed.frame, through([contrast; 2], values));
+    }
+    assert!(splits.iter().any(|split| split.slide.is_none() && split.written), "{splits:?}");
+    let alone = mix(&taken, &recipe(&[("far", 3.0)])).unwrap_err().to_string();
+    assert_eq!(
+        alone,
+        "--contrast: `direct_lamp` is not split by contrast of `far`: light that crosses two slides, one after the other, \
+         makes up to 1.0e0 of the peak with all of them open; expected `direct_lamp_far_open` and `direct_lamp_far_content` \
+         in the frame"
+    );
+    let (frame, _) = rendered(&stack([20.0, 30.0], values), Choice::Only(Estimator::Backward), 1);
+    near(&frame, through([20.0, 30.0], values));
+    let taken = Rendering::of(&frame).expect("complete");
+    let all = mix(&taken, &Recipe { contrast: Some(4.0), ..Recipe::default() }).unwrap_err().to_string();
+    assert!(
+        all.starts_with("--contrast 4: `direct_lamp` is not split by contrast of `near`: light that crosses two"),
+        "{all}"
+    );
+}
+
+/// Lamps of one group that show different pictures are told to part; wrong names are faults.
+#[test]
+fn what_cannot_be_told_is_refused() {
+    let mut s = three([50.0, 20.0, 100.0]);
+    let oled = s.parts.iter().position(|part| part.name == "oled").expect("it is there");
+    s.parts[oled].faces[0].emitter = lamp(eyebox::base::ids::GroupId::from_index(0), 400.0);
+    let (frame, _) = rendered(&s, Choice::Only(Estimator::Backward), 1);
+    let taken = Rendering::of(&frame).expect("complete");
+    let fault = |recipe: Recipe| mix(&taken, &recipe).unwrap_err().to_string();
+    let mixed = fault(recipe(&[("oled", 3.0)]));
+    assert!(
+        mixed.contains("its lamps show several pictures, or some show none: give each a light group of its own"),
+        "{mixed}"
+    );
+    let unknown = fault(recipe(&[("olde", 3.0)]));
+    assert_eq!(
+        unknown,
+        "--contrast olde=3: the frame names no slide `olde`; expected one of left, right, oled; did you mean `oled`?"
+    );
+    assert!(fault(recipe(&[("oled", 0.5)])).starts_with("--contrast oled=0.5: 0.5 is no contrast"));
+    assert!(fault(recipe(&[("oled", f64::NAN)])).contains("is no contrast"));
+}
+
+/// Names of slides are those of their parts, apart from each other and from light groups.
+#[test]
+fn slides_have_names_of_their_own() {
+    let mut s = three([50.0, 20.0, 100.0]);
+    s.slides[1].name = "other/left".to_owned();
+    s.slides[2].name = "1st LCD".to_owned();
+    assert_eq!(names(&s), ["left", "left2", "layer_1st_LCD"]);
+    // `direct_lamps_left_open` would be both.
+    s.groups[1].name = "lamps_left".to_owned();
+    assert_eq!(names(&s), ["left2", "left3", "layer_1st_LCD"]);
+    s.slides.truncate(1);
+    assert!(names(&s).is_empty());
+}
