@@ -70,6 +70,8 @@ pub struct Surface {
     pub outline: Option<Outline>,
     /// Radius of the hole in it.
     pub hole: f64,
+    /// Where light ends at it, without this share in the middle.
+    pub dark: Option<(Outline, f64)>,
     pub stop: bool,
 }
 

@@ -124,6 +124,7 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
                     semi_diameter: 0.0,
                     outline: None,
                     hole: 0.0,
+                    dark: None,
                     stop: false,
                 };
                 raws.push(Raw {

@@ -27,6 +27,8 @@ pub(super) enum Kind {
     Mirror,
     /// Light that misses the hole ends here.
     Stop,
+    /// Light that meets it ends here.
+    Dark,
     Image,
 }
 
@@ -88,6 +90,15 @@ pub(super) fn design(prescription: &Prescription, frames: &[DAffine3], path: &Pa
     {
         let hole = stop.surface.semi_diameter;
         maker.sheet(stop, Kind::Stop, (Outline::round(2.0 * hole), 0.5))?;
+    }
+    for at in met.iter().filter(|met| met.index != image.index) {
+        let Some(dark) = at.surface.dark else { continue };
+        if at.glass.is_none() && at.surface.after == After::Air && !touches_glass(&met, at.index) {
+            maker.sheet(at, Kind::Dark, dark)?;
+        } else {
+            let text = "the obscuration of a glass or a mirror is not taken over: nothing stops light there".to_owned();
+            notes.push(Note::info(Where::Line { file: path.to_owned(), line: at.surface.line }, text));
+        }
     }
     if image.surface.semi_diameter > 0.0 {
         maker.sheet(image, Kind::Image, (maker.ends(image.surface)?, 0.0))?;
@@ -215,6 +226,7 @@ impl Maker<'_> {
         let base = match kind {
             Kind::Mirror => format!("M{}", self.parts.iter().filter(|part| part.kind == Kind::Mirror).count() + 1),
             Kind::Stop => "STOP".to_owned(),
+            Kind::Dark => format!("DARK{}", self.parts.iter().filter(|part| part.kind == Kind::Dark).count() + 1),
             Kind::Image => "IMAGE".to_owned(),
             Kind::Glass(_) => "L".to_owned(),
         };

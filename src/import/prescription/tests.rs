@@ -1,5 +1,6 @@
 use super::*;
 use crate::import::{build, toml};
+use profile::Form;
 
 fn made(text: &str) -> Result<Made> {
     let folder = tempfile::tempdir().unwrap();
@@ -144,6 +145,65 @@ fn powers_beside_fringe_terms() {
     }
     let shifted = text.replace("PARM 8 5e-24", "PARM 9 1");
     assert!(super::zmx::read(&shifted, Path::new("x.zmx")).unwrap_err().to_string().contains("beside its own terms"));
+}
+
+/// Extended aspheres are even ones over a norm radius; odd ones without odd powers are such. Others are refused by name.
+#[test]
+fn aspheres_by_other_numbers() {
+    let text = |kind: &str, numbers: &str| SINGLET.replace("EVENASPH", kind).replace("  PARM 2 1e-6\n", numbers);
+    let of = |text: &str| super::zmx::read(text, Path::new("x.zmx")).map(|read| read.surfaces[3].profile.clone());
+    let even = of(&text("EVENASPH", "  PARM 1 1e-4\n  PARM 2 -3e-6\n  PARM 3 2e-9\n")).unwrap();
+    let extended = "  XDAT 1 3\n  XDAT 2 5\n  XDAT 3 2.5e-3\n  XDAT 4 -1.875e-3\n  XDAT 5 3.125e-5\n  XDAT 6 9\n";
+    let odd = "  PARM 2 1e-4\n  PARM 4 -3e-6\n  PARM 6 2e-9\n";
+    for other in [of(&text("XASPHERE", extended)).unwrap(), of(&text("ODDASPHE", odd)).unwrap()] {
+        let (Form::Even(a), Form::Even(b)) = (&even.form, &other.form) else { panic!("{other:?}") };
+        assert!(a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 4e-16 * a.abs()), "{a:?} {b:?}");
+    }
+    let fault = |kind: &str, numbers: &str| of(&text(kind, numbers)).unwrap_err().to_string();
+    assert!(
+        fault("ODDASPHE", "  PARM 3 1e-6\n").contains("an asphere with the power 3 of the radius cannot be traced")
+    );
+    assert!(fault("XASPHERE", "  PARM 1 1\n").contains("XASPHERE with numbers beside its own terms"));
+    assert!(fault("XASPHERE", "  XDAT 1 2\n  XDAT 2 1e-200\n  XDAT 3 1\n  XDAT 4 1\n").contains("are no numbers"));
+    assert_eq!(of(&text("XASPHERE", "  XDAT 1 1e30\n")).unwrap().form, Form::Conic);
+}
+
+/// Obscurations in air are dark sheets, of the size and place that the file says; on glass they are told.
+#[test]
+fn obscurations_are_dark() {
+    const BAFFLE: &str =
+        "SURF 1\n  STOP\n  TYPE STANDARD\n  DISZ 20\n  DIAM 4\nSURF 1\n  TYPE STANDARD\n  DISZ 10\n  DIAM 9\n";
+    let with = |words: &str| {
+        SINGLET.replace("SURF 1\n  STOP\n  TYPE STANDARD\n  DISZ 20\n  DIAM 4\n", &format!("{BAFFLE}{words}"))
+    };
+    for (words, [x, y], inner) in [
+        ("  OBSC 1 2.5 0\n", [[-2.5, 2.5], [-2.5, 2.5]], 1.0),
+        ("  OBSC 0 2.5 0\n", [[-2.5, 2.5], [-2.5, 2.5]], 0.0),
+        ("  SQOB 2 3 0\n  OBDC 1 -1 0\n", [[-1.0, 3.0], [-4.0, 2.0]], 0.0),
+        ("  ELOB 2 3 0\n", [[-2.0, 2.0], [-3.0, 3.0]], 0.0),
+    ] {
+        let made = made(&with(words)).unwrap_or_else(|fault| panic!("{words}: {fault}"));
+        let node = made.assembly.nodes.iter().find(|node| node.name == "DARK1").unwrap();
+        assert!((node.to_world.translation.z - 20.0).abs() < 1e-12);
+        let places = &made.assembly.meshes[node.mesh.unwrap()].mesh.positions;
+        let ends = |axis: usize| {
+            let all = places.iter().map(|place| f64::from(place[axis]));
+            all.fold([f64::MAX, f64::MIN], |[low, high], v| [low.min(v), high.max(v)])
+        };
+        assert_eq!([ends(0), ends(1)], [x, y], "{words}");
+        let least = places.iter().map(|[x, y, _]| f64::from(x.hypot(*y))).fold(f64::MAX, f64::min);
+        assert!(inner == 0.0 || (least - inner).abs() < 1e-6, "{words}: {least}");
+        let sheet = toml::parse(&made.text, Path::new("x.optics.toml")).unwrap();
+        let scene = build(made.assembly, Some(&sheet), &[]).unwrap().scene;
+        let dark = scene.parts.iter().find(|part| part.name == "DARK1").unwrap();
+        assert_eq!(dark.faces[0].finish, crate::scene::Finish::Absorber);
+    }
+    let on_glass = made(&SINGLET.replace("  CURV 0.02\n", "  CURV 0.02\n  OBSC 0 2 0\n")).unwrap();
+    assert!(on_glass.notes.iter().any(|note| format!("{note:?}").contains("the obscuration of a glass or a mirror")));
+    for nothing in ["  OBSC 0 0 0\n", "  OBSC 3 2 0\n", "  SQOB 0 3 0\n"] {
+        assert!(made(&with(nothing)).unwrap().assembly.nodes.iter().all(|node| node.name != "DARK1"));
+    }
+    assert!(made(&with("  OBSC x 2 0\n")).unwrap_err().to_string().contains("is no line of OBSC"));
 }
 
 /// What of a mirror is there: the part of a paraboloid off its axis, a rectangle, a ring; the image is turned by itself.

@@ -10,6 +10,13 @@ use crate::scene::Note;
 use std::path::Path;
 use terms::{fringe, noll, polynomial, rotational, zernike};
 
+#[derive(Clone, Copy, PartialEq)]
+enum Obscuration {
+    Ring,
+    Rectangle,
+    Ellipse,
+}
+
 /// A surface as it is read: its kind and the numbered parameters come before it is known what they mean.
 #[derive(Default)]
 struct Raw {
@@ -26,6 +33,8 @@ struct Raw {
     /// Half sizes of a rectangular or elliptical one.
     half: Option<([f64; 2], bool)>,
     centre: [f64; 2],
+    /// What an obscuration covers: the numbers of OBSC (from and to which radius), or of SQOB and ELOB (half sizes).
+    dark: Option<(Obscuration, [f64; 2])>,
     stop: bool,
     /// Turned and shifted by itself: the line, and the numbers there.
     own_turn: Option<(usize, Vec<f64>)>,
@@ -95,7 +104,10 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
                     "CLAP" | "FLAP" => raw.clear = [need(0)?, need(1)?],
                     "SQAP" | "ELAP" => raw.half = Some(([need(0)?, need(1)?], key == "SQAP")),
                     "OBDC" => raw.centre = [need(0)?, need(1)?],
-                    "OBSC" | "SQOB" | "ELOB" | "SPID" | "USAP" | "USOB" => {
+                    "OBSC" => raw.dark = Some((Obscuration::Ring, [need(0)?, need(1)?])),
+                    "SQOB" => raw.dark = Some((Obscuration::Rectangle, [need(0)?, need(1)?])),
+                    "ELOB" => raw.dark = Some((Obscuration::Ellipse, [need(0)?, need(1)?])),
+                    "SPID" | "USAP" | "USOB" => {
                         let text =
                             format!("the aperture `{}` is not taken over: nothing stops light there", line.trim());
                         out.notes.push(Note::info(at(), text));
@@ -169,6 +181,28 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
             let even = coefficients(&raw.parm, 1);
             if even.is_empty() { Form::Conic } else { Form::Even(even) }
         }
+        // Even powers of the place over the norm radius: number 1 says how many, number 2 the radius.
+        "XASPHERE" => {
+            let norm_radius = Some(of(&raw.xdat, 2)).filter(|radius| *radius > 0.0).unwrap_or(1.0);
+            if raw.parm.iter().any(|(_, value)| *value != 0.0) {
+                return refuse("XASPHERE with numbers beside its own terms cannot be traced".to_owned());
+            }
+            let given = coefficients(&raw.xdat, 3).into_iter().take(of(&raw.xdat, 1) as usize);
+            let even: Vec<f64> = given.zip(1..).map(|(c, i)| c / norm_radius.powi(2 * i)).collect();
+            if even.iter().any(|c| !c.is_finite()) {
+                return refuse(format!("terms over a norm radius of {norm_radius} are no numbers"));
+            }
+            if even.is_empty() { Form::Conic } else { Form::Even(even) }
+        }
+        // Powers 1, 2, 3, … of the radius.
+        "ODDASPHE" => {
+            let given = coefficients(&raw.parm, 1);
+            if let Some(power) = (1..).step_by(2).zip(given.iter().step_by(2)).find(|(_, c)| **c != 0.0) {
+                return refuse(format!("an asphere with the power {} of the radius cannot be traced", power.0));
+            }
+            let even: Vec<f64> = given.into_iter().skip(1).step_by(2).collect();
+            if even.is_empty() { Form::Conic } else { Form::Even(even) }
+        }
         "COORDBRK" => {
             turn = Some(Turn {
                 shift: [parm(1), parm(2), 0.0],
@@ -229,7 +263,15 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
     let semi_diameter = if semi_diameter.is_finite() { semi_diameter.abs() } else { 0.0 };
     // An aperture that is shifted ends the surface where it does, a round one about the axis has room around it.
     let round = if clear > 0.0 { clear } else { semi_diameter };
-    let shifted = (raw.centre != [0.0; 2]).then_some(([round; 2], false));
+    let shifted = (raw.centre != [0.0; 2] && raw.dark.is_none()).then_some(([round; 2], false));
+    let dark = raw.dark.and_then(|(kind, [a, b])| {
+        let (half, inner) = match kind {
+            Obscuration::Ring => ([b; 2], a / b),
+            Obscuration::Rectangle | Obscuration::Ellipse => ([a, b], 0.0),
+        };
+        let outline = Outline { centre: raw.centre, half, corners: kind == Obscuration::Rectangle };
+        (half.iter().all(|half| *half > 0.0) && inner < 1.0).then_some((outline, inner.max(0.0)))
+    });
     let outline = raw.half.or(shifted).filter(|(half, _)| half.iter().all(|half| *half > 0.0));
     Ok(Surface {
         line: raw.line,
@@ -242,6 +284,7 @@ fn surface(raw: Raw, last: bool, path: &Path) -> Result<Surface> {
         semi_diameter,
         outline: outline.map(|(half, corners)| Outline { centre: raw.centre, half, corners }),
         hole: hole.max(0.0),
+        dark,
         stop: raw.stop,
     })
 }

@@ -61,6 +61,7 @@ pub(super) fn spread(raw: Raw, last: bool, out: &mut Vec<Surface>) {
         semi_diameter: 0.0,
         outline: None,
         hole: 0.0,
+        dark: None,
         stop: false,
     };
     let whole = Turn { shift, tilt_deg, ..Turn::default() };
