@@ -22,6 +22,13 @@ pub fn beyond_noise(noise: f64, seen: f64) -> Option<f64> {
     (signal > ROUNDING * seen).then_some(signal)
 }
 
+/// A sum of `freedom` squares of normal deviates as one normal deviate (E. B. Wilson and M. M. Hilferty, "The distribution of
+/// chi-square", Proc. Natl. Acad. Sci. 17, 1931).
+pub fn chi_square_z(sum: f64, freedom: f64) -> f64 {
+    let spread = 2.0 / (9.0 * freedom);
+    ((sum / freedom).cbrt() - (1.0 - spread)) / spread.sqrt()
+}
+
 /// Upper tail probability of the standard normal distribution, P(Z > z).
 ///
 /// Complementary error function by the continued fraction / series split of Abramowitz & Stegun 7.1.5 and 7.1.14;
@@ -166,5 +173,15 @@ mod tests {
         let mut m = Moments::default();
         [1.0, 2.0, 4.0].into_iter().for_each(|x| m.add(x));
         assert!((m.mean - 7.0 / 3.0).abs() < 1e-15 && (m.variance() - 7.0 / 3.0).abs() < 1e-14);
+    }
+
+    /// Quantiles of χ² at 95 % and 99 % (Abramowitz and Stegun, table 26.8) are as rare as 1.6449 and 2.3263 of a normal deviate.
+    #[test]
+    fn chi_square_as_a_normal_deviate() {
+        for (freedom, quantiles) in [(10.0, [18.3070, 23.2093]), (100.0, [124.342, 135.807])] {
+            for (sum, z) in quantiles.into_iter().zip([1.6449, 2.3263]) {
+                assert!((chi_square_z(sum, freedom) - z).abs() < 0.02, "{freedom} {sum}");
+            }
+        }
     }
 }

@@ -33,9 +33,9 @@ pub struct Single {
 /// What is more than [`MOST_SIGMA`] from brute force is asked again, with other random numbers and brute force for so many
 /// times as long: in a hundred scenes some lie there by chance, more where light comes in few bright hits, whose errors are
 /// not normal. A bias that is not small beside the picture's own noise does it again: brute force errs by half as much.
-const LONGER: f64 = 4.0;
+pub(super) const LONGER: f64 = 4.0;
 /// What sets those random numbers apart (any bits would do).
-const AGAIN: u64 = 0x4167_6169_6e21_0000;
+pub(super) const AGAIN: u64 = 0x4167_6169_6e21_0000;
 
 /// What came of one scene.
 #[derive(Debug, Clone, serde::Serialize)]

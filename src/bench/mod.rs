@@ -1,7 +1,9 @@
 //! Floor 6: the program measured. [`stress`] traces scenes at the limits of numbers, whose answers are known; [`curve`]
 //! takes the time that each estimator needs to an error, [`choice`] holds the plan's choice against every choice by hand on
-//! scenes that [`generate`] makes from seeds, and [`stated`] the error that a run states against the one it has.
+//! scenes that [`generate`] makes from seeds, [`agreement`] its pictures of them against plain sampling, and [`stated`] the error
+//! that a run states against the one it has.
 
+pub mod agreement;
 #[cfg(test)]
 mod blur_tests;
 #[cfg(test)]

@@ -21,7 +21,7 @@ With --stress, each case prints the mean luminance of its picture, by how many s
 of the light no fate accounts for, and how many values are no numbers. What is out of limits is a finding.
 
 With --generate, the automatic choice is held against every choice by hand on scenes from seeds; with --error, the error \
-that runs state against the one they have.
+that runs state against the one they have; with --bias, its pictures against plain sampling.
 
 Exit codes: 0 no finding, 1 findings, 2 usage.
 
@@ -31,6 +31,7 @@ Examples:
   eyebox bench hud.optics.toml --estimators auto,forward --reference r1.exr --reference r2.exr
   eyebox bench --generate 0..12 --seconds 2
   eyebox bench --generate 0..14 --families assemblies --seconds 2
+  eyebox bench --generate 0..100 --families all --seconds 1 --bias
   eyebox bench a2.optics.toml --error 0.1 --runs 100 --reference-estimator photon --seconds 60
   eyebox bench --generate 0..7 --error 0.05 --runs 40 --reference-estimator backward --seconds 10
   eyebox bench --stress

@@ -5,6 +5,7 @@ use super::print_text;
 use super::progress::Signals;
 use crate::base::document::document;
 use crate::base::{Error, Result, Where};
+use crate::bench::agreement::{self, Summary};
 use crate::bench::choice::{head, judge, line};
 use crate::bench::curve::asset::Form;
 use crate::bench::curve::race::Budget;
@@ -31,6 +32,10 @@ pub struct ChoiceArgs {
     /// names with commas between them, e.g. `cabin,light-guide`. The family and the seed alone make a scene.
     #[arg(long, value_name = "FAMILIES", default_value = "first", value_parser = Families::from_str, requires = "generate")]
     families: Families,
+    /// Hold the automatic choice's pictures of these scenes against plain sampling instead: the deviates of all blocks and energies
+    /// against normal ones, and what each run's witness says; exit 1 if there is a bias.
+    #[arg(long, requires = "generate", conflicts_with = "error")]
+    bias: bool,
     /// Trace the asset, or the scenes of `--generate`, with many seeds until this relative error is stated, and hold the
     /// true error against it; exit 1 if fewer than nine in ten are true within 1.2 of it, or the references are too rough to
     /// tell.
@@ -69,6 +74,7 @@ pub fn run(args: &ChoiceArgs, curve: &CurveArgs, form: Form) -> Result<Option<Ex
         }
     };
     match (&args.generate, args.error) {
+        (Some(seeds), None) if args.bias => biased(seeds.clone(), &args.families, curve, json).map(Some),
         (Some(seeds), None) => generated(seeds.clone(), &args.families, curve, json).map(Some),
         (_, Some(error)) => stated(error, args, curve, json).map(Some),
         (None, None) => Ok(None),
@@ -99,6 +105,34 @@ fn generated(seeds: Range<u64>, families: &Families, curve: &CurveArgs, json: bo
     }
     let sound = rows.iter().all(|row| row.is_fast() && row.agreement.holds());
     Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!sound)) })
+}
+
+fn biased(seeds: Range<u64>, families: &Families, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
+    let signals = Signals::install();
+    let stop = || signals.caught().is_some();
+    let pool = curve.pool()?;
+    let Budget { seconds, .. } = curve.task()?.budget;
+    if !json {
+        print_text(agreement::head())?;
+    }
+    let mut rows = Vec::new();
+    for seed in seeds {
+        let row = pool.install(|| agreement::agreement(families.of_seed(seed), seed, seconds, &stop))?;
+        if stop() {
+            break;
+        }
+        if !json {
+            print_text(agreement::line(&row))?;
+        }
+        rows.push(row);
+    }
+    let summary = Summary::new(&rows);
+    if json {
+        print_text(document(serde_json::json!({ "agreement": rows, "summary": summary })))?;
+    } else {
+        print_text(agreement::summary(&summary))?;
+    }
+    Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!summary.holds())) })
 }
 
 fn stated(error: f64, args: &ChoiceArgs, curve: &CurveArgs, json: bool) -> Result<ExitCode> {

@@ -125,7 +125,7 @@ impl<'w, M: Mode> Vision<'w, M> {
     /// Cuts the slides' pictures by the footprints of pixels where they have edges, from now on: where all passes have the
     /// same wavelengths.
     pub fn cut_pictures(&mut self, route: &Ownership) {
-        if self.whole && !self.world.slides.is_empty() && !wavelengths_change::<M>() {
+        if self.whole && !self.world.plain && !self.world.slides.is_empty() && !wavelengths_change::<M>() {
             let optics = M::optics(self.world, self.seed, 0);
             self.footprints = Some(PixelFootprints::find(self, route, &optics));
         }

@@ -82,6 +82,8 @@ pub struct World {
     pub wavelength_nm: f64,
     /// The light path expressions that paths are told to, if any was asked for that parts classes.
     pub sieve: Option<Arc<Product>>,
+    /// Rays from the eye leave the pictures of slides to chance: none is cut by a pixel's footprint. To try the others by.
+    pub plain: bool,
     /// A fault that a test plants in the walk, to see that the balances find it.
     #[cfg(test)]
     pub planted: Planted,
@@ -188,6 +190,7 @@ impl World {
             geometry: Arc::new(geometry),
             wavelength_nm,
             sieve: None,
+            plain: false,
             #[cfg(test)]
             planted: Planted::Nothing,
         })
@@ -261,6 +264,7 @@ impl World {
             tints: self.tints.clone(),
             wavelength_nm: self.wavelength_nm,
             sieve: self.sieve.clone(),
+            plain: self.plain,
             #[cfg(test)]
             planted: self.planted,
         })

@@ -112,19 +112,31 @@ impl Blocks {
         self.known && self.small
     }
 
+    /// The deviates of all blocks of a picture of the same size, row by row.
+    pub fn deviates(&self, picture: &Picture) -> Vec<f64> {
+        let light = Light::of(picture);
+        let of = |block: &Vec<usize>| {
+            let (sum, worth) = self.difference(&light, block);
+            worth.sigmas(sum)
+        };
+        self.blocks.iter().map(of).collect()
+    }
+
+    /// The deviate of its light as a whole.
+    pub fn whole(&self, picture: &Picture) -> f64 {
+        let (sum, worth) = self.difference(&Light::of(picture), &self.blocks.concat());
+        worth.sigmas(sum)
+    }
+
     /// What is told of a picture of the same size.
     pub fn deviation(&self, picture: &Picture) -> Deviation {
         let light = Light::of(picture);
         let all = self.blocks.concat();
         let (sum, worth) = self.difference(&light, &all);
-        let sigma_of = |block: &Vec<usize>| {
-            let (sum, worth) = self.difference(&light, block);
-            worth.sigmas(sum)
-        };
         let worse = |worst: f64, z: f64| if z.abs() > worst.abs() || z.is_nan() { z } else { worst };
         Deviation {
             whole: [sum, worth.variance.sqrt()],
-            worst_sigma: self.blocks.iter().map(sigma_of).fold(0.0, worse),
+            worst_sigma: self.deviates(picture).into_iter().fold(0.0, worse),
         }
     }
 
