@@ -8,6 +8,7 @@ use crate::base::path::Event;
 use crate::world::grating::{Grating, diffract};
 use crate::world::mode::{LaneArray, Mode, lanes};
 use crate::world::stokes::{Amount, Turning};
+use crate::world::surface::Surface;
 use glam::DVec3;
 
 /// One way on from a grating.
@@ -19,23 +20,25 @@ struct Way<M: Mode> {
     axis: <M::Amount as Amount>::Axis,
 }
 
+impl<M: Mode> Way<M> {
+    fn step(&self) -> Step {
+        if self.through { Step::Through } else { Step::Back }
+    }
+}
+
 impl<'w, M: Mode> Walker<'w, M> {
     /// Goes on in one order of a grating: the asked one, or one by chance in proportion to what it carries. What no order has is
     /// absorbed. Wavelengths part here.
     pub(super) fn diffract(&mut self, vertex: &Vertex, grating: &Grating, ledger: &mut Ledger) -> Meeting<'w> {
         let asked = self.order.take();
-        if (1..self.beam.count()).any(|lane| self.optics.nm(lane) != self.optics.nm(0)) {
-            let before = self.beam.carried();
-            self.beam.part();
-            ledger.by_chance(self.beam.carried() - before);
-        }
+        self.part_wavelengths(ledger);
         let ways = self.orders(vertex, grating);
         let powers: Vec<f64> = ways.iter().map(|way| self.mean_power(&way.amounts)).collect();
         let total: f64 = powers.iter().sum();
         let before = self.beam.carried();
         let chosen = match asked {
             Some((step, order)) => {
-                let wanted = |way: &Way<M>| (way.through, way.order) == (step == Step::Through, order);
+                let wanted = |way: &Way<M>| (way.step(), way.order) == (step, order);
                 ways.iter().position(wanted).map(|index| (index, 1.0))
             }
             None => {
@@ -65,8 +68,72 @@ impl<'w, M: Mode> Walker<'w, M> {
             ledger.by_chance(self.beam.carried() - (before - lost));
         }
         self.tell(Letter::of(Event::Specular, way.through));
-        self.link_order(vertex, if way.through { Step::Through } else { Step::Back }, way.order);
+        self.link_order(vertex, way.step(), way.order);
         self.go(vertex, way.dir, way.through, ledger)
+    }
+
+    /// Where two orders of a grating or more carry at least `least` of the power each: paths that have gone on in every such
+    /// order, and one in an order by chance among the fainter ones, as seldom as these are faint together. They have the light
+    /// of this path, which has ended. None elsewhere: this path [meets](Walker::meet) the vertex as ever.
+    pub fn split_orders(&mut self, vertex: &Vertex, least: f64, ledger: &mut Ledger) -> Option<Vec<Walker<'w, M>>> {
+        let Surface::Grating(grating) = &self.face(vertex).surface else { return None };
+        if self.events >= Ledger::MOST_EVENTS
+            || self.is_behind(vertex)
+            || self.heal(vertex, ledger) && self.is_outranked(vertex)
+        {
+            return None;
+        }
+        self.part_wavelengths(ledger);
+        let ways = self.orders(vertex, grating).into_iter();
+        let ways = ways.map(|way| (way.step(), way.order, self.mean_power(&way.amounts)));
+        let (strong, faint): (Vec<_>, Vec<_>) =
+            ways.filter(|(.., power)| *power > 0.0).partition(|(.., power)| *power >= least * self.beam.weight());
+        if strong.len() < 2 {
+            return None;
+        }
+        let sum = |ways: &[(Step, i32, f64)]| ways.iter().map(|(.., power)| power).sum::<f64>();
+        let (total, of_faint) = (sum(&strong) + sum(&faint), sum(&faint));
+        let carried = self.beam.carried() / self.beam.weight();
+        self.absorb(vertex.hit.site.part, self.beam.carried() - carried * total, ledger);
+        let mut went = Vec::with_capacity(strong.len() + 1);
+        for (step, order, _) in strong {
+            went.extend(self.in_order(vertex, (step, order), ledger));
+        }
+        let chance = (of_faint / (least * self.beam.weight())).min(1.0);
+        let mut left = self.rng.uniform() * of_faint / chance;
+        let chosen = faint.iter().find(|(.., power)| {
+            left -= power;
+            left < 0.0
+        });
+        let mut followed = 0.0;
+        if let Some((step, order, power)) = chosen
+            && let Some(mut other) = self.in_order(vertex, (*step, *order), ledger)
+        {
+            other.beam.scale(of_faint / (power * chance));
+            followed = other.beam.carried();
+            went.push(other);
+        }
+        ledger.by_chance(followed - carried * of_faint);
+        Some(went)
+    }
+
+    /// A path like this one that has left a grating in this order.
+    fn in_order(&mut self, vertex: &Vertex, order: (Step, i32), ledger: &mut Ledger) -> Option<Walker<'w, M>> {
+        let mut own = self.clone();
+        own.rng = self.rng.fork();
+        own.order = Some(order);
+        match own.meet(vertex, ledger) {
+            Meeting::Went => Some(own),
+            Meeting::Ended | Meeting::Scatter(..) => None,
+        }
+    }
+
+    fn part_wavelengths(&mut self, ledger: &mut Ledger) {
+        if (1..self.beam.count()).any(|lane| self.optics.nm(lane) != self.optics.nm(0)) {
+            let before = self.beam.carried();
+            self.beam.part();
+            ledger.by_chance(self.beam.carried() - before);
+        }
     }
 
     fn mean_power(&self, amounts: &M::Lanes<M::Amount>) -> f64 {

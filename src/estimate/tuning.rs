@@ -53,7 +53,8 @@ pub(super) mod shard {
 }
 
 /// `vision/over_pixel.rs`
-/// - `01a9142` (Pictures that rays from the eye see are cut by the footprint of each pixel over film and pupil)
+/// - `CLOSE`, `MOST_TRAINS`, `PASSES_LOOKED_AT`: HEREHASH
+/// - the others: `01a9142` (Pictures that rays from the eye see are cut by the footprint of each pixel over film and pupil)
 pub(super) mod over_pixel {
     /// Where in a pixel, from its middle, and in the pupil, in radii, the five paths start by which all of both is known: the
     /// corners of a simplex,
@@ -64,8 +65,11 @@ pub(super) mod over_pixel {
         [-0.4, -0.4, 0.55, -0.2],
         [0.0, 0.0, 0.0, 0.6],
     ];
-    /// or so many pixels aside, where one of them sees less.
-    pub const ASIDE: [[f64; 2]; 5] = [[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+    /// or of one of so much of its size about a corner, where others see less: by so many trains of faces at most.
+    pub const CLOSE: f64 = 0.2;
+    pub const MOST_TRAINS: usize = 8;
+    /// Where wavelengths change edges are looked for at those of so many passes, a power of two.
+    pub const PASSES_LOOKED_AT: u64 = 4;
     /// Blocks of so many by so many pixels, and so much more, are looked at for edges of pictures.
     pub const BLOCK: usize = 2;
     pub const WIDER: f64 = 1.1;
@@ -100,6 +104,7 @@ pub(super) mod over_pixel {
 ///   for)
 /// - `LARGE`: `a605e5f` (Sound shards are told apart from wrong ones by passes that know their error)
 /// - `MOST_GLINTS`: `262b087` (What a fresh reader found in the glints)
+/// - `WORTH`: HEREHASH
 pub(super) mod vision {
     /// Paths per pixel and pass, and those about each image of a lamp in the pixel.
     pub const PATHS: u64 = 4;
@@ -113,6 +118,8 @@ pub(super) mod vision {
     pub const MOST_GLINTS: usize = 32;
     /// A path is split where both ways on carry at least this share of what it started with; else chance decides.
     pub const SPLIT_FROM: f64 = 1.0 / 256.0;
+    /// Roulette asks of long paths below this share.
+    pub const WORTH: f64 = 1.0 / 16.0;
 }
 
 /// `walk.rs`

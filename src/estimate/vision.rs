@@ -14,7 +14,8 @@ use super::emitter_hit::EmitterHit;
 use super::ledger::Ledger;
 use super::ownership::Ownership;
 use super::pixel::Pixel;
-use super::tuning::vision::{PATHS, PATHS_OF_A_GLINT, SPLIT_FROM};
+use super::tuning::over_pixel::PASSES_LOOKED_AT;
+use super::tuning::vision::{PATHS, PATHS_OF_A_GLINT, SPLIT_FROM, WORTH};
 use super::walk::{Meeting, Met as Ahead, Travel, Vertex, Walker};
 use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
@@ -95,6 +96,17 @@ struct Met {
     faces: Vec<((u32, u32), DVec3)>,
 }
 
+impl Met {
+    /// To be called for a path that has gone on from a specular face.
+    fn pass<M: Mode>(&mut self, walker: &Walker<'_, M>, vertex: &Vertex) {
+        let site = vertex.hit.site;
+        self.faces.push(((site.part, site.face), vertex.hit.point));
+        if let Surface::Slide(slide) = walker.face(vertex).surface {
+            self.many |= self.slides.try_push((slide, vertex.hit.local)).is_err();
+        }
+    }
+}
+
 /// What specular connection leaves to rays from the eye.
 struct Unknown {
     /// What it does not leave.
@@ -122,11 +134,11 @@ impl<'w, M: Mode> Vision<'w, M> {
         })
     }
 
-    /// Cuts the slides' pictures by the footprints of pixels where they have edges, from now on: where all passes have the
-    /// same wavelengths.
+    /// Cuts the slides' pictures by the footprints of pixels where they have edges, from now on.
     pub fn cut_pictures(&mut self, route: &Ownership) {
-        if self.whole && !self.world.plain && !self.world.slides.is_empty() && !wavelengths_change::<M>() {
-            let optics = M::optics(self.world, self.seed, 0);
+        if self.whole && !self.world.plain && !self.world.slides.is_empty() {
+            let passes = if wavelengths_change::<M>() { PASSES_LOOKED_AT } else { 1 };
+            let optics: Vec<Optics<M>> = (0..passes).map(|pass| M::optics(self.world, self.seed, pass)).collect();
             self.footprints = Some(PixelFootprints::find(self, route, &optics));
         }
     }
@@ -149,7 +161,14 @@ impl<'w, M: Mode> Vision<'w, M> {
         }
         let glints = self.glints.get(&pixel.index).map_or(&[][..], Vec::as_slice);
         let footprints = self.footprints.as_ref().filter(|_| glints.is_empty());
-        let over = footprints.map_or(&[][..], |footprints| footprints.of(pixel.index));
+        let known = footprints.map_or(&[][..], |footprints| footprints.of(pixel.index));
+        let at_these_wavelengths;
+        let over = if wavelengths_change::<M>() && !known.is_empty() {
+            at_these_wavelengths = self.footprints_at((route, optics), pixel, &mut ledger.work);
+            &at_these_wavelengths[..]
+        } else {
+            known
+        };
         self.add_mean((optics, over), (pixel, share), out, ledger);
         let eye = &self.world.eye;
         let cell = eye.pixel().iter().product::<f64>();
@@ -234,7 +253,9 @@ impl<'w, M: Mode> Vision<'w, M> {
         let (film, pupil) = (eye.film_of(pixel.x, pixel.y, jitter), eye.pupil_radius_m() * pupil);
         let (origin, (_, dir), ..) = eye.ray_of(film, pupil);
         let ray = Ray { origin, dir, from: None };
-        let walker = Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng);
+        let mut walker = Walker::new((self.world, optics), Travel::FromEye, ray, weight, Interior::default(), rng);
+        // What a long train of faces shows, as through a light guide, is not left to chance while it is much of the light.
+        walker.worth = WORTH;
         (walker, (film, pupil))
     }
 
@@ -282,10 +303,20 @@ impl<'w, M: Mode> Vision<'w, M> {
             }
             // Without the slides' factors, so that pictures at two contrasts share every path.
             let share = walker.beam.weight();
-            if share > least
-                && let Some(mut reflected) = walker.split(&vertex, least / share, u8::MAX, ledger)
-            {
-                self.follow(route, &mut reflected, (places, least, met.clone()), ledger, each);
+            if share > least {
+                let orders = walker.split_orders(&vertex, least / share, ledger);
+                let ended = orders.is_some();
+                let reflected = if ended { None } else { walker.split(&vertex, least / share, u8::MAX, ledger) };
+                for mut branch in orders.into_iter().flatten().chain(reflected) {
+                    let mut met = met.clone();
+                    if let Some(met) = &mut met {
+                        met.pass(&branch, &vertex);
+                    }
+                    self.follow(route, &mut branch, (places, least, met), ledger, each);
+                }
+                if ended {
+                    return;
+                }
             }
             walker.last = None;
             match walker.meet(&vertex, ledger) {
@@ -299,11 +330,7 @@ impl<'w, M: Mode> Vision<'w, M> {
             if let Some(met) = &mut met
                 && walker.last.is_some()
             {
-                let site = vertex.hit.site;
-                met.faces.push(((site.part, site.face), vertex.hit.point));
-                if let Surface::Slide(slide) = walker.face(&vertex).surface {
-                    met.many |= met.slides.try_push((slide, vertex.hit.local)).is_err();
-                }
+                met.pass(walker, &vertex);
             }
         }
     }

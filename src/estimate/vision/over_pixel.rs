@@ -10,16 +10,18 @@ mod sight;
 use super::{Met, Vision};
 use crate::base::rng::Stream;
 use crate::estimate::ledger::{Ledger, cost};
+use crate::estimate::ownership::Ownership;
 use crate::estimate::pixel::Pixel;
 use crate::estimate::tuning::over_pixel::{CUTS, MOST_PAIRS, PER_PIXEL, WIDER};
 use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
 use crate::world::optics::Optics;
-use crate::world::slide::footprint::{self, Brightness, Edge, Footprint, MOST};
+use crate::world::slide::footprint::{self, Brightness, Edge, Footprint, MOST, MOST_EDGES};
 use arrayvec::ArrayVec;
 pub(super) use finder::PixelFootprints;
 use glam::{DVec2, DVec3};
+use sight::Square;
 use std::f64::consts::PI;
 
 /// What is linear in the place in a pixel, from its middle to the right and down, and in the pupil, in radii.
@@ -57,7 +59,7 @@ impl Linear<DVec3> {
 struct AtPupil<M: Mode> {
     brightness: Brightness<M>,
     footprints: ArrayVec<Footprint, MOST>,
-    edges: ArrayVec<Edge, MOST>,
+    edges: ArrayVec<Edge, MOST_EDGES>,
 }
 
 /// Place number `k` of so many on a disc, in its radii: a spiral by the golden angle, each place in a ring of the same area (H. Vogel,
@@ -116,35 +118,73 @@ impl<M: Mode> OverPixel<M> {
         footprint::at(tracing, &brightness, (&edges, &footprints), within)
     }
 
-    /// Whether a picture, or what it is seen by, has an edge about here, for any place of the pupil.
-    fn has_edge(&self, tracing: (&World, &Optics<M>)) -> bool {
+    /// In the middle of the pupil, without edges and with pictures over more than the pixel: what is seen by any place of the pupil
+    /// lies in that.
+    fn wide(&self) -> AtPupil<M> {
         let mut wide = self.at_pupil(DVec2::ZERO);
         wide.edges.clear();
         for (footprint, (_, place)) in wide.footprints.iter_mut().zip(&self.slides) {
             let wider = WIDER + 2.0 * place.pixels_over_pupil();
             footprint.by = footprint.by.map(|by| wider * by);
         }
+        wide
+    }
+
+    /// Whether a picture, or what it is seen by, has an edge about here, for any place of the pupil.
+    fn has_edge(&self, tracing: (&World, &Optics<M>)) -> bool {
+        let wide = self.wide();
         let at_rim = |footprint: &Footprint| footprint.to_rim(&tracing.0.slides[footprint.slide]) <= 0.0;
         !self.edges.is_empty()
             || wide.footprints.iter().any(at_rim)
             || wide.mean(tracing).is_none_or(|(_, pieces)| pieces != 1)
     }
+
+    /// Whether its picture is black about here.
+    fn is_dark(&self, tracing: (&World, &Optics<M>)) -> bool {
+        let is_none = |light: &Light| *light == Light::default();
+        self.wide().mean(tracing).is_some_and(|(mean, _)| mean.as_slice().iter().all(is_none))
+    }
 }
 
 impl<M: Mode> Vision<'_, M> {
+    /// Footprints that say something, with how many places of the pupil they are to be asked about. None where a picture is much
+    /// finer than the pixel: rays average it for less.
+    fn sorted(&self, optics: &Optics<M>, mut all: Vec<OverPixel<M>>) -> Vec<OverPixel<M>> {
+        let tracing = (self.world, optics);
+        all.retain(|over| !over.is_dark(tracing));
+        let brightest = all.iter().map(OverPixel::strength).fold(0.0, f64::max);
+        for over in &mut all {
+            match over.at_pupil(DVec2::ZERO).mean(tracing) {
+                Some((_, pieces)) if pieces <= CUTS => over.pairs = over.pairs(over.strength() / brightest, pieces),
+                Some(_) | None => return Vec::new(),
+            }
+        }
+        all
+    }
+
+    /// The footprints of a pixel at a pass's wavelengths.
+    pub(super) fn footprints_at(
+        &self,
+        tracing: (&Ownership, &Optics<M>),
+        pixel: Pixel,
+        work: &mut u64,
+    ) -> Vec<OverPixel<M>> {
+        self.sorted(tracing.1, self.over_square(tracing, (pixel, Square::PIXEL, true), work).over)
+    }
+
     /// Adds what footprints say of all of a pixel that is looked at with this share.
     pub(super) fn add_mean(
         &self,
-        (optics, over): (&Optics<M>, &[OverPixel<M>]),
+        (optics, all): (&Optics<M>, &[OverPixel<M>]),
         (pixel, share): (Pixel, f64),
         out: &mut [Light],
         ledger: &mut Ledger,
     ) {
-        if over.is_empty() {
+        if all.is_empty() {
             return;
         }
         let [first, turn] = pixel.start(self.seed, Stream::PictureEdges, pixel.pass);
-        for over in over {
+        for over in all {
             let pairs = over.pairs;
             let weight = 1.0 / (share * 2.0 * pairs as f64);
             // Each with the one across from it: what is linear over the pupil, most of it, is exact.
@@ -160,13 +200,13 @@ impl<M: Mode> Vision<'_, M> {
     /// Takes off what they say of a place of the pixel (right and down from its corner) and the pupil (in radii).
     pub(super) fn take_off(
         &self,
-        (optics, over): (&Optics<M>, &[OverPixel<M>]),
+        (optics, all): (&Optics<M>, &[OverPixel<M>]),
         (jitter, pupil): ([f64; 2], DVec2),
         weight: f64,
         out: &mut [Light],
     ) {
-        for over in over {
-            let within = DVec2::from_array(jitter) - 0.5;
+        let within = DVec2::from_array(jitter) - 0.5;
+        for over in all {
             if let Some(light) = over.at((self.world, optics), (within, pupil)) {
                 let light = lanes::<M, _>(|lane| light[lane].scaled(-weight));
                 M::deposit(optics, plane_of::<M>(out, over.plane), light, over.alone);

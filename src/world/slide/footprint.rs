@@ -9,14 +9,15 @@ use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
 use glam::{DVec2, DVec3};
 
-/// Most slides that are crossed one after the other.
+/// Most slides that are crossed one after the other, and most edges.
 pub const MOST: usize = 4;
+pub const MOST_EDGES: usize = 12;
 
 /// A piece of no more of the square is rounding.
 const SLIVER: f64 = 64.0 * f64::EPSILON;
 
-/// Corners of a convex polygon; each of a slide's pixels that it is cut by adds four at most.
-type Polygon = ArrayVec<DVec2, { 4 + 4 * MOST }>;
+/// Corners of a convex polygon; each edge adds one at most, each of a slide's pixels that it is cut by four.
+type Polygon = ArrayVec<DVec2, { 4 + 4 * MOST + MOST_EDGES }>;
 
 /// Where the points of the square from −½ to ½ cross a slide: `at` + x·by\[0\] + y·by\[1\], mesh units.
 #[derive(Debug, Clone, Copy)]
@@ -57,13 +58,13 @@ impl<M: Mode> Brightness<M> {
 pub type Edge = Lines;
 
 /// The mean over the square of what comes past all edges and through all slides, and of how many pieces it was put together.
-/// None where that is not finite, or more edges and slides are crossed than [`MOST`].
+/// None where that is not finite, or more slides are crossed than [`MOST`], or edges than [`MOST_EDGES`].
 pub fn mean<M: Mode>(
     (world, optics): (&World, &Optics<M>),
     brightness: &Brightness<M>,
     (edges, footprints): (&[Edge], &[Footprint]),
 ) -> Option<(M::Lanes<Light>, u64)> {
-    if edges.len() + footprints.len() > MOST {
+    if edges.len() > MOST_EDGES || footprints.len() > MOST {
         return None;
     }
     let mut square = Polygon::new();

@@ -6,7 +6,7 @@ use crate::base::rng::{Rng, Stream};
 use crate::estimate::ledger::Ledger;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::pixel::Pixel;
-use crate::estimate::tuning::over_pixel::{ASIDE, BLOCK, CUTS, RIGHT, TRIALS, WORTH};
+use crate::estimate::tuning::over_pixel::{BLOCK, RIGHT, TRIALS, WORTH};
 use crate::film::accumulate::Light;
 use crate::world::mode::{Mode, components};
 use crate::world::optics::Optics;
@@ -29,15 +29,19 @@ enum Known {
 }
 
 impl<M: Mode> PixelFootprints<M> {
+    /// `optics`: of the wavelengths at which edges are looked for.
     pub(in crate::estimate::vision) fn find(
         vision: &Vision<'_, M>,
         route: &Ownership,
-        optics: &Optics<M>,
+        optics: &[Optics<M>],
     ) -> PixelFootprints<M> {
         let [width, height] = vision.world.eye.size();
-        let finder = Finder { vision, route, optics, width };
+        let finders: Vec<Finder<'_, M>> = optics.iter().map(|optics| Finder { vision, route, optics, width }).collect();
         let [across, down] = [width, height].map(|side| side.div_ceil(BLOCK));
-        let block = |k: usize| finder.block([k % across * BLOCK, k / across * BLOCK]);
+        let block = |k: usize| {
+            let known = finders.iter().map(|finder| finder.block([k % across * BLOCK, k / across * BLOCK]));
+            known.reduce(Known::or).unwrap_or(Known::Dark)
+        };
         let blocks: Vec<Known> = (0..across * down).into_par_iter().map(block).collect();
         let is_near = |[x, y]: [usize; 2]| {
             let [x, y] = [x / BLOCK, y / BLOCK];
@@ -52,7 +56,11 @@ impl<M: Mode> PixelFootprints<M> {
         let of_pixel = |index: usize| {
             let at = [index % width, index / width];
             let wanted = vision.world.eye.wants(at) && is_near(at);
-            if wanted { finder.best(Pixel::new((at[0], at[1]), width, 0)).into() } else { Box::default() }
+            if !wanted {
+                return Box::default();
+            }
+            let mut found = finders.iter().map(|finder| finder.best(Pixel::new((at[0], at[1]), width, 0)));
+            found.find(|all| !all.is_empty()).unwrap_or_default().into()
         };
         PixelFootprints((0..width * height).into_par_iter().map(of_pixel).collect())
     }
@@ -60,6 +68,18 @@ impl<M: Mode> PixelFootprints<M> {
     /// Those of a pixel.
     pub(in crate::estimate::vision) fn of(&self, pixel: u64) -> &[OverPixel<M>] {
         self.0.get(pixel as usize).map_or(&[], |own| own)
+    }
+}
+
+impl Known {
+    fn or(self, other: Known) -> Known {
+        match (self, other) {
+            (Known::Edge, _) | (_, Known::Edge) | (Known::Even, Known::Dark) | (Known::Dark, Known::Even) => {
+                Known::Edge
+            }
+            (Known::Even, Known::Even) => Known::Even,
+            (Known::Dark, Known::Dark) => Known::Dark,
+        }
     }
 }
 
@@ -71,64 +91,39 @@ struct Finder<'f, M: Mode> {
 }
 
 impl<M: Mode> Finder<'_, M> {
-    fn seen(&self, pixel: Pixel, square: Square) -> (Vec<OverPixel<M>>, bool) {
-        let choices = Rng::new(self.vision.seed, Stream::PictureEdges, 0, pixel.index);
-        self.vision.over_square((self.route, self.optics), (pixel, square), &choices)
-    }
-
     fn block(&self, [x, y]: [usize; 2]) -> Known {
         let wants = |k: usize| self.vision.world.eye.wants([x + k % BLOCK, y + k / BLOCK]);
         if !(0..BLOCK * BLOCK).any(wants) {
             return Known::Dark;
         }
-        let square = Square { middle: 0.5 * (BLOCK - 1) as f64, side: BLOCK as f64, aside: [0.0; 2] };
-        let (all, _) = self.seen(Pixel::new((x, y), self.width, 0), square);
+        let middle = 0.5 * (BLOCK - 1) as f64;
+        let square = Square { middle, side: BLOCK as f64 };
+        let pixel = Pixel::new((x, y), self.width, 0);
+        let seen = self.vision.over_square((self.route, self.optics), (pixel, square, false), &mut 0);
         let tracing = (self.vision.world, self.optics);
-        if all.is_empty() {
+        if seen.dark {
             Known::Dark
-        } else if all.iter().any(|over| over.has_edge(tracing)) {
+        } else if !seen.whole || seen.over.iter().any(|over| over.has_edge(tracing)) {
             Known::Edge
         } else {
             Known::Even
         }
     }
 
-    /// The footprints that are right, from the pixel itself or from the one beside it by which they are best.
+    /// The footprints of a pixel, if they are worth it. None where all of it is even.
     fn best(&self, pixel: Pixel) -> Vec<OverPixel<M>> {
-        let tracing = (self.vision.world, self.optics);
-        let mut best: Option<(f64, Vec<OverPixel<M>>)> = None;
-        for aside in ASIDE {
-            let (all, whole) = self.seen(pixel, Square { middle: 0.0, side: 1.0, aside });
-            if aside == [0.0; 2] && whole && !all.iter().any(|over| over.has_edge(tracing)) {
-                return Vec::new();
-            }
-            if let Some(off) = self.off(pixel, &all)
-                && best.as_ref().is_none_or(|(known, _)| off < *known)
-            {
-                best = Some((off, all));
-            }
-            // Pixels aside know more only of what ends in this one.
-            if whole {
-                break;
-            }
+        let seen = self.vision.over_square((self.route, self.optics), (pixel, Square::PIXEL, true), &mut 0);
+        let is_even = seen.whole && !seen.over.iter().any(|over| over.has_edge((self.vision.world, self.optics)));
+        if is_even || !self.are_worth_it(pixel, &seen.over) {
+            return Vec::new();
         }
-        let Some((_, mut all)) = best else { return Vec::new() };
-        let brightest = all.iter().map(OverPixel::strength).fold(0.0, f64::max);
-        for over in &mut all {
-            match over.at_pupil(DVec2::ZERO).mean(tracing) {
-                Some((_, pieces)) if pieces <= CUTS => over.pairs = over.pairs(over.strength() / brightest, pieces),
-                // A picture much finer than the pixel: rays average it for less.
-                Some(_) | None => return Vec::new(),
-            }
-        }
-        all
+        self.vision.sorted(self.optics, seen.over)
     }
 
-    /// By how much paths differ from what footprints say: squared, as a share of what is seen. None where that is not much less
-    /// than they differ from each other.
-    fn off(&self, pixel: Pixel, all: &[OverPixel<M>]) -> Option<f64> {
+    /// Whether paths differ from what footprints say by much less than they differ from each other, or by next to nothing.
+    fn are_worth_it(&self, pixel: Pixel, all: &[OverPixel<M>]) -> bool {
         if all.is_empty() {
-            return None;
+            return false;
         }
         let (vision, optics) = (self.vision, self.optics);
         let luminance = |light: &[Light]| {
@@ -149,7 +144,6 @@ impl<M: Mode> Finder<'_, M> {
         let variance = (mean(&|pair| pair[0] * pair[0]) - mean(&|pair| pair[0]).powi(2)).max(0.0);
         let off = mean(&|[seen, foretold]| (seen - foretold).powi(2));
         let brightest = pairs.iter().flatten().fold(0.0, |most: f64, light| most.max(*light));
-        let share = if brightest > 0.0 { off / (brightest * brightest) } else { 0.0 };
-        (off <= WORTH * variance || share <= RIGHT * RIGHT).then_some(share)
+        off <= (RIGHT * brightest).powi(2) || off <= WORTH * variance
     }
 }

@@ -2,24 +2,27 @@
 
 use super::{Linear, Met, OverPixel, Vision};
 use crate::base::chain::Chain;
-use crate::base::rng::Rng;
+use crate::base::rng::{Rng, Stream};
 use crate::estimate::emitter_hit::EmitterHit;
 use crate::estimate::ledger::Ledger;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::pixel::Pixel;
-use crate::estimate::tuning::over_pixel::{STARTS, WIDER};
+use crate::estimate::tuning::over_pixel::{CLOSE, MOST_TRAINS, STARTS, WIDER};
 use crate::estimate::tuning::vision::SPLIT_FROM;
 use crate::estimate::walk::Walker;
 use crate::world::World;
 use crate::world::mode::{LaneArray, Mode, lanes};
 use crate::world::optics::Optics;
-use crate::world::slide::footprint::MOST;
+use crate::world::slide::footprint::{MOST, MOST_EDGES};
 use arrayvec::ArrayVec;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use std::ops::{Add, Mul, Sub};
 
 /// One for each corner of a simplex.
 type AtCorners<T> = [T; STARTS.len()];
+
+/// A place of a square, from its middle, in sides, and of the pupil, in radii.
+type Place = DVec4;
 
 /// A lamp seen along one path.
 struct Sight<M: Mode> {
@@ -45,6 +48,12 @@ impl<M: Mode> Sight<M> {
     }
 }
 
+/// What all corners see in the way of one of them.
+fn like<'s, M: Mode>(sight: &Sight<M>, all: &'s AtCorners<Vec<Sight<M>>>) -> Option<AtCorners<&'s Sight<M>>> {
+    let [first, a, b, c, d] = all.each_ref().map(|sights| sights.iter().find(|other| other.is_like(sight)));
+    Some([first?, a?, b?, c?, d?])
+}
+
 /// From values at the corners to what is linear between them.
 struct Simplex {
     first: DVec4,
@@ -52,9 +61,7 @@ struct Simplex {
 }
 
 impl Simplex {
-    /// `aside`: of the square that is to be known, in its sides.
-    fn new(aside: [f64; 2]) -> Simplex {
-        let corners = STARTS.map(|start| DVec4::from_array(start) + DVec4::new(aside[0], aside[1], 0.0, 0.0));
+    fn new(corners: AtCorners<Place>) -> Simplex {
         let [first, a, b, c, d] = corners;
         Simplex { first, inverse: DMat4::from_cols(a - first, b - first, c - first, d - first).inverse() }
     }
@@ -88,7 +95,7 @@ impl<M: Mode> OverPixel<M> {
         };
         let crossed = |k: usize| (first.slides[k].0, simplex.of(at.map(|sight| sight.slides[k].1)));
         let slides: Box<[_]> = (0..first.slides.len()).map(crossed).collect();
-        let mut edges: ArrayVec<Linear<f64>, MOST> = ArrayVec::new();
+        let mut edges: ArrayVec<Linear<f64>, MOST_EDGES> = ArrayVec::new();
         for (k, ((part, face), _)) in first.faces.iter().enumerate() {
             let Some(outline) = world.rims.outline_to_picture(*part, *face) else { continue };
             let flat = simplex.of(at.map(|sight| outline.flat(sight.faces[k].1)));
@@ -113,50 +120,78 @@ impl<M: Mode> OverPixel<M> {
             let [u, v] = place.by_pupil;
             [place.middle, right, down, u, v].iter().all(|own| own.is_finite())
         };
-        let fits = edges.len() + slides.len() <= MOST && slides.iter().all(|(_, place)| finite(place));
+        let fits = slides.iter().all(|(_, place)| finite(place));
         let edges = edges.iter().copied().collect();
         fits.then_some(OverPixel { plane: first.plane, alone: first.alone, brightness, slides, edges, pairs: 1 })
     }
 }
 
-/// A square about a pixel, or beside one, where paths start.
-#[derive(Clone, Copy)]
+/// A square about a pixel.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Square {
     /// Its middle from the pixel's, to the right and down, and its side, in pixels.
     pub(super) middle: f64,
     pub(super) side: f64,
-    /// How far beside it the paths start, in sides.
-    pub(super) aside: [f64; 2],
+}
+
+impl Square {
+    pub(super) const PIXEL: Square = Square { middle: 0.0, side: 1.0 };
+}
+
+/// The lamps that are seen over a square about a pixel and the pupil.
+pub(super) struct Seen<M: Mode> {
+    pub(super) over: Vec<OverPixel<M>>,
+    /// All corners see the same, and of all that something is seen past edges.
+    pub(super) whole: bool,
+    /// No corner sees any.
+    pub(super) dark: bool,
 }
 
 impl<M: Mode> Vision<'_, M> {
-    /// The lamps that all of a square about a pixel sees through all of the pupil, and whether that is all that parts of it see.
+    /// `ending`: with those, too, that end within the square. Adds to the counted work.
     pub(super) fn over_square(
         &self,
         tracing: (&Ownership, &Optics<M>),
-        (pixel, square): (Pixel, Square),
-        choices: &Rng,
-    ) -> (Vec<OverPixel<M>>, bool) {
-        let simplex = Simplex::new(square.aside);
-        let at = |[x, y, u, v]: [f64; 4]| {
-            let place = (DVec2::new(x, y) + DVec2::from_array(square.aside)) * square.side + square.middle;
-            self.sights(tracing, (pixel, place, DVec2::new(u, v)), choices.clone())
+        (pixel, square, ending): (Pixel, Square, bool),
+        work: &mut u64,
+    ) -> Seen<M> {
+        let choices = Rng::new(self.seed, Stream::PictureEdges, 0, pixel.index);
+        let mut ledger = Ledger::new(self.world.solids.len());
+        let mut at = |place: Place| {
+            let in_picture = place.truncate().truncate() * square.side + square.middle;
+            self.sights(tracing, (pixel, in_picture, DVec2::new(place.z, place.w)), choices.clone(), &mut ledger)
         };
-        let [start, others @ ..] = STARTS;
-        let first = at(start);
-        if first.is_empty() {
-            return (Vec::new(), false);
+        let corners = STARTS.map(Place::from_array);
+        let all = corners.map(&mut at);
+        let simplex = Simplex::new(corners);
+        let [first, ..] = &all;
+        let of_all = first.iter().filter_map(|sight| Some((sight, like(sight, &all)?)));
+        let (known, mut over): (Vec<&Sight<M>>, Vec<_>) =
+            of_all.map(|(sight, sights)| (sight, OverPixel::new(self.world, sights, &simplex))).unzip();
+        let most = all.iter().map(Vec::len).max().unwrap_or(0);
+        let (whole, dark) = (over.iter().flatten().count() == most, most == 0);
+        if ending && !whole {
+            // What one corner alone knows of is followed close to it.
+            let mut known = known;
+            for (corner, sight) in
+                corners.iter().zip(&all).flat_map(|(corner, all)| all.iter().map(move |own| (corner, own)))
+            {
+                if known.len() >= MOST_TRAINS {
+                    break;
+                }
+                if known.iter().any(|other| other.is_like(sight)) {
+                    continue;
+                }
+                let corners = corners.map(|other| *corner + CLOSE * other);
+                let near = corners.map(&mut at);
+                if let Some(sights) = like(sight, &near) {
+                    over.push(OverPixel::new(self.world, sights, &Simplex::new(corners)));
+                }
+                known.push(sight);
+            }
         }
-        let others = others.map(at);
-        let all = |sight: &Sight<M>| {
-            let like = |sights: &[Sight<M>]| sights.iter().position(|other| other.is_like(sight));
-            let [a, b, c, d] = [0, 1, 2, 3].map(|k: usize| like(&others[k]).map(|at| &others[k][at]));
-            OverPixel::new(self.world, [sight, a?, b?, c?, d?], &simplex)
-        };
-        let most = others.iter().fold(first.len(), |most, sights| most.max(sights.len()));
-        let all: Vec<OverPixel<M>> = first.iter().filter_map(all).collect();
-        let whole = all.len() == most;
-        (all, whole)
+        *work += ledger.work;
+        Seen { over: over.into_iter().flatten().collect(), whole, dark }
     }
 
     /// The lamps, with pictures or behind slides or neither, that a path from a place of a pixel (from its middle) meets.
@@ -165,10 +200,10 @@ impl<M: Mode> Vision<'_, M> {
         (route, optics): (&Ownership, &Optics<M>),
         (pixel, place, pupil): (Pixel, DVec2, DVec2),
         rng: Rng,
+        ledger: &mut Ledger,
     ) -> Vec<Sight<M>> {
         let (walker, places) = self.walker(optics, (pixel, (place + 0.5).to_array(), pupil), (1.0, rng));
         let mut walker = walker.recording();
-        let mut ledger = Ledger::new(self.world.solids.len());
         let mut sights = Vec::new();
         let mut each = |walker: &Walker<'_, M>, seen: &EmitterHit<'_>, plane: usize, met: Option<&Met>| {
             let (Some(chain), Some(met)) = (walker.chain(), met) else { return };
@@ -187,7 +222,7 @@ impl<M: Mode> Vision<'_, M> {
                 sights.push(Sight { chain: chain.clone(), lamp: seen.index, plane, strength, alone, slides, faces });
             }
         };
-        self.follow(route, &mut walker, (places, SPLIT_FROM, Some(Met::default())), &mut ledger, &mut each);
+        self.follow(route, &mut walker, (places, SPLIT_FROM, Some(Met::default())), ledger, &mut each);
         sights
     }
 }
