@@ -53,7 +53,7 @@ pub(super) mod shard {
 }
 
 /// `vision/over_pixel.rs`
-/// - `CLOSE`, `MOST_TRAINS`, `PASSES_LOOKED_AT`: HEREHASH
+/// - `CLOSE`, `MOST_TRAINS`, `PASSES_LOOKED_AT`: `edd5144` (Rays to lamps follow every order of a grating)
 /// - the others: `01a9142` (Pictures that rays from the eye see are cut by the footprint of each pixel over film and pupil)
 pub(super) mod over_pixel {
     /// Where in a pixel, from its middle, and in the pupil, in radii, the five paths start by which all of both is known: the
@@ -104,7 +104,7 @@ pub(super) mod over_pixel {
 ///   for)
 /// - `LARGE`: `a605e5f` (Sound shards are told apart from wrong ones by passes that know their error)
 /// - `MOST_GLINTS`: `262b087` (What a fresh reader found in the glints)
-/// - `WORTH`: HEREHASH
+/// - `WORTH`: `edd5144` (Rays to lamps follow every order of a grating)
 pub(super) mod vision {
     /// Paths per pixel and pass, and those about each image of a lamp in the pixel.
     pub const PATHS: u64 = 4;
