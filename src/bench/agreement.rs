@@ -22,8 +22,8 @@ const PLAIN: f64 = 4.0;
 /// Passes of a picture at least: what fewer batches say of their variance is a guess.
 const LEAST_PASSES: u64 = 8;
 /// What sets the seeds of the plain pictures apart from the automatic choice's (any bits would do).
-const APART: [u64; 2] = [0x506c_6169_6e2e_2e31, 0x506c_6169_6e2e_2e32];
-/// Sets of scenes that are sound are found at fault as often as this.
+const APART: [u64; 2] = [0x506c_6169_6e2e_2e31, 0x9b3f_c0de_7a51_e432];
+/// By each of the measures sets of scenes that are sound are found at fault as often as this.
 const FALSE_ALARM: f64 = 0.01;
 
 /// One scene.
@@ -119,12 +119,12 @@ impl Summary {
         }
     }
 
-    /// No block and no picture is farther off than the limit, the pictures' energies scatter no more than normal deviates do and
+    /// Plain sampling knows some picture, no block and no picture is farther off than the limit, the pictures' energies scatter no more than normal deviates do and
     /// about 0, and no witness objects. Blocks of one picture share light, so their own Σz² is told, and no verdict.
     pub fn holds(&self) -> bool {
         let most = sidak_z(FALSE_ALARM, 1);
         let spread = self.energies.chi_square_z <= most && self.energies.mean_z.abs() <= most;
-        self.blocks.holds() && self.energies.holds() && spread && self.witnesses == 0
+        self.energies.count > 0 && self.blocks.holds() && self.energies.holds() && spread && self.witnesses == 0
     }
 }
 

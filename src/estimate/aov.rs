@@ -57,8 +57,8 @@ pub fn granted(
     plan: &Plan,
 ) -> Result<Granted> {
     let mut granted = Granted::default();
-    let slides = slides::names(scene);
-    if asked.is_empty() && slides.is_empty() && !wishes.iter().any(|wish| wish.expression) {
+    let slides = scene.slides.len();
+    if asked.is_empty() && slides < 2 && !wishes.iter().any(|wish| wish.expression) {
         return Ok(granted);
     }
     let mut maker = Maker::new(scene, world, plan);
@@ -87,15 +87,15 @@ pub fn granted(
         };
         granted.notes.push(Note::warning(wish.at.clone(), text));
     }
-    if !slides.is_empty() {
-        match maker.tell_slides_apart(slides.len()) {
+    if slides > 1 {
+        match maker.tell_slides_apart(slides) {
             Ok(bit) => {
                 granted.slides_bit = Some(bit);
             }
             Err(because) => {
                 granted.aovs.iter_mut().for_each(|aov| aov.slides.clear());
                 let at = Where::File(scene.name.clone().into());
-                let text = format!("light is not split by the contrasts of its {} slides: {because}", slides.len());
+                let text = format!("light is not split by the contrasts of its {slides} slides: {because}");
                 granted.notes.push(Note::warning(at, text));
             }
         }

@@ -58,74 +58,83 @@ impl<'w, M: Mode> Walker<'w, M> {
             self.absorb(vertex.hit.site.part, before, ledger);
             return Meeting::Ended;
         };
-        let way = &ways[index];
         if asked.is_none() {
-            self.absorb(vertex.hit.site.part, lost, ledger);
+            self.lose(vertex, lost, ledger);
         }
+        if asked.is_none() && weight > 0.0 {
+            ledger.by_chance(before * powers[index] * factor / weight - (before - lost));
+        }
+        self.take_way(vertex, &ways[index], factor, ledger)
+    }
+
+    /// Where two orders of a grating or more carry at least `least` of the power each: paths that have gone on in every such order,
+    /// the brightest first, and one in an order by chance among the fainter ones, of which it is as likely as their power is of
+    /// `least`. They have the light of this path, which has ended. None elsewhere, and of a table by which more light would leave
+    /// than has arrived: this path [meets](Walker::meet) the vertex as ever.
+    pub fn split_orders(&mut self, vertex: &Vertex, least: f64, ledger: &mut Ledger) -> Option<Vec<Walker<'w, M>>> {
+        let Surface::Grating(grating) = &self.face(vertex).surface else { return None };
+        if self.events + 1 >= Ledger::MOST_EVENTS || self.is_passed(vertex, ledger) {
+            return None;
+        }
+        self.part_wavelengths(ledger);
+        let weight = self.beam.weight();
+        let ways = self.orders(vertex, grating).into_iter();
+        let mut ways: Vec<(f64, Way<M>)> = ways.map(|way| (self.mean_power(&way.amounts), way)).collect();
+        ways.retain(|(power, _)| *power > 0.0);
+        ways.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let strong = ways.iter().take_while(|(power, _)| *power >= least * weight).count();
+        let sum = |ways: &[(f64, Way<M>)]| ways.iter().map(|(power, _)| power).sum::<f64>();
+        if strong < 2 || sum(&ways) > weight * (1.0 + 1e-9) {
+            return None;
+        }
+        self.events += 1;
+        self.ahead = None;
+        self.trail = self.trail.then(Event::Specular);
+        let (strong, faint) = ways.split_at(strong);
+        let carried = self.beam.carried() / weight;
+        self.lose(vertex, carried * (weight - sum(&ways)), ledger);
+        let mut went = Vec::with_capacity(strong.len() + 1);
+        for (_, way) in strong {
+            went.extend(self.branch(vertex, (way, 1.0), ledger));
+        }
+        let of_faint = sum(faint);
+        let chance = (of_faint / (least * weight)).min(1.0);
+        let mut left = self.rng.uniform() * of_faint / chance;
+        let chosen = faint.iter().find(|(power, _)| {
+            left -= power;
+            left < 0.0
+        });
+        match chosen {
+            Some((power, way)) => {
+                let factor = of_faint / (power * chance);
+                ledger.by_chance(carried * (power * factor - of_faint));
+                went.extend(self.branch(vertex, (way, factor), ledger));
+            }
+            None => ledger.by_chance(-carried * of_faint),
+        }
+        Some(went)
+    }
+
+    /// A path like this one that has gone on in one order.
+    fn branch(&mut self, vertex: &Vertex, (way, factor): (&Way<M>, f64), ledger: &mut Ledger) -> Option<Walker<'w, M>> {
+        let mut own = self.clone();
+        own.rng = self.rng.fork();
+        matches!(own.take_way(vertex, way, factor, ledger), Meeting::Went).then_some(own)
+    }
+
+    /// Goes on in one order, which counts `factor` times.
+    fn take_way(&mut self, vertex: &Vertex, way: &Way<M>, factor: f64, ledger: &mut Ledger) -> Meeting<'w> {
         self.beam.replace(way.amounts, way.axis);
         self.beam.scale(factor);
-        if asked.is_none() {
-            ledger.by_chance(self.beam.carried() - (before - lost));
-        }
         self.tell(Letter::of(Event::Specular, way.through));
         self.link_order(vertex, way.step(), way.order);
         self.go(vertex, way.dir, way.through, ledger)
     }
 
-    /// Where two orders of a grating or more carry at least `least` of the power each: paths that have gone on in every such
-    /// order, and one in an order by chance among the fainter ones, as seldom as these are faint together. They have the light
-    /// of this path, which has ended. None elsewhere: this path [meets](Walker::meet) the vertex as ever.
-    pub fn split_orders(&mut self, vertex: &Vertex, least: f64, ledger: &mut Ledger) -> Option<Vec<Walker<'w, M>>> {
-        let Surface::Grating(grating) = &self.face(vertex).surface else { return None };
-        if self.events >= Ledger::MOST_EVENTS
-            || self.is_behind(vertex)
-            || self.heal(vertex, ledger) && self.is_outranked(vertex)
-        {
-            return None;
-        }
-        self.part_wavelengths(ledger);
-        let ways = self.orders(vertex, grating).into_iter();
-        let ways = ways.map(|way| (way.step(), way.order, self.mean_power(&way.amounts)));
-        let (strong, faint): (Vec<_>, Vec<_>) =
-            ways.filter(|(.., power)| *power > 0.0).partition(|(.., power)| *power >= least * self.beam.weight());
-        if strong.len() < 2 {
-            return None;
-        }
-        let sum = |ways: &[(Step, i32, f64)]| ways.iter().map(|(.., power)| power).sum::<f64>();
-        let (total, of_faint) = (sum(&strong) + sum(&faint), sum(&faint));
-        let carried = self.beam.carried() / self.beam.weight();
-        self.absorb(vertex.hit.site.part, self.beam.carried() - carried * total, ledger);
-        let mut went = Vec::with_capacity(strong.len() + 1);
-        for (step, order, _) in strong {
-            went.extend(self.in_order(vertex, (step, order), ledger));
-        }
-        let chance = (of_faint / (least * self.beam.weight())).min(1.0);
-        let mut left = self.rng.uniform() * of_faint / chance;
-        let chosen = faint.iter().find(|(.., power)| {
-            left -= power;
-            left < 0.0
-        });
-        let mut followed = 0.0;
-        if let Some((step, order, power)) = chosen
-            && let Some(mut other) = self.in_order(vertex, (*step, *order), ledger)
-        {
-            other.beam.scale(of_faint / (power * chance));
-            followed = other.beam.carried();
-            went.push(other);
-        }
-        ledger.by_chance(followed - carried * of_faint);
-        Some(went)
-    }
-
-    /// A path like this one that has left a grating in this order.
-    fn in_order(&mut self, vertex: &Vertex, order: (Step, i32), ledger: &mut Ledger) -> Option<Walker<'w, M>> {
-        let mut own = self.clone();
-        own.rng = self.rng.fork();
-        own.order = Some(order);
-        match own.meet(vertex, ledger) {
-            Meeting::Went => Some(own),
-            Meeting::Ended | Meeting::Scatter(..) => None,
-        }
+    /// Books what no order has; below 0 what a table that is not the same both ways has too much.
+    fn lose(&mut self, vertex: &Vertex, carried: f64, ledger: &mut Ledger) {
+        self.absorb(vertex.hit.site.part, carried.max(0.0), ledger);
+        ledger.by_chance((-carried).max(0.0));
     }
 
     fn part_wavelengths(&mut self, ledger: &mut Ledger) {

@@ -2,6 +2,7 @@
 
 use super::render_vars::plain;
 use crate::base::ids::GroupId;
+use crate::base::lpe::MOST_SLIDES;
 use crate::film::finish::slides::{BySlide, Shows, SlideInfo};
 use crate::film::names;
 use crate::scene::{Scene, Slide};
@@ -13,10 +14,10 @@ pub fn common_contrast(scene: &Scene) -> Option<f64> {
 }
 
 /// What slides are called where there are several, in their order: as the last part of the path of the part that carries
-/// them, with a number behind it where that is taken. None of a scene with fewer.
+/// them, with a number behind it where that is taken. None of a scene with fewer, or with more than are told apart.
 pub fn names(scene: &Scene) -> Vec<String> {
     let mut names = Vec::new();
-    if scene.slides.len() < 2 {
+    if !(2..=MOST_SLIDES).contains(&scene.slides.len()) {
         return names;
     }
     let groups = || scene.groups.iter().map(|group| group.name.as_str());

@@ -304,9 +304,12 @@ impl<'w, M: Mode> Vision<'w, M> {
             // Without the slides' factors, so that pictures at two contrasts share every path.
             let share = walker.beam.weight();
             if share > least {
-                let orders = walker.split_orders(&vertex, least / share, ledger);
-                let ended = orders.is_some();
-                let reflected = if ended { None } else { walker.split(&vertex, least / share, u8::MAX, ledger) };
+                let mut orders = walker.split_orders(&vertex, least / share, ledger).map(Vec::into_iter);
+                let brightest = orders.as_mut().map(Iterator::next);
+                let reflected = match brightest {
+                    Some(_) => None,
+                    None => walker.split(&vertex, least / share, u8::MAX, ledger),
+                };
                 for mut branch in orders.into_iter().flatten().chain(reflected) {
                     let mut met = met.clone();
                     if let Some(met) = &mut met {
@@ -314,8 +317,16 @@ impl<'w, M: Mode> Vision<'w, M> {
                     }
                     self.follow(route, &mut branch, (places, least, met), ledger, each);
                 }
-                if ended {
-                    return;
+                match brightest {
+                    None => {}
+                    Some(None) => return,
+                    Some(Some(brightest)) => {
+                        *walker = brightest;
+                        if let Some(met) = &mut met {
+                            met.pass(walker, &vertex);
+                        }
+                        continue;
+                    }
                 }
             }
             walker.last = None;

@@ -283,6 +283,11 @@ impl<'w, M: Mode> Walker<'w, M> {
         &self.world.faces[vertex.hit.site.part as usize][vertex.hit.site.face as usize]
     }
 
+    /// Whether a face is as if it were not there: behind another that it touches, or in a medium that outranks its own.
+    pub(super) fn is_passed(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> bool {
+        self.is_behind(vertex) || self.heal(vertex, ledger) && self.is_outranked(vertex)
+    }
+
     /// Does at `vertex` what the face asks for.
     pub fn meet(&mut self, vertex: &Vertex, ledger: &mut Ledger) -> Meeting<'w> {
         self.events += 1;
@@ -293,11 +298,7 @@ impl<'w, M: Mode> Walker<'w, M> {
             ledger.cut += self.beam.carried();
             return Meeting::Ended;
         }
-        if self.is_behind(vertex) {
-            self.pass_through(vertex);
-            return Meeting::Went;
-        }
-        if self.heal(vertex, ledger) && self.is_outranked(vertex) {
+        if self.is_passed(vertex, ledger) {
             self.pass_through(vertex);
             return Meeting::Went;
         }

@@ -6,6 +6,7 @@ use super::image::{arcmin, turned};
 use super::look::{Effort, Landed, look_around};
 use super::subject::{Point, Subject};
 use super::tuning::ghosts::{MOST_BRANCHES, MOST_RIVALS, MOST_WAYS};
+use crate::base::chain::{Link, Step};
 use crate::world::World;
 use crate::world::mode::{Mode, Mono, MonoStokes};
 use crate::world::optics::Optics;
@@ -69,14 +70,17 @@ pub fn ways(tracing: (&World, &Optics<Mono>), main: &Subject, least: f64) -> Vec
     find(tracing, main, least).into_iter().filter(|other| shows_the_same(main, other)).take(MOST_WAYS).collect()
 }
 
-/// Whether two trains bend light by the same orders of the same parts, of which there are some.
+/// Whether two trains bend light by the same orders of the same parts, of which there are some, and go the same way before the first of
+/// these and after the last: what is reflected there is a ghost.
 pub fn shows_the_same(main: &Subject, other: &Subject) -> bool {
-    let orders = |subject: &Subject| -> Vec<(u32, i32)> {
-        let bent = subject.train.0.iter().filter(|lens| lens.link.order != 0);
-        bent.map(|lens| (lens.link.part, lens.link.order)).collect()
+    let key = |subject: &Subject| -> Option<Vec<(u32, Step, i32)>> {
+        let links: Vec<_> = subject.train.0.iter().map(|lens| lens.link).collect();
+        let is_bent = |link: &Link| link.order != 0;
+        let (first, last) = (links.iter().position(is_bent)?, links.iter().rposition(is_bent)?);
+        let own = links.iter().enumerate().filter(|(k, link)| is_bent(link) || *k < first || *k > last);
+        Some(own.map(|(_, link)| (link.part, link.step, link.order)).collect())
     };
-    let own = orders(main);
-    !own.is_empty() && own == orders(other)
+    key(main).is_some_and(|own| key(other) == Some(own))
 }
 
 /// The same picture over the train of these hits.

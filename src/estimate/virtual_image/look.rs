@@ -129,7 +129,9 @@ pub(super) fn follow<'w>(
                 break;
             }
             let before = walker.part_around();
-            if let Surface::Grating(grating) = &walker.face(&vertex).surface {
+            if let Surface::Grating(grating) = &walker.face(&vertex).surface
+                && !walker.is_passed(&vertex, &mut ledger)
+            {
                 let mut ways = orders(&walker, &vertex, grating, effort.least, &mut ledger);
                 ways.truncate(1 + effort.most_branches.saturating_sub(branches));
                 branches += ways.len().saturating_sub(1);

@@ -139,8 +139,8 @@ impl<M: Mode> OverPixel<M> {
             || wide.mean(tracing).is_none_or(|(_, pieces)| pieces != 1)
     }
 
-    /// Whether its picture is black about here.
-    fn is_dark(&self, tracing: (&World, &Optics<M>)) -> bool {
+    /// Whether nothing of its picture lies about here.
+    fn is_beside(&self, tracing: (&World, &Optics<M>)) -> bool {
         let is_none = |light: &Light| *light == Light::default();
         self.wide().mean(tracing).is_some_and(|(mean, _)| mean.as_slice().iter().all(is_none))
     }
@@ -151,7 +151,7 @@ impl<M: Mode> Vision<'_, M> {
     /// finer than the pixel: rays average it for less.
     fn sorted(&self, optics: &Optics<M>, mut all: Vec<OverPixel<M>>) -> Vec<OverPixel<M>> {
         let tracing = (self.world, optics);
-        all.retain(|over| !over.is_dark(tracing));
+        all.retain(|over| !over.is_beside(tracing));
         let brightest = all.iter().map(OverPixel::strength).fold(0.0, f64::max);
         for over in &mut all {
             match over.at_pupil(DVec2::ZERO).mean(tracing) {

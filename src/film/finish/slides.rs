@@ -64,7 +64,8 @@ pub enum Crossed {
 impl BySlide {
     /// What the paths depend on of which expressions take `takes`.
     pub fn crossed(&self, takes: Takes) -> Crossed {
-        let has = |bit: usize| takes >> (self.bit as usize + bit) & 1 == 1;
+        let has =
+            |bit: usize| takes.checked_shr(self.bit.saturating_add(bit as u32)).is_some_and(|takes| takes & 1 == 1);
         let crossed = match (0..=self.slides.len()).find(|bit| has(*bit)) {
             Some(0) => Crossed::Nothing,
             Some(bit) => Crossed::One(bit - 1),

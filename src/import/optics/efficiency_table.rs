@@ -185,7 +185,8 @@ fn row(columns: &[(&'static str, Column)], said: &str, line: usize, at: &dyn Fn(
         }
         let range = |low: f64, high: f64| -> Result<f64> {
             let number = cell.parse::<f64>().ok().filter(|number| (low..=high).contains(number));
-            number.ok_or_else(|| {
+            // Programs write −0, too.
+            number.map(|number| number + 0.0).ok_or_else(|| {
                 Error::new(at(), format!("`{name}` is `{}`", shown(cell)))
                     .expected(format!("a number from {low} to {high}"))
             })
@@ -307,6 +308,11 @@ mod tests {
         assert_eq!(at(1, 50.0, false), Efficiency::even(0.7, 0.3));
         let alike = read("wavelength_nm\tangle_deg\torder\tconical_deg\tT\n550\t0\t1\t0\t1\n550\t0\t1\t30\t0").unwrap();
         assert_eq!((alike.back.is_none(), alike.front.conical.len()), (true, 2));
+        let zeros = read(
+            "wavelength_nm,angle_deg,order,conical_deg,T\n550,-0.0,1,0,1\n550,0,1,30,0\n550,5,1,-0,1\n550,5,1,30,0",
+        )
+        .unwrap();
+        assert_eq!((zeros.front.angle.len(), zeros.front.conical.len()), (2, 2));
     }
 
     #[test]

@@ -96,14 +96,14 @@ fn part(
             Kind::Mirror => "finish = { kind = \"mirror\", reflectance = 1 }\n",
             Kind::Glass(_) if is_mirror => "finish = { kind = \"mirror\", reflectance = 1 }\n",
             Kind::Glass(_) => "finish = \"polished\"\n",
-            Kind::Stop | Kind::Dark | Kind::Image => "finish = \"absorber\"\n",
+            Kind::Stop | Kind::Obscuration | Kind::Image => "finish = \"absorber\"\n",
         };
         *out += finish;
         match kind {
             Kind::Glass(_) | Kind::Mirror => {
                 let _ = writeln!(out, "shape = {}", shape(*surface));
             }
-            Kind::Stop | Kind::Dark => {}
+            Kind::Stop | Kind::Obscuration => {}
             Kind::Image => {
                 let _ = writeln!(out, "emitter = {{ group = \"image\", luminance_cd_m2 = {IMAGE_CD_M2} }}");
             }

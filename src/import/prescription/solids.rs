@@ -28,7 +28,7 @@ pub(super) enum Kind {
     /// Light that misses the hole ends here.
     Stop,
     /// Light that meets it ends here.
-    Dark,
+    Obscuration,
     Image,
 }
 
@@ -93,8 +93,11 @@ pub(super) fn design(prescription: &Prescription, frames: &[DAffine3], path: &Pa
     }
     for at in met.iter().filter(|met| met.index != image.index) {
         let Some(dark) = at.surface.dark else { continue };
-        if at.glass.is_none() && at.surface.after == After::Air && !touches_glass(&met, at.index) {
-            maker.sheet(at, Kind::Dark, dark)?;
+        if stop.is_some_and(|stop| stop == at.index && stop < first) {
+            let text = "the obscuration of the entrance stop is not taken over: the eye is there".to_owned();
+            notes.push(Note::info(Where::Line { file: path.to_owned(), line: at.surface.line }, text));
+        } else if at.glass.is_none() && at.surface.after == After::Air && !touches_glass(&met, at.index) {
+            maker.sheet(at, Kind::Obscuration, dark)?;
         } else {
             let text = "the obscuration of a glass or a mirror is not taken over: nothing stops light there".to_owned();
             notes.push(Note::info(Where::Line { file: path.to_owned(), line: at.surface.line }, text));
@@ -226,7 +229,9 @@ impl Maker<'_> {
         let base = match kind {
             Kind::Mirror => format!("M{}", self.parts.iter().filter(|part| part.kind == Kind::Mirror).count() + 1),
             Kind::Stop => "STOP".to_owned(),
-            Kind::Dark => format!("DARK{}", self.parts.iter().filter(|part| part.kind == Kind::Dark).count() + 1),
+            Kind::Obscuration => {
+                format!("OBSCURATION{}", self.parts.iter().filter(|part| part.kind == Kind::Obscuration).count() + 1)
+            }
             Kind::Image => "IMAGE".to_owned(),
             Kind::Glass(_) => "L".to_owned(),
         };

@@ -183,7 +183,7 @@ fn obscurations_are_dark() {
         ("  ELOB 2 3 0\n", [[-2.0, 2.0], [-3.0, 3.0]], 0.0),
     ] {
         let made = made(&with(words)).unwrap_or_else(|fault| panic!("{words}: {fault}"));
-        let node = made.assembly.nodes.iter().find(|node| node.name == "DARK1").unwrap();
+        let node = made.assembly.nodes.iter().find(|node| node.name == "OBSCURATION1").unwrap();
         assert!((node.to_world.translation.z - 20.0).abs() < 1e-12);
         let places = &made.assembly.meshes[node.mesh.unwrap()].mesh.positions;
         let ends = |axis: usize| {
@@ -195,13 +195,17 @@ fn obscurations_are_dark() {
         assert!(inner == 0.0 || (least - inner).abs() < 1e-6, "{words}: {least}");
         let sheet = toml::parse(&made.text, Path::new("x.optics.toml")).unwrap();
         let scene = build(made.assembly, Some(&sheet), &[]).unwrap().scene;
-        let dark = scene.parts.iter().find(|part| part.name == "DARK1").unwrap();
+        let dark = scene.parts.iter().find(|part| part.name == "OBSCURATION1").unwrap();
         assert_eq!(dark.faces[0].finish, crate::scene::Finish::Absorber);
     }
     let on_glass = made(&SINGLET.replace("  CURV 0.02\n", "  CURV 0.02\n  OBSC 0 2 0\n")).unwrap();
     assert!(on_glass.notes.iter().any(|note| format!("{note:?}").contains("the obscuration of a glass or a mirror")));
+    // The eye's pupil and a sheet in the same place would be met by chance.
+    let at_eye = made(&SINGLET.replace("  DISZ 20\n  DIAM 4\n", "  DISZ 20\n  DIAM 4\n  OBSC 0 1 0\n")).unwrap();
+    assert!(at_eye.assembly.nodes.iter().all(|node| node.name != "OBSCURATION1"));
+    assert!(at_eye.notes.iter().any(|note| format!("{note:?}").contains("of the entrance stop is not taken over")));
     for nothing in ["  OBSC 0 0 0\n", "  OBSC 3 2 0\n", "  SQOB 0 3 0\n"] {
-        assert!(made(&with(nothing)).unwrap().assembly.nodes.iter().all(|node| node.name != "DARK1"));
+        assert!(made(&with(nothing)).unwrap().assembly.nodes.iter().all(|node| node.name != "OBSCURATION1"));
     }
     assert!(made(&with("  OBSC x 2 0\n")).unwrap_err().to_string().contains("is no line of OBSC"));
 }

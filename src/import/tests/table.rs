@@ -170,6 +170,11 @@ fn mended(key: &str, from: Value, turn: f64, pick: usize) -> Value {
         _ => {}
     }
     match (key, kind.as_deref()) {
+        // Shares in the sidecar or in a file.
+        ("finish", Some("grating")) => {
+            let other = if pick.is_multiple_of(2) { "efficiencies" } else { "orders" };
+            all.retain(|(key, _)| key != other)
+        }
         // Shares that together are at most 1; a metal or a reflectance.
         ("finish", Some("mirror")) => {
             all.retain(|(key, _)| (key == "reflectance") == pick.is_multiple_of(2) || key == "kind")
