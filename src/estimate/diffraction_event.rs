@@ -1,6 +1,7 @@
 //! What happens at a grating: the orders that leave it, and the choice between them.
 
 use super::ledger::Ledger;
+use super::tuning::diffraction_event::MOST_MORE;
 use super::walk::{Meeting, Travel, Vertex, Walker};
 use crate::base::chain::Step;
 use crate::base::lpe::Letter;
@@ -69,8 +70,8 @@ impl<'w, M: Mode> Walker<'w, M> {
 
     /// Where two orders of a grating or more carry at least `least` of the power each: paths that have gone on in every such order,
     /// the brightest first, and one in an order by chance among the fainter ones, of which it is as likely as their power is of
-    /// `least`. They have the light of this path, which has ended. None elsewhere, and of a table by which more light would leave
-    /// than has arrived: this path [meets](Walker::meet) the vertex as ever.
+    /// `least`. They have the light of this path, which has ended. None elsewhere, and where far more would go on than has arrived,
+    /// as by a table that no grating has (shares of light that comes the other way may be more than 1 together): this path [meets](Walker::meet) the vertex as ever.
     pub fn split_orders(&mut self, vertex: &Vertex, least: f64, ledger: &mut Ledger) -> Option<Vec<Walker<'w, M>>> {
         let Surface::Grating(grating) = &self.face(vertex).surface else { return None };
         if self.events + 1 >= Ledger::MOST_EVENTS || self.is_passed(vertex, ledger) {
@@ -84,7 +85,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         ways.sort_by(|a, b| b.0.total_cmp(&a.0));
         let strong = ways.iter().take_while(|(power, _)| *power >= least * weight).count();
         let sum = |ways: &[(f64, Way<M>)]| ways.iter().map(|(power, _)| power).sum::<f64>();
-        if strong < 2 || sum(&ways) > weight * (1.0 + 1e-9) {
+        if strong < 2 || sum(&ways) > MOST_MORE * weight {
             return None;
         }
         self.events += 1;

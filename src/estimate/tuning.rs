@@ -23,6 +23,13 @@ pub(super) mod data {
     pub const ALIKE: f64 = 0.05;
 }
 
+/// `diffraction_event.rs`
+/// - `edd5144` (Rays to lamps follow every order of a grating)
+pub(super) mod diffraction_event {
+    /// A path is split into orders where no more than this of what arrives goes on: more makes branches without an end.
+    pub const MOST_MORE: f64 = 1.5;
+}
+
 /// `forward.rs`
 /// - `8fef686` (Estimators, plan and EXR)
 pub(super) mod forward {
@@ -53,7 +60,7 @@ pub(super) mod shard {
 }
 
 /// `vision/over_pixel.rs`
-/// - `CLOSE`, `MOST_TRAINS`, `PASSES_LOOKED_AT`: `edd5144` (Rays to lamps follow every order of a grating)
+/// - `CLOSE`, `MOST_TRAINS`, `PASSES_LOOKED_AT`, `RAYS_TO_CUT`: `edd5144` (Rays to lamps follow every order of a grating)
 /// - the others: `01a9142` (Pictures that rays from the eye see are cut by the footprint of each pixel over film and pupil)
 pub(super) mod over_pixel {
     /// Where in a pixel, from its middle, and in the pupil, in radii, the five paths start by which all of both is known: the
@@ -92,6 +99,8 @@ pub(super) mod over_pixel {
     /// from the middle to the rim, and at most.
     pub const PER_PIXEL: f64 = 128.0;
     pub const MOST_PAIRS: f64 = 64.0;
+    /// And no more than would take as long as so many rays.
+    pub const RAYS_TO_CUT: u64 = 8;
     /// So many pieces of pictures are cut for a pixel and pass, about, once across and once for each pair; where one place alone
     /// takes more, none.
     pub const CUTS: u64 = 256;

@@ -12,7 +12,7 @@ use crate::base::rng::Stream;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::ownership::Ownership;
 use crate::estimate::pixel::Pixel;
-use crate::estimate::tuning::over_pixel::{CUTS, MOST_PAIRS, PER_PIXEL, WIDER};
+use crate::estimate::tuning::over_pixel::{CUTS, MOST_PAIRS, PER_PIXEL, RAYS_TO_CUT, WIDER};
 use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
@@ -103,13 +103,14 @@ impl<M: Mode> OverPixel<M> {
 
     /// How many pairs of places of the pupil tell what is seen through all of it: more the farther the picture moves from one to
     /// another, fewer where it has but a share of the light or is put together of many pieces.
-    fn pairs(&self, share: f64, pieces: u64) -> u64 {
+    /// `cuts`: pieces that all places may take.
+    fn pairs(&self, share: f64, pieces: u64, cuts: u64) -> u64 {
         let of_slides = self.slides.iter().map(|(_, place)| place.pixels_over_pupil());
         let of_edge = |by: &[f64; 2]| by[0].abs() + by[1].abs();
         let of_edges = self.edges.iter().map(|inside| of_edge(&inside.by_pupil) / of_edge(&inside.by_pixel));
         let pixels = of_slides.chain(of_edges).filter(|moves| moves.is_finite()).fold(0.0, f64::max);
         let share = if share.is_finite() { share } else { 1.0 };
-        ((share * (PER_PIXEL * pixels).min(MOST_PAIRS)) as u64).min(CUTS / pieces.max(1)).max(1)
+        ((share * (PER_PIXEL * pixels).min(MOST_PAIRS)) as u64).min(cuts / pieces.max(1)).max(1)
     }
 
     /// What is seen at a place of the pixel, from its middle, and of the pupil; none where that is beside a picture or an edge.
@@ -149,13 +150,18 @@ impl<M: Mode> OverPixel<M> {
 impl<M: Mode> Vision<'_, M> {
     /// Footprints that say something, with how many places of the pupil they are to be asked about. None where a picture is much
     /// finer than the pixel: rays average it for less.
-    fn sorted(&self, optics: &Optics<M>, mut all: Vec<OverPixel<M>>) -> Vec<OverPixel<M>> {
+    /// `work`: of a ray, counted.
+    fn sorted(&self, optics: &Optics<M>, mut all: Vec<OverPixel<M>>, work: u64) -> Vec<OverPixel<M>> {
         let tracing = (self.world, optics);
         all.retain(|over| !over.is_beside(tracing));
+        // More than rays cost many times over is better spent on passes.
+        let most = CUTS.min(RAYS_TO_CUT * work / (cost::CUT * all.len().max(1) as u64).max(1));
         let brightest = all.iter().map(OverPixel::strength).fold(0.0, f64::max);
         for over in &mut all {
             match over.at_pupil(DVec2::ZERO).mean(tracing) {
-                Some((_, pieces)) if pieces <= CUTS => over.pairs = over.pairs(over.strength() / brightest, pieces),
+                Some((_, pieces)) if pieces <= CUTS => {
+                    over.pairs = over.pairs(over.strength() / brightest, pieces, most);
+                }
                 Some(_) | None => return Vec::new(),
             }
         }
@@ -169,7 +175,10 @@ impl<M: Mode> Vision<'_, M> {
         pixel: Pixel,
         work: &mut u64,
     ) -> Vec<OverPixel<M>> {
-        self.sorted(tracing.1, self.over_square(tracing, (pixel, Square::PIXEL, true), work).over)
+        let mut own = 0;
+        let seen = self.over_square(tracing, (pixel, Square::PIXEL, true), &mut own);
+        *work += own;
+        self.sorted(tracing.1, seen.over, own / seen.rays)
     }
 
     /// Adds what footprints say of all of a pixel that is looked at with this share.

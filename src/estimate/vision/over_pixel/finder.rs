@@ -112,12 +112,13 @@ impl<M: Mode> Finder<'_, M> {
 
     /// The footprints of a pixel, if they are worth it. None where all of it is even.
     fn best(&self, pixel: Pixel) -> Vec<OverPixel<M>> {
-        let seen = self.vision.over_square((self.route, self.optics), (pixel, Square::PIXEL, true), &mut 0);
+        let mut work = 0;
+        let seen = self.vision.over_square((self.route, self.optics), (pixel, Square::PIXEL, true), &mut work);
         let is_even = seen.whole && !seen.over.iter().any(|over| over.has_edge((self.vision.world, self.optics)));
         if is_even || !self.are_worth_it(pixel, &seen.over) {
             return Vec::new();
         }
-        self.vision.sorted(self.optics, seen.over)
+        self.vision.sorted(self.optics, seen.over, work / seen.rays)
     }
 
     /// Whether paths differ from what footprints say by much less than they differ from each other, or by next to nothing.

@@ -145,6 +145,8 @@ pub(super) struct Seen<M: Mode> {
     pub(super) whole: bool,
     /// No corner sees any.
     pub(super) dark: bool,
+    /// That were followed.
+    pub(super) rays: u64,
 }
 
 impl<M: Mode> Vision<'_, M> {
@@ -170,6 +172,7 @@ impl<M: Mode> Vision<'_, M> {
             of_all.map(|(sight, sights)| (sight, OverPixel::new(self.world, sights, &simplex))).unzip();
         let most = all.iter().map(Vec::len).max().unwrap_or(0);
         let (whole, dark) = (over.iter().flatten().count() == most, most == 0);
+        let mut closer = 0;
         if ending && !whole {
             // What one corner alone knows of is followed close to it.
             let mut known = known;
@@ -182,6 +185,7 @@ impl<M: Mode> Vision<'_, M> {
                 if known.iter().any(|other| other.is_like(sight)) {
                     continue;
                 }
+                closer += 1;
                 let corners = corners.map(|other| *corner + CLOSE * other);
                 let near = corners.map(&mut at);
                 if let Some(sights) = like(sight, &near) {
@@ -191,7 +195,8 @@ impl<M: Mode> Vision<'_, M> {
             }
         }
         *work += ledger.work;
-        Seen { over: over.into_iter().flatten().collect(), whole, dark }
+        let rays = STARTS.len() as u64 * (1 + closer);
+        Seen { over: over.into_iter().flatten().collect(), whole, dark, rays }
     }
 
     /// The lamps, with pictures or behind slides or neither, that a path from a place of a pixel (from its middle) meets.
