@@ -314,7 +314,6 @@ fn a_plate_shows_a_lamp_twice() {
 #[test]
 fn a_lamp_behind_a_grating() {
     for (orders, rest) in [(vec![(1, 0.3)], true), (vec![(1, 0.3), (0, 0.4)], false), (vec![(1, 0.01)], true)] {
-        let mut scene = scene();
         let orders = orders.into_iter().map(|(order, transmittance)| Order { order, transmittance, reflectance: 0.1 });
         let grating = Grating {
             direction: DVec3::Y,
@@ -322,16 +321,7 @@ fn a_lamp_behind_a_grating() {
             orders: orders.collect::<Vec<_>>().into(),
             rest_in_zero_order: rest,
         };
-        scene.gratings.push(grating);
-        let finish = Finish::Grating { grating: GratingId::from_index(0) };
-        let pane = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.3, DVec3::Y * 0.3)]);
-        add_part(&mut scene, "hologram", pane, DVec3::new(0.0, 0.0, -0.3), None, vec![face(finish)]);
-        let group = add_group(&mut scene, "led");
-        let mut shining = face(Finish::Absorber);
-        shining.emitter = lamp(group, LAMP_CD_M2);
-        let panel = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.02, DVec3::Y * 0.01)]);
-        add_part(&mut scene, "lamp", panel, DVec3::new(0.0, 0.0, -0.6), None, vec![shining]);
-        scene.eye.resolution = [24, 24];
+        let scene = lamp_behind(grating);
         let found = run(&scene, &asked([3, 1], [0.05, 0.0]));
         assert_eq!((found.part.as_str(), found.by.as_str()), ("lamp", "hologram"));
         for position in &found.positions {
@@ -553,12 +543,10 @@ fn limits_on_the_command_line() {
     }
 }
 
-/// A sheet of lines 0.3 m ahead, and a lamp 0.6 m ahead.
-fn behind_lines(orders: &[(i32, f64)]) -> Scene {
+/// A grating 0.3 m ahead, and a lamp 0.6 m ahead.
+fn lamp_behind(grating: Grating) -> Scene {
     let mut scene = scene();
-    let orders = orders.iter().map(|(order, share)| Order { order: *order, transmittance: *share, reflectance: 0.0 });
-    let orders = orders.collect::<Vec<_>>().into();
-    scene.gratings.push(Grating { direction: DVec3::Y, lines_per_mm: LINES_PER_MM, orders, rest_in_zero_order: false });
+    scene.gratings.push(grating);
     let finish = Finish::Grating { grating: GratingId::from_index(0) };
     let pane = mesh(&[quad(DVec3::ZERO, DVec3::X * 0.3, DVec3::Y * 0.3)]);
     add_part(&mut scene, "hologram", pane, DVec3::new(0.0, 0.0, -0.3), None, vec![face(finish)]);
@@ -569,6 +557,13 @@ fn behind_lines(orders: &[(i32, f64)]) -> Scene {
     add_part(&mut scene, "lamp", panel, DVec3::new(0.0, 0.0, -0.6), None, vec![shining]);
     scene.eye.resolution = [24, 24];
     scene
+}
+
+/// The same of a grating that sends nothing back.
+fn behind_lines(orders: &[(i32, f64)]) -> Scene {
+    let orders = orders.iter().map(|(order, share)| Order { order: *order, transmittance: *share, reflectance: 0.0 });
+    let orders = orders.collect::<Vec<_>>().into();
+    lamp_behind(Grating { direction: DVec3::Y, lines_per_mm: LINES_PER_MM, orders, rest_in_zero_order: false })
 }
 
 const LINES_PER_MM: f64 = 200.0;

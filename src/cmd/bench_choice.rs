@@ -9,8 +9,9 @@ use crate::bench::agreement::{self, Summary};
 use crate::bench::choice::{head, judge, line};
 use crate::bench::curve::asset::Form;
 use crate::bench::curve::race::Budget;
-use crate::bench::generate::{Families, scene_of};
+use crate::bench::generate::{Families, Family, scene_of};
 use crate::bench::stated::{Stated, measure, measure_scene};
+use crate::estimate::ShouldStop;
 use clap::Args;
 use std::ops::Range;
 use std::process::ExitCode;
@@ -82,16 +83,45 @@ pub fn run(args: &ChoiceArgs, curve: &CurveArgs, form: Form) -> Result<Option<Ex
 }
 
 fn generated(seeds: Range<u64>, families: &Families, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
+    let judged = |family, seed, seconds, stop: &ShouldStop<'_>| judge(family, seed, seconds, REFERENCE_FACTOR, stop);
+    let (rows, stopped) = each_seed(seeds, families, curve, (json, head(), line), judged)?;
+    if json {
+        print_text(document(serde_json::json!({ "choices": rows })))?;
+    }
+    let sound = rows.iter().all(|row| row.is_fast() && row.agreement.holds());
+    Ok(stopped.unwrap_or(ExitCode::from(u8::from(!sound))))
+}
+
+fn biased(seeds: Range<u64>, families: &Families, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
+    let told = (json, agreement::head(), agreement::line as fn(&_) -> _);
+    let (rows, stopped) = each_seed(seeds, families, curve, told, agreement::agreement)?;
+    let summary = Summary::new(&rows);
+    if json {
+        print_text(document(serde_json::json!({ "agreement": rows, "summary": summary })))?;
+    } else {
+        print_text(agreement::summary(&summary))?;
+    }
+    Ok(stopped.unwrap_or(ExitCode::from(u8::from(!summary.holds()))))
+}
+
+/// A row for each seed, told as it comes but for JSON, until somebody stops the run; then with the exit code for that.
+fn each_seed<R: Send>(
+    seeds: Range<u64>,
+    families: &Families,
+    curve: &CurveArgs,
+    (json, head, line): (bool, String, fn(&R) -> String),
+    row_of: impl Fn(Family, u64, f64, &ShouldStop<'_>) -> Result<R> + Sync,
+) -> Result<(Vec<R>, Option<ExitCode>)> {
     let signals = Signals::install();
     let stop = || signals.caught().is_some();
     let pool = curve.pool()?;
     let Budget { seconds, .. } = curve.task()?.budget;
     if !json {
-        print_text(head())?;
+        print_text(head)?;
     }
     let mut rows = Vec::new();
     for seed in seeds {
-        let row = pool.install(|| judge(families.of_seed(seed), seed, seconds, REFERENCE_FACTOR, &stop))?;
+        let row = pool.install(|| row_of(families.of_seed(seed), seed, seconds, &stop))?;
         if stop() {
             break;
         }
@@ -100,39 +130,7 @@ fn generated(seeds: Range<u64>, families: &Families, curve: &CurveArgs, json: bo
         }
         rows.push(row);
     }
-    if json {
-        print_text(document(serde_json::json!({ "choices": rows })))?;
-    }
-    let sound = rows.iter().all(|row| row.is_fast() && row.agreement.holds());
-    Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!sound)) })
-}
-
-fn biased(seeds: Range<u64>, families: &Families, curve: &CurveArgs, json: bool) -> Result<ExitCode> {
-    let signals = Signals::install();
-    let stop = || signals.caught().is_some();
-    let pool = curve.pool()?;
-    let Budget { seconds, .. } = curve.task()?.budget;
-    if !json {
-        print_text(agreement::head())?;
-    }
-    let mut rows = Vec::new();
-    for seed in seeds {
-        let row = pool.install(|| agreement::agreement(families.of_seed(seed), seed, seconds, &stop))?;
-        if stop() {
-            break;
-        }
-        if !json {
-            print_text(agreement::line(&row))?;
-        }
-        rows.push(row);
-    }
-    let summary = Summary::new(&rows);
-    if json {
-        print_text(document(serde_json::json!({ "agreement": rows, "summary": summary })))?;
-    } else {
-        print_text(agreement::summary(&summary))?;
-    }
-    Ok(if stop() { signals.exit_code() } else { ExitCode::from(u8::from(!summary.holds())) })
+    Ok((rows, stop().then(|| signals.exit_code())))
 }
 
 fn stated(error: f64, args: &ChoiceArgs, curve: &CurveArgs, json: bool) -> Result<ExitCode> {

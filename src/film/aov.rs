@@ -26,12 +26,14 @@ pub struct Aov {
 
 /// What the names of layers that come with a share end with.
 pub const OF_SHARE: [&str; 6] = ["", "_open", "_content", "_cross", "_cross2", "_cross3"];
+/// The same but for the share itself: what it is split into by a slide.
+pub const OF_SPLIT: &[&str] = OF_SHARE.split_at(1).1;
 /// The same for a layer of one's own.
 const OF_LAYER: [&str; 3] = ["", "_stderr", "_variance"];
 
 /// The layers that come with a share for each of several slides.
 pub fn layers_by_slide<'s>(share: &'s str, slides: &'s [String]) -> impl Iterator<Item = String> + 's {
-    slides.iter().flat_map(move |slide| OF_SHARE[1..].iter().map(move |suffix| format!("{share}_{slide}{suffix}")))
+    slides.iter().flat_map(move |slide| OF_SPLIT.iter().map(move |suffix| format!("{share}_{slide}{suffix}")))
 }
 
 impl Aov {

@@ -14,7 +14,6 @@ use crate::film::variance;
 const CHAIN: &str = "chain.";
 const PATHS: &str = "paths";
 /// What the names of the layers of a split end with, and those of its errors.
-const OF_SPLIT: [&str; 5] = ["_open", "_content", "_cross", "_cross2", "_cross3"];
 const OF_ERRORS: [&str; 3] = ["_open_stderr", "_content_stderr", "_covariance"];
 
 /// What is to be changed.
@@ -190,7 +189,8 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
         if apart && share.split.is_some() {
             let name = &share.name;
             let errors = OF_ERRORS.map(|suffix| format!("{name}{suffix}"));
-            let together: Vec<String> = OF_SPLIT.iter().map(|suffix| format!("{name}{suffix}")).chain(errors).collect();
+            let together: Vec<String> =
+                aov::OF_SPLIT.iter().map(|suffix| format!("{name}{suffix}")).chain(errors).collect();
             out.channels.retain(|channel| !together.iter().any(|layer| layer == channel.layer()));
         }
         let gain = recipe.gain(&share.group);
@@ -202,7 +202,7 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
         set_layer(&mut out, &share.name, &picture);
         let slides = share.by_slide.iter().filter_map(|(slide, _)| rendering.slides.get(*slide));
         let slides: Vec<String> = slides.map(|slide| format!("_{}", slide.name)).collect();
-        for suffix in OF_SPLIT {
+        for suffix in aov::OF_SPLIT {
             for slide in [""].into_iter().chain(slides.iter().map(String::as_str)) {
                 scale_layer(&mut out, &format!("{}{slide}{suffix}", share.name), gain);
             }

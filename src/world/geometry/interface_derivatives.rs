@@ -7,7 +7,6 @@ use super::local_ray::Touch;
 use super::patch::{Projection, vertex};
 use super::solid::Solid;
 use super::surface::Surface;
-
 use super::triangle::{Triangle, winding};
 use super::{Geometry, Ray, Site};
 use glam::{DMat3, DVec3};
@@ -70,9 +69,7 @@ impl Geometry {
         let instance = self.instances.get(slot as usize)?;
         instance.meet(self.solids.get(instance.solid)?, face, ray, about)
     }
-}
 
-impl Geometry {
     /// The same, of a flat face on its plane where the ray passes beside it.
     pub fn meet_past_rim(&self, part: u32, face: u32, ray: &Ray, about: DVec3) -> Option<Meet> {
         self.meet(part, face, ray, about).or_else(|| {
