@@ -191,6 +191,52 @@ fn films_and_coloured_glass() {
     assert!((bare[1] - want[1]).abs() > 3.0 * 4.0 * got.1[1], "{bare:?}");
 }
 
+/// A panel behind a plate that disperses, straight and through a green film: which wavelengths a run draws is hardly a doubt, so the
+/// stated error is small after few passes, and the mean of each seed is within it.
+#[test]
+fn wavelengths_that_lead_in_turn_are_no_doubt() {
+    let index = |nm: f64| Dispersion::Cauchy([1.5, 0.02, 0.0]).index(nm).re;
+    let absorption_per_m = |nm: f64| 100.0 * ((nm - 550.0) / 40.0).powi(2);
+    for filtered in [false, true] {
+        let mut s = visible();
+        s.eye.fov_deg = 0.01;
+        panel(&mut s, Spectrum::D65);
+        let part = plate(&mut s, 0.0, 0.004, face(Finish::Polished));
+        let medium = s.parts[part].medium.expect("glass").index();
+        s.media[medium].index = Dispersion::Cauchy([1.5, 0.02, 0.0]);
+        if filtered {
+            let rows = (360..=830).step_by(5).map(|nm| [nm as f64, absorption_per_m(nm as f64)]);
+            s.media[medium].absorption = Absorption::Table(rows.collect());
+        }
+        // What is reflected inside is filtered twice more.
+        let transmittance = |nm: f64| {
+            let inside = if filtered { (-0.004 * absorption_per_m(nm)).exp() } else { 1.0 };
+            let r = ((index(nm) - 1.0) / (index(nm) + 1.0)).powi(2);
+            (1.0 - r).powi(2) * inside / (1.0 - (r * inside).powi(2))
+        };
+        let want = colour::luminance(through(&Spectrum::D65, transmittance));
+        let (checked, world) = (check(&s).expect("sound"), World::freeze(&s).expect("sound"));
+        let plan = plan(&checked, &world, BACKWARD);
+        assert_eq!(plan.mode.spectral, Spectral::Hero);
+        assert!(world.disperses);
+        for passes in [4, 16, 24] {
+            let limits = Limits { passes: Some(passes), ..Limits::default() };
+            for seed in 0..SEEDS {
+                let outcome = run(&world, &plan, s.groups.len(), s.eye.resolution, seed, &limits, &mut ());
+                let stated = outcome.films.relative_error().expect("passes tell");
+                let frame = eyebox::estimate::picture::picture(&s, &plan, &outcome, Default::default()).expect("sound");
+                let channel = |name: &str| frame.frame.component("hybrid", name).expect("the channel").data[5];
+                let off = colour::luminance(["R", "G", "B"].map(|name| f64::from(channel(name)))) / want - 1.0;
+                println!("filtered {filtered}, {passes} passes: off by {off:.2e}, states {stated:.2e}");
+                assert!(off.abs() < 3.0 * stated + 1e-4, "{passes} passes, seed {seed}: {off} with {stated}");
+                let most = if filtered { [0.1, 0.03, 0.02] } else { [0.02, 5e-3, 5e-3] };
+                let most = most[if passes < 16 { 0 } else { usize::from(passes > 16) + 1 }];
+                assert!(stated < most, "{passes} passes, seed {seed}: states {stated}");
+            }
+        }
+    }
+}
+
 /// In a uniform world nothing lossless can be seen: glass that disperses, films, films that split s and p, in all modes.
 #[test]
 fn furnaces() {

@@ -25,10 +25,11 @@ use crate::film::accumulate::{Film, Light};
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
-use crate::world::mode::{Mode, OPTICS_AT_A_TIME, lanes, plane_of};
+use crate::world::mode::{Mode, OPTICS_AT_A_TIME, Turns, lanes, plane_of, turns, turns_of};
 use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use crate::world::surface::{FaceOptics, Surface};
+use crate::world::wavelengths::SharedLight;
 use glow::About;
 pub use glow::Glow;
 use next_event::Here;
@@ -54,7 +55,11 @@ pub struct Backward<'w, M: Mode> {
     panes: bool,
     /// Share of its light down to which a path's branches are followed.
     faintest: f64,
-    /// Per pixel that a pass looks at.
+    /// Wavelengths that lead in turn in a pass.
+    turns: u64,
+    /// What the wavelengths of passes make of light.
+    shared: Option<SharedLight<'w>>,
+    /// Per pixel that a turn of a pass looks at.
     paths: u32,
     /// Share of the pixels that a pass looks at.
     share: f64,
@@ -71,6 +76,7 @@ impl<'w, M: Mode> Backward<'w, M> {
         let (reach, vision) = (Reach::from_eye(&route), Vision::new(world, &route, hints, seed));
         let asked = [world.lamps.all().is_empty(), world.sky.is_none(), world.lights.all().is_empty()];
         let asked = asked.iter().filter(|none| !**none).count() as u64;
+        let turns = turns::<M>(world);
         let transmits = |face: &FaceOptics| match &face.surface {
             Surface::Interface(_)
             | Surface::Slide(_)
@@ -92,7 +98,9 @@ impl<'w, M: Mode> Backward<'w, M> {
             asked,
             panes,
             faintest: 1.0,
-            paths,
+            turns,
+            shared: SharedLight::new::<M>(world),
+            paths: u64::from(paths).div_ceil(turns) as u32,
             share,
             glow: None,
             seed,
@@ -155,31 +163,39 @@ impl<'w, M: Mode> Backward<'w, M> {
         // A row adds its passes in order whatever their number.
         let mut next = first;
         let end = first.saturating_add(count);
+        if let Some(shared) = &self.shared {
+            film.know((first..end).map(|pass| (pass, shared.of_pass(self.turns, self.seed, pass))));
+        }
         while next < end {
             let passes = next..next.saturating_add(OPTICS_AT_A_TIME).min(end);
             next = passes.end;
-            let optics: Vec<(u64, Optics<M>)> =
-                passes.map(|pass| (pass, M::optics(self.world, self.seed, pass))).collect();
+            let optics: Vec<(u64, Turns<M>)> =
+                passes.map(|pass| (pass, turns_of(self.world, self.turns, self.seed, pass))).collect();
             let mut rows: Vec<_> = film.rows().collect();
             let ledgers: Vec<Ledger> = rows
                 .par_iter_mut()
                 .map(|(y, row)| {
                     let mut total = Ledger::new(parts);
                     let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
-                    for (pass, optics) in &optics {
+                    for (pass, turns) in &optics {
                         let mut ledgers = [Ledger::new(parts), Ledger::new(parts)];
                         for x in 0..width {
                             light.fill(Light::default());
-                            let pixel = Pixel::new((x, *y), width, *pass);
-                            if row.wants(x, *pass) && self.world.eye.wants([x, *y]) && self.looks(pixel) {
-                                self.pixel(optics, pixel, &mut light, &mut ledgers);
+                            if row.wants(x, *pass) && self.world.eye.wants([x, *y]) {
+                                for (number, optics) in turns {
+                                    let pixel = Pixel::new((x, *y), width, *number);
+                                    if self.looks(pixel) {
+                                        self.pixel(optics, pixel, &mut light, &mut ledgers);
+                                    }
+                                }
                             }
                             // A pixel without light adds nothing but zeros; where few are looked at, that is most of them.
                             if light.iter().all(|light| *light == Light::default()) {
                                 continue;
                             }
-                            if self.share < 1.0 {
-                                light.iter_mut().for_each(|light| *light = light.scaled(1.0 / self.share));
+                            let looks = self.share * self.turns as f64;
+                            if looks != 1.0 {
+                                light.iter_mut().for_each(|light| *light = light.scaled(1.0 / looks));
                             }
                             ledgers[0].work += cost::KEPT;
                             row.add_pass(x, *pass, &light);

@@ -27,6 +27,7 @@ use crate::world::geometry::Site;
 use crate::world::mode::{LaneArray, Mode};
 use crate::world::optics::Optics;
 use crate::world::surface::Surface;
+use crate::world::wavelengths::SharedLight;
 use gather::Maps;
 pub use gather::on_side;
 use gather_samples::GatherSamples;
@@ -71,6 +72,8 @@ pub struct PhotonMapper<'w, M: Mode> {
     glances: Option<Arc<EyeTable<M>>>,
     /// What the middles of pixels see, once photons are crowded.
     middles: OnceLock<GatherSamples>,
+    /// What the wavelengths of passes make of light.
+    shared: Option<SharedLight<'w>>,
     seed: u64,
     starts: Starts,
 }
@@ -143,6 +146,7 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
             screens,
             glances: None,
             middles: OnceLock::new(),
+            shared: SharedLight::new::<M>(world),
             seed,
             starts,
         }
@@ -173,6 +177,9 @@ impl<'w, M: Mode> PhotonMapper<'w, M> {
     /// Adds passes `first .. first + count` to the film. Returns the ledger of the photons' side.
     pub fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
         let mut total = Ledger::new(self.world.solids.len());
+        if let Some(shared) = &self.shared {
+            film.know((first..first + count).map(|pass| (pass, shared.of_pass(1, self.seed, pass))));
+        }
         for pass in first..first + count {
             let optics = M::optics(self.world, self.seed, pass);
             let screens = self.screens.of_pass(pass, self.world, &optics);

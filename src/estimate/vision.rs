@@ -31,7 +31,7 @@ use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
 use crate::world::lamp::Lamp;
-use crate::world::mode::{Mode, plane_of, wavelengths_change};
+use crate::world::mode::{Mode, plane_of, turns, wavelengths_change};
 use crate::world::optics::Optics;
 use crate::world::slide::footprint::MOST as MOST_SLIDES;
 use crate::world::surface::Surface;
@@ -82,6 +82,8 @@ pub struct Vision<'w, M: Mode> {
     pupil: Option<ApertureGuide>,
     /// Footprints of the pixels that have edges of pictures in them, if these are cut.
     footprints: Option<PixelFootprints<M>>,
+    /// Paths of a pixel in a turn of a pass, and those about each glint.
+    paths: [u64; 2],
     seed: u64,
 }
 
@@ -130,6 +132,7 @@ impl<'w, M: Mode> Vision<'w, M> {
             glints: glints::by_pixel(&world.eye, hints.glints),
             pupil: hints.pupil.cloned(),
             footprints: None,
+            paths: [PATHS, PATHS_OF_A_GLINT].map(|paths| paths.div_ceil(turns::<M>(world))),
             seed,
         })
     }
@@ -174,24 +177,30 @@ impl<'w, M: Mode> Vision<'w, M> {
         let cell = eye.pixel().iter().product::<f64>();
         let corner = eye.film_of(pixel.x, pixel.y, [0.0; 2]);
         // All points of the pixel count by the density of all ways to choose them (the balance heuristic of E. Veach, 1997).
+        let [paths, of_a_glint] = self.paths;
+        // Those share what it takes to find footprints.
+        let paths = if known.is_empty() { paths } else { PATHS };
         let density = |film: [f64; 2]| {
             let about = glints.iter().filter(|glint| glint.holds(film)).map(|glint| cell / glint.area()).sum::<f64>();
-            PATHS as f64 + PATHS_OF_A_GLINT as f64 * about
+            paths as f64 + of_a_glint as f64 * about
         };
-        let about = PATHS_OF_A_GLINT * glints.len() as u64;
-        for path in 0..PATHS + about {
+        let about = of_a_glint * glints.len() as u64;
+        for path in 0..paths + about {
             let index = |path: u64, of: u64| pixel.pass.wrapping_mul(of).wrapping_add(path);
-            // Without a guide the pupil is left to chance: all points are spent on the picture, where a small image is hard
-            // to find. With one little else is left to find.
-            let (jitter, lens, of_lens) = match (path.checked_sub(PATHS), &self.pupil) {
-                (None, None) => (pixel.start(self.seed, Stream::Vision, index(path, PATHS)), rng.pair(), 1.0),
+            // Without a guide the points are most even in the picture, where a small image is hard to find, and the pupil has to do
+            // with what goes with these. With one little else is left to find.
+            let (jitter, lens, of_lens) = match (path.checked_sub(paths), &self.pupil) {
+                (None, None) => {
+                    let [_, _, u, v] = pixel.start(self.seed, Stream::Vision, index(path, paths));
+                    (pixel.start(self.seed, Stream::Vision, index(path, paths)), [u, v], 1.0)
+                }
                 (None, Some(_)) => {
-                    let [x, y, u, v] = pixel.start(self.seed, Stream::Vision, index(path, PATHS));
+                    let [x, y, u, v] = pixel.start(self.seed, Stream::Vision, index(path, paths));
                     let (lens, density) = self.lens(pixel, [u, v]);
                     ([x, y], lens, density)
                 }
                 (Some(path), _) => {
-                    let glint = &glints[(path / PATHS_OF_A_GLINT) as usize];
+                    let glint = &glints[(path / of_a_glint) as usize];
                     let place: [f64; 2] = pixel.start(self.seed, Stream::Glint, index(path, about));
                     let [x, y] = glint.place(place.map(|u| 2.0 * u - 1.0));
                     let [width, height] = eye.pixel();

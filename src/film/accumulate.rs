@@ -3,11 +3,12 @@
 pub mod light;
 pub mod plane;
 
+use super::control_variates::{self, ControlVariates, ControlVariatesRow};
 use super::kernel_bias::{self, KernelBias};
 use super::layer::Layer;
 use super::layer_moments::{LayerMoments, LayerMomentsRow};
 use super::replicates::{REPLICATES, Replicates};
-use super::rqmc_variance::{Evenness, RqmcVariance, RqmcVarianceRow};
+use super::rqmc_variance::{Evenness, PixelMean, RqmcVariance, RqmcVarianceRow};
 use super::sample_map::{SampleMap, SampleMapRow};
 use super::tiles::{Tiles, TilesRow};
 use super::totals::{Totals, TotalsRow};
@@ -66,6 +67,8 @@ pub struct Film {
     pub(super) scrambles: Option<Replicates>,
     /// None where scrambles tell.
     pub(super) turns: Option<RqmcVariance>,
+    /// Of films whose passes share wavelengths.
+    pub(super) control: Option<ControlVariates>,
     /// Kept on request.
     pub(super) detail: Option<LayerMoments>,
     /// Of films whose light is gathered within a radius.
@@ -82,6 +85,7 @@ pub struct Row<'f> {
     sums: TilesRow<'f>,
     squares: TilesRow<'f>,
     turns: Option<RqmcVarianceRow<'f>>,
+    control: Option<ControlVariatesRow<'f>>,
     detail: Option<LayerMomentsRow<'f>>,
     blur: Option<TilesRow<'f>>,
     totals: Option<TotalsRow<'f>>,
@@ -113,6 +117,7 @@ impl Film {
             squares,
             scrambles,
             turns,
+            control: None,
             detail: None,
             blur: None,
             variances: None,
@@ -130,8 +135,23 @@ impl Film {
     /// Says of what its passes are even.
     #[must_use]
     pub fn with_evenness(mut self, evenness: Evenness) -> Self {
-        self.turns = self.turns.map(|_| RqmcVariance::new([self.width, self.height], evenness));
+        let size = [self.width, self.height];
+        self.turns = self.turns.map(|_| RqmcVariance::new(size, evenness));
+        self.control = match evenness {
+            Evenness::OfPixels => None,
+            Evenness::OfPasses => self.turns.is_some().then(|| ControlVariates::new(size)),
+        };
         self
+    }
+
+    /// To be called before rows get passes that share wavelengths: what is known of these.
+    pub fn know(&mut self, passes: impl IntoIterator<Item = (u64, control_variates::Known)>) -> bool {
+        self.control.as_mut().is_none_or(|control| control.know(passes))
+    }
+
+    /// What is known of passes that share wavelengths.
+    pub fn known(&self) -> &[(u64, control_variates::Known)] {
+        self.control.as_ref().map_or(&[], ControlVariates::known)
     }
 
     /// Of what its passes are even; none where scrambles tell.
@@ -169,7 +189,7 @@ impl Film {
         }
         let all = self.planes.len();
         self.variances = Some((0..self.width * self.height).map(|pixel| self.variance(pixel, all)).collect());
-        (self.squares, self.scrambles, self.turns, self.blur) = (None, None, None, None);
+        (self.squares, self.scrambles, self.turns, self.control, self.blur) = (None, None, None, None, None);
     }
 
     /// The further sums, if they are kept.
@@ -188,6 +208,7 @@ impl Film {
         let components = self.components;
         let mut details = self.detail.as_mut().map(LayerMoments::rows);
         let mut turns = self.turns.as_mut().map(RqmcVariance::rows);
+        let mut control = self.control.as_mut().map(ControlVariates::rows);
         let mut blur = self.blur.as_mut().map(KernelBias::rows);
         let mut totals = self.totals.rows();
         let mut map = self.map.as_ref().map(SampleMap::rows);
@@ -201,6 +222,7 @@ impl Film {
                 sums,
                 squares,
                 turns: turns.as_mut().and_then(Iterator::next),
+                control: control.as_mut().and_then(Iterator::next),
                 detail: details.as_mut().and_then(Iterator::next),
                 blur: blur.as_mut().and_then(Iterator::next),
                 totals: totals.next(),
@@ -256,7 +278,9 @@ impl Film {
         let all = self.planes.len();
         let of_pixel = |pixel: usize| {
             let sum = (0..all).map(|plane| self.sum(pixel, plane).value).sum::<f64>();
-            (sum / self.passes_of(pixel).max(1) as f64, self.variance(pixel, all))
+            let squares = self.squares.as_ref().map_or(0.0, |squares| squares.sum(pixel, total_of(all)).value());
+            let spread = self.covariance_of_means(pixel, sum, sum, squares).max(0.0);
+            PixelMean { mean: sum / self.passes_of(pixel).max(1) as f64, spread, variance: self.variance(pixel, all) }
         };
         let Some(turns) = &self.turns else { return Saved::NOTHING };
         match &self.map {
@@ -417,7 +441,10 @@ impl Film {
             (0..planes).map(|plane| self.sum(pixel, plane).value).sum()
         };
         let square = |squares: &Tiles| squares.sum(pixel, plane.min(total_of(planes))).value();
-        self.covariance_of_means(pixel, sum, sum, self.squares.as_ref().map_or(0.0, square)).max(0.0)
+        let square = self.squares.as_ref().map_or(0.0, square);
+        let of_all = self.control.as_ref().filter(|_| plane == planes || planes == 1);
+        let left = of_all.and_then(|control| control.variance(pixel, self.passes_of(pixel), sum, square));
+        left.unwrap_or_else(|| self.covariance_of_means(pixel, sum, sum, square).max(0.0))
     }
 
     /// Variance of the mean `value` of some of a pixel's planes together; none if it is not kept or the film has none of
@@ -527,6 +554,9 @@ impl Row<'_> {
         }
         if let Some(turns) = &mut self.turns {
             turns.add(x, number, total);
+        }
+        if let Some(control) = &mut self.control {
+            control.add(x, number, total);
         }
         if let Some(detail) = &mut self.detail {
             detail.close(x);

@@ -2,6 +2,7 @@
 
 pub mod accumulate;
 pub mod aov; // layers that a user defines
+pub mod control_variates;
 pub mod crop; // a part of a picture
 pub mod cryptomatte; // Cryptomatte
 pub mod diffraction;

@@ -96,6 +96,23 @@ impl Evenness {
     }
 }
 
+/// The mean luminance of a pixel over its passes.
+#[derive(Debug, Clone, Copy)]
+pub struct PixelMean {
+    pub mean: f64,
+    /// Its variance by the spread of the passes,
+    pub spread: f64,
+    /// and what is stated of it: less, where [more is known](super::control_variates) of the passes.
+    pub variance: f64,
+}
+
+impl PixelMean {
+    /// Of which no more is known.
+    pub fn of_spread(mean: f64, spread: f64) -> PixelMean {
+        PixelMean { mean, spread, variance: spread }
+    }
+}
+
 /// The sums of a film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RqmcVariance {
@@ -205,14 +222,14 @@ impl RqmcVariance {
         &self.surplus
     }
 
-    /// How many times smaller the variance of the mean over `passes` is than the spread of the passes says, as far as
+    /// How many times smaller the variance of the mean over `passes` is than [`PixelMean::variance`] says, as far as
     /// that can be told: at most 1. `own`: the pixels that have so many passes, which count `surplus` in each sum.
-    /// `of_pixel`: mean luminance of a pixel and its variance by the spread of the passes.
+    /// `of_pixel`: of the luminance of a pixel.
     pub fn saved(
         &self,
         (passes, surplus): (u64, &[i64]),
         own: impl Fn(usize) -> bool,
-        of_pixel: impl Fn(usize) -> (f64, f64),
+        of_pixel: impl Fn(usize) -> PixelMean,
     ) -> f64 {
         match self.evenness {
             Evenness::OfPixels => {}
@@ -236,7 +253,7 @@ impl RqmcVariance {
         (run, surplus): (usize, f64),
         passes: f64,
         own: &impl Fn(usize) -> bool,
-        of_pixel: &impl Fn(usize) -> (f64, f64),
+        of_pixel: &impl Fn(usize) -> PixelMean,
     ) -> f64 {
         // Passes that there are more of on one side do not swing.
         let swinging = 1.0 - (surplus / passes).powi(2);
@@ -245,7 +262,7 @@ impl RqmcVariance {
         }
         let (mut by_passes, mut by_runs, mut squares) = (0.0, 0.0, 0.0);
         for (pixel, sums) in self.pixels(own) {
-            let (mean, variance) = of_pixel(pixel);
+            let PixelMean { mean, variance, .. } = of_pixel(pixel);
             let swing = (sums[run].value() - surplus * mean) / passes;
             let of_runs = swing * swing / swinging;
             by_passes += variance;
@@ -316,11 +333,11 @@ mod tests {
             let of_pixel = |pixel: usize| {
                 let [sum, square] = sums[pixel];
                 let mean = sum / count_f;
-                (mean, (square / count_f - mean * mean) / (count_f - 1.0))
+                PixelMean::of_spread(mean, (square / count_f - mean * mean) / (count_f - 1.0))
             };
             let saved = turns.saved((count, &turns.surplus), |_| true, of_pixel);
-            let real: f64 = (0..PIXELS).map(|pixel| (of_pixel(pixel).0 - 0.5).powi(2)).sum();
-            let stated: f64 = (0..PIXELS).map(|pixel| of_pixel(pixel).1).sum();
+            let real: f64 = (0..PIXELS).map(|pixel| (of_pixel(pixel).mean - 0.5).powi(2)).sum();
+            let stated: f64 = (0..PIXELS).map(|pixel| of_pixel(pixel).spread).sum();
             (saved, real / stated)
         };
         let by_chance = |pixel: usize, pass: u64| Rng::new(1, Stream::Check, pass, pixel as u64).uniform();
@@ -378,7 +395,10 @@ mod tests {
             turns.saved(
                 (256, &turns.surplus),
                 |_| true,
-                |pixel| if pixel < 10 { (0.5, 1.0 / 12.0 / 256.0) } else { (0.0, 1.0) }
+                |pixel| match pixel {
+                    0..10 => PixelMean::of_spread(0.5, 1.0 / 12.0 / 256.0),
+                    _ => PixelMean::of_spread(0.0, 1.0),
+                }
             ),
             1.0
         );

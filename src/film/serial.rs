@@ -119,6 +119,7 @@ impl Film {
             ("mixed_squares", detail.map(|d| &d.mixed)),
             ("layer_squares", detail.map(|d| &d.squares)),
             ("blur", self.blur.as_ref().map(|b| &b.sums)),
+            ("control", self.control.as_ref().map(|c| &c.products)),
         ];
         let tiles = tiles.into_iter().filter_map(|(name, tiles)| Some(Table { name, sums: Sums::Tiles(tiles?) }));
         let turns = self.turns.as_ref().map(|turns| Table { name: TURNS, sums: Sums::RqmcVariance(turns) });
@@ -150,6 +151,7 @@ impl Film {
             ("mixed_squares", mixed),
             ("layer_squares", layers),
             ("blur", self.blur.as_mut().map(|b| &mut b.sums)),
+            ("control", self.control.as_mut().map(|c| &mut c.products)),
         ];
         let tiles = tiles.into_iter().filter_map(|(name, tiles)| Some(TableMut { name, sums: SumsMut::Tiles(tiles?) }));
         let turns = self.turns.as_mut().map(|turns| TableMut { name: TURNS, sums: SumsMut::RqmcVariance(turns) });
@@ -194,6 +196,7 @@ impl Film {
                 (SumsMut::Passes(_) | SumsMut::Tiles(_) | SumsMut::RqmcVariance(_), _) => return false,
             }
         }
+        self.know(other.known().iter().copied());
         self.totals.merge(&other.totals);
         self.passes += other.passes;
         self.wanted = self.wanted.max(other.wanted);

@@ -8,6 +8,7 @@ use crate::base::double_double::Sum;
 use crate::base::error::{Error, Result, Where};
 use crate::base::lpe;
 use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
+use crate::film::control_variates::{self, Known};
 use crate::film::frame::{Channel, Frame, Meta, Samples};
 use crate::film::kernel_bias;
 use crate::film::rqmc_variance::Evenness;
@@ -20,7 +21,7 @@ use std::path::Path;
 /// The attribute that makes an EXR a shard.
 const KEY: &str = "shard";
 /// What the sums mean; another number when they come to mean something else. Programs before there was one wrote none.
-const FORMAT: u32 = 3;
+const FORMAT: u32 = 4;
 /// The layer of the sums.
 const SUMS: &str = "sums";
 const BITS: u32 = 24;
@@ -61,6 +62,9 @@ struct Kind {
     adaptive: bool,
     /// Whole passes and their squares, see [`crate::film::totals`].
     totals: Vec<[Sum; 2]>,
+    /// What is known of passes that share wavelengths, see [`crate::film::control_variates`].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    known: Vec<(u64, Known)>,
 }
 
 impl Kind {
@@ -69,7 +73,8 @@ impl Kind {
         let light = 6 * self.components.count() as u64;
         let further = match self.sampling {
             Sampling::PerPass => {
-                8 + self.surplus.len() as u64 + if self.blur { kernel_bias::PER_PIXEL as u64 } else { 0 }
+                8 + (self.surplus.len() + control_variates::COUNT) as u64
+                    + if self.blur { kernel_bias::PER_PIXEL as u64 } else { 0 }
             }
             Sampling::PerScramble { .. } => 9 + if self.detail { 16 } else { 0 },
         };
@@ -112,6 +117,7 @@ pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture
         blur: film.has_blur(),
         adaptive: film.sample_map().is_some(),
         totals: film.totals().sums().to_vec(),
+        known: film.known().to_vec(),
     };
     let stored = Stored { format: FORMAT, films: films.iter().map(kind).collect(), head };
     let text = serde_json::to_string(&stored)
@@ -195,6 +201,9 @@ fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, S
     }
     if !film.set_surplus(kind.surplus) {
         return Err(format!("film {number} has the surplus of another kind of film"));
+    }
+    if !film.know(kind.known) {
+        return Err(format!("film {number} has passes of which no number is known"));
     }
     if !film.put_totals(kind.totals) {
         return Err(format!("film {number} has totals of another kind of film"));

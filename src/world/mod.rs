@@ -31,9 +31,11 @@ pub mod surface;
 pub mod texture;
 pub mod thinfilm;
 pub mod tint;
+pub mod wavelengths;
 pub mod web;
 
 use crate::base::Result;
+use crate::base::colour::{FIRST_NM, LAST_NM};
 use crate::base::lpe::{Letter, MOST_SLIDES, Product};
 use crate::scene::{BeaconForm, Coating, Eye, Medium, Scene};
 use contact::Contacts;
@@ -77,6 +79,8 @@ pub struct World {
     pub slides: Arc<Vec<SlideMap>>,
     /// Some face is an ordinary material.
     pub ordinary: bool,
+    /// Light of one wavelength goes other ways than that of another.
+    pub disperses: bool,
     pub tints: Tints,
     /// The wavelength of [`mode::Mono`], nm.
     pub wavelength_nm: f64,
@@ -173,6 +177,7 @@ impl World {
         let is_ordinary = |face: &FaceOptics| matches!(&face.surface, Surface::Scatter(s) if s.principled().is_some());
         Ok(World {
             ordinary: faces.iter().flatten().any(is_ordinary),
+            disperses: disperses(scene),
             rims: Arc::new(Rims::find(scene, &geometry, &faces)),
             faces: Arc::new(faces),
             solids,
@@ -261,6 +266,7 @@ impl World {
             eye: EyeLens::build(eye, self.geometry.origin())?,
             slides: self.slides.clone(),
             ordinary: self.ordinary,
+            disperses: self.disperses,
             tints: self.tints.clone(),
             wavelength_nm: self.wavelength_nm,
             sieve: self.sieve.clone(),
@@ -269,6 +275,15 @@ impl World {
             planted: self.planted,
         })
     }
+}
+
+/// Whether light of one wavelength goes other ways than that of another.
+fn disperses(scene: &Scene) -> bool {
+    let index = |medium: &Medium, nm: usize| medium.index.index(nm as f64).re;
+    let media = scene.parts.iter().filter_map(|part| part.medium.map(|id| scene.medium(id)));
+    let first = |medium: &Medium| index(medium, FIRST_NM);
+    !scene.gratings.is_empty()
+        || media.into_iter().any(|medium| (FIRST_NM..=LAST_NM).any(|nm| index(medium, nm) != first(medium)))
 }
 
 /// Centre and radius of a sphere about the geometry and the pupil, a little larger than it need be.

@@ -4,8 +4,8 @@
 use super::World;
 use super::optics::{Lighting, Optics};
 use super::stokes::{Amount, Stokes};
-use crate::base::colour::{self, Lane};
-use crate::base::rng::{Rng, Stream};
+use super::wavelengths;
+use crate::base::colour;
 use crate::film::accumulate::{Components, Light};
 pub use crate::film::plan::Spectral;
 use crate::scene::PowerDistribution;
@@ -44,8 +44,8 @@ pub trait Mode: Copy + Debug + Send + Sync + 'static {
     /// Values per plane of a film: luminance, or linear Rec.709.
     const COMPONENTS: usize;
 
-    /// The optical constants of a pass.
-    fn optics(world: &World, seed: u64, pass: u64) -> Optics<Self>;
+    /// The optical constants of a pass, or of a [turn](turns_of) of one.
+    fn optics(world: &World, seed: u64, number: u64) -> Optics<Self>;
 
     /// Adds the light of the lanes to the `COMPONENTS` entries of a plane; `alone`: only the first lane is left.
     fn deposit(optics: &Optics<Self>, out: &mut [Light], lanes: Self::Lanes<Light>, alone: bool);
@@ -65,6 +65,30 @@ pub fn wavelengths_change<M: Mode>() -> bool {
         Spectral::Mono | Spectral::Rgb => false,
         Spectral::Hero => true,
     }
+}
+
+/// How many of its wavelengths lead in turn in a pass, so that they all count where the others part from the one that leads: what a
+/// pass sees is then much the same whatever its wavelengths are. 1 where they never part.
+pub fn turns<M: Mode>(world: &World) -> u64 {
+    match M::SPECTRAL {
+        Spectral::Mono | Spectral::Rgb => 1,
+        Spectral::Hero => {
+            if world.disperses {
+                M::LANES as u64
+            } else {
+                1
+            }
+        }
+    }
+}
+
+/// A pass's turns ([`turns`]) with the numbers by which they draw.
+pub type Turns<M> = Vec<(u64, Optics<M>)>;
+
+/// Those of a pass that has so many.
+pub fn turns_of<M: Mode>(world: &World, turns: u64, seed: u64, pass: u64) -> Turns<M> {
+    let numbers = (0..turns).map(|turn| pass.wrapping_mul(turns).wrapping_add(turn));
+    numbers.map(|number| (number, M::optics(world, seed, number))).collect()
 }
 
 /// The entries of a plane.
@@ -159,38 +183,8 @@ impl<A: Amount> Mode for Hero<A> {
     const LANES: usize = 4;
     const COMPONENTS: usize = 3;
 
-    fn optics(world: &World, seed: u64, pass: u64) -> Optics<Self> {
-        // Passes in the order of van der Corput's sequence: the heroes of 2ᵏ passes are spread evenly.
-        let shift = Rng::new(seed, Stream::Wavelengths, 0, 0).uniform();
-        let corput = (pass.reverse_bits() >> 11) as f64 * (1.0 / (1u64 << 53) as f64);
-        let waves = colour::lanes::<4>((shift + corput).fract());
-        // A source's watts per nm and lumen over the density of the wavelength; the eye's lumens per watt for the mean
-        // of the four.
-        let watts = |lamps: &[PowerDistribution]| {
-            lamps.iter().map(|power| waves.map(|Lane { nm, pdf }| power.at(nm) / pdf)).collect()
-        };
-        let primary = |c: usize| {
-            let mut rgb = [0.0; 3];
-            rgb[c] = 1.0;
-            rgb
-        };
-        Optics::new(
-            world,
-            Lighting {
-                nm: waves.map(|lane| lane.nm),
-                response: waves.map(|lane| {
-                    colour::apply(
-                        &colour::XYZ_TO_REC709,
-                        colour::cmf_for_sampling(lane.nm).map(|x| 0.25 * colour::K_M * x),
-                    )
-                }),
-                lamps: watts(&world.tints.lamps),
-                lights: watts(&world.tints.lights),
-                sky: [0, 1, 2].map(|c| waves.map(|Lane { nm, pdf }| colour::uplift_emission(primary(c), nm) / pdf)),
-                slide: [0, 1, 2].map(|c| waves.map(|lane| colour::uplift_reflectance(primary(c), lane.nm))),
-                reflectance: waves.map(|lane| colour::basis(lane.nm)),
-            },
-        )
+    fn optics(world: &World, seed: u64, number: u64) -> Optics<Self> {
+        Optics::new(world, wavelengths::lighting(world, seed, number))
     }
 
     fn deposit(optics: &Optics<Self>, out: &mut [Light], lanes: [Light; 4], alone: bool) {

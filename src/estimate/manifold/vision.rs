@@ -27,8 +27,9 @@ use crate::film::accumulate::{Film, Light};
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
-use crate::world::mode::{Mode, OPTICS_AT_A_TIME, lanes, plane_of};
+use crate::world::mode::{Mode, OPTICS_AT_A_TIME, Turns, lanes, plane_of, turns, turns_of};
 use crate::world::optics::Optics;
+use crate::world::wavelengths::SharedLight;
 use arrayvec::ArrayVec;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -47,6 +48,10 @@ pub struct Manifold<'w, M: Mode> {
     screens: Arc<Receivers<M>>,
     /// By pixel: whether it sees an edge of a slide's picture on a screen; nothing where none does.
     edges: Vec<bool>,
+    /// Wavelengths that lead in turn in a pass.
+    turns: u64,
+    /// What the wavelengths of passes make of light.
+    shared: Option<SharedLight<'w>>,
     pub(super) seed: u64,
 }
 
@@ -63,7 +68,20 @@ impl<'w, M: Mode> Manifold<'w, M> {
     ) -> Self {
         let rims = EdgeSampling::new(world, connections.middle());
         let edges = eye_subpath::edges(world, seed, &screens, glances.as_deref());
-        Manifold { mode: PhantomData, world, route, connections, tables, rims, glances, screens, edges, seed }
+        Manifold {
+            mode: PhantomData,
+            world,
+            route,
+            connections,
+            tables,
+            rims,
+            glances,
+            screens,
+            edges,
+            turns: turns::<M>(world),
+            shared: SharedLight::new::<M>(world),
+            seed,
+        }
     }
 
     /// The corners of a pixel, in tangents.
@@ -87,22 +105,27 @@ impl<'w, M: Mode> Manifold<'w, M> {
     pub fn run(&self, film: &mut Film, first: u64, count: u64) -> Ledger {
         let mut total = Ledger::new(self.world.solids.len());
         let (mut pass, end) = (first, first + count);
+        if let Some(shared) = &self.shared {
+            film.know((first..end).map(|pass| (pass, shared.of_pass(self.turns, self.seed, pass))));
+        }
         while pass < end {
             let next = self.screens.next_change(pass).min(pass.saturating_add(OPTICS_AT_A_TIME)).min(end);
-            let optics = M::optics(self.world, self.seed, pass);
-            let screens = self.screens.of_pass(pass, self.world, &optics);
-            self.block(film, pass, next - pass, &screens, &mut total);
+            self.block(film, pass, next - pass, &mut total);
             pass = next;
         }
         film.close(first, count);
         total
     }
 
-    fn block(&self, film: &mut Film, first: u64, count: u64, screens: &Receivers<M>, total: &mut Ledger) {
+    /// Passes for which screens have the same maps, or a single one.
+    fn block(&self, film: &mut Film, first: u64, count: u64, total: &mut Ledger) {
         let width = film.width;
         let parts = self.world.solids.len();
-        let optics: Vec<(u64, Optics<M>)> =
-            (first..first + count).map(|pass| (pass, M::optics(self.world, self.seed, pass))).collect();
+        let turns = |pass: u64| turns_of::<M>(self.world, self.turns, self.seed, pass);
+        let passes: Vec<(u64, Turns<M>)> = (first..first + count).map(|pass| (pass, turns(pass))).collect();
+        let screens = |(_, optics): &(u64, Optics<M>)| self.screens.of_pass(first, self.world, optics);
+        let screens: Vec<Arc<Receivers<M>>> =
+            passes.first().map_or(Vec::new(), |(_, turns)| turns.iter().map(screens).collect());
         let mut rows: Vec<_> = film.rows().collect();
         let ledgers: Vec<Ledger> = rows
             .par_iter_mut()
@@ -111,22 +134,28 @@ impl<'w, M: Mode> Manifold<'w, M> {
                 let mut scratch = Ledger::new(parts);
                 let mut light = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
                 let mut scratches = (Vec::new(), Vec::new());
-                for (pass, optics) in &optics {
+                for (pass, turns) in &passes {
                     let (mut ledger, before) = (Ledger::new(parts), scratch.work);
                     for x in (0..width).filter(|x| self.world.eye.wants([*x, *y])) {
                         if !row.wants(x, *pass) {
                             continue;
                         }
                         light.fill(Light::default());
-                        let pixel = Pixel::new((x, *y), width, *pass);
-                        let times = self.rims.times(pixel.index);
-                        for k in 0..times {
-                            let once = Pixel { pass: pass.wrapping_mul(times).wrapping_add(k), ..pixel };
-                            let books = (&mut ledger, &mut scratch);
-                            self.pixel(optics, (once, times as f64), &mut light, &mut scratches, books);
+                        for ((number, optics), screens) in turns.iter().zip(&screens) {
+                            let pixel = Pixel::new((x, *y), width, *number);
+                            let times = self.rims.times(pixel.index);
+                            for k in 0..times {
+                                let once = Pixel { pass: number.wrapping_mul(times).wrapping_add(k), ..pixel };
+                                let books = (&mut ledger, &mut scratch);
+                                self.pixel(optics, (once, times as f64), &mut light, &mut scratches, books);
+                            }
+                            if !screens.is_empty() {
+                                let books = (&mut ledger, &mut scratch);
+                                eye_subpath::look(self, (optics, screens), pixel, &mut light, books);
+                            }
                         }
-                        if !screens.is_empty() {
-                            eye_subpath::look(self, (optics, screens), pixel, &mut light, (&mut ledger, &mut scratch));
+                        if self.turns > 1 {
+                            light.iter_mut().for_each(|light| *light = light.scaled(1.0 / self.turns as f64));
                         }
                         ledger.work += cost::KEPT;
                         row.add_pass(x, *pass, &light);
