@@ -39,9 +39,9 @@ pub struct MixArgs {
     /// Factor on the light of a group; `plate` is the group of a plate
     #[arg(long = "gain", value_name = "GROUP=G", value_parser = parse_gain)]
     pub gains: Vec<(String, f64)>,
-    /// Contrast T_white/T_black of the slide, 1 to inf; 300:1 is 300. Of several: of all, or of the one that is named
+    /// Contrast T_white/T_black of the slide, 1 to inf; 300:1 is 300. Of several: of all, or of those that are named
     /// [default: as rendered]
-    #[arg(long = "contrast", value_name = "[SLIDE=]C", value_parser = parse_contrast)]
+    #[arg(long = "contrast", value_name = "[SLIDE=]C,…", value_delimiter = ',', value_parser = parse_contrast)]
     pub contrasts: Vec<(Option<String>, f64)>,
     /// A picture to put behind the optics: EXR in cd/m² (or what its whiteLuminance says), or PNG or JPEG in sRGB
     #[arg(long, value_name = "BACKGROUND.exr|png|jpg")]

@@ -4,7 +4,8 @@
 
 use super::picture::possible_layers;
 use super::render_vars::{Named, plain};
-use super::slides;
+use super::series;
+use super::slides::{self, Told};
 use crate::base::lpe::{Alphabet, Letter, Lpe, MOST_SLIDES, Product, Source, Verdict};
 use crate::base::path::{Class, Event};
 use crate::base::{Error, Result, Where};
@@ -40,9 +41,9 @@ pub struct Granted {
     pub notes: Vec<Note>,
     /// For [`World::sieve`]: the expressions that part classes.
     pub sieve: Option<Arc<Product>>,
-    /// Of a scene with several slides: the bit from which on paths tell which of them they cross, for
+    /// Of a scene with several slides: how paths tell which of them they cross, for
     /// [`Finishing::tell_slides_apart`](super::finishing::Finishing::tell_slides_apart).
-    pub slides_bit: Option<u32>,
+    pub slides_told: Option<Told>,
 }
 
 /// The layers of `asked` (names and expressions of the command line) and of those `wishes` of the asset that are
@@ -88,10 +89,8 @@ pub fn granted(
         granted.notes.push(Note::warning(wish.at.clone(), text));
     }
     if slides > 1 {
-        match maker.tell_slides_apart(slides) {
-            Ok(bit) => {
-                granted.slides_bit = Some(bit);
-            }
+        match maker.tell_slides_apart(slides, world) {
+            Ok(told) => granted.slides_told = Some(told),
             Err(because) => {
                 granted.aovs.iter_mut().for_each(|aov| aov.slides.clear());
                 let at = Where::File(scene.name.clone().into());
@@ -193,18 +192,28 @@ impl<'s> Maker<'s> {
         names.zip(self.sources.iter().cloned()).collect()
     }
 
-    /// Has paths tell which slide they cross; the first bit that says so. Errors: why they can't.
-    fn tell_slides_apart(&mut self, count: usize) -> std::result::Result<u32, String> {
+    /// Has paths tell which slide they cross, and which two where light crosses one after the other. Errors: why they can't.
+    fn tell_slides_apart(&mut self, count: usize, world: &World) -> std::result::Result<Told, String> {
         if count > MOST_SLIDES {
             return Err(format!("no more than {MOST_SLIDES} are told apart"));
         }
-        let first = u32::try_from(self.parting.len()).map_err(|fault| fault.to_string())?;
+        let bit = u32::try_from(self.parting.len()).map_err(|fault| fault.to_string())?;
         let slides = (0..count).filter_map(|slide| u8::try_from(slide).ok()).map(Some);
         let crossing = [None].into_iter().chain(slides).map(Lpe::crossing);
         let all: Vec<Lpe> = self.parting.iter().cloned().chain(crossing).collect();
+        let once = series::find(world, self.scene.groups.len());
+        if !once.is_empty() {
+            let crossing = once.iter().map(|(slide, other)| Lpe::crossing_once(*slide, *other));
+            let with: Vec<Lpe> = all.iter().cloned().chain(crossing).collect();
+            // With too many of them slides in series are not told from each other.
+            if let Ok(sieve) = Product::new(&with, &self.groups(), &self.events) {
+                self.sieve = Some(sieve.parting_series());
+                return Ok(Told { bit, once });
+            }
+        }
         let sieve = Product::new(&all, &self.groups(), &self.events);
         self.sieve = Some(sieve.map_err(|what| format!("with layers by light path expression, a path {what}"))?);
-        Ok(first)
+        Ok(Told { bit, once: Vec::new() })
     }
 
     fn is_taken(&self, layer: &str) -> bool {

@@ -41,7 +41,7 @@ impl<M: Mode> Throughput<M> {
     pub fn shown(mut self, (world, optics): (&World, &Optics<M>), lamp: &Lamp, place: DVec3) -> Option<Self> {
         if let Some(shown) = &lamp.shown {
             let slide = &world.slides[shown.slide];
-            self.show(slide, &optics.slide(slide, shown.local(place))?);
+            self.show((slide, world.rank(shown.slide)), &optics.slide(slide, shown.local(place))?);
         }
         Some(self)
     }

@@ -5,7 +5,7 @@ use super::aov;
 use super::picture::{infos, keep_layers};
 use super::render_vars::{self, Named};
 use super::run::Films;
-use super::slides;
+use super::slides::{self, Told};
 use crate::base::colour::ColourSpace;
 use crate::base::ids::GroupId;
 use crate::base::{Error, Result, Where};
@@ -64,10 +64,10 @@ impl Finishing {
         Finishing { size, groups, space, diffraction, wanted: Wanted::default() }
     }
 
-    /// Splits light by the slide that it crosses: paths tell of it from this bit on.
-    pub fn tell_slides_apart(&mut self, scene: &Scene, bit: u32) {
+    /// Splits light by the slide that it crosses, as paths tell of it.
+    pub fn tell_slides_apart(&mut self, scene: &Scene, told: &Told) {
         for (index, group) in self.groups.iter_mut().enumerate() {
-            group.slides = Some(slides::by_slide(scene, GroupId::from_index(index), bit));
+            group.slides = Some(slides::by_slide(scene, GroupId::from_index(index), told));
         }
     }
 

@@ -29,6 +29,7 @@ mod rqmc;
 pub mod run;
 pub mod scatter_event;
 pub mod sensor;
+mod series; // slides one behind the other
 pub mod shard;
 pub mod slides; // scenes with several
 pub mod specular_event;

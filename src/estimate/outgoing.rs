@@ -8,7 +8,6 @@ use crate::base::chain::Step;
 use crate::world::Planted;
 use crate::world::geometry::Ray;
 use crate::world::mode::Mode;
-use crate::world::slide::SlideMap;
 use crate::world::surface::Surface;
 use glam::DVec3;
 
@@ -69,11 +68,12 @@ impl<'w, M: Mode> Walker<'w, M> {
     }
 
     /// Crosses a slide.
-    pub(super) fn cross(&mut self, vertex: &Vertex, slide: &SlideMap, s: &M::Lanes<f64>) {
+    pub(super) fn cross(&mut self, vertex: &Vertex, index: usize, s: &M::Lanes<f64>) {
+        let (slide, rank) = (&self.world.slides[index], self.world.rank(index));
         let part = vertex.hit.site.part;
         let across =
             slide.polarisation_axis().map(|axis| self.world.geometry.part_to_world(part).transform_vector3(axis));
-        self.beam.cross(slide, s, across, self.ray.dir, self.travel == Travel::FromEye);
+        self.beam.cross((slide, rank), s, across, self.ray.dir, self.travel == Travel::FromEye);
     }
 
     /// Goes straight on behind the face.

@@ -1,6 +1,7 @@
 //! Scenes with several slides: what each is called in names of layers, and what tells the light of one from that of others.
 
 use super::render_vars::plain;
+use super::series::Once;
 use crate::base::ids::GroupId;
 use crate::base::lpe::MOST_SLIDES;
 use crate::film::finish::slides::{BySlide, Shows, SlideInfo};
@@ -36,14 +37,24 @@ pub fn names(scene: &Scene) -> Vec<String> {
     names
 }
 
-/// How the light of a group is told apart; `bit`: from which one on paths tell what they cross.
-pub(super) fn by_slide(scene: &Scene, group: GroupId, bit: u32) -> BySlide {
+/// How paths tell which slides they cross.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Told {
+    /// From which bit on they do.
+    pub bit: u32,
+    /// What of slides in series is told after the slides themselves.
+    pub once: Vec<Once>,
+}
+
+/// How the light of a group is told apart.
+pub(super) fn by_slide(scene: &Scene, group: GroupId, told: &Told) -> BySlide {
     let info = |(slide, name): (&Slide, String)| {
         let (part, contrast) = (slide.name.clone(), slide.contrast);
         SlideInfo { name, part, contrast }
     };
     let slides = scene.slides.iter().zip(names(scene)).map(info).collect();
-    BySlide { slides, bit, shows: shows(scene, group) }
+    let once = told.once.iter().map(|(one, other)| (usize::from(*one), other.map(usize::from))).collect();
+    BySlide { slides, bit: told.bit, shows: shows(scene, group), once }
 }
 
 /// Whose pictures the lamps of a group show.

@@ -160,19 +160,26 @@ impl<M: Mode> Throughput<M> {
     }
 
     /// Crosses a slide along `dir` where its picture has the values `s` per lane. `from_eye`: the path started at the eye.
-    pub fn cross(&mut self, slide: &SlideMap, s: &M::Lanes<f64>, across: Option<DVec3>, dir: DVec3, from_eye: bool) {
+    pub fn cross(
+        &mut self,
+        (slide, rank): (&SlideMap, f64),
+        s: &M::Lanes<f64>,
+        across: Option<DVec3>,
+        dir: DVec3,
+        from_eye: bool,
+    ) {
         if M::Amount::POLARISED {
             // A slide's polarisers are part of its transmittance: what comes in counts by its power.
             let to = across.unwrap_or_else(|| dir.any_orthonormal_vector());
             *self = self.polarised((to, slide.polarisation_degree()), dir, from_eye);
         }
-        self.show(slide, s);
+        self.show((slide, rank), s);
     }
 
     /// Light of a display that shows a slide, where the picture has the values `s` per lane: what the slide lets through of it.
-    pub fn show(&mut self, slide: &SlideMap, s: &M::Lanes<f64>) {
+    pub fn show(&mut self, (slide, rank): (&SlideMap, f64), s: &M::Lanes<f64>) {
         for lane in 0..M::LANES {
-            self.slides[lane].cross(slide.t_white(), slide.transmittance(s[lane]), s[lane]);
+            self.slides[lane].cross(slide.t_white(), slide.transmittance(s[lane]), s[lane], rank);
         }
     }
 

@@ -52,6 +52,15 @@ pub(super) mod outliers {
     pub const OF_MAPS: f64 = 1e-3;
 }
 
+/// `series.rs`
+/// - `RAYS`, `PATHS`: Light through two slides in series
+pub(super) mod series {
+    /// Paths from the eye: slides in series that fill a hundredth of the picture are hardly ever missed.
+    pub const RAYS: u64 = 1 << 10;
+    /// Paths from all lamps.
+    pub const PATHS: u64 = 1 << 10;
+}
+
 /// `shard.rs`
 /// - `0009a8a` (Shards and checkpoints, read once more)
 pub(super) mod shard {

@@ -318,7 +318,7 @@ impl<'w, M: Mode> Walker<'w, M> {
                     self.absorb(part, before, ledger);
                     return Meeting::Ended;
                 };
-                self.cross(vertex, slide, &s);
+                self.cross(vertex, *index, &s);
                 self.absorb(part, before - self.beam.carried(), ledger);
                 self.trail = self.trail.then(Event::Specular);
                 self.tell(world.slide_letter(*index));

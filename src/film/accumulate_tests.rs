@@ -64,7 +64,7 @@ fn memory_follows_the_light() {
     let film = || Film::new(width, height, vec![KEY, other], Components::Luminance, Sampling::PerPass);
     let (mut filled, empty) = (film(), film());
     let mut crossing = light(2.0);
-    crossing.cross(0.9, 0.5, 0.25);
+    crossing.cross(0.9, 0.5, 0.25, 0.0);
     for (y, mut row) in filled.rows() {
         for x in 0..width {
             let led = if y < lit { crossing } else { Light::default() };

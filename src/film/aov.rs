@@ -28,12 +28,20 @@ pub struct Aov {
 pub const OF_SHARE: [&str; 6] = ["", "_open", "_content", "_cross", "_cross2", "_cross3"];
 /// The same but for the share itself: what it is split into by a slide.
 pub const OF_SPLIT: &[&str] = OF_SHARE.split_at(1).1;
+/// What the names of layers end with that tell light through two slides in series: with one and the other open, the one at
+/// C = ∞ and the other open, the one open and the other at C = ∞, both at C = ∞.
+pub const OF_SERIES: [&str; 4] = ["_open_open", "_content_open", "_open_content", "_content_content"];
 /// The same for a layer of one's own.
 const OF_LAYER: [&str; 3] = ["", "_stderr", "_variance"];
 
-/// The layers that come with a share for each of several slides.
+/// The layers that come with a share for each of several slides, and for two in series.
 pub fn layers_by_slide<'s>(share: &'s str, slides: &'s [String]) -> impl Iterator<Item = String> + 's {
-    slides.iter().flat_map(move |slide| OF_SPLIT.iter().map(move |suffix| format!("{share}_{slide}{suffix}")))
+    let alone =
+        slides.iter().flat_map(move |slide| OF_SPLIT.iter().map(move |suffix| format!("{share}_{slide}{suffix}")));
+    let pairs = slides.iter().enumerate().flat_map(|(k, one)| slides[k + 1..].iter().map(move |other| (one, other)));
+    let series = pairs
+        .flat_map(move |(one, other)| OF_SERIES.iter().map(move |suffix| format!("{share}_{one}_{other}{suffix}")));
+    alone.chain(series)
 }
 
 impl Aov {

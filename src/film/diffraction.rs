@@ -5,6 +5,7 @@
 //! shares that a pixel gives add up to 1. Pictures are padded to twice their size, so that what leaves the picture on one
 //! side does not come in on the other.
 
+use super::accumulate::light::COLUMNS;
 use super::accumulate::{Light, PlaneKey};
 use super::layer::Layer;
 use super::pupil::Pupil;
@@ -253,9 +254,8 @@ impl Diffraction {
                 plane.iter_mut().for_each(|light| light[c] = light[0]);
                 continue;
             }
-            let lit: Vec<usize> = (0..Light::DEGREE + 2)
-                .filter(|&index| plane.iter().any(|light| value(&light[c], index) != 0.0))
-                .collect();
+            let lit: Vec<usize> =
+                (0..COLUMNS).filter(|&index| plane.iter().any(|light| value(&light[c], index) != 0.0)).collect();
             for pair in lit.chunks(2) {
                 let mut first: Vec<f64> = plane.iter().map(|light| value(&light[c], pair[0])).collect();
                 let mut second = match pair {
@@ -274,13 +274,15 @@ impl Diffraction {
     }
 }
 
-/// The numbers of a light: its value, then its powers.
+/// One of the numbers of a light.
 fn value(light: &Light, index: usize) -> f64 {
-    if index == 0 { light.value } else { light.powers[index - 1] }
+    light.columns()[index]
 }
 
 fn set(light: &mut Light, index: usize, to: f64) {
-    if index == 0 { light.value = to } else { light.powers[index - 1] = to }
+    let mut columns = light.columns();
+    columns[index] = to;
+    *light = Light::of_columns(columns);
 }
 
 fn luminance(plane: &[[Light; 3]]) -> f64 {

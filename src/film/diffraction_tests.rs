@@ -216,9 +216,9 @@ fn layers_of_a_spread_picture_add_up() {
     let mut film =
         Film::new(size[0], size[1], keys.to_vec(), Components::Luminance, Sampling::PerScramble { paths: 10 });
     let mut open = Light::ONE.scaled(1000.0);
-    open.cross(0.9, 0.003, 0.0);
+    open.cross(0.9, 0.003, 0.0, 0.0);
     film.splat(index(12, 8, 24), 1, 0, &[open]);
-    open.cross(0.9, 0.9, 1.0);
+    open.cross(0.9, 0.9, 1.0, 0.0);
     film.splat(index(13, 8, 24), 1, 0, &[open]);
     (0..24 * 16).for_each(|pixel| film.splat(pixel, 0, 0, &[Light::ONE.scaled(0.3)]));
     film.passes = 1;

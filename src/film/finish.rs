@@ -3,6 +3,7 @@
 mod maker;
 pub mod slides;
 
+use super::accumulate::light::COLUMNS;
 use super::accumulate::{Components, Film, Light, PlaneKey, Together};
 use super::aov::Aov;
 use super::diffraction::Diffraction;
@@ -145,6 +146,9 @@ pub struct Split {
     /// Of several, the one that this is about.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slide: Option<String>,
+    /// Of light through two in series, the other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with: Option<String>,
     pub written: bool,
     pub because: String,
 }
@@ -296,10 +300,9 @@ fn in_space(space: ColourSpace, rgb: Coloured) -> Coloured {
     if space == ColourSpace::Rec709 {
         return rgb;
     }
-    let value = space.from_rec709(rgb.map(|light| light.value));
-    let powers: [[f64; 3]; Light::DEGREE + 1] =
-        std::array::from_fn(|k| space.from_rec709(rgb.map(|light| light.powers[k])));
-    std::array::from_fn(|c| Light { value: value[c], powers: powers.map(|power| power[c]) })
+    let columns = rgb.map(|light| light.columns());
+    let columns: [[f64; 3]; COLUMNS] = std::array::from_fn(|k| space.from_rec709(columns.map(|light| light[k])));
+    std::array::from_fn(|c| Light::of_columns(columns.map(|column| column[c])))
 }
 
 fn first_invalid(channel: &Channel) -> Option<String> {

@@ -150,7 +150,7 @@ mod tests {
     /// Light of a pass in a part of a share, with a slide on its way.
     fn light(pass: u64, part: u64) -> Light {
         let mut light = Light::ONE.scaled(((pass * 7 + part * 5) % 11) as f64);
-        light.cross(0.9, 0.4, 0.1 * part as f64);
+        light.cross(0.9, 0.4, 0.1 * part as f64, 0.0);
         light
     }
 

@@ -1,6 +1,7 @@
 //! Every layer that a picture can have, by name, and what it is: the one list that `--layers`, layers by light path expression
 //! and the check of light groups' names go by.
 
+use super::aov::OF_SERIES;
 use super::cryptomatte::Matte;
 use super::layer::Layer;
 use std::collections::{BTreeMap, BTreeSet};
@@ -92,6 +93,14 @@ fn of_groups<'g>(
                 for (suffix, what) in &OF_SHARE[..SPLIT] {
                     let cause = format!("the light of group `{group}` through `{slide}`, {what}");
                     add(format!("{share}_{slide}{suffix}"), cause);
+                }
+            }
+            for (k, one) in slides.iter().enumerate() {
+                for other in &slides[k + 1..] {
+                    let cause = format!("the light of group `{group}` through `{one}` and `{other}`");
+                    for suffix in OF_SERIES {
+                        add(format!("{share}_{one}_{other}{suffix}"), cause.clone());
+                    }
                 }
             }
         }

@@ -230,7 +230,7 @@ mod tests {
     fn light(pixel: usize, pass: u64) -> Vec<Light> {
         let light = |k: usize| {
             let mut light = Light::ONE.scaled((1.0 + pixel as f64 + 7.0 * k as f64) / (3.0 + pass as f64));
-            light.cross(0.9, 0.3, 0.1 * k as f64);
+            light.cross(0.9, 0.3, 0.1 * k as f64, (k % 3) as f64);
             light
         };
         (0..6).map(light).collect()

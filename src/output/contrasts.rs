@@ -1,6 +1,6 @@
 //! For which contrasts of its slides a frame is mixed, and what a share of light is there.
 
-use super::light_shares::{Rendering, Share};
+use super::light_shares::{Rendering, Series, Share};
 
 /// Contrasts that are changed; by default none.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -51,14 +51,16 @@ impl Contrasts {
 impl Share<'_> {
     /// Whether its light is told for other contrasts.
     pub fn is_split(&self) -> bool {
-        self.split.is_some() || !self.by_slide.is_empty()
+        self.split.is_some() || !self.by_slide.is_empty() || !self.by_pair.is_empty()
     }
 
     /// Whether it is other light at these contrasts.
     pub fn follows(&self, contrasts: &Contrasts) -> bool {
         match (&self.split, contrasts.all) {
             (Some(_), Some(_)) => true,
-            (_, _) => contrasts.changed().any(|(slide, _)| self.of_slide(slide).is_some()),
+            (_, _) => contrasts.changed().any(|(slide, _)| {
+                self.of_slide(slide).is_some() || self.by_pair.iter().any(|(pair, _)| pair.contains(&slide))
+            }),
         }
     }
 
@@ -68,12 +70,20 @@ impl Share<'_> {
             return split.value(contrast, channel, pixel);
         }
         let rendered = self.picture[channel].get(pixel).map_or(0.0, |value| f64::from(*value));
-        // Light through each slide alone; no light of it crosses two.
+        // Light through each slide alone, and through two.
         let change = |(slide, [from, to]): (usize, [f64; 2])| {
             let split = self.of_slide(slide)?;
             Some(split.value(to, channel, pixel) - split.value(from, channel, pixel))
         };
-        rendered + contrasts.changed().filter_map(change).sum::<f64>()
+        let of_both = |(pair, series): &([usize; 2], Series)| {
+            let [[from, to], [other_from, other_to]] =
+                pair.map(|slide| contrasts.each.get(slide).copied().unwrap_or([1.0; 2]));
+            if from == to && other_from == other_to {
+                return 0.0;
+            }
+            series.value([to, other_to], channel, pixel) - series.value([from, other_from], channel, pixel)
+        };
+        rendered + contrasts.changed().filter_map(change).sum::<f64>() + self.by_pair.iter().map(of_both).sum::<f64>()
     }
 
     /// Variance of its luminance at these contrasts; none if the frame doesn't hold it.

@@ -60,8 +60,10 @@ pub fn modulated(rendering: &Rendering) -> Result<String, Vec<String>> {
             .split
             .iter()
             .chain(share.by_slide.iter().map(|(_, split)| split))
-            .map(|split| {
-                let (open, content) = (weigh.image(split.open), weigh.image(split.content));
+            .map(|split| [split.open, split.content])
+            .chain(share.by_pair.iter().map(|(_, series)| [series.open_open, series.content_content]))
+            .map(|[open, content]| {
+                let (open, content) = (weigh.image(open), weigh.image(content));
                 open.iter().zip(&content).map(|(open, content)| (open - content).abs()).sum::<f64>()
             })
             .sum();
@@ -79,8 +81,8 @@ pub fn modulated(rendering: &Rendering) -> Result<String, Vec<String>> {
     }
 }
 
-/// open/C of these groups' shares that slides modulate, cd/m² of luminance per pixel: for the contrasts that are asked for, or
-/// that were rendered.
+/// open/C of these groups' shares that slides modulate, cd/m² of luminance per pixel, and of light through two slides
+/// open/(C·C′): for the contrasts that are asked for, or that were rendered.
 pub fn leak_luminance(rendering: &Rendering, groups: &[String], contrasts: &Contrasts) -> Vec<f64> {
     let pixels = rendering.frame.width * rendering.frame.height;
     let weigh = Luminance::in_frame(rendering.frame);
@@ -88,15 +90,21 @@ pub fn leak_luminance(rendering: &Rendering, groups: &[String], contrasts: &Cont
     let mut add =
         |open: Vec<f64>, contrast: f64| sum.iter_mut().zip(open).for_each(|(sum, open)| *sum += open / contrast);
     for share in rendering.shares.iter().filter(|share| groups.contains(&share.group)) {
-        if share.by_slide.is_empty() && share.split.is_some() {
+        let contrast_of = |slide: usize| {
+            let rendered = || rendering.slides.get(slide).map(|slide| slide.contrast);
+            contrasts.each().nth(slide).or_else(rendered).unwrap_or(f64::INFINITY)
+        };
+        if share.by_slide.is_empty() && share.by_pair.is_empty() && share.split.is_some() {
             // The share with the slide open is the share for C = 1.
             let open = luminance_of(share, &Contrasts::of_all(rendering, 1.0), &weigh, pixels);
             add(open, contrasts.all().or(rendering.contrast).unwrap_or(f64::INFINITY));
         }
         for (slide, split) in &share.by_slide {
-            let rendered = || rendering.slides.get(*slide).map(|slide| slide.contrast);
-            let contrast = contrasts.each().nth(*slide).or_else(rendered).unwrap_or(f64::INFINITY);
-            add(weigh.image(split.open).to_vec(), contrast);
+            add(weigh.image(split.open).to_vec(), contrast_of(*slide));
+        }
+        // Where both are dark.
+        for ([one, other], series) in &share.by_pair {
+            add(weigh.image(series.open_open).to_vec(), contrast_of(*one) * contrast_of(*other));
         }
     }
     sum

@@ -5,7 +5,8 @@ use super::compare::is_data;
 use super::contrasts::Contrasts;
 use super::luminance::Luminance;
 use crate::base::error::{Error, Result, Where};
-use crate::film::aov;
+use crate::film::accumulate::light::Corners;
+use crate::film::aov::{self, OF_SERIES};
 use crate::film::cryptomatte::Matte;
 use crate::film::finish::slides::{self, SlideInfo};
 use crate::film::frame::Frame;
@@ -35,6 +36,15 @@ pub struct Split<'f> {
     pub errors: Option<[&'f [f32]; 3]>,
 }
 
+/// The pictures that give light through two slides in series for any contrasts of theirs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series<'f> {
+    pub open_open: Picture<'f>,
+    pub content_open: Picture<'f>,
+    pub open_content: Picture<'f>,
+    pub content_content: Picture<'f>,
+}
+
 /// One light group's share of a layer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Share<'f> {
@@ -50,6 +60,8 @@ pub struct Share<'f> {
     pub refused: Option<String>,
     /// Of several slides, by number: the light that crosses it and no other.
     pub by_slide: Vec<(usize, Split<'f>)>,
+    /// Of two slides, by number: the light that crosses both, once each, and no other.
+    pub by_pair: Vec<([usize; 2], Series<'f>)>,
     /// Those, by name, whose split was refused, and why.
     pub refused_by_slide: Vec<(String, String)>,
     /// One-sigma standard error of its luminance.
@@ -109,7 +121,10 @@ impl<'f> Rendering<'f> {
                 split,
                 refused: own().find(|own| own.slide.is_none()).map(|own| own.because.clone()),
                 by_slide: slides.iter().enumerate().filter_map(|(k, slide)| Some((k, named(slide)?))).collect(),
-                refused_by_slide: own().filter_map(|own| Some((own.slide.clone()?, own.because.clone()))).collect(),
+                by_pair: Series::all(frame, &name, &slides),
+                refused_by_slide: own()
+                    .flat_map(|own| own.slide.iter().chain(&own.with).map(|slide| (slide.clone(), own.because.clone())))
+                    .collect(),
                 error: grey(frame, &format!("{name}_stderr")),
                 name,
             }))
@@ -131,9 +146,20 @@ impl<'f> Rendering<'f> {
             let (group, name) = (PLATE.to_owned(), PLATE.to_owned());
             groups.push(group.clone());
             let layer = PLATE.to_owned();
-            let (by_slide, refused_by_slide) = (Vec::new(), Vec::new());
+            let (by_slide, by_pair, refused_by_slide) = (Vec::new(), Vec::new(), Vec::new());
             let (split, refused, error) = (None, None, None);
-            shares.push(Share { layer, group, name, picture, split, refused, by_slide, refused_by_slide, error });
+            shares.push(Share {
+                layer,
+                group,
+                name,
+                picture,
+                split,
+                refused,
+                by_slide,
+                by_pair,
+                refused_by_slide,
+                error,
+            });
         }
         let rendering = Rendering { frame, groups, shares, taken, contrast, slides };
         rendering.check_sums()?;
@@ -179,6 +205,33 @@ impl<'f> Share<'f> {
     /// The split by one of several slides.
     pub fn of_slide(&self, slide: usize) -> Option<&Split<'f>> {
         self.by_slide.iter().find(|(own, _)| *own == slide).map(|(_, split)| split)
+    }
+}
+
+impl<'f> Series<'f> {
+    /// Of every two slides that a share is split by.
+    fn all(frame: &'f Frame, share: &str, slides: &[SlideInfo]) -> Vec<([usize; 2], Series<'f>)> {
+        let pairs = (0..slides.len()).flat_map(|one| (one + 1..slides.len()).map(move |other| [one, other]));
+        pairs
+            .filter_map(|[one, other]| {
+                let name = format!("{share}_{}_{}", slides[one].name, slides[other].name);
+                let [a, b, c, d] = OF_SERIES.map(|suffix| frame.rgb(&format!("{name}{suffix}")));
+                let series = Series { open_open: a?, content_open: b?, open_content: c?, content_content: d? };
+                Some(([one, other], series))
+            })
+            .collect()
+    }
+
+    /// One channel for contrasts of the one and the other slide, at one pixel.
+    pub fn value(&self, contrasts: [f64; 2], channel: usize, pixel: usize) -> f64 {
+        let at = |picture: Picture| picture[channel].get(pixel).map_or(0.0, |value| f64::from(*value));
+        let corners = Corners {
+            open_open: at(self.open_open),
+            content_open: at(self.content_open),
+            open_content: at(self.open_content),
+            content_content: at(self.content_content),
+        };
+        corners.at(contrasts)
     }
 }
 
@@ -257,6 +310,7 @@ struct Record {
     layer: String,
     group: String,
     slide: Option<String>,
+    with: Option<String>,
     written: bool,
     because: String,
 }
@@ -266,11 +320,21 @@ fn refusals(frame: &Frame) -> Vec<Record> {
         frame.text("splits").and_then(|json| serde_json::from_str(json).ok()).unwrap_or_default();
     // What was written once and is not there any more was left out.
     let gone = |record: &Record| {
-        let slide = record.slide.as_ref().map(|slide| format!("_{slide}")).unwrap_or_default();
-        frame.rgb(&format!("{}_{}{slide}_open", record.layer, record.group)).is_none()
+        let share = format!("{}_{}", record.layer, record.group);
+        match (&record.slide, &record.with) {
+            (Some(slide), Some(with)) => {
+                let there = |suffix: &str| frame.rgb(&format!("{share}_{slide}_{with}{suffix}")).is_some();
+                !OF_SERIES.into_iter().all(there)
+            }
+            (Some(slide), None) => frame.rgb(&format!("{share}_{slide}_open")).is_none(),
+            (None, _) => frame.rgb(&format!("{share}_open")).is_none(),
+        }
     };
-    let because =
-        |record: &Record| if record.written { "its layers were left out".to_owned() } else { record.because.clone() };
+    let because = |record: &Record| match (record.written, &record.slide, &record.with) {
+        (true, Some(slide), Some(with)) => format!("layers of `{slide}_{with}`, light through both, were left out"),
+        (true, _, _) => "its layers were left out".to_owned(),
+        (false, _, _) => record.because.clone(),
+    };
     let refused = records.into_iter().filter(|record| !record.written || gone(record));
     refused.map(|record| Record { because: because(&record), ..record }).collect()
 }

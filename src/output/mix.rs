@@ -185,6 +185,7 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
     // Slides at other contrasts than each other have no picture with all of them open or black.
     let apart = contrasts.all().is_none() && contrasts.changed().next().is_some();
     let mut changed = Vec::new();
+    let slides: Vec<String> = rendering.slides.iter().map(|slide| slide.name.clone()).collect();
     for share in rendering.shares.iter().chain(&rendering.taken) {
         if apart && share.split.is_some() {
             let name = &share.name;
@@ -200,12 +201,9 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
         let value = |channel: usize, pixel: usize| (gain * share.value(&contrasts, channel, pixel)) as f32;
         let picture: [Vec<f32>; 3] = [0, 1, 2].map(|c| (0..pixels).map(|pixel| value(c, pixel)).collect());
         set_layer(&mut out, &share.name, &picture);
-        let slides = share.by_slide.iter().filter_map(|(slide, _)| rendering.slides.get(*slide));
-        let slides: Vec<String> = slides.map(|slide| format!("_{}", slide.name)).collect();
-        for suffix in aov::OF_SPLIT {
-            for slide in [""].into_iter().chain(slides.iter().map(String::as_str)) {
-                scale_layer(&mut out, &format!("{}{slide}{suffix}", share.name), gain);
-            }
+        let together = aov::OF_SPLIT.iter().map(|suffix| format!("{}{suffix}", share.name));
+        for layer in together.chain(aov::layers_by_slide(&share.name, &slides)) {
+            scale_layer(&mut out, &layer, gain);
         }
         let [open, content, covariance] = OF_ERRORS.map(|suffix| format!("{}{suffix}", share.name));
         [open, content].iter().for_each(|layer| scale_layer(&mut out, layer, gain));

@@ -120,6 +120,11 @@ impl World {
         u8::try_from(slide).ok().filter(|_| several).map_or(Letter::TransmitStraight, Letter::CrossSlide)
     }
 
+    /// What tells the light of a slide from that of others in series with it; 0 where nobody wants to know.
+    pub fn rank(&self, slide: usize) -> f64 {
+        if self.sieve.as_ref().is_some_and(|sieve| sieve.parts_series()) { slide as f64 } else { 0.0 }
+    }
+
     /// Builds the tables for a scene. Errors: geometry that cannot be traced, a zero-area emitter, an eye inside glass.
     pub fn freeze(scene: &Scene) -> Result<World> {
         let wavelength_nm = scene.wavelengths.traced_nm();

@@ -156,11 +156,11 @@ impl<M: Mode> Optics<M> {
         Some(self.slide_at(slide, slide.pixel(local)?))
     }
 
-    /// Takes light through a slide where its picture is `s` per lane.
+    /// Takes light through a slide of this rank where its picture is `s` per lane.
     #[inline]
-    pub fn cross_slide(&self, light: &mut M::Lanes<Light>, slide: &SlideMap, s: &M::Lanes<f64>) {
+    pub fn cross_slide(&self, light: &mut M::Lanes<Light>, (slide, rank): (&SlideMap, f64), s: &M::Lanes<f64>) {
         for lane in 0..M::LANES {
-            light[lane].cross(slide.t_white(), slide.transmittance(s[lane]), s[lane]);
+            light[lane].cross(slide.t_white(), slide.transmittance(s[lane]), s[lane], rank);
         }
     }
 

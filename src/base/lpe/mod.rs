@@ -133,6 +133,11 @@ impl Lpe {
         Lpe { root: parse::Node::crossing(only) }
     }
 
+    /// Takes the paths that cross this slide once, and another one once if there is one, and no third.
+    pub fn crossing_once(slide: u8, other: Option<u8>) -> Lpe {
+        Lpe { root: parse::Node::crossing_once(slide, other) }
+    }
+
     /// For each class what the expression takes of its paths from the lamps of `group`, among those that the alphabet can
     /// spell. Errors: an expression with too many cases.
     pub fn takes(&self, alphabet: &Alphabet, group: &str) -> Result<[Verdict; Class::ALL.len()], String> {

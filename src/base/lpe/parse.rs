@@ -47,6 +47,19 @@ impl Node {
         Node::Sequence(all)
     }
 
+    /// See [`Lpe::crossing_once`](super::Lpe::crossing_once).
+    pub fn crossing_once(slide: u8, other: Option<u8>) -> Node {
+        let event = |letters: Set| Node::Event(vec![Choice::letters(letters)]);
+        let rest = || Node::Repeat(Box::new(event(EVERY & !(SOURCES | SLIDES | set(&[Letter::Camera])))), 0, None);
+        let cross = |slide: u8| event(set(&[Letter::CrossSlide(slide)]));
+        let both = |first: u8, then: u8| Node::Sequence(vec![cross(first), rest(), cross(then)]);
+        let crossed = match other {
+            None => cross(slide),
+            Some(other) => Node::Either(vec![both(slide, other), both(other, slide)]),
+        };
+        Node::Sequence(vec![event(set(&[Letter::Camera])), rest(), crossed, rest(), event(SOURCES)])
+    }
+
     /// Whether it says the name of this light group.
     pub fn names(&self, group: &str) -> bool {
         match self {

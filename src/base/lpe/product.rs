@@ -44,6 +44,8 @@ pub struct Product {
     takes: Vec<Takes>,
     /// Per light group.
     possible: Vec<Possible>,
+    /// Some of the expressions take what crosses two slides once each.
+    parts_series: bool,
 }
 
 /// A set of states, a bit each.
@@ -186,7 +188,8 @@ impl Product {
             spans.iter().enumerate().fold(0, |takes, (k, span)| takes | Takes::from(in_span(span)) << k)
         };
         let takes = eyes.iter().flat_map(|eye| ends.iter().map(move |lamp| (eye, lamp))).map(|(a, b)| meet(a, b));
-        let mut sieve = Product { from_eye, from_lamp, lamps, takes: takes.collect(), possible: Vec::new() };
+        let mut sieve =
+            Product { from_eye, from_lamp, lamps, takes: takes.collect(), possible: Vec::new(), parts_series: false };
         sieve.possible = sieve.find_possible(groups, events);
         Ok(sieve)
     }
@@ -211,6 +214,17 @@ impl Product {
             }
         }
         possible
+    }
+
+    /// The same, which tells light through slides in series: that of each is to be told apart.
+    #[must_use]
+    pub fn parting_series(self) -> Product {
+        Product { parts_series: true, ..self }
+    }
+
+    /// Whether light through slides in series is told.
+    pub fn parts_series(&self) -> bool {
+        self.parts_series
     }
 
     /// Of a path that has just left the eye.
@@ -337,23 +351,28 @@ mod tests {
         let letters = [Letter::ReflectDiffuse, Letter::TransmitStraight, slide(0), slide(1), slide(2)];
         let straight = Lpe::parse("C<.s>+L").unwrap();
         let crossing = [None, Some(0), Some(1), Some(2)].map(Lpe::crossing);
-        let all: Vec<Lpe> = [straight].into_iter().chain(crossing).collect();
+        let once = [(0, Some(2)), (1, Some(2)), (1, None)];
+        let all: Vec<Lpe> =
+            [straight].into_iter().chain(crossing).chain(once.map(|(a, b)| Lpe::crossing_once(a, b))).collect();
         let groups = [("led", vec![Source::Face])];
         let sieve = Product::new(&all, &groups, &letters).expect("few cases");
         for word in (0..=4).flat_map(|length| words(&letters, length)) {
-            let crossed: BTreeSet<u8> = word
-                .iter()
-                .filter_map(|letter| match letter {
-                    Letter::CrossSlide(slide) => Some(*slide),
-                    _ => None,
-                })
-                .collect();
+            let crossed_by = |letter: &Letter| match letter {
+                Letter::CrossSlide(slide) => Some(*slide),
+                _ => None,
+            };
+            let crossed: BTreeSet<u8> = word.iter().filter_map(crossed_by).collect();
             let by_slide = match crossed.len() {
                 0 => 0b10,
                 1 => 0b100 << crossed.first().expect("one"),
                 _ => 0,
             };
-            let want = Takes::from(!word.is_empty() && !word.contains(&Letter::ReflectDiffuse)) | by_slide;
+            let mut crossings: Vec<u8> = word.iter().filter_map(crossed_by).collect();
+            crossings.sort_unstable();
+            let is = |(a, b): (u8, Option<u8>)| crossings.iter().copied().eq([a].into_iter().chain(b));
+            let once = once.into_iter().enumerate().filter(|(_, slides)| is(*slides));
+            let once = once.fold(0, |takes: Takes, (k, _)| takes | 0b10_0000 << k);
+            let want = Takes::from(!word.is_empty() && !word.contains(&Letter::ReflectDiffuse)) | by_slide | once;
             for cut in 0..=word.len() {
                 let eye = word[..cut].iter().fold(sieve.eye(), |told, letter| sieve.after(told, *letter));
                 let lamp = sieve.lamp(0, Source::Face);

@@ -61,7 +61,7 @@ impl Run<'_> {
         let diffraction = args.diffraction.then(|| spread_by(scene, &checked, world, &pupils));
         let frozen = PlanFile::new(scene, asked, &plan);
         let (named_layers, ungranted) = render_vars::granted(wishes, (&scene.groups, &slides::names(scene)));
-        let Granted { aovs, notes: refused, sieve, slides_bit } =
+        let Granted { aovs, notes: refused, sieve, slides_told } =
             aov::granted(&args.aovs, (wishes, &named_layers), scene, world, &plan)?;
         let names: Vec<String> =
             named_layers.iter().map(|own| own.name.clone()).chain(aovs.iter().flat_map(Aov::layers)).collect();
@@ -74,8 +74,8 @@ impl Run<'_> {
         // Only now: plan and pilots are those of the whole picture, so that the part has its bits.
         world.eye.crop = args.crop;
         let mut finishing = Finishing::new(scene, &plan, args.color.space(), diffraction);
-        if let Some(bit) = slides_bit {
-            finishing.tell_slides_apart(scene, bit);
+        if let Some(told) = slides_told {
+            finishing.tell_slides_apart(scene, &told);
         }
         finishing.wanted = args.wanted(named_layers, aovs);
         let head = args.head(scene, &frozen, finishing);

@@ -24,6 +24,9 @@ pub(super) struct Here<'a, 'w, M: Mode> {
     pub frame: &'a Frame,
 }
 
+/// A slide and its [rank](World::rank).
+type Ranked<'a> = (&'a SlideMap, f64);
+
 /// Light that a lamp sends to a scatterer.
 struct Sent<'a, M: Mode> {
     /// Unit direction to the lamp.
@@ -39,7 +42,7 @@ struct Sent<'a, M: Mode> {
     group: GroupId,
     source: Source,
     /// The picture that it comes through, and its values there.
-    shown: Option<(&'a SlideMap, M::Lanes<f64>)>,
+    shown: Option<(Ranked<'a>, M::Lanes<f64>)>,
     /// The direction that it is polarised along, and to which degree.
     polarisation: Option<(DVec3, f64)>,
 }
@@ -88,7 +91,7 @@ impl<M: Mode> Backward<'_, M> {
             Some(shown) => {
                 let slide = &self.world.slides[shown.slide];
                 let Some(s) = here.walker.optics.slide(slide, shown.local(on_lamp)) else { return };
-                Some((slide, s))
+                Some(((slide, self.world.rank(shown.slide)), s))
             }
         };
         let by_chance = true;
@@ -209,7 +212,7 @@ impl<M: Mode> Backward<'_, M> {
             }
         }
         if let Some((slide, s)) = &shown {
-            beam.show(slide, s);
+            beam.show(*slide, s);
         }
         let amounts = lanes::<M, _>(|lane| arriving[lane] / (index[lane] * index[lane]));
         beam.deposit(walker.optics, out, &amounts);

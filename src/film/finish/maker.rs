@@ -1,9 +1,11 @@
 //! Layers of a frame as they are stored: of light, of a group with its contrast split, of standard errors.
 
-use super::slides::{Crossed, Shows};
+use super::slides::{Crossed, Shows, SlideInfo};
 use super::{GroupInfo, Split, Sum};
 use crate::base::ids::GroupId;
+use crate::film::accumulate::light::Corners;
 use crate::film::accumulate::{Film, Light, MixError, Together};
+use crate::film::aov::OF_SERIES;
 use crate::film::frame::{Channel, Frame, Samples};
 use crate::film::layer::Layer;
 
@@ -100,16 +102,67 @@ impl Maker {
                         "its lamps show several pictures, or some show none: give each a light group of its own"
                             .to_owned()
                     }
-                    Shows::Nothing | Shows::Slide(_) => format!(
-                        "light that crosses two slides, one after the other, makes up to {several:.1e} of the peak with all of them open"
-                    ),
+                    Shows::Nothing | Shows::Slide(_) => {
+                        let what = match by.pairs().next() {
+                            Some(_) => "three slides or more, one after the other, or one of two twice",
+                            None => "two slides or more, one after the other",
+                        };
+                        format!(
+                            "light that crosses {what}, makes up to {several:.1e} of the peak with all of them open"
+                        )
+                    }
                 };
                 let (layer, group) = (layer.to_owned(), group.name.clone());
-                self.splits.push(Split { layer, group, slide: Some(slide.name.clone()), written: false, because });
+                self.splits.push(Split {
+                    layer,
+                    group,
+                    slide: Some(slide.name.clone()),
+                    with: None,
+                    written: false,
+                    because,
+                });
             } else if let Some(own) = of(Crossed::One(index)) {
                 let name = format!("{layer}_{}_{}", group.name, slide.name);
                 self.split((layer, group, Some(&slide.name)), &name, slide.contrast, &own);
             }
+        }
+        if several <= SPLIT_TOLERANCE {
+            for pair in by.pairs() {
+                if let Some(own) = of(Crossed::Both(pair)) {
+                    self.split_both((layer, group), pair.map(|slide| &by.slides[slide]), pair, &own);
+                }
+            }
+        }
+    }
+
+    /// Adds the light that crosses two slides once each with each of them open or at C = ∞.
+    fn split_both(
+        &mut self,
+        (layer, group): (&str, &GroupInfo),
+        slides: [&SlideInfo; 2],
+        numbers: [usize; 2],
+        plane: &Sum,
+    ) {
+        let ranks = numbers.map(|slide| slide as f64);
+        let contrasts = slides.map(|slide| slide.contrast);
+        let (mut peak, mut miss) = (0.0f64, 0.0f64);
+        for light in plane.all() {
+            peak = peak.max(light.value.abs());
+            miss = miss.max((light.corners(ranks).at(contrasts) - light.value).abs());
+        }
+        let written = miss <= SPLIT_TOLERANCE * peak;
+        let because = format!("recombining misses by {:.1e} of the peak", miss / peak.max(f64::MIN_POSITIVE));
+        let name = slides.map(|slide| slide.name.as_str()).join("_");
+        let [slide, with] = slides.map(|slide| Some(slide.name.clone()));
+        self.splits.push(Split { layer: layer.to_owned(), group: group.name.clone(), slide, with, written, because });
+        if !written {
+            return;
+        }
+        let corners: [fn(Corners) -> f64; 4] =
+            [|c| c.open_open, |c| c.content_open, |c| c.open_content, |c| c.content_content];
+        for (suffix, corner) in OF_SERIES.into_iter().zip(corners) {
+            let layer = format!("{layer}_{}_{name}{suffix}", group.name);
+            self.rgb(&layer, Channels::of(plane, |light| corner(light.corners(ranks))));
         }
     }
 
@@ -147,7 +200,7 @@ impl Maker {
             format!("light that crosses the slide more than {most} times makes up to {share:.1e} of the peak")
         };
         let (layer, group) = (layer.to_owned(), group.name.clone());
-        self.splits.push(Split { layer, group, slide: slide.cloned(), written, because });
+        self.splits.push(Split { layer, group, slide: slide.cloned(), with: None, written, because });
         if !written {
             return;
         }

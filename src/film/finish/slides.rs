@@ -50,6 +50,9 @@ pub struct BySlide {
     /// The bit of paths that cross none of them; that of those which cross one and no other comes after it, in their order.
     pub bit: u32,
     pub shows: Shows,
+    /// The bits after those are of paths that cross this slide once, and the other once if there is one, and no third.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub once: Vec<(usize, Option<usize>)>,
 }
 
 /// The slides that light depends on.
@@ -58,6 +61,8 @@ pub enum Crossed {
     Nothing,
     /// One of them, by its place in [`BySlide::slides`].
     One(usize),
+    /// Two of them, once each, the first before the second in [`BySlide::slides`].
+    Both([usize; 2]),
     Several,
 }
 
@@ -66,16 +71,32 @@ impl BySlide {
     pub fn crossed(&self, takes: Takes) -> Crossed {
         let has =
             |bit: usize| takes.checked_shr(self.bit.saturating_add(bit as u32)).is_some_and(|takes| takes & 1 == 1);
-        let crossed = match (0..=self.slides.len()).find(|bit| has(*bit)) {
-            Some(0) => Crossed::Nothing,
-            Some(bit) => Crossed::One(bit - 1),
-            None => Crossed::Several,
-        };
-        match (self.shows, crossed) {
-            (Shows::Nothing, crossed) => crossed,
-            (Shows::Slide(shown), Crossed::Nothing) => Crossed::One(shown),
-            (Shows::Slide(_), Crossed::One(_) | Crossed::Several) | (Shows::Several, _) => Crossed::Several,
+        let once = self.once.iter().enumerate().find(|(index, _)| has(1 + self.slides.len() + index));
+        let once = once.map(|(_, slides)| *slides);
+        let alone = (0..=self.slides.len()).find(|bit| has(*bit));
+        match (self.shows, alone, once) {
+            (Shows::Nothing, Some(0), _) => Crossed::Nothing,
+            (Shows::Nothing, Some(bit), _) => Crossed::One(bit - 1),
+            (Shows::Nothing, None, Some((one, Some(other)))) => Crossed::Both([one.min(other), one.max(other)]),
+            (Shows::Slide(shown), Some(0), _) => Crossed::One(shown),
+            (Shows::Slide(shown), Some(_), Some((one, None))) if one != shown => {
+                Crossed::Both([one.min(shown), one.max(shown)])
+            }
+            (Shows::Nothing | Shows::Slide(_) | Shows::Several, _, _) => Crossed::Several,
         }
+    }
+
+    /// The slides that light is told to cross one after the other, once each.
+    pub fn pairs(&self) -> impl Iterator<Item = [usize; 2]> {
+        let pair = |(one, other): &(usize, Option<usize>)| {
+            let other = match (self.shows, *other) {
+                (Shows::Nothing, Some(other)) => other,
+                (Shows::Slide(shown), None) if shown != *one => shown,
+                (Shows::Nothing | Shows::Slide(_) | Shows::Several, _) => return None,
+            };
+            Some([other.min(*one), other.max(*one)])
+        };
+        self.once.iter().filter_map(pair)
     }
 
     /// The slides, as JSON.

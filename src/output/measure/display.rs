@@ -138,11 +138,12 @@ impl Measurer<'_> {
             .map(|i| (corner[1] + i / side) * width + corner[0] + i % side)
             .filter(|pixel| *pixel < open.values.len())
             .collect();
-        // Where slides of several contrasts make it up, only the light of each knows its error, and that is not kept.
+        // Where slides of several contrasts make it up, or two in series, only the light of each knows its error, and that is not kept.
+        let in_series = self.rendering.shares.iter().any(|share| own(&share.group) && !share.by_pair.is_empty());
         let contrast = match (self.rendering.contrast, self.rendering.slides.is_empty()) {
-            (Some(contrast), _) => Some(contrast),
+            (Some(contrast), _) if !in_series => Some(contrast),
             (None, true) => Some(f64::INFINITY),
-            (None, false) => None,
+            (Some(_), _) | (None, false) => None,
         };
         let sigma = mean(&open, &pixels, self.independent).and_then(|of| Some(of.sigma? / contrast?));
         let of = Uncertain { value: spot.cd_m2, sigma };

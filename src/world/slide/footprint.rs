@@ -91,7 +91,7 @@ pub fn at<M: Mode>(
     for footprint in footprints {
         let map = &world.slides[footprint.slide];
         let s = optics.slide(map, footprint.place(point))?;
-        optics.cross_slide(&mut light, map, &s);
+        optics.cross_slide(&mut light, (map, world.rank(footprint.slide)), &s);
     }
     Some(light)
 }
@@ -121,11 +121,11 @@ impl<M: Mode> Sum<'_, M> {
             return Some(());
         };
         let (world, optics) = self.tracing;
-        let map = &world.slides[footprint.slide];
+        let (map, rank) = (&world.slides[footprint.slide], world.rank(footprint.slide));
         map.pieces(piece, footprint, &mut |piece, index| {
             let s = optics.slide_at(map, index);
             let mut light = light;
-            optics.cross_slide(&mut light, map, &s);
+            optics.cross_slide(&mut light, (map, rank), &s);
             self.through(piece, rest, light)
         })
     }

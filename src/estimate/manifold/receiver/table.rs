@@ -189,7 +189,7 @@ impl<M: Mode> ReceiverTable<M> {
         for (slide, at) in blend.slides() {
             let map = &world.slides[slide];
             let s = optics.slide(map, at)?;
-            optics.cross_slide(&mut light, map, &s);
+            optics.cross_slide(&mut light, (map, world.rank(slide)), &s);
         }
         Some(Incoming { lamp, letters: &[], dir: blend.dir().normalize(), light, alone: blend.alone() })
     }
