@@ -485,6 +485,18 @@ impl Film {
         })
     }
 
+    /// Variance of the mean of `content` − `open` in a plane among several of its share: what another contrast of the one slide that
+    /// its light crosses makes of it is in proportion to that. None if it is not kept.
+    pub fn change_variance(&self, pixel: usize, plane: usize) -> Option<f64> {
+        if let Some(scrambles) = &self.scrambles {
+            return Some(scrambles.change_variance(pixel, plane)? * self.per_pass2(pixel));
+        }
+        let light = self.sum(pixel, plane);
+        let change = light.content() - light.open();
+        let squares = self.detail.as_ref()?.change2(pixel, plane)?;
+        Some(self.covariance_of_means(pixel, change, change, squares).max(0.0))
+    }
+
     /// Covariance of two means over the passes from the sums over samples of the two and of their product.
     fn covariance_of_means(&self, pixel: usize, a: f64, b: f64, product: f64) -> f64 {
         let passes = self.passes_of(pixel) as f64;
@@ -545,7 +557,7 @@ impl Row<'_> {
                 totals.add((x, plane), number, light);
             }
             if let Some(detail) = &mut self.detail {
-                detail.add(plane, light);
+                detail.add((x, plane), light);
             }
         }
         let all = total_of(self.planes);

@@ -31,6 +31,8 @@ pub const OF_SPLIT: &[&str] = OF_SHARE.split_at(1).1;
 /// What the names of layers end with that tell light through two slides in series: with one and the other open, the one at
 /// C = ∞ and the other open, the one open and the other at C = ∞, both at C = ∞.
 pub const OF_SERIES: [&str; 4] = ["_open_open", "_content_open", "_open_content", "_content_content"];
+/// What the name of the layer ends with that tells by how much `content` − `open` of a slide's light errs.
+pub const CHANGE_ERROR: &str = "_change_stderr";
 /// The same for a layer of one's own.
 const OF_LAYER: [&str; 3] = ["", "_stderr", "_variance"];
 

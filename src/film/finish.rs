@@ -227,6 +227,7 @@ pub fn finish_through(
             let own = |key: &PlaneKey| (key.layer, key.group) == (layer, group);
             out.by_slide(layer.name(), info, &plane, &|crossed| crossing(&planes, pixels, (group, info), crossed, own));
             out.group_errors(films, (layer, group), info);
+            out.slide_errors(films, (layer, group), info);
             sum.add(&stored);
         }
         hybrid.add(&sum);

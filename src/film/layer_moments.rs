@@ -1,6 +1,7 @@
 //! What a film keeps on request beyond the squares of its pixels: the squares of each layer, and of `open` and
 //! `content` with their product, so that a picture mixed for another contrast can say how uncertain it is. Where light path
-//! expressions part the light of a group, the squares of its whole share and of what each expression takes, too.
+//! expressions part the light of a group, the squares of its whole share and of what each expression takes, too, and of each
+//! part what another contrast changes of it.
 
 use super::accumulate::light::Light;
 use super::accumulate::plane::{PlaneKey, Together};
@@ -47,6 +48,8 @@ pub struct LayerMoments {
     pub(super) mixed: Tiles,
     /// `[pixel][squared]`: squares of the `value` of planes together.
     pub(super) squares: Tiles,
+    /// `[pixel][plane]`, where shares are parted: squares of `content` − `open`.
+    pub(super) changes: Option<Tiles>,
 }
 
 /// One row of it.
@@ -55,6 +58,7 @@ pub struct LayerMomentsRow<'f> {
     squares_of: &'f [Vec<usize>],
     mixed: TilesRow<'f>,
     squares: TilesRow<'f>,
+    changes: Option<TilesRow<'f>>,
     /// The light of each share in the pass under way.
     light: Vec<Light>,
     /// Luminance of what squares are kept of, in the pass under way.
@@ -86,6 +90,7 @@ impl LayerMoments {
             squares_of: planes.iter().map(sums).collect(),
             mixed: Tiles::new(size, shares.len(), MIXED),
             squares: Tiles::new(size, squared.len(), 1),
+            changes: (shares.len() < planes.len()).then(|| Tiles::new(size, planes.len(), 1)),
             shares,
             squared,
         }
@@ -95,7 +100,9 @@ impl LayerMoments {
     pub fn rows(&mut self) -> impl Iterator<Item = LayerMomentsRow<'_>> {
         let (of_plane, squares_of) = (self.of_plane.as_slice(), self.squares_of.as_slice());
         let (shares, squared) = (self.shares.len(), self.squared.len());
+        let mut changes = self.changes.as_mut().map(Tiles::rows);
         self.mixed.rows().zip(self.squares.rows()).map(move |(mixed, squares)| LayerMomentsRow {
+            changes: changes.as_mut().and_then(Iterator::next),
             of_plane,
             squares_of,
             mixed,
@@ -111,6 +118,12 @@ impl LayerMoments {
         let [open2, content2, open_content] = [0, 1, 2].map(|at| self.mixed.sum(pixel, index * MIXED + at).value());
         Some(Mixed { open2, content2, open_content })
     }
+
+    /// Sum of the squares of `content` − `open` of a plane among several of its share.
+    pub fn change2(&self, pixel: usize, plane: usize) -> Option<f64> {
+        Some(self.changes.as_ref()?.sum(pixel, plane).value())
+    }
+
     /// Sum of the squares of planes together; none if it is not kept, since one plane alone is meant.
     pub fn square(&self, pixel: usize, together: Together) -> Option<f64> {
         let index = self.squared.iter().position(|own| *own == together)?;
@@ -120,7 +133,11 @@ impl LayerMoments {
 
 impl LayerMomentsRow<'_> {
     /// Adds one pass's luminance of pixel `x` in one plane.
-    pub fn add(&mut self, plane: usize, light: Light) {
+    pub fn add(&mut self, (x, plane): (usize, usize), light: Light) {
+        let change = light.content() - light.open();
+        if let Some(changes) = self.changes.as_mut().filter(|_| change != 0.0) {
+            changes.grown(x, plane, 1)[0].add(change * change);
+        }
         self.light[self.of_plane[plane]].add(light);
         self.squares_of[plane].iter().for_each(|index| self.pass[*index] += light.value);
     }
@@ -161,7 +178,7 @@ mod tests {
         for sampling in [Sampling::PerPass, Sampling::PerScramble { paths: 64 }] {
             let film = |keys: Vec<PlaneKey>| Film::new(1, 1, keys, Components::Luminance, sampling).with_detail();
             let mut parted = film(vec![key(0), key(1), key(3)]);
-            let (mut whole, mut taken) = (film(vec![key(0)]), film(vec![key(0)]));
+            let (mut whole, mut taken, mut alone) = (film(vec![key(0)]), film(vec![key(0)]), film(vec![key(0)]));
             for pass in 0..16 {
                 let parts = [0, 1, 2].map(|part| light(pass, part));
                 let sum = |parts: &[Light]| {
@@ -170,8 +187,8 @@ mod tests {
                     [sum]
                 };
                 let (all, some) = (sum(&parts), sum(&parts[1..]));
-                let films: [(&mut Film, &[Light]); 3] =
-                    [(&mut parted, &parts), (&mut whole, &all), (&mut taken, &some)];
+                let films: [(&mut Film, &[Light]); 4] =
+                    [(&mut parted, &parts), (&mut whole, &all), (&mut taken, &some), (&mut alone, &parts[1..2])];
                 for (film, planes) in films {
                     match sampling {
                         Sampling::PerPass => film.rows().for_each(|(_, mut row)| row.add_pass(0, 0, planes)),
@@ -194,6 +211,8 @@ mod tests {
             near(a.open, b.open);
             near(a.content, b.content);
             near(a.covariance, b.covariance);
+            let own = alone.mix_error(0, SHARE).expect("it is kept");
+            near(parted.change_variance(0, 1).expect("it is kept"), own.open + own.content - 2.0 * own.covariance);
         }
     }
 }

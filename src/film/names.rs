@@ -1,7 +1,7 @@
 //! Every layer that a picture can have, by name, and what it is: the one list that `--layers`, layers by light path expression
 //! and the check of light groups' names go by.
 
-use super::aov::OF_SERIES;
+use super::aov::{CHANGE_ERROR, OF_SERIES};
 use super::cryptomatte::Matte;
 use super::layer::Layer;
 use std::collections::{BTreeMap, BTreeSet};
@@ -93,6 +93,12 @@ fn of_groups<'g>(
                 for (suffix, what) in &OF_SHARE[..SPLIT] {
                     let cause = format!("the light of group `{group}` through `{slide}`, {what}");
                     add(format!("{share}_{slide}{suffix}"), cause);
+                }
+            }
+            for slide in slides {
+                for error in [CHANGE_ERROR, "_change_variance"] {
+                    let cause = format!("the error of the light of group `{group}` through `{slide}`");
+                    add(format!("{share}_{slide}{error}"), cause);
                 }
             }
             for (k, one) in slides.iter().enumerate() {

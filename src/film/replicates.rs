@@ -125,6 +125,13 @@ impl Replicates {
         })
     }
 
+    /// Variance of the sum of `content` − `open` of a pixel in a plane; none if they are not kept.
+    pub fn change_variance(&self, pixel: usize, plane: usize) -> Option<f64> {
+        let [open, content] = self.mixed.as_ref()?.each_ref().map(|own| values(own.stored(pixel, plane)));
+        let change: PerScramble = std::array::from_fn(|scramble| content[scramble] - open[scramble]);
+        Some(self.covariance(&change, &change).max(0.0))
+    }
+
     /// Covariance of Σ aₛ and Σ bₛ from how far each scramble lies from its share: exact where all shares are alike. Zero
     /// with fewer than two scrambles.
     fn covariance(&self, a: &PerScramble, b: &PerScramble) -> f64 {

@@ -118,6 +118,7 @@ impl Film {
             ("scramble_content", mixed.map(|[_, content]| content)),
             ("mixed_squares", detail.map(|d| &d.mixed)),
             ("layer_squares", detail.map(|d| &d.squares)),
+            ("change_squares", detail.and_then(|d| d.changes.as_ref())),
             ("blur", self.blur.as_ref().map(|b| &b.sums)),
             ("control", self.control.as_ref().map(|c| &c.products)),
         ];
@@ -137,9 +138,9 @@ impl Film {
             Some(Replicates { value, squares, mixed: None, .. }) => [Some(value), Some(squares), None, None],
             None => [None, None, None, None],
         };
-        let [mixed, layers] = match &mut self.detail {
-            Some(detail) if !told => [&mut detail.mixed, &mut detail.squares].map(Some),
-            Some(_) | None => [None, None],
+        let [mixed, layers, changes] = match &mut self.detail {
+            Some(detail) if !told => [Some(&mut detail.mixed), Some(&mut detail.squares), detail.changes.as_mut()],
+            Some(_) | None => [None, None, None],
         };
         let tiles = [
             ("light", Some(&mut self.sums)),
@@ -150,6 +151,7 @@ impl Film {
             ("scramble_content", content),
             ("mixed_squares", mixed),
             ("layer_squares", layers),
+            ("change_squares", changes),
             ("blur", self.blur.as_mut().map(|b| &mut b.sums)),
             ("control", self.control.as_mut().map(|c| &mut c.products)),
         ];

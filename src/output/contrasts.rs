@@ -86,6 +86,23 @@ impl Share<'_> {
         rendered + contrasts.changed().filter_map(change).sum::<f64>() + self.by_pair.iter().map(of_both).sum::<f64>()
     }
 
+    /// By how much its standard error grows at most where single slides among several change; none if the frame doesn't hold it. The
+    /// light of a slide becomes (u′ − u)·(content − open) more, and the error of a sum is at most the sum of the errors. Light that
+    /// crosses the slide more than once has no part in it.
+    pub fn error_growth(&self, contrasts: &Contrasts, pixel: usize) -> Option<f64> {
+        let in_series = |slide: usize| self.by_pair.iter().any(|(pair, _)| pair.contains(&slide));
+        let mut sum = 0.0;
+        for (slide, [from, to]) in contrasts.changed() {
+            if in_series(slide) {
+                return None;
+            }
+            let Some(split) = self.of_slide(slide) else { continue };
+            let sigma = split.change_error?.get(pixel).map_or(0.0, |sigma| f64::from(*sigma));
+            sum += (1.0 / from - 1.0 / to).abs() * sigma;
+        }
+        Some(sum)
+    }
+
     /// Variance of its luminance at these contrasts; none if the frame doesn't hold it.
     pub fn variance(&self, contrasts: &Contrasts, pixel: usize) -> Option<f64> {
         match (&self.split, contrasts.all) {

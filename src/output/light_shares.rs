@@ -6,7 +6,7 @@ use super::contrasts::Contrasts;
 use super::luminance::Luminance;
 use crate::base::error::{Error, Result, Where};
 use crate::film::accumulate::light::Corners;
-use crate::film::aov::{self, OF_SERIES};
+use crate::film::aov::{self, CHANGE_ERROR, OF_SERIES};
 use crate::film::cryptomatte::Matte;
 use crate::film::finish::slides::{self, SlideInfo};
 use crate::film::frame::Frame;
@@ -34,6 +34,8 @@ pub struct Split<'f> {
     pub cross: [Option<Picture<'f>>; 3],
     /// One-sigma errors of `open` and `content`, and their covariance in (cd/m²)²; kept by `--stderr layers`.
     pub errors: Option<[&'f [f32]; 3]>,
+    /// One-sigma error of `content` − `open`, of the light of one slide among several; kept by `--stderr layers`.
+    pub change_error: Option<&'f [f32]>,
 }
 
 /// The pictures that give light through two slides in series for any contrasts of theirs.
@@ -258,6 +260,7 @@ impl<'f> Split<'f> {
                 (Some(open), Some(content), Some(covariance)) => Some([open, content, covariance]),
                 (_, _, _) => None,
             },
+            change_error: error(CHANGE_ERROR),
         })
     }
 

@@ -40,7 +40,10 @@ pub enum Errors {
     AtMost,
     /// The file doesn't hold what they need: `stderr` was left out.
     Unknown,
-    /// No file holds those of the light of one slide among several: `stderr` was left out.
+    /// The rendered errors, and those of what single slides change, added up: not less than the truth but for light that crosses a
+    /// slide more than once.
+    AtMostOfSlides,
+    /// The file doesn't hold those of the light of one slide among several, or of two in series: `stderr` was left out.
     UnknownOfSlide,
     /// The frame had none.
     Absent,
@@ -56,8 +59,10 @@ impl Errors {
             Errors::FromShares => "stderr from the errors of the shares",
             Errors::AtMost => "stderr is an upper bound; render with --stderr layers for a closer one",
             Errors::Unknown => "stderr left out: for another contrast it needs a frame rendered with --stderr layers",
+            Errors::AtMostOfSlides => "stderr is an upper bound: the errors of what each slide changes are added up",
             Errors::UnknownOfSlide => {
-                "stderr left out: frames do not hold the errors of the light of one slide among several"
+                "stderr left out: for another contrast of one slide among several it needs a frame rendered with --stderr \
+                 layers, and no frame holds the errors of light through two in series"
             }
             Errors::Absent => "no stderr, as in the frame",
             Errors::Untold => "stderr is unknown, as in the frame: its passes are too few to tell it",
@@ -202,7 +207,8 @@ pub fn mix(rendering: &Rendering, recipe: &Recipe) -> Result<Mixed> {
         let picture: [Vec<f32>; 3] = [0, 1, 2].map(|c| (0..pixels).map(|pixel| value(c, pixel)).collect());
         set_layer(&mut out, &share.name, &picture);
         let together = aov::OF_SPLIT.iter().map(|suffix| format!("{}{suffix}", share.name));
-        for layer in together.chain(aov::layers_by_slide(&share.name, &slides)) {
+        let errors = slides.iter().map(|slide| format!("{}_{slide}{}", share.name, aov::CHANGE_ERROR));
+        for layer in together.chain(aov::layers_by_slide(&share.name, &slides)).chain(errors) {
             scale_layer(&mut out, &layer, gain);
         }
         let [open, content, covariance] = OF_ERRORS.map(|suffix| format!("{}{suffix}", share.name));

@@ -3,6 +3,8 @@
 //! A sum of shares with gains gᵢ has the variance Σᵢⱼ gᵢgⱼ·covᵢⱼ. A frame holds the variances of the shares and of their
 //! sum, so the sum of all covariances is known, and for two shares that is the only one. For more it is spread over the
 //! pairs as one correlation ρ = (V − Σσᵢ²)/Σᵢ≠ⱼ σᵢσⱼ: exact for two shares, and where all gains are alike.
+//!
+//! Of single slides among several only the errors of what their contrasts change are held. Errors of sums are at most sums of errors.
 
 use super::contrasts::Contrasts;
 use super::light_shares::{PLATE, Rendering, Share, not_negative};
@@ -22,7 +24,16 @@ pub fn carry(rendering: &Rendering, recipe: &Recipe, contrasts: &Contrasts, out:
                 let sigma = (0..pixels).map(|pixel| terms.after(pixel) as f32).collect();
                 set_layer(out, &name, &same(sigma));
             }
-            None => out.channels.retain(|channel| channel.layer() != name),
+            None => {
+                let grown = |(pixel, sigma): (usize, &f32)| {
+                    let growth = share.error_growth(contrasts, pixel)?;
+                    Some((recipe.gain(&share.group) * (f64::from(*sigma) + growth)) as f32)
+                };
+                match share.error.and_then(|error| error.iter().enumerate().map(grown).collect::<Option<Vec<f32>>>()) {
+                    Some(sigma) => set_layer(out, &name, &same(sigma)),
+                    None => out.channels.retain(|channel| channel.layer() != name),
+                }
+            }
         }
     }
     for layer in Layer::SUM_ORDER.map(Layer::name) {
@@ -49,6 +60,7 @@ fn sum(
 ) -> Errors {
     let Some([stored, ..]) = frame.rgb(name) else { return Errors::Absent };
     let new_contrast = |share: &Share| share.follows(contrasts);
+    let grows = |share: &Share| contrasts.all().is_none() && share.error_growth(contrasts, 0).is_some();
     let gains: Vec<f64> = shares.iter().map(|share| recipe.gain(&share.group)).collect();
     let [first, ..] = gains.as_slice() else { return Errors::Exact };
     let alike = gains.iter().all(|gain| gain == first) && !shares.iter().any(|share| new_contrast(share));
@@ -59,7 +71,7 @@ fn sum(
         let at = |(pixel, sigma): (usize, &f32)| combined(f64::from(*sigma).powi(2), &terms, pixel).sqrt() as f32;
         let exact = terms.len() <= 2 && !shares.iter().any(|share| new_contrast(share));
         (stored.iter().enumerate().map(at).collect(), if exact { Errors::Exact } else { Errors::FromShares })
-    } else if !shares.iter().any(|share| new_contrast(share)) {
+    } else if shares.iter().all(|share| !new_contrast(share) || grows(share)) {
         let largest = |pixel: usize| {
             let own = shares.iter().zip(&gains).filter(|(share, _)| {
                 share.picture.iter().any(|data| data.get(pixel).is_some_and(|value| *value != 0.0))
@@ -67,8 +79,14 @@ fn sum(
             let largest = own.map(|(_, gain)| *gain).fold(f64::NEG_INFINITY, f64::max);
             if largest.is_finite() { largest } else { gains.iter().copied().fold(0.0, f64::max) }
         };
-        let at = |(pixel, sigma): (usize, &f32)| (f64::from(*sigma) * largest(pixel)) as f32;
-        (stored.iter().enumerate().map(at).collect(), Errors::AtMost)
+        let growth = |pixel: usize| -> f64 {
+            let own = shares.iter().zip(&gains);
+            own.filter_map(|(share, gain)| Some(gain * share.error_growth(contrasts, pixel)?)).sum()
+        };
+        let at = |(pixel, sigma): (usize, &f32)| (f64::from(*sigma) * largest(pixel) + growth(pixel)) as f32;
+        let changed = shares.iter().any(|share| new_contrast(share));
+        let errors = if changed { Errors::AtMostOfSlides } else { Errors::AtMost };
+        (stored.iter().enumerate().map(at).collect(), errors)
     } else {
         out.channels.retain(|channel| channel.layer() != name);
         return Errors::Unknown;

@@ -5,7 +5,7 @@ use super::{GroupInfo, Split, Sum};
 use crate::base::ids::GroupId;
 use crate::film::accumulate::light::Corners;
 use crate::film::accumulate::{Film, Light, MixError, Together};
-use crate::film::aov::OF_SERIES;
+use crate::film::aov::{CHANGE_ERROR, OF_SERIES};
 use crate::film::frame::{Channel, Frame, Samples};
 use crate::film::layer::Layer;
 
@@ -253,6 +253,36 @@ impl Maker {
         let pixels = self.frame.width * self.frame.height;
         let covariance = told(&own, |pixel| mix(pixel).covariance);
         self.grey(&format!("{name}_covariance"), (0..pixels).map(|pixel| covariance(pixel) as f32).collect());
+    }
+
+    /// `LAYER_GROUP_SLIDE_change_stderr` of every slide whose light was split. What several planes hold of it is not known to lean
+    /// on each other: their errors are added up.
+    pub(super) fn slide_errors(&mut self, films: &[&Film], (layer, of): (Layer, GroupId), group: &GroupInfo) {
+        let Some(by) = &group.slides else { return };
+        for (index, slide) in by.slides.iter().enumerate() {
+            let name = format!("{}_{}_{}", layer.name(), group.name, slide.name);
+            if !self.frame.channels.iter().any(|channel| channel.name == format!("{name}_open.R")) {
+                continue;
+            }
+            let is_own = |plane: &usize, film: &Film| by.crossed(film.planes[*plane].takes) == Crossed::One(index);
+            let share = Together::Share(layer, of);
+            let planes =
+                |film: &Film| film.planes_of(share).filter(|plane| is_own(plane, film)).collect::<Vec<usize>>();
+            let own: Vec<(&Film, Vec<usize>)> = films.iter().map(|film| (*film, planes(film))).collect();
+            let own: Vec<(&Film, Vec<usize>)> = own.into_iter().filter(|(_, planes)| !planes.is_empty()).collect();
+            if own.iter().any(|(film, _)| film.detail().is_none()) {
+                continue;
+            }
+            let variance = |pixel: usize| {
+                let of_film = |(film, planes): &(&Film, Vec<usize>)| {
+                    let sigmas = planes.iter().filter_map(|plane| film.change_variance(pixel, *plane)).map(f64::sqrt);
+                    sigmas.sum::<f64>().powi(2)
+                };
+                own.iter().map(of_film).sum::<f64>()
+            };
+            let films: Vec<&Film> = own.iter().map(|(film, _)| *film).collect();
+            self.sigma(&format!("{name}{CHANGE_ERROR}"), told(&films, variance));
+        }
     }
 
     fn sigma(&mut self, name: &str, variance: impl Fn(usize) -> f64) {
