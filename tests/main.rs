@@ -67,3 +67,4 @@ mod shards;
 mod signals;
 mod slanted_edge;
 mod validate;
+mod wedge;
