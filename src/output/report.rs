@@ -6,6 +6,7 @@ mod facts;
 mod html;
 mod paths;
 mod planes;
+mod slides;
 
 use super::contrasts::Contrasts;
 use super::exr::COLOR_INTEROP_ID;
@@ -96,6 +97,8 @@ pub fn page_with(frames: &[(String, &Frame)], more: &str) -> Result<Page> {
         Err(fault) => (Vec::new(), Some(fault.to_string())),
     };
     let path_table = paths::table(frame, &shares);
+    let mut rows = facts::facts(frame);
+    rows.extend(shares.rendering.iter().flat_map(slides::rows));
     let weigh = Luminance::in_frame(frame);
     let unit = |channel: usize| [0, 1, 2].map(|c| f64::from(u8::from(c == channel)));
     let title = frame.text("scene").filter(|scene| !scene.is_empty()).unwrap_or(file);
@@ -129,7 +132,7 @@ pub fn page_with(frames: &[(String, &Frame)], more: &str) -> Result<Page> {
         "pathsUnit": path_table.unit,
         "plan": facts::plan(frame),
         "witness": facts::witness(frame),
-        "facts": facts::facts(frame),
+        "facts": rows,
         "ledgers": facts::ledgers(frame),
         "convergence": convergence::points(frames),
     });

@@ -58,7 +58,7 @@ fn wavelengths(text: String) -> String {
     single.map_or_else(|| unquoted(text), |nm| format!("{} nm", round(nm)))
 }
 
-fn round(value: f64) -> String {
+pub(super) fn round(value: f64) -> String {
     format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 

@@ -167,3 +167,53 @@ fn frames_without_much() {
     torn.push("A", vec![1.0]);
     assert!(page(&named(&torn)).unwrap_err().to_string().contains("expected 2 × 1"));
 }
+
+/// Two slides, the light of each alone and through both: the mean of the picture at any contrast of one by the formulas of
+/// `docs/mix.md`. Where light of one is not told apart, that is said.
+#[test]
+fn what_the_contrast_of_each_slide_does() {
+    let mut frame = Frame::new(2, 1);
+    let mut push = |layer: &str, data: [f32; 2]| {
+        for component in ["R", "G", "B"] {
+            let name = if layer.is_empty() { component.to_owned() } else { format!("{layer}.{component}") };
+            frame.push(name, data.to_vec());
+        }
+    };
+    // Contrasts of 4 and 2: 64/4 + 8·¾ = 22 alone; through both ½·(¼·a + ¾·b) of 32, 16, 8, 4.
+    push("direct_led_near_open", [64.0, 32.0]);
+    push("direct_led_near_content", [8.0, 0.0]);
+    for (suffix, value) in
+        [("open_open", 32.0), ("content_open", 16.0), ("open_content", 8.0), ("content_content", 4.0)]
+    {
+        push(&format!("direct_led_near_far_{suffix}"), [value; 2]);
+    }
+    // ½·(32/4 + 16·¾) + ½·(8/4 + 4·¾) = 12.5
+    for layer in ["", "hybrid", "direct", "direct_led"] {
+        push(layer, [22.0 + 12.5, 8.0 + 12.5]);
+    }
+    let mut put = |key: &str, value: Value| frame.meta.insert(key.to_owned(), Meta::Text(value.to_string()));
+    put("groups", json!(["led"]));
+    let slide = |name: &str, contrast: &str| json!({ "name": name, "part": name, "contrast": contrast });
+    put("slides", json!([slide("near", "4"), slide("far", "2")]));
+    let rows = slides::rows(&Rendering::of(&frame).expect("complete"));
+    // Of `near` open: means of 48 and ½·32 + ½·8; black: 4 and ½·16 + ½·4. Of `far`: 15 and 20 open, 5 black.
+    let want = [
+        [
+            "contrast of near",
+            "4: the picture's mean is 27.5000 cd/m²; 68.0000 with it open, 14.0000 with a perfect black of it",
+        ],
+        [
+            "contrast of far",
+            "2: the picture's mean is 27.5000 cd/m²; 35.0000 with it open, 20.0000 with a perfect black of it",
+        ],
+    ];
+    assert_eq!(rows, want.map(|row| row.map(str::to_owned)));
+    let shown = data_of(&page(&named(&frame)).expect("a page").html)["facts"].to_string();
+    assert!(want.iter().flatten().all(|text| shown.contains(text)), "{shown}");
+    let refused =
+        json!([{ "layer": "direct", "group": "led", "slide": "far", "written": false, "because": "of three" }]);
+    frame.meta.insert("splits".to_owned(), Meta::Text(refused.to_string()));
+    let rows = slides::rows(&Rendering::of(&frame).expect("complete"));
+    assert_eq!(rows[1][1], "2: its light is not told apart: of three");
+    assert_eq!(rows[0][1], want[0][1]);
+}
