@@ -53,7 +53,7 @@ pub(super) mod outliers {
 }
 
 /// `series.rs`
-/// - `RAYS`, `PATHS`: `eb1fb64` (Light through two slides in series is rebuilt at any contrasts of both)
+/// - `RAYS`, `PATHS`: `e11f3dc` (Light through two slides in series is rebuilt at any contrasts of both)
 pub(super) mod series {
     /// Paths from the eye: slides in series that fill a hundredth of the picture are hardly ever missed.
     pub const RAYS: u64 = 1 << 10;
