@@ -196,7 +196,8 @@ fn films_and_coloured_glass() {
 #[test]
 fn wavelengths_that_lead_in_turn_are_no_doubt() {
     let index = |nm: f64| Dispersion::Cauchy([1.5, 0.02, 0.0]).index(nm).re;
-    let absorption_per_m = |nm: f64| 100.0 * ((nm - 550.0) / 40.0).powi(2);
+    let rows = (360..=830).step_by(5).map(|nm| [f64::from(nm), 100.0 * ((f64::from(nm) - 550.0) / 40.0).powi(2)]);
+    let green = Absorption::Table(rows.collect());
     for filtered in [false, true] {
         let mut s = visible();
         s.eye.fov_deg = 0.01;
@@ -205,12 +206,11 @@ fn wavelengths_that_lead_in_turn_are_no_doubt() {
         let medium = s.parts[part].medium.expect("glass").index();
         s.media[medium].index = Dispersion::Cauchy([1.5, 0.02, 0.0]);
         if filtered {
-            let rows = (360..=830).step_by(5).map(|nm| [nm as f64, absorption_per_m(nm as f64)]);
-            s.media[medium].absorption = Absorption::Table(rows.collect());
+            s.media[medium].absorption = green.clone();
         }
         // What is reflected inside is filtered twice more.
         let transmittance = |nm: f64| {
-            let inside = if filtered { (-0.004 * absorption_per_m(nm)).exp() } else { 1.0 };
+            let inside = if filtered { (-0.004 * green.per_m(nm)).exp() } else { 1.0 };
             let r = ((index(nm) - 1.0) / (index(nm) + 1.0)).powi(2);
             (1.0 - r).powi(2) * inside / (1.0 - (r * inside).powi(2))
         };
