@@ -65,6 +65,7 @@ mod sensor;
 mod sequence;
 mod shards;
 mod signals;
+mod sky_borders;
 mod slanted_edge;
 mod validate;
 mod wedge;

@@ -50,6 +50,8 @@ pub enum Stream {
     SensorSky,
     /// Of the paths that look for edges of pictures in pixels.
     PictureEdges,
+    /// Of those that look for pixels of the sky's picture, and of places of the pupil by which these are seen.
+    SkyPixels,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

@@ -2,6 +2,7 @@
 
 mod glow;
 mod next_event;
+mod over_sky;
 mod probe;
 mod sky_sampling;
 mod trial;
@@ -33,6 +34,7 @@ use crate::world::wavelengths::SharedLight;
 use glow::About;
 pub use glow::Glow;
 use next_event::Here;
+use over_sky::OverSky;
 pub use probe::Daylight;
 use rayon::prelude::*;
 use sky_sampling::SkySampling;
@@ -48,6 +50,8 @@ pub struct Backward<'w, M: Mode> {
     reach: Reach,
     /// Sees what lamps show through specular faces alone; the paths here leave that out.
     vision: Option<Vision<'w, M>>,
+    /// Borders in the sky's picture that are seen through specular faces alone, if they are cut.
+    over_sky: Option<OverSky<M>>,
     skyward: SkySampling,
     /// Kinds of lamps that a scatterer asks for.
     asked: u64,
@@ -93,6 +97,7 @@ impl<'w, M: Mode> Backward<'w, M> {
             mode: PhantomData,
             reach,
             vision,
+            over_sky: None,
             skyward,
             route,
             asked,
@@ -116,11 +121,12 @@ impl<'w, M: Mode> Backward<'w, M> {
         self
     }
 
-    /// Cuts the pictures of slides and displays by the footprints of the pixels that see their edges. Not for witnesses, who are to
-    /// know nothing.
+    /// Cuts the pictures of slides and displays, and the sky's, by the footprints of the pixels that see edges in them. Not for witnesses,
+    /// who are to know nothing.
     #[must_use]
     pub fn cutting_pictures(mut self) -> Self {
         self.vision.iter_mut().for_each(|vision| vision.cut_pictures(&self.route));
+        self.over_sky = (self.paths > 0).then(|| OverSky::find(self.world, &self.route, self.seed, None)).flatten();
         self
     }
 
@@ -249,6 +255,12 @@ impl<'w, M: Mode> Backward<'w, M> {
             let points = [which, s, t];
             let even = Rqmc::new(self.seed, Stream::Backward, pixel, index);
             self.path(walker, weight, (points, &even), out, ledgers);
+            if let Some(over) = &self.over_sky {
+                over.take_off(optics, (pixel, [x, y], [u, v]), weight, out);
+            }
+        }
+        if let Some(over) = &self.over_sky {
+            over.add_mean(optics, pixel, out, &mut ledgers[0]);
         }
     }
 

@@ -143,11 +143,17 @@ impl<M: Mode> Optics<M> {
     /// Luminance of the sky per lane.
     #[inline]
     pub fn sky(&self, sky: &SkyLight, dir: DVec3) -> M::Lanes<f64> {
+        sky.pixel(dir).map_or_else(|| lanes::<M, f64>(|_| 0.0), |pixel| self.sky_at(sky, pixel))
+    }
+
+    /// The same of a pixel of its picture.
+    #[inline]
+    pub fn sky_at(&self, sky: &SkyLight, pixel: usize) -> M::Lanes<f64> {
         if M::LANES == 1 {
-            let luminance = sky.luminance(dir);
+            let luminance = sky.luminance_of(pixel);
             return lanes::<M, f64>(|_| luminance);
         }
-        mixed::<M>(&self.lighting.sky, sky.rgb(dir))
+        mixed::<M>(&self.lighting.sky, sky.rgb_of(pixel))
     }
 
     /// Value s of a slide's picture per lane; none outside the picture.

@@ -1,5 +1,7 @@
 //! The sky: a lat-long panorama at infinity, each pixel a patch of uniform luminance.
 
+pub mod footprint;
+
 use super::cdf::{Cdf, within};
 use crate::base::error::Result;
 use crate::base::ids::GroupId;
@@ -77,30 +79,35 @@ impl SkyLight {
         self.rows.as_ref().map_or(0.0, Cdf::total)
     }
 
-    fn pixel(&self, dir: DVec3) -> Option<usize> {
+    /// The pixel seen in a world direction; none in no direction (NaN).
+    pub fn pixel(&self, dir: DVec3) -> Option<usize> {
         let local = self.to_world.transpose() * dir;
         if local.is_nan() {
             return None;
         }
         // A sky that is alike all round, or everywhere, asks for no angles that tell nothing.
         let part = |share: f64, count: usize| ((share * count as f64) as usize).min(count - 1);
-        let y = if self.height == 1 { 0 } else { part(local.x.hypot(local.z).atan2(local.y) / PI, self.height) };
-        let x = if self.width == 1 { 0 } else { part(0.5 - local.x.atan2(local.z) / TAU, self.width) };
+        let y = if self.height == 1 { 0 } else { part(down(local), self.height) };
+        let x = if self.width == 1 { 0 } else { part(along(local), self.width) };
         Some(y * self.width + x)
+    }
+
+    /// Luminance of a pixel, cd/m².
+    pub fn luminance_of(&self, pixel: usize) -> f64 {
+        self.luminance.get(pixel).map_or(0.0, |l| f64::from(*l))
+    }
+
+    /// Linear Rec.709 of a pixel, cd/m².
+    pub fn rgb_of(&self, pixel: usize) -> [f64; 3] {
+        match &self.rgb {
+            Some(rgb) => rgb.get(pixel).map_or([0.0; 3], |rgb| rgb.map(f64::from)),
+            None => [self.luminance_of(pixel); 3],
+        }
     }
 
     /// Luminance seen in a world direction, cd/m².
     pub fn luminance(&self, dir: DVec3) -> f64 {
-        self.pixel(dir).and_then(|index| self.luminance.get(index)).map_or(0.0, |l| f64::from(*l))
-    }
-
-    /// Linear Rec.709 seen in a world direction, cd/m².
-    pub fn rgb(&self, dir: DVec3) -> [f64; 3] {
-        match (&self.rgb, self.pixel(dir)) {
-            (Some(rgb), Some(index)) => rgb.get(index).map_or([0.0; 3], |rgb| rgb.map(f64::from)),
-            (None, Some(_)) => [self.luminance(dir); 3],
-            (_, None) => [0.0; 3],
-        }
+        self.pixel(dir).map_or(0.0, |pixel| self.luminance_of(pixel))
     }
 
     /// Whether any of it is coloured.
@@ -152,6 +159,16 @@ impl SkyLight {
         }
         chosen
     }
+}
+
+/// Share of the picture's height at which a direction in its axes is.
+fn down(local: DVec3) -> f64 {
+    local.x.hypot(local.z).atan2(local.y) / PI
+}
+
+/// Share of its width.
+fn along(local: DVec3) -> f64 {
+    0.5 - local.x.atan2(local.z) / TAU
 }
 
 fn block_sum(block: &[f32]) -> f64 {

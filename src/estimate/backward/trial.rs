@@ -1,6 +1,7 @@
 //! What paths from the eye bring in a pilot, by two of them in each of some pixels, and what they cost.
 
 use super::Backward;
+use super::over_sky::OverSky;
 use crate::base::lattice::lattice;
 use crate::estimate::ShouldStop;
 use crate::estimate::ledger::Ledger;
@@ -43,13 +44,18 @@ impl Trial {
 
 impl Backward<'_, Mono> {
     /// Follows a path of each of two passes in each of `count` pixels spread over the picture, without those to lamps over
-    /// specular faces alone. Once `stop` says true the rest is left out, and the result is worthless.
-    pub fn trial(&self, count: u64, passes: [u64; 2], stop: &ShouldStop<'_>) -> Trial {
+    /// specular faces alone, and with borders in the sky's picture cut as the passes will. Once `stop` says true the rest is left
+    /// out, and the result is worthless.
+    pub fn trial(mut self, count: u64, passes: [u64; 2], stop: &ShouldStop<'_>) -> Trial {
         let [width, height] = self.world.eye.size();
         let optics = Mono::<f64>::optics(self.world, self.seed, 0);
-        let one = |k: u64| {
+        let place = |k: u64| {
             let [x, y]: [f64; 2] = lattice([0; 2], k);
-            let (x, y) = ((x * width as f64) as usize, (y * height as f64) as usize);
+            [((x * width as f64) as usize).min(width - 1), ((y * height as f64) as usize).min(height - 1)]
+        };
+        let places: Vec<[usize; 2]> = (0..count).map(place).collect();
+        self.over_sky = OverSky::find(self.world, &self.route, self.seed, Some(&places));
+        let one = |[x, y]: [usize; 2]| {
             let mut work = 0;
             let light = passes.map(|pass| {
                 if stop() {
@@ -57,14 +63,14 @@ impl Backward<'_, Mono> {
                 }
                 let mut ledgers = [Ledger::new(self.world.solids.len()), Ledger::new(self.world.solids.len())];
                 let mut light = vec![Light::default(); self.route.planes.len()];
-                let pixel = Pixel::new((x.min(width - 1), y.min(height - 1)), width, pass);
+                let pixel = Pixel::new((x, y), width, pass);
                 self.paths_of(&optics, pixel, &mut light, &mut ledgers);
                 work += ledgers.iter().map(|ledger| ledger.work).sum::<u64>();
                 light.iter().map(|light| light.value).sum()
             });
             (light, work)
         };
-        let all: Vec<([f64; 2], u64)> = (0..count).into_par_iter().map(one).collect();
+        let all: Vec<([f64; 2], u64)> = places.into_par_iter().map(one).collect();
         Trial { light: all.iter().map(|(light, _)| *light).collect(), work: all.iter().map(|(_, work)| work).sum() }
     }
 }

@@ -32,3 +32,35 @@ pub(super) mod probe {
     /// Faces on the way to them.
     pub const MOST_EVENTS: u32 = 32;
 }
+
+/// `over_sky.rs`
+/// - the commit before the one that says this (Borders between the pixels of a sky's picture are cut out of what the eye's pixels see)
+pub(super) mod over_sky {
+    /// From the middle of a square of pixels, in its sides to the right and down, the places where four of the paths start by which it
+    /// is known what all of it sees; the fifth starts in the middle.
+    pub const REACH: f64 = 0.4;
+    /// Where in the pupil, in radii: two to the right and two to the left of its middle, below it, and the fifth above.
+    pub const UP_AND_DOWN: [f64; 4] = [0.55, -0.55, -0.2, 0.6];
+    /// Places of the square and of the pupil where that is tried.
+    pub const TRIALS: [[f64; 4]; 3] = [[0.48, 0.46, -0.2, 0.8], [-0.47, 0.05, -0.7, -0.6], [0.05, -0.48, 0.8, -0.1]];
+    /// It holds where paths on trial see the sky no farther than this from where it says, in pixels of the eye,
+    pub const TOLERANCE: f64 = 0.02;
+    /// and have no more or less of its light than by this share.
+    pub const STEADY: f64 = 0.05;
+    /// Ways with less of the light are not followed, nor for more faces than this, all together;
+    pub const LEAST: f64 = 1.0 / 256.0;
+    pub const MOST_STEPS: u64 = 96;
+    /// and a train with so little of the brightest one's is not what squares are parted for.
+    pub const FAINT: f64 = 1.0 / 32.0;
+    /// Sides of the squares that are looked at first, and of those that are not parted any more where some paths see another train.
+    pub const BLOCK: usize = 8;
+    pub const LEAST_PARTED: usize = 2;
+    /// Where wavelengths change those of so many passes are looked at.
+    pub const PASSES_LOOKED_AT: u64 = 4;
+    /// A pixel that sees more of the picture's than this is left to paths.
+    pub const MOST_PIXELS: usize = 64;
+    /// Pairs of places of the pupil by which a pass knows the mean over all of it: so many for each pixel by which the picture moves from
+    /// the middle to the rim, and at most.
+    pub const PER_PIXEL: f64 = 4.0;
+    pub const MOST_PAIRS: f64 = 8.0;
+}

@@ -14,10 +14,10 @@ pub const MOST: usize = 4;
 pub const MOST_EDGES: usize = 12;
 
 /// A piece of no more of the square is rounding.
-const SLIVER: f64 = 64.0 * f64::EPSILON;
+pub(in crate::world) const SLIVER: f64 = 64.0 * f64::EPSILON;
 
 /// Corners of a convex polygon; each edge adds one at most, each of a slide's pixels that it is cut by four.
-type Polygon = ArrayVec<DVec2, { 4 + 4 * MOST + MOST_EDGES }>;
+pub(in crate::world) type Polygon = ArrayVec<DVec2, { 4 + 4 * MOST + MOST_EDGES }>;
 
 /// Where the points of the square from −½ to ½ cross a slide: `at` + x·by\[0\] + y·by\[1\], mesh units.
 #[derive(Debug, Clone, Copy)]
@@ -67,9 +67,7 @@ pub fn mean<M: Mode>(
     if edges.len() > MOST_EDGES || footprints.len() > MOST {
         return None;
     }
-    let mut square = Polygon::new();
-    square.extend([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(DVec2::from_array));
-    let square = edges.iter().fold(square, |square, edge| edge.keep(&square, |at| at));
+    let square = edges.iter().fold(square(), |square, edge| edge.keep(&square, |at| at));
     let mut sum = Sum { tracing: (world, optics), brightness, light: lanes::<M, _>(|_| Light::default()), pieces: 0 };
     sum.through(&square, footprints, lanes::<M, _>(|_| Light::ONE))?;
     let finite = (0..M::LANES).all(|lane| sum.light[lane].is_finite());
@@ -94,6 +92,11 @@ pub fn at<M: Mode>(
         optics.cross_slide(&mut light, (map, world.rank(footprint.slide)), &s);
     }
     Some(light)
+}
+
+/// All of the square.
+pub(in crate::world) fn square() -> Polygon {
+    [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].into_iter().map(DVec2::from_array).collect()
 }
 
 struct Sum<'s, M: Mode> {
@@ -201,13 +204,13 @@ impl Lines {
         self.first + self.by.dot(point)
     }
 
-    fn span(&self, polygon: &Polygon) -> [f64; 2] {
+    pub(in crate::world) fn span(&self, polygon: &Polygon) -> [f64; 2] {
         let all = polygon.iter().map(|corner| self.at(*corner));
         all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
     }
 
     /// The part of a polygon between two values (I. E. Sutherland and G. W. Hodgman, "Reentrant polygon clipping", CACM 17, 1974).
-    fn cut(&self, polygon: &Polygon, low: f64, high: f64) -> Polygon {
+    pub(in crate::world) fn cut(&self, polygon: &Polygon, low: f64, high: f64) -> Polygon {
         let above = self.keep(polygon, |at| at - low);
         self.keep(&above, |at| high - at)
     }
@@ -232,7 +235,7 @@ impl Lines {
 }
 
 /// Area of a polygon, and the integral of the place over it.
-fn moments(polygon: &Polygon) -> (f64, DVec2) {
+pub(in crate::world) fn moments(polygon: &Polygon) -> (f64, DVec2) {
     let (mut area, mut moment) = (0.0, DVec2::ZERO);
     let Some(mut before) = polygon.last().copied() else { return (area, moment) };
     for corner in polygon {
