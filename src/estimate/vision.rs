@@ -313,29 +313,25 @@ impl<'w, M: Mode> Vision<'w, M> {
             // Without the slides' factors, so that pictures at two contrasts share every path.
             let share = walker.beam.weight();
             if share > least {
-                let mut orders = walker.split_orders(&vertex, least / share, ledger).map(Vec::into_iter);
-                let brightest = orders.as_mut().map(Iterator::next);
-                let reflected = match brightest {
-                    Some(_) => None,
-                    None => walker.split(&vertex, least / share, u8::MAX, ledger),
-                };
-                for mut branch in orders.into_iter().flatten().chain(reflected) {
+                let mut branch_off = |mut branch: Walker<'_, M>, ledger: &mut Ledger| {
                     let mut met = met.clone();
                     if let Some(met) = &mut met {
                         met.pass(&branch, &vertex);
                     }
                     self.follow(route, &mut branch, (places, least, met), ledger, each);
-                }
-                match brightest {
-                    None => {}
-                    Some(None) => return,
-                    Some(Some(brightest)) => {
-                        *walker = brightest;
-                        if let Some(met) = &mut met {
-                            met.pass(walker, &vertex);
-                        }
-                        continue;
+                };
+                if let Some(orders) = walker.split_orders(&vertex, least / share, ledger) {
+                    let mut orders = orders.into_iter();
+                    let Some(brightest) = orders.next() else { return };
+                    orders.for_each(|branch| branch_off(branch, ledger));
+                    *walker = brightest;
+                    if let Some(met) = &mut met {
+                        met.pass(walker, &vertex);
                     }
+                    continue;
+                }
+                if let Some(reflected) = walker.split(&vertex, least / share, u8::MAX, ledger) {
+                    branch_off(reflected, ledger);
                 }
             }
             walker.last = None;

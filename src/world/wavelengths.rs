@@ -57,7 +57,7 @@ pub(super) fn lighting<A: Amount>(world: &World, seed: u64, number: u64) -> Ligh
 pub struct SharedLight<'w> {
     world: &'w World,
     /// W/nm per lumen.
-    mean_source: Grid,
+    mean_source: Box<Grid>,
     /// Over all wavelengths.
     mean: Known,
 }
@@ -69,7 +69,7 @@ impl<'w> SharedLight<'w> {
             return None;
         }
         let sources = world.tints.lamps.iter().chain(&world.tints.lights);
-        let mut mean_source: Grid = [0.0; COUNT];
+        let mut mean_source: Box<Grid> = Box::new([0.0; COUNT]);
         for source in sources {
             mean_source.iter_mut().zip(source.values()).for_each(|(sum, own)| *sum += own);
         }

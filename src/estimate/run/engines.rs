@@ -29,7 +29,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 enum Engine<'w, M: Mode> {
-    Backward(Backward<'w, M>),
+    Backward(Box<Backward<'w, M>>),
     Forward(Forward<'w, M>),
     Photon(PhotonMapper<'w, M>),
     Manifold(Manifold<'w, M>),
@@ -274,12 +274,8 @@ fn begin_with<'w, M: Mode + 'w>(
                 // What connection leaves is lamps over specular faces alone.
                 let paths = if plan.owns(estimator) { plan.backward_paths } else { 0 };
                 let backward = Backward::new(world, route, (paths, plan.backward_share), Hints::of(plan), seed);
-                Engine::Backward(
-                    backward
-                        .beside(connections.clone(), plan.unknown_share)
-                        .branching(plan.faintest_branch)
-                        .cutting_pictures(),
-                )
+                let backward = backward.beside(connections.clone(), plan.unknown_share);
+                Engine::Backward(Box::new(backward.branching(plan.faintest_branch).cutting_pictures()))
             }
             Estimator::Forward => Engine::Forward(Forward::new(
                 world,

@@ -67,7 +67,14 @@ pub fn mean<M: Mode>(
     if edges.len() > MOST_EDGES || footprints.len() > MOST {
         return None;
     }
-    let square = edges.iter().fold(square(), |square, edge| edge.keep(&square, |at| at));
+    let mut square = square();
+    // Most edges of what is near lie beside it.
+    for edge in edges {
+        let is_beside = edge.first >= 0.5 * (edge.by.x.abs() + edge.by.y.abs());
+        if !is_beside {
+            square = edge.keep(&square, |at| at);
+        }
+    }
     let mut sum = Sum { tracing: (world, optics), brightness, light: lanes::<M, _>(|_| Light::default()), pieces: 0 };
     sum.through(&square, footprints, lanes::<M, _>(|_| Light::ONE))?;
     let finite = (0..M::LANES).all(|lane| sum.light[lane].is_finite());
