@@ -90,7 +90,13 @@ pub fn granted(
     }
     if slides > 1 {
         match maker.tell_slides_apart(slides, world) {
-            Ok(told) => granted.slides_told = Some(told),
+            Ok((told, in_series)) => {
+                granted.slides_told = Some(told);
+                granted.notes.extend(in_series.map(|because| {
+                    let text = format!("light through slides in series is not told apart: a path {because}");
+                    Note::warning(Where::File(scene.name.clone().into()), text)
+                }));
+            }
             Err(because) => {
                 granted.aovs.iter_mut().for_each(|aov| aov.slides.clear());
                 let at = Where::File(scene.name.clone().into());
@@ -192,8 +198,12 @@ impl<'s> Maker<'s> {
         names.zip(self.sources.iter().cloned()).collect()
     }
 
-    /// Has paths tell which slide they cross, and which two where light crosses one after the other. Errors: why they can't.
-    fn tell_slides_apart(&mut self, count: usize, world: &World) -> std::result::Result<Told, String> {
+    /// Has paths tell which slide they cross, and which two where light crosses one after the other. Where those two cannot be told, why. Errors: why none can.
+    fn tell_slides_apart(
+        &mut self,
+        count: usize,
+        world: &World,
+    ) -> std::result::Result<(Told, Option<String>), String> {
         if count > MOST_SLIDES {
             return Err(format!("no more than {MOST_SLIDES} are told apart"));
         }
@@ -201,19 +211,22 @@ impl<'s> Maker<'s> {
         let slides = (0..count).filter_map(|slide| u8::try_from(slide).ok()).map(Some);
         let crossing = [None].into_iter().chain(slides).map(Lpe::crossing);
         let all: Vec<Lpe> = self.parting.iter().cloned().chain(crossing).collect();
+        let mut in_series = None;
         let once = series::find(world, self.scene.groups.len());
         if !once.is_empty() {
             let crossing = once.iter().map(|(slide, other)| Lpe::crossing_once(*slide, *other));
             let with: Vec<Lpe> = all.iter().cloned().chain(crossing).collect();
-            // With too many of them slides in series are not told from each other.
-            if let Ok(sieve) = Product::new(&with, &self.groups(), &self.events) {
-                self.sieve = Some(sieve.parting_series());
-                return Ok(Told { bit, once });
+            match Product::new(&with, &self.groups(), &self.events) {
+                Ok(sieve) => {
+                    self.sieve = Some(sieve.parting_series());
+                    return Ok((Told { bit, once }, None));
+                }
+                Err(what) => in_series = Some(what),
             }
         }
         let sieve = Product::new(&all, &self.groups(), &self.events);
         self.sieve = Some(sieve.map_err(|what| format!("with layers by light path expression, a path {what}"))?);
-        Ok(Told { bit, once: Vec::new() })
+        Ok((Told { bit, once: Vec::new() }, in_series))
     }
 
     fn is_taken(&self, layer: &str) -> bool {

@@ -149,7 +149,7 @@ impl Films {
         self.noise().is_some()
     }
 
-    /// Sums over the pixels: variance, its square, that over one less than the samples that tell it, and luminance squared.
+    /// Sums over the pixels: variance, its square, that over the degrees of freedom that tell it, and luminance squared.
     /// None before the second pass or for a black picture.
     ///
     /// Where each pixel goes through points that are even over the passes, what that saves is found in the whole picture.
@@ -165,7 +165,7 @@ impl Films {
                     value += (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum::<f64>();
                     let of_film = saved.of(film.passes_of(pixel)) * film.variance(pixel, film.planes.len());
                     variance += of_film;
-                    unknown += of_film * of_film / film.samples_of(pixel).saturating_sub(1).max(1) as f64;
+                    unknown += of_film * of_film / film.freedom_of(pixel) as f64;
                 }
                 noise += variance;
                 squares += variance * variance;

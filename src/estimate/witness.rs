@@ -117,8 +117,10 @@ impl<'w, M: Mode> Witness<'w, M> {
         let slots = self.pixels.len() as u64;
         // Passes start anywhere among the pixels, so all have their turn however few looks a pass has.
         let first = Rng::new(self.seed, Stream::Witness, 3, pass).next_u64() % slots.max(1);
+        let chunks = count.div_ceil(CHUNK);
         let of_chunk = |chunk: u64| {
-            let optics = M::optics(self.world, self.seed, pass.wrapping_mul(1 << 20).wrapping_add(chunk));
+            // One number after the other: wavelengths go by the lowest bits.
+            let optics = M::optics(self.world, self.seed, pass.wrapping_mul(chunks).wrapping_add(chunk));
             let parts = self.world.solids.len();
             let mut ledgers = [Ledger::new(parts), Ledger::new(parts)];
             let mut light = vec![Light::default(); self.record.watched.len() * M::COMPONENTS];

@@ -149,6 +149,11 @@ impl Film {
         self.control.as_mut().is_none_or(|control| control.know(passes))
     }
 
+    /// Whether it keeps that.
+    pub fn keeps_known(&self) -> bool {
+        self.control.is_some()
+    }
+
     /// What is known of passes that share wavelengths.
     pub fn known(&self) -> &[(u64, control_variates::Known)] {
         self.control.as_ref().map_or(&[], ControlVariates::known)
@@ -403,6 +408,13 @@ impl Film {
         }
     }
 
+    /// By how many of them its stated variance is told: one less, and what [is known](ControlVariates) of passes takes.
+    pub fn freedom_of(&self, pixel: usize) -> u64 {
+        let control = self.control.as_ref().filter(|_| self.detail.is_none());
+        let spent = control.map_or(0, |control| control.spent(self.passes_of(pixel)));
+        self.samples_of(pixel).saturating_sub(1 + spent).max(1)
+    }
+
     /// The least of them.
     pub fn samples(&self) -> u64 {
         match self.sampling {
@@ -442,7 +454,8 @@ impl Film {
         };
         let square = |squares: &Tiles| squares.sum(pixel, plane.min(total_of(planes))).value();
         let square = self.squares.as_ref().map_or(0.0, square);
-        let of_all = self.control.as_ref().filter(|_| plane == planes || planes == 1);
+        // Where parts of the picture state their errors, too, all of them are by the spread: mixtures compare them.
+        let of_all = self.control.as_ref().filter(|_| self.detail.is_none() && (plane == planes || planes == 1));
         let left = of_all.and_then(|control| control.variance(pixel, self.passes_of(pixel), sum, square));
         left.unwrap_or_else(|| self.covariance_of_means(pixel, sum, sum, square).max(0.0))
     }
@@ -493,7 +506,12 @@ impl Film {
         }
         let light = self.sum(pixel, plane);
         let change = light.content() - light.open();
-        let squares = self.detail.as_ref()?.change2(pixel, plane)?;
+        let Some(squares) = self.detail.as_ref()?.change2(pixel, plane) else {
+            // The plane is all of its share.
+            let PlaneKey { layer, group, .. } = self.planes[plane];
+            let MixError { open, content, covariance } = self.mix_error(pixel, (layer, group))?;
+            return Some((open + content - 2.0 * covariance).max(0.0));
+        };
         Some(self.covariance_of_means(pixel, change, change, squares).max(0.0))
     }
 

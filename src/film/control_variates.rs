@@ -56,14 +56,15 @@ impl ControlVariates {
 
     /// Adds what is known of passes; of one that there is, it stays. False where it is no number.
     pub fn know(&mut self, passes: impl IntoIterator<Item = (u64, Known)>) -> bool {
-        let mut finite = true;
-        for (pass, known) in passes {
-            finite &= known.iter().all(|own| own.is_finite());
-            if let Err(at) = self.known.binary_search_by_key(&pass, |(own, _)| *own) {
-                self.known.insert(at, (pass, known));
-                self.first.truncate(at + 1);
-            }
-        }
+        let before = self.known.len();
+        self.known.extend(passes);
+        let finite = self.known[before..].iter().flat_map(|(_, known)| known).all(|own| own.is_finite());
+        let first = self.known[before..].iter().map(|(pass, _)| *pass).min();
+        // Those that there are stand before others of their number, and stay.
+        self.known.sort_by_key(|(pass, _)| *pass);
+        self.known.dedup_by_key(|(pass, _)| *pass);
+        let as_before = first.map_or(before, |first| self.known.partition_point(|(pass, _)| *pass < first));
+        self.first.truncate(as_before + 1);
         for at in self.first.len() - 1..self.known.len() {
             let ((sum, products), own) = (self.first[at], DVec3::from_array(self.known[at].1));
             self.first.push((sum + own, products + outer(own)));
@@ -77,6 +78,16 @@ impl ControlVariates {
         self.products.rows().map(move |products| ControlVariatesRow { products, known })
     }
 
+    /// How many of the first `passes` are spent on what is taken off, at most: at least as many are left to tell what is left.
+    pub(super) fn spent(&self, passes: u64) -> u64 {
+        match passes {
+            _ if passes >= self.first.len() as u64 => 0,
+            0..=3 => 0,
+            4..=7 => 1,
+            8.. => COUNT as u64,
+        }
+    }
+
     /// Variance of the mean of a pixel with the first `passes`, from their sum and that of the squares. None where there are too few
     /// to tell.
     pub(super) fn variance(&self, pixel: usize, passes: u64, sum: f64, squares: f64) -> Option<f64> {
@@ -87,11 +98,10 @@ impl ControlVariates {
         let both = DVec3::new(of(0), of(1), of(2)) - mean * sum;
         let spread = *products - outer(mean) * count;
         let whole = squares - sum * sum / count;
-        // At least as many are left to tell what is left as are spent on what is taken off.
-        let along: &[DVec3] = match passes {
-            0..=3 => return None,
-            4..=7 => &[DVec3::ONE],
-            8.. => &DVec3::AXES,
+        let along: &[DVec3] = match self.spent(passes) {
+            0 => return None,
+            1 => &[DVec3::ONE],
+            _ => &DVec3::AXES,
         };
         let (mut explained, mut off, mut spent) = (0.0, 0.0, 0.0);
         // By Gram and Schmidt: each less what those before it say.

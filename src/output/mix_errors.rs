@@ -26,7 +26,12 @@ pub fn carry(rendering: &Rendering, recipe: &Recipe, contrasts: &Contrasts, out:
             }
             None => {
                 let grown = |(pixel, sigma): (usize, &f32)| {
-                    let growth = share.error_growth(contrasts, pixel)?;
+                    let growth = if share.follows(contrasts) {
+                        // All contrasts together are no sum over the slides.
+                        share.error_growth(contrasts, pixel).filter(|_| contrasts.all().is_none())?
+                    } else {
+                        0.0
+                    };
                     Some((recipe.gain(&share.group) * (f64::from(*sigma) + growth)) as f32)
                 };
                 match share.error.and_then(|error| error.iter().enumerate().map(grown).collect::<Option<Vec<f32>>>()) {

@@ -70,7 +70,7 @@ struct Kind {
 impl Kind {
     /// At most as many bytes as a film of this kind needs; none if that is no number.
     fn bytes(&self, pixels: u64) -> Option<u64> {
-        let light = 6 * self.components.count() as u64;
+        let light = 7 * self.components.count() as u64;
         let further = match self.sampling {
             Sampling::PerPass => {
                 8 + (self.surplus.len() + control_variates::COUNT) as u64
@@ -79,7 +79,7 @@ impl Kind {
             Sampling::PerScramble { .. } => 9 + if self.detail { 16 } else { 0 },
         };
         let sums = (light + further).checked_mul(self.planes.len() as u64 + 1)?;
-        let sums = sums.checked_add(if self.detail { lpe::MOST as u64 } else { 0 })?;
+        let sums = sums.checked_add(if self.detail { 1 + lpe::MOST as u64 } else { 0 })?;
         let map = if self.adaptive { 1 } else { 0 };
         pixels.checked_mul(sums.checked_add(map)?)?.checked_mul(size_of::<Sum>() as u64)
     }
@@ -202,8 +202,11 @@ fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, S
     if !film.set_surplus(kind.surplus) {
         return Err(format!("film {number} has the surplus of another kind of film"));
     }
+    if !(film.keeps_known() || kind.known.is_empty()) || !kind.known.is_sorted_by(|a, b| a.0 < b.0) {
+        return Err(format!("what film {number} knows of its passes is no list of these"));
+    }
     if !film.know(kind.known) {
-        return Err(format!("film {number} has passes of which no number is known"));
+        return Err(format!("what film {number} knows of its passes is no number"));
     }
     if !film.put_totals(kind.totals) {
         return Err(format!("film {number} has totals of another kind of film"));
@@ -230,6 +233,9 @@ fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, S
                 return Err(format!("film {number} keeps no {name} at pixel {pixel}, but the file has some"));
             }
         }
+    }
+    if film.known().len() as u64 > film.most_passes() {
+        return Err(format!("film {number} knows of more passes than it has"));
     }
     film.settle();
     Ok(film)

@@ -35,6 +35,22 @@ pub enum Dispersion {
 }
 
 impl Dispersion {
+    /// Whether it says that n is the same at every wavelength. Laws that only happen to come to that say no.
+    pub fn is_constant(&self) -> bool {
+        match self {
+            Dispersion::Constant(_) => true,
+            Dispersion::Cauchy([_, b, c]) => [*b, *c] == [0.0; 2],
+            Dispersion::Abbe { v_d, .. } => v_d.is_infinite(),
+            Dispersion::Table(rows) => rows.windows(2).all(|pair| pair[0].1 == pair[1].1),
+            Dispersion::Offset { law, .. } => law.is_constant(),
+            Dispersion::Sellmeier { .. }
+            | Dispersion::Sellmeier4 { .. }
+            | Dispersion::Polynomial { .. }
+            | Dispersion::Gas { .. }
+            | Dispersion::Formula(_) => false,
+        }
+    }
+
     /// n + ik at `wavelength_nm` (in air). Never panics; a law that fails [`Dispersion::problem`] may give NaN.
     ///
     /// Where a Sellmeier law has n² < 0 (inside a resonance, far from the visible) the index is purely imaginary.

@@ -35,7 +35,6 @@ pub mod wavelengths;
 pub mod web;
 
 use crate::base::Result;
-use crate::base::colour::{FIRST_NM, LAST_NM};
 use crate::base::lpe::{Letter, MOST_SLIDES, Product};
 use crate::scene::{BeaconForm, Coating, Eye, Medium, Scene};
 use contact::Contacts;
@@ -282,13 +281,10 @@ impl World {
     }
 }
 
-/// Whether light of one wavelength goes other ways than that of another.
+/// Whether light of one wavelength may go other ways than that of another.
 fn disperses(scene: &Scene) -> bool {
-    let index = |medium: &Medium, nm: usize| medium.index.index(nm as f64).re;
     let media = scene.parts.iter().filter_map(|part| part.medium.map(|id| scene.medium(id)));
-    let first = |medium: &Medium| index(medium, FIRST_NM);
-    !scene.gratings.is_empty()
-        || media.into_iter().any(|medium| (FIRST_NM..=LAST_NM).any(|nm| index(medium, nm) != first(medium)))
+    !scene.gratings.is_empty() || media.into_iter().any(|medium| !medium.index.is_constant())
 }
 
 /// Centre and radius of a sphere about the geometry and the pupil, a little larger than it need be.

@@ -55,6 +55,8 @@ pub(super) mod over_sky {
     /// Sides of the squares that are looked at first, and of those that are not parted any more where some paths see another train.
     pub const BLOCK: usize = 8;
     pub const LEAST_PARTED: usize = 2;
+    /// So many pixels of the picture are compared for a square; where it may see more they are taken for different.
+    pub const MOST_ALIKE: usize = 1 << 16;
     /// Where wavelengths change those of so many passes are looked at.
     pub const PASSES_LOOKED_AT: u64 = 4;
     /// A pixel that sees more of the picture's than this is left to paths.

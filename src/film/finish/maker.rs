@@ -104,7 +104,9 @@ impl Maker {
                     }
                     Shows::Nothing | Shows::Slide(_) => {
                         let what = match by.pairs().next() {
-                            Some(_) => "three slides or more, one after the other, or one of two twice",
+                            Some(_) => {
+                                "three slides or more, one after the other, or one of two twice, or two that no path of a look before the first pass crossed"
+                            }
                             None => "two slides or more, one after the other",
                         };
                         format!(

@@ -3,7 +3,9 @@
 use super::sight::{Known, Scout, Seen, Sight};
 use super::{OverSky, Shown};
 use crate::base::path::{Event, Trail};
-use crate::estimate::backward::tuning::over_sky::{BLOCK, FAINT, LEAST_PARTED, PASSES_LOOKED_AT, TOLERANCE};
+use crate::estimate::backward::tuning::over_sky::{
+    BLOCK, FAINT, LEAST_PARTED, MOST_ALIKE, PASSES_LOOKED_AT, TOLERANCE,
+};
 use crate::estimate::ownership::Ownership;
 use crate::world::World;
 use crate::world::mode::{Mode, wavelengths_change};
@@ -141,7 +143,9 @@ impl<M: Mode> Scout<'_, M> {
             }
         }
         // What lies between places that see one pixel of the sky's picture, and about as far beyond, is that pixel.
-        if trains.is_empty() || self.sky.is_alike([low - (high - low), high + (high - low)]) {
+        let about = [low - (high - low), high + (high - low)];
+        let is_alike = || self.sky.count(about).is_some_and(|count| count <= MOST_ALIKE) && self.sky.is_alike(about);
+        if trains.is_empty() || is_alike() {
             return None;
         }
         let count = trains.len();
