@@ -34,7 +34,8 @@ pub(super) mod probe {
 }
 
 /// `over_sky.rs`
-/// - `ac7065b` (Borders between the pixels of a sky's picture are cut out of what the eye's pixels see)
+/// - `MOST_ALIKE`: `c4c0e05` (What a fresh reader found: errors of mixtures in colour, few pixels that tell too little)
+/// - the others: `ac7065b` (Borders between the pixels of a sky's picture are cut out of what the eye's pixels see)
 pub(super) mod over_sky {
     /// From the middle of a square of pixels, in its sides to the right and down, the places where four of the paths start by which it
     /// is known what all of it sees; the fifth starts in the middle.
