@@ -84,6 +84,13 @@ impl Known {
     }
 }
 
+/// Of several choices of places in the pupil: the largest, cd/m², by how much they differ, and the counted work of one.
+struct Means {
+    brightest: f64,
+    variance: f64,
+    work: u64,
+}
+
 struct Finder<'f, M: Mode> {
     vision: &'f Vision<'f, M>,
     route: &'f Ownership,
@@ -147,16 +154,16 @@ impl<M: Mode> Finder<'_, M> {
         let mean = |of: &dyn Fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>() / TRIALS.len() as f64;
         let variance = (mean(&|pair| pair[0] * pair[0]) - mean(&|pair| pair[0]).powi(2)).max(0.0);
         let off = mean(&|[seen, foretold]| (seen - foretold).powi(2));
-        let brightest = pairs.iter().flatten().fold(0.0, |most: f64, light| most.max(*light));
-        let (of_means, cutting) = self.spread_of_means(pixel, all);
+        let Means { brightest, variance: of_means, work: cutting } = self.means(pixel, all);
+        // A sliver of a picture may lie beside all trials.
+        let brightest = pairs.iter().flatten().fold(brightest, |most, light| most.max(*light));
         let off = off + PATHS as f64 * of_means;
         let times = 1.0 + (found + cutting) as f64 / (PATHS * of_ray).max(1) as f64;
         off <= (RIGHT * brightest).powi(2) || off * times <= WORTH * variance
     }
 
-    /// How far what the footprints say of all of a pixel differs from one choice of places in the pupil to another: the variance, and
-    /// the counted work of one.
-    fn spread_of_means(&self, pixel: Pixel, all: &[OverPixel<M>]) -> (f64, u64) {
+    /// What the footprints say of all of a pixel by some choices of places in the pupil.
+    fn means(&self, pixel: Pixel, all: &[OverPixel<M>]) -> Means {
         let mut ledger = Ledger::new(self.vision.world.solids.len());
         let means = [0, 1, 2, 3].map(|pass| {
             let mut seen = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
@@ -165,7 +172,8 @@ impl<M: Mode> Finder<'_, M> {
         });
         let [count, sum] = [means.len() as f64, means.iter().sum()];
         let variance = means.iter().map(|mean| (mean - sum / count).powi(2)).sum::<f64>() / (count - 1.0);
-        (variance, ledger.work / means.len() as u64)
+        let brightest = means.into_iter().fold(0.0, f64::max);
+        Means { brightest, variance, work: ledger.work / means.len() as u64 }
     }
 }
 
