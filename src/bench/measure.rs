@@ -4,6 +4,7 @@ use crate::base::Result;
 use crate::check::check;
 use crate::estimate::run::{Limits, run};
 use crate::film::plan::{Estimator, Spectral};
+use crate::film::rqmc_variance::Evenness;
 use crate::plan::{Asked, Choice, Polarisation, plan};
 use crate::scene::Scene;
 use crate::world::World;
@@ -63,8 +64,10 @@ pub fn trace(scene: &Scene, how: How) -> Result<Measured> {
     let limits = Limits { passes: Some(how.passes), ..Limits::default() };
     let films = run(&world, &plan, scene.groups.len(), scene.eye.resolution, how.seed, &limits, &mut ()).films;
     let pixels = scene.eye.resolution[0] * scene.eye.resolution[1];
-    let (mut sum, mut variance, mut nan) = (0.0, 0.0, 0);
+    let count = pixels as f64;
+    let (mut sum, mut of_mean, mut nan) = (0.0, 0.0, 0);
     for (_, film, _) in &films.films {
+        let (mut variance, mut together) = (0.0, 0.0);
         for pixel in 0..pixels {
             let value: f64 = (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum();
             let noise = film.variance(pixel, film.planes.len());
@@ -74,12 +77,17 @@ pub fn trace(scene: &Scene, how: How) -> Result<Measured> {
             }
             sum += value;
             variance += noise;
+            together += noise.sqrt();
         }
+        // Pixels that share wavelengths may err together.
+        of_mean += match film.evenness() {
+            Some(Evenness::OfPasses) => (together / count).powi(2),
+            Some(Evenness::OfPixels) | None => variance / (count * count),
+        };
     }
-    let count = pixels as f64;
     let mut out = Measured {
         mean: sum / count,
-        sigma: variance.sqrt() / count,
+        sigma: of_mean.sqrt(),
         loss: 0.0,
         loss_sigma: 0.0,
         cut: 0.0,
