@@ -99,5 +99,6 @@ fn its_luminance_is_that_of_jones_calculus() {
 
 #[test]
 fn as_planned_it_is_what_plain_paths_see() {
-    as_brute_force("pancake", &[], [16, 128]);
+    // After 16 passes nearly dark blocks have not seen what little light they have.
+    as_brute_force("pancake", &[], [64, 128]);
 }

@@ -7,9 +7,8 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::ownership::Ownership;
 use crate::estimate::pixel::Pixel;
 use crate::estimate::tuning::over_pixel::{BLOCK, RIGHT, TRIALS, WORTH};
-use crate::estimate::tuning::vision::PATHS;
 use crate::film::accumulate::Light;
-use crate::world::mode::{Mode, components, wavelengths_change};
+use crate::world::mode::{Mode, components};
 use crate::world::optics::Optics;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -84,13 +83,6 @@ impl Known {
     }
 }
 
-/// Of several choices of places in the pupil: the largest, cd/m², by how much they differ, and the counted work of one.
-struct Means {
-    brightest: f64,
-    variance: f64,
-    work: u64,
-}
-
 struct Finder<'f, M: Mode> {
     vision: &'f Vision<'f, M>,
     route: &'f Ownership,
@@ -123,23 +115,21 @@ impl<M: Mode> Finder<'_, M> {
         let mut work = 0;
         let seen = self.vision.over_square((self.route, self.optics), (pixel, Square::PIXEL, true), &mut work);
         let is_even = seen.whole && !seen.over.iter().any(|over| over.has_edge((self.vision.world, self.optics)));
-        if is_even {
+        if is_even || !self.are_worth_it(pixel, &seen.over) {
             return Vec::new();
         }
-        let of_ray = work / seen.rays;
-        let all = self.vision.sorted(self.optics, seen.over, of_ray);
-        // Where wavelengths change these are found anew each time.
-        let found = if wavelengths_change::<M>() { work } else { 0 };
-        if self.are_worth_it(pixel, &all, (of_ray, found)) { all } else { Vec::new() }
+        self.vision.sorted(self.optics, seen.over, work / seen.rays)
     }
 
-    /// Whether paths differ from what footprints say by so much less than they differ from each other that it is worth what cutting
-    /// costs, or by next to nothing. Counted work, of a path and of finding the footprints.
-    fn are_worth_it(&self, pixel: Pixel, all: &[OverPixel<M>], (of_ray, found): (u64, u64)) -> bool {
+    /// Whether paths differ from what footprints say by much less than they differ from each other, or by next to nothing.
+    fn are_worth_it(&self, pixel: Pixel, all: &[OverPixel<M>]) -> bool {
         if all.is_empty() {
             return false;
         }
         let (vision, optics) = (self.vision, self.optics);
+        let luminance = |light: &[Light]| {
+            light.chunks(M::COMPONENTS).map(|own| components::<M>().luminance(own).value).sum::<f64>()
+        };
         let mut ledger = Ledger::new(vision.world.solids.len());
         let mut pairs = [[0.0; 2]; TRIALS.len()];
         for (k, (pair, [x, y, u, v])) in pairs.iter_mut().zip(TRIALS).enumerate() {
@@ -149,35 +139,12 @@ impl<M: Mode> Finder<'_, M> {
             let rng = Rng::new(vision.seed, Stream::PictureEdges, 1 + k as u64, pixel.index);
             vision.look_along((self.route, optics), (pixel, jitter, pupil), (1.0, rng), &mut seen, &mut ledger);
             vision.take_off((optics, all), (jitter, pupil), -1.0, &mut more);
-            *pair = [luminance::<M>(&seen), luminance::<M>(&more)];
+            *pair = [luminance(&seen), luminance(&more)];
         }
         let mean = |of: &dyn Fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>() / TRIALS.len() as f64;
         let variance = (mean(&|pair| pair[0] * pair[0]) - mean(&|pair| pair[0]).powi(2)).max(0.0);
         let off = mean(&|[seen, foretold]| (seen - foretold).powi(2));
-        let Means { brightest, variance: of_means, work: cutting } = self.means(pixel, all);
-        // A sliver of a picture may lie beside all trials.
-        let brightest = pairs.iter().flatten().fold(brightest, |most, light| most.max(*light));
-        let off = off + PATHS as f64 * of_means;
-        let times = 1.0 + (found + cutting) as f64 / (PATHS * of_ray).max(1) as f64;
-        off <= (RIGHT * brightest).powi(2) || off * times <= WORTH * variance
+        let brightest = pairs.iter().flatten().fold(0.0, |most: f64, light| most.max(*light));
+        off <= (RIGHT * brightest).powi(2) || off <= WORTH * variance
     }
-
-    /// What the footprints say of all of a pixel by some choices of places in the pupil.
-    fn means(&self, pixel: Pixel, all: &[OverPixel<M>]) -> Means {
-        let mut ledger = Ledger::new(self.vision.world.solids.len());
-        let means = [0, 1, 2, 3].map(|pass| {
-            let mut seen = vec![Light::default(); self.route.planes.len() * M::COMPONENTS];
-            self.vision.add_mean((self.optics, all), (Pixel { pass, ..pixel }, 1.0), &mut seen, &mut ledger);
-            luminance::<M>(&seen)
-        });
-        let [count, sum] = [means.len() as f64, means.iter().sum()];
-        let variance = means.iter().map(|mean| (mean - sum / count).powi(2)).sum::<f64>() / (count - 1.0);
-        let brightest = means.into_iter().fold(0.0, f64::max);
-        Means { brightest, variance, work: ledger.work / means.len() as u64 }
-    }
-}
-
-/// Of all planes together, cd/m².
-fn luminance<M: Mode>(light: &[Light]) -> f64 {
-    light.chunks(M::COMPONENTS).map(|own| components::<M>().luminance(own).value).sum()
 }
