@@ -119,8 +119,8 @@ impl Summary {
         }
     }
 
-    /// Plain sampling knows some picture, no block and no picture is farther off than the limit, the pictures' energies scatter no more than normal deviates do and
-    /// about 0, and no witness objects. Blocks of one picture share light, so their own Σz² is told, and no verdict.
+    /// Plain sampling knows some picture, no block and no picture is farther off than the limit, the pictures' energies scatter no
+    /// more than normal deviates do and about 0, and no witness objects. Blocks of one picture share light, so their own Σz² is told, and no verdict.
     pub fn holds(&self) -> bool {
         let most = sidak_z(FALSE_ALARM, 1);
         let spread = self.energies.chi_square_z <= most && self.energies.mean_z.abs() <= most;

@@ -198,7 +198,8 @@ impl<'s> Maker<'s> {
         names.zip(self.sources.iter().cloned()).collect()
     }
 
-    /// Has paths tell which slide they cross, and which two where light crosses one after the other. Where those two cannot be told, why. Errors: why none can.
+    /// Has paths tell which slide they cross, and which two where light crosses one after the other; where those two cannot be
+    /// told, says why. Errors: why none can.
     fn tell_slides_apart(
         &mut self,
         count: usize,

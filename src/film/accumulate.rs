@@ -282,9 +282,8 @@ impl Film {
     pub fn saved_by_evenness(&self) -> Saved {
         let all = self.planes.len();
         let of_pixel = |pixel: usize| {
-            let sum = (0..all).map(|plane| self.sum(pixel, plane).value).sum::<f64>();
-            let squares = self.squares.as_ref().map_or(0.0, |squares| squares.sum(pixel, total_of(all)).value());
-            let spread = self.covariance_of_means(pixel, sum, sum, squares).max(0.0);
+            let [sum, square] = self.moments(pixel, all);
+            let spread = self.covariance_of_means(pixel, sum, sum, square).max(0.0);
             PixelMean { mean: sum / self.passes_of(pixel).max(1) as f64, spread, variance: self.variance(pixel, all) }
         };
         let Some(turns) = &self.turns else { return Saved::NOTHING };
@@ -330,6 +329,24 @@ impl Film {
             Components::Luminance => light(plane),
             Components::Rec709 => self.components.luminance(&[0, 1, 2].map(|c| light(3 * plane + c))),
         }
+    }
+
+    /// Sums over the passes of the luminance of a pixel, in a plane or in all together (`plane == planes.len()`), and of its square.
+    fn moments(&self, pixel: usize, plane: usize) -> [f64; 2] {
+        let planes = self.planes.len();
+        let sum = if plane < planes {
+            self.sum(pixel, plane).value
+        } else {
+            (0..planes).map(|plane| self.sum(pixel, plane).value).sum()
+        };
+        let square = |squares: &Tiles| squares.sum(pixel, plane.min(total_of(planes))).value();
+        [sum, self.squares.as_ref().map_or(0.0, square)]
+    }
+
+    /// By what the variance of all planes together is regressed. Where parts of the picture state their errors, too, all of them are
+    /// by the spread: mixtures compare them.
+    fn regressed(&self) -> Option<&ControlVariates> {
+        self.control.as_ref().filter(|_| self.detail.is_none())
     }
 
     /// Passes that a pixel has.
@@ -410,8 +427,7 @@ impl Film {
 
     /// By how many of them its stated variance is told: one less, and what [is known](ControlVariates) of passes takes.
     pub fn freedom_of(&self, pixel: usize) -> u64 {
-        let control = self.control.as_ref().filter(|_| self.detail.is_none());
-        let spent = control.map_or(0, |control| control.spent(self.passes_of(pixel)));
+        let spent = self.regressed().map_or(0, |control| control.spent(self.passes_of(pixel)));
         self.samples_of(pixel).saturating_sub(1 + spent).max(1)
     }
 
@@ -447,15 +463,8 @@ impl Film {
             let own = if plane < planes { plane..plane + 1 } else { 0..planes };
             return scrambles.variance(pixel, own) * self.per_pass2(pixel);
         }
-        let sum: f64 = if plane < planes {
-            self.sum(pixel, plane).value
-        } else {
-            (0..planes).map(|plane| self.sum(pixel, plane).value).sum()
-        };
-        let square = |squares: &Tiles| squares.sum(pixel, plane.min(total_of(planes))).value();
-        let square = self.squares.as_ref().map_or(0.0, square);
-        // Where parts of the picture state their errors, too, all of them are by the spread: mixtures compare them.
-        let of_all = self.control.as_ref().filter(|_| self.detail.is_none() && (plane == planes || planes == 1));
+        let [sum, square] = self.moments(pixel, plane);
+        let of_all = self.regressed().filter(|_| plane == planes || planes == 1);
         let left = of_all.and_then(|control| control.variance(pixel, self.passes_of(pixel), sum, square));
         left.unwrap_or_else(|| self.covariance_of_means(pixel, sum, sum, square).max(0.0))
     }

@@ -7,7 +7,7 @@
 use crate::base::double_double::Sum;
 use crate::base::error::{Error, Result, Where};
 use crate::base::lpe;
-use crate::film::accumulate::{Components, Film, PlaneKey, Sampling};
+use crate::film::accumulate::{Components, Film, Light, PlaneKey, Sampling};
 use crate::film::control_variates::{self, Known};
 use crate::film::frame::{Channel, Frame, Meta, Samples};
 use crate::film::kernel_bias;
@@ -70,7 +70,8 @@ struct Kind {
 impl Kind {
     /// At most as many bytes as a film of this kind needs; none if that is no number.
     fn bytes(&self, pixels: u64) -> Option<u64> {
-        let light = 7 * self.components.count() as u64;
+        // Its value, its powers, and how it parts between two slides.
+        let light = (Light::DEGREE + 3) as u64 * self.components.count() as u64;
         let further = match self.sampling {
             Sampling::PerPass => {
                 8 + (self.surplus.len() + control_variates::COUNT) as u64
@@ -266,7 +267,6 @@ fn joined(parts: [f32; 6]) -> Option<Sum> {
 mod tests {
     use super::*;
     use crate::base::ids::GroupId;
-    use crate::film::accumulate::Light;
     use crate::film::layer::Layer;
 
     fn film(sampling: Sampling) -> Film {

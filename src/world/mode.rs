@@ -85,10 +85,14 @@ pub fn turns<M: Mode>(world: &World) -> u64 {
 /// A pass's turns ([`turns`]) with the numbers by which they draw.
 pub type Turns<M> = Vec<(u64, Optics<M>)>;
 
+/// These numbers, of a pass that has so many turns.
+pub(super) fn numbers(turns: u64, pass: u64) -> impl Iterator<Item = u64> {
+    (0..turns).map(move |turn| pass.wrapping_mul(turns).wrapping_add(turn))
+}
+
 /// Those of a pass that has so many.
 pub fn turns_of<M: Mode>(world: &World, turns: u64, seed: u64, pass: u64) -> Turns<M> {
-    let numbers = (0..turns).map(|turn| pass.wrapping_mul(turns).wrapping_add(turn));
-    numbers.map(|number| (number, M::optics(world, seed, number))).collect()
+    numbers(turns, pass).map(|number| (number, M::optics(world, seed, number))).collect()
 }
 
 /// The entries of a plane.

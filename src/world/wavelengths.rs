@@ -1,7 +1,7 @@
 //! The wavelengths that a pass's paths share, what light and the eye are at them, and what that makes of light in all pixels alike.
 
 use super::World;
-use super::mode::{Hero, Mode};
+use super::mode::{self, Hero, Mode};
 use super::optics::Lighting;
 use super::stokes::Amount;
 use crate::base::colour::{self, COUNT, FIRST_NM, Grid, Lane};
@@ -65,7 +65,7 @@ pub struct SharedLight<'w> {
 impl<'w> SharedLight<'w> {
     /// None where passes share no wavelengths of their own, or there is no light.
     pub fn new<M: Mode>(world: &'w World) -> Option<SharedLight<'w>> {
-        if !super::mode::wavelengths_change::<M>() {
+        if !mode::wavelengths_change::<M>() {
             return None;
         }
         let sources = world.tints.lamps.iter().chain(&world.tints.lights);
@@ -104,8 +104,7 @@ impl<'w> SharedLight<'w> {
     /// Of a pass with so many turns ([`turns`](super::mode::turns)).
     pub fn of_pass(&self, turns: u64, seed: u64, pass: u64) -> Known {
         let mut off = self.mean.map(|own| -own);
-        for turn in 0..turns {
-            let number = pass.wrapping_mul(turns).wrapping_add(turn);
+        for number in mode::numbers(turns, pass) {
             let own = self.at(place(self.world, seed, number));
             off.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / turns as f64);
         }
