@@ -40,7 +40,7 @@ pub fn roots(f: &impl Bent, from: f64, to: f64, visit: &mut impl FnMut(f64) -> C
     };
     let (mut a, b) = (end(from), end(to));
     if told(f, bend, a, b) {
-        return if crosses(a, b) { visit(solve(f, a, b)) } else { ControlFlow::Continue(()) };
+        return if crosses(a, b) { visit(solve(f, bend, a, b)) } else { ControlFlow::Continue(()) };
     }
     // What is still to be searched, the next on top: the far ends of intervals that begin where the one before ends.
     let mut ahead = vec![b];
@@ -49,7 +49,7 @@ pub fn roots(f: &impl Bent, from: f64, to: f64, visit: &mut impl FnMut(f64) -> C
         let middle = a.t + 0.5 * (b.t - a.t);
         if told(f, bend, a, b) || !(a.t < middle && middle < b.t) || cuts >= CUTS {
             if crosses(a, b) {
-                visit(solve(f, a, b))?;
+                visit(solve(f, bend, a, b))?;
             }
             a = b;
             ahead.pop();
@@ -77,13 +77,25 @@ fn told(f: &impl Bent, bend: f64, a: End, b: End) -> bool {
     clear || monotone || change <= f.noise()
 }
 
+/// Where the place as a cubic of the value, by both ends and their slopes, has the value zero: Hermite's interpolation of the
+/// inverse function.
+#[inline]
+fn foretold(a: End, b: End) -> f64 {
+    let rise = b.value - a.value;
+    let s = -a.value / rise;
+    let left = 1.0 - s;
+    let (to_a, to_b) = (left * left * (1.0 + 2.0 * s), s * s * (3.0 - 2.0 * s));
+    to_a * a.t + to_b * b.t + rise * s * left * (left / a.slope - s / b.slope)
+}
+
 /// The root between two ends of different sign: Newton's method, and halving wherever that leaves the enclosure or
-/// shrinks it too slowly (Press et al., Numerical Recipes, section 9.4).
-fn solve(f: &impl Bent, a: End, b: End) -> f64 {
+/// shrinks it too slowly (Press et al., Numerical Recipes, section 9.4). Where the bound on the bending says that the next step
+/// would be below the grain (L. V. Kantorovich's theorem: with h = bend·step/|slope| ≤ ½ what is left is at most h·step), it is not made.
+fn solve(f: &impl Bent, bend: f64, a: End, b: End) -> f64 {
     let (mut low, mut high) = if a.value < 0.0 { (a.t, b.t) } else { (b.t, a.t) };
-    // Start on the chord.
-    let chord = a.t + (b.t - a.t) * (a.value / (a.value - b.value));
-    let mut t = if chord > a.t && chord < b.t { chord } else { 0.5 * (a.t + b.t) };
+    let (first, chord) = (foretold(a, b), a.t + (b.t - a.t) * (a.value / (a.value - b.value)));
+    let inside = |t: &f64| *t > a.t && *t < b.t;
+    let mut t = [first, chord].into_iter().find(inside).unwrap_or(0.5 * (a.t + b.t));
     let mut before = (b.t - a.t).abs();
     let mut step = before;
     loop {
@@ -101,7 +113,10 @@ fn solve(f: &impl Bent, a: End, b: End) -> f64 {
         let next = if inside && (newton - t).abs() <= 0.5 * before { newton } else { 0.5 * (low + high) };
         before = step;
         step = (next - t).abs();
-        if step <= f.grain(next) || next == low || next == high || next.is_nan() {
+        let grain = f.grain(next);
+        let left = bend * step / slope.abs();
+        let is_last = next == newton && left <= 0.5 && left * step <= grain;
+        if is_last || step <= grain || next == low || next == high || next.is_nan() {
             return if next.is_nan() { t } else { next };
         }
         t = next;

@@ -1,7 +1,8 @@
-//! Numbers that a height can be computed in: plain ones, intervals (bounds), truncated power series (derivatives) and
-//! slopes along a line (a root divided out). One formula per surface then gives all four.
+//! Numbers that a height can be computed in: plain ones, intervals (bounds), truncated power series (derivatives along a line),
+//! values with both derivatives in the plane, and slopes along a line (a root divided out). One formula per surface then gives all five.
 
 use super::spline::Spline;
+use glam::DVec2;
 use std::ops::{Add, Mul, Sub};
 
 /// What the formulas of surfaces need.
@@ -208,20 +209,23 @@ impl<T: Num, const N: usize> Num for Series<T, N> {
     fn sqrt(self) -> Self {
         let mut all = [T::of(0.0); N];
         all[0] = self.0[0].sqrt();
-        let twice = all[0].times(2.0);
+        let per_twice = T::of(0.5).over(all[0]);
         for k in 1..N {
             let rest = (1..k).fold(self.0[k], |sum, i| sum - all[i] * all[k - i]);
-            all[k] = rest.over(twice);
+            all[k] = rest * per_twice;
         }
         Series(all)
     }
-    /// q b = a: b₀ q_k = a_k − Σ_{i<k} q_i b_{k−i}.
+    /// q b = a: b₀ q_k = a_k − Σ_{i<k} q_i b_{k−i}. The value itself is divided, so it is as right as numbers are; the others
+    /// need not wait for that.
     #[inline]
     fn over(self, by: Self) -> Self {
         let mut all = [T::of(0.0); N];
-        for k in 0..N {
+        all[0] = self.0[0].over(by.0[0]);
+        let per = T::of(1.0).over(by.0[0]);
+        for k in 1..N {
             let rest = (0..k).fold(self.0[k], |sum, i| sum - all[i] * by.0[k - i]);
-            all[k] = rest.over(by.0[0]);
+            all[k] = rest * per;
         }
         Series(all)
     }
@@ -249,6 +253,76 @@ impl<T: Num, const N: usize> Num for Series<T, N> {
     #[inline]
     fn join(self, other: Self) -> Self {
         Series(std::array::from_fn(|k| self.0[k].join(other.0[k])))
+    }
+}
+
+/// A value and its derivatives along x and y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InPlane {
+    pub value: f64,
+    pub by: DVec2,
+}
+
+impl Add for InPlane {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        InPlane { value: self.value + other.value, by: self.by + other.by }
+    }
+}
+impl Sub for InPlane {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        InPlane { value: self.value - other.value, by: self.by - other.by }
+    }
+}
+impl Mul for InPlane {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        InPlane { value: self.value * other.value, by: self.value * other.by + other.value * self.by }
+    }
+}
+
+impl Num for InPlane {
+    #[inline]
+    fn of(x: f64) -> Self {
+        InPlane { value: x, by: DVec2::ZERO }
+    }
+    #[inline]
+    fn times(self, by: f64) -> Self {
+        InPlane { value: self.value * by, by: self.by * by }
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        let value = self.value.sqrt();
+        InPlane { value, by: self.by * (0.5 / value) }
+    }
+    #[inline]
+    fn over(self, by: Self) -> Self {
+        let value = self.value / by.value;
+        InPlane { value, by: (self.by - value * by.by) * (1.0 / by.value) }
+    }
+    #[inline]
+    fn square(self) -> Self {
+        self * self
+    }
+    #[inline]
+    fn low(self) -> f64 {
+        self.value
+    }
+    #[inline]
+    fn high(self) -> f64 {
+        self.value
+    }
+    #[inline]
+    fn clip(self, _: f64, _: f64) -> Self {
+        self
+    }
+    #[inline]
+    fn join(self, _: Self) -> Self {
+        self
     }
 }
 
@@ -349,6 +423,20 @@ mod tests {
         assert!((at.0[1] - first).abs() < 1e-10, "{} {first}", at.0[1]);
         assert!((2.0 * at.0[2] - second).abs() < 1e-5, "{} {second}", at.0[2]);
         assert!((6.0 * at.0[3] - third).abs() < 1e-4, "{} {third}", at.0[3]);
+    }
+
+    #[test]
+    fn both_derivatives_are_those_along_lines() {
+        fn of_two<T: Num>(x: T, y: T) -> T {
+            (x.square() + y.times(3.0)).sqrt().over(y.square().plus(2.0)) - x * y
+        }
+        let (x, y) = (0.7, 0.4);
+        let both = of_two(InPlane { value: x, by: DVec2::X }, InPlane { value: y, by: DVec2::Y });
+        let along = |dx: f64, dy: f64| of_two(Series::<f64, 2>([x, dx]), Series([y, dy])).0;
+        assert_eq!(both.value, of_two(x, y));
+        for (found, [_, want]) in [(both.by.x, along(1.0, 0.0)), (both.by.y, along(0.0, 1.0))] {
+            assert!((found - want).abs() < 1e-15, "{found} {want}");
+        }
     }
 
     #[test]

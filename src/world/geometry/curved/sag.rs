@@ -3,7 +3,7 @@
 use super::Gradient;
 use super::height::Height;
 use super::isolate::{Bent, roots};
-use super::number::{Interval, Num, Series, Slope};
+use super::number::{InPlane, Interval, Num, Series, Slope};
 use crate::world::geometry::bound::Bounds;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
@@ -95,9 +95,9 @@ impl Sag {
 
     /// Height, and its derivatives along x and y.
     fn gradient(&self, q: DVec3) -> (f64, f64, f64) {
-        let [z, along_x] = self.height.at(Series([q.x, 1.0]), Series([q.y, 0.0])).0;
-        let [_, along_y] = self.height.at(Series([q.x, 0.0]), Series([q.y, 1.0])).0;
-        (z, along_x, along_y)
+        let InPlane { value, by } =
+            self.height.at(InPlane { value: q.x, by: DVec2::X }, InPlane { value: q.y, by: DVec2::Y });
+        (value, by.x, by.y)
     }
 
     /// (−h_x, −h_y, 1), and by how much it changes: minus the second derivatives of the height.
@@ -177,6 +177,11 @@ impl Sag {
         if from_surface && near == 0.0 {
             // Values are slopes, of which the second derivative is a third of the third of the height at most.
             let bend = self.window.twist * flat2 * flat2.sqrt() / 3.0;
+            // At the start it is that of the surface itself, from which it moves by half of what that bends at most.
+            let start = d.z - self.height.at(Series([o.x, d.x]), Series([o.y, d.y])).0[1];
+            if start.abs() > 0.5 * self.window.bend * flat2 * far * (1.0 + 1e-9) + noise {
+                return ControlFlow::Continue(());
+            }
             let ray = Left { sag: self, o, d, bend, noise };
             return roots(&ray, 0.0, far, &mut |t| met(t, origin + t * dir));
         }
