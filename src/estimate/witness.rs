@@ -75,11 +75,13 @@ impl<'w, M: Mode> Witness<'w, M> {
         let backward = Backward::new(world, route, (u32::from(scatters), 1.0), hints, own_seed);
         let glow = if scatters { glow(world, plan, groups, &key, own_seed) } else { None };
         let aimed = glow.is_some();
+        let missed = glow.as_ref().map_or(0.0, Glow::missed);
         let backward = backward.towards(glow);
         let mut watched = watched;
         for own in &mut watched {
             let scattered = own.classes.iter().any(|class| *class != Class::Vision);
             own.aimed = if scattered { aimed } else { guide.is_some() };
+            own.missed = if scattered { missed } else { 0.0 };
             own.brightest *= if own.aimed { SELDOM } else { 1.0 };
         }
         let record = Record::new(size, seed, watched, unwatched);
@@ -202,7 +204,8 @@ fn kinds(world: &World, plan: &Plan) -> (Vec<Watched>, Vec<Unwatched>) {
             Some(own) => own.classes.push(row.class),
             None => {
                 let brightest = brightest(world, row.group);
-                watched.push(Watched { layer, group: row.group, classes: vec![row.class], brightest, aimed: true });
+                let classes = vec![row.class];
+                watched.push(Watched { layer, group: row.group, classes, brightest, aimed: true, missed: 0.0 });
             }
         }
     }

@@ -29,6 +29,8 @@ pub struct Watched {
     /// Looks go to where light was seen to come from, so that many of them tell how bright they get: the brightest kind is not
     /// one that was never met.
     pub aimed: bool,
+    /// The share of the light that may come from where no look is aimed: looks hardly ever meet it, and then it is bright.
+    pub missed: f64,
 }
 
 /// Light that nobody looks for, and why.

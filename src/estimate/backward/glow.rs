@@ -3,11 +3,13 @@
 //! chance. Directions are weighed by the density of both ways to choose them, and a share of them is the scatterer's own
 //! choice, so none has density 0 (guiding by photons: H. W. Jensen, "Importance driven path tracing using the photon map", EGWR 1995).
 
-use super::tuning::glow::{BY_LIGHT, FEWEST, GUIDED, LEAF, LEAST_COS, NARROWEST, RIDGE, WIDER, WIDEST};
+use super::tuning::glow::{
+    ASIDE, BY_LIGHT, FAR, FEWEST, GUIDED, LEAF, LEAST_COS, NARROWEST, RIDGE, SHARES, WIDER, WIDEST,
+};
 use crate::base::warp::Frame;
 use crate::estimate::photon::Landing;
 use glam::{DMat3, DVec2, DVec3};
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 enum Node {
     Cut { axis: usize, at: f64, below: usize, above: usize },
@@ -24,7 +26,11 @@ pub struct Leaf {
     slopes: [DVec3; 2],
     /// What is left of each photon's tangents, with the sum of weights so far.
     cones: Vec<(DVec2, f64)>,
+    /// Cosines of the half angles of the cones, of wider ones about the same axes, and of the one about all of them: a lamp that
+    /// has sent none of so few photons would else be met by none but the scatterer's own choices, with all the weight that these have.
     cos_half: f64,
+    cos_wide: f64,
+    cos_all: f64,
 }
 
 /// A leaf as it looks from a place.
@@ -36,6 +42,8 @@ pub struct About<'g> {
 /// All of them, by place.
 pub struct Glow {
     nodes: Vec<Node>,
+    /// The share of the light that comes from where no photon points: an upper bound by some that were set aside.
+    missed: f64,
 }
 
 impl Glow {
@@ -47,9 +55,24 @@ impl Glow {
         if known.len() < FEWEST {
             return None;
         }
-        let mut glow = Glow { nodes: Vec::new() };
+        let aside: Vec<Landing> = known.iter().copied().skip(1).step_by(ASIDE).collect();
+        let mut number = 0..;
+        known.retain(|_| number.next().is_some_and(|k: usize| k % ASIDE != 1));
+        let mut glow = Glow { nodes: Vec::new(), missed: 0.0 };
         glow.grow(&mut known);
+        let is_missed =
+            |landing: &&Landing| glow.at(landing.position).is_none_or(|about| about.density(-landing.dir, 0.0) == 0.0);
+        let lumens = |all: &mut dyn Iterator<Item = &Landing>| all.map(|landing| landing.lumens).sum::<f64>();
+        let all = lumens(&mut aside.iter());
+        // One more than was seen may be missed.
+        let one = all / aside.len().max(1) as f64;
+        glow.missed = (lumens(&mut aside.iter().filter(is_missed)) + one) / (all + one);
         Some(glow)
+    }
+
+    /// The share of the light that may come from where no photon points.
+    pub fn missed(&self) -> f64 {
+        self.missed
     }
 
     fn grow(&mut self, landings: &mut [Landing]) -> usize {
@@ -121,17 +144,20 @@ impl Leaf {
         let mut apart: Vec<f64> = (0..cones.len()).map(nearest).collect();
         apart.sort_unstable_by(f64::total_cmp);
         let half = (WIDER * apart.get(apart.len() / 2).copied().unwrap_or(WIDEST)).clamp(NARROWEST, WIDEST);
-        Leaf { middle, frame, slopes, cones, cos_half: half.cos() }
+        let farthest = cones.iter().map(|(at, _)| at.length()).fold(0.0, f64::max).atan();
+        let wide = (FAR * half).min(WIDEST);
+        let cos_all = (farthest + wide).min(FRAC_PI_2).cos();
+        Leaf { middle, frame, slopes, cones, cos_half: half.cos(), cos_wide: wide.cos(), cos_all }
     }
 
     fn about(&self, point: DVec3) -> About<'_> {
         About { leaf: self, shift: linear(self.slopes, point - self.middle) }
     }
+}
 
-    /// Solid angle of a cone.
-    fn solid_angle(&self) -> f64 {
-        TAU * (1.0 - self.cos_half)
-    }
+/// Solid angle of a cone.
+fn solid_angle(cos_half: f64) -> f64 {
+    TAU * (1.0 - cos_half)
 }
 
 fn linear(slopes: [DVec3; 2], by: DVec3) -> DVec2 {
@@ -167,24 +193,36 @@ impl About<'_> {
 
     /// A unit direction by three numbers in [0, 1).
     pub fn draw(&self, [which, u, v]: [f64; 3]) -> DVec3 {
-        let Leaf { cones, cos_half, .. } = self.leaf;
-        let index = cones.partition_point(|(_, sum)| *sum <= which).min(cones.len() - 1);
+        let Leaf { cones, cos_half, cos_wide, cos_all, .. } = self.leaf;
+        let [narrow, wide, _] = SHARES;
+        let cone = |which: f64| cones[cones.partition_point(|(_, sum)| *sum <= which).min(cones.len() - 1)].0;
+        let (tangents, cos_half) = if which < narrow {
+            (cone(which / narrow), cos_half)
+        } else if which < narrow + wide {
+            (cone((which - narrow) / wide), cos_wide)
+        } else {
+            (DVec2::ZERO, cos_all)
+        };
         let cos = 1.0 - u * (1.0 - cos_half);
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let (sin_phi, cos_phi) = (TAU * v).sin_cos();
-        Frame::about(self.axis(cones[index].0)).to_world(DVec3::new(sin * cos_phi, sin * sin_phi, cos))
+        Frame::about(self.axis(tangents)).to_world(DVec3::new(sin * cos_phi, sin * sin_phi, cos))
     }
 
     /// Density per steradian of a direction by photons and the scatterer together; `own`: the scatterer's.
     pub fn density(&self, dir: DVec3, own: f64) -> f64 {
-        let (mut before, mut sum) = (0.0, 0.0);
-        for (tangents, upto) in &self.leaf.cones {
-            if self.axis(*tangents).dot(dir) >= self.leaf.cos_half {
-                sum += upto - before;
-            }
+        let Leaf { cones, cos_half, cos_wide, cos_all, .. } = self.leaf;
+        let (mut before, mut sums) = (0.0, [0.0; 3]);
+        for (tangents, upto) in cones {
+            let cos = self.axis(*tangents).dot(dir);
+            sums[0] += if cos >= *cos_half { upto - before } else { 0.0 };
+            sums[1] += if cos >= *cos_wide { upto - before } else { 0.0 };
             before = *upto;
         }
-        GUIDED * sum / self.leaf.solid_angle() + (1.0 - GUIDED) * own
+        sums[2] = if self.axis(DVec2::ZERO).dot(dir) >= *cos_all { 1.0 } else { 0.0 };
+        let each = [*cos_half, *cos_wide, *cos_all].into_iter().zip(SHARES).zip(sums);
+        let guided: f64 = each.map(|((cos, share), sum)| share * sum / solid_angle(cos)).sum();
+        GUIDED * guided + (1.0 - GUIDED) * own
     }
 }
 
@@ -243,6 +281,43 @@ mod tests {
             let error = sphere * even.sqrt();
             assert!((got - want).abs() < 4.0 * error + 0.01 * want, "{got} {want} ± {error}");
         }
+    }
+
+    /// Nine lamps in a square, of which a leaf of photons knows most: hardly any is left to the scatterer's own choices, and the
+    /// photons set aside tell how much of the light is.
+    #[test]
+    fn lamps_that_sent_no_photon_are_met_all_the_same() {
+        let lamp = |k: usize| DVec2::new((k % 3) as f64 - 1.0, (k / 3) as f64 - 1.0) * 0.08;
+        let toward = |k: usize, place: DVec3, [a, b]: [f64; 2]| {
+            (lamp(k) + 0.01 * DVec2::new(a - 0.5, b - 0.5) - 0.5 * place.truncate()).extend(1.0).normalize()
+        };
+        let mut rng = Rng::new(5, Stream::Check, 0, 0);
+        let mut drawn = || {
+            let ([x, y, which], pair) = (rng.triple(), rng.pair());
+            (DVec3::new(x, y, 0.0), ((9.0 * which) as usize).min(8), pair)
+        };
+        let landings: Vec<Landing> = (0..1000)
+            .map(|_| {
+                let (place, k, pair) = drawn();
+                Landing { lumens: 1.0, ..landing(place, -toward(k, place, pair)) }
+            })
+            .collect();
+        let glow = Glow::new(&landings).unwrap();
+        const ASKED: u32 = 20_000;
+        let (mut by_none, mut not_by_cones) = (0, 0);
+        for _ in 0..ASKED {
+            let (place, k, pair) = drawn();
+            let (about, dir) = (glow.at(place).unwrap(), toward(k, place, pair));
+            let Leaf { cones, cos_half, .. } = about.leaf;
+            let met = cones.iter().any(|(tangents, _)| about.axis(*tangents).dot(dir) >= *cos_half);
+            not_by_cones += u32::from(!met);
+            by_none += u32::from(about.density(dir, 0.0) == 0.0);
+        }
+        let share = |count: u32| f64::from(count) / f64::from(ASKED);
+        println!("{} not by cones, {} by none, {} foretold", share(not_by_cones), share(by_none), glow.missed());
+        // By the cones alone a lamp in many a leaf would be left out.
+        assert!(share(not_by_cones) > 0.02 && share(by_none) < 0.002, "{not_by_cones} {by_none} of {ASKED}");
+        assert!(glow.missed() > share(by_none) && glow.missed() < 0.02, "{}", glow.missed());
     }
 
     #[test]

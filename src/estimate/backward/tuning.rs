@@ -22,6 +22,12 @@ pub(super) mod glow {
     pub const WIDER: f64 = 3.0;
     pub const NARROWEST: f64 = 1e-3;
     pub const WIDEST: f64 = 1.0;
+    /// Half angle of the wider cones, in those of the cones,
+    pub const FAR: f64 = 4.0;
+    /// and how photons' choices are shared between cones, the wider ones, and the one about all.
+    pub const SHARES: [f64; 3] = [0.625, 0.25, 0.125];
+    /// One photon in so many makes no cone, but tells what the cones miss.
+    pub const ASIDE: usize = 4;
 }
 
 /// `probe.rs`

@@ -256,8 +256,10 @@ fn tested(
         let lump = if tells && all > 0.0 { tally.squares.value() / all } else { brightest };
         variance = variance.max(run * lump / looks);
     }
+    // Met so seldom that it shows neither in the mean nor in the scatter.
+    let missed = if off < 0.0 && tells { watched.missed * run.abs() } else { 0.0 };
     let tables = if watched.classes.contains(&Class::Caustic) { OF_TABLES * run.abs() } else { 0.0 };
-    let excess = (off.abs() - light.allowed[part] - tables).max(0.0);
+    let excess = (off.abs() - light.allowed[part] - tables - missed).max(0.0);
     let variance = variance + light.shared[part].powi(2);
     if variance == 0.0 || !variance.is_finite() {
         // Without any scatter there is nothing on either side, or the same everywhere.
