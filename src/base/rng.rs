@@ -52,6 +52,8 @@ pub enum Stream {
     PictureEdges,
     /// Of those that look for pixels of the sky's picture, and of places of the pupil by which these are seen.
     SkyPixels,
+    /// Of the lattice of places of the pixel, the pupil and lamps by which tables tell of edges on screens, and its choices.
+    ConnectionMeans,
 }
 
 /// A counter-based generator: the key is mixed once, then each number is the mix of key and a counter.

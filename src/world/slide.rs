@@ -1,5 +1,6 @@
 //! A slide as the tracer asks it: how open is it here?
 
+pub mod edges;
 pub mod footprint;
 pub mod jump;
 

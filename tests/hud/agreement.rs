@@ -114,3 +114,31 @@ fn place_and_unit_change_nothing() {
         }
     }
 }
+
+/// Symbols on the diffuse screen, whose edges blur over lamps and the pupil: tables over the picture tell of all of a pixel, pictures under
+/// 120 pixels do without them. Both have the same light, block by block, and with tables a pass errs little.
+#[test]
+fn edges_on_a_screen_are_those_of_rays_alone() {
+    let view = |resolution: [usize; 2]| gaze(hud("diffuse", &[]), [-4.2, -2.0], 4.27, resolution);
+    let (fine, coarse) = (view([128, 64]), view([32, 16]));
+    let fine = Ready::new(&fine, Choice::Auto);
+    let tables = fine.image(24, 1);
+    let rays = Ready::new(&coarse, Choice::Auto).image(1536, 2);
+    let block = |k: usize| {
+        let own = (0..16).map(|own| tables[(k / 32 * 4 + own / 4) * 128 + k % 32 * 4 + own % 4]);
+        let (sum, variance) = own.fold((0.0, 0.0), |(sum, all), (mean, variance)| (sum + mean, all + variance));
+        (sum / 16.0, variance / 256.0)
+    };
+    let blocks: Vec<(f64, f64)> = (0..512).map(block).collect();
+    let (worst, bound) = worst_z(&block_z(&blocks, &rays, 32, 2), 1e-3);
+    let scale = mean(&tables).0;
+    let error = |seed: u64| {
+        let once = fine.image(1, seed);
+        let terms = once.iter().zip(&tables).map(|(a, b)| (a.0 - b.0).powi(2) / (b.0 * b.0 + (0.01 * scale).powi(2)));
+        terms.sum::<f64>() / once.len() as f64
+    };
+    let error = (3..9).map(error).sum::<f64>() / 6.0;
+    eprintln!("worst z {worst:.2} of {bound:.2}, {:?} {:?}, relMSE of a pass {error:.2e}", mean(&blocks), mean(&rays));
+    assert!(worst < bound, "{worst} of {bound}");
+    assert!(error < 1.0, "{error:e}");
+}

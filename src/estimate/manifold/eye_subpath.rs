@@ -3,10 +3,10 @@
 //! Where they land is read from [`EyeTable`](super::eye_table::EyeTable), whose errors a few paths make good.
 
 use super::eye_table::first_scatterer::to_scatterer;
-use super::eye_table::{EyeTable, Glanced, Rest};
+use super::eye_table::{Counted, EyeTable, Glanced, Rest};
 use super::pixel_span::Span;
 use super::receiver::{Ask, Incoming, Receivers};
-use super::tuning::eye_subpath::{AT_EDGES, OF_PAIR};
+use super::tuning::eye_subpath::{AT_EDGES, MOST_PAIRS, OF_PAIR, PER_PIXEL};
 use super::vision::Manifold;
 use crate::base::lpe::{Letter, Source};
 use crate::base::path::{Event, Trail};
@@ -24,24 +24,30 @@ use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
 use crate::world::optics::Optics;
 use crate::world::scatter::Scatter;
 use crate::world::surface::Surface;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Which pixels see an edge of a slide's picture on a face that is joined with lamps, as tables have it.
-pub(super) fn edges<M: Mode>(
+/// By how many pairs of places of the pupil and of lamps tables tell in a pass what a pixel sees over all of them, where a slide's
+/// picture has an edge in it for any of them; else 0. The more the farther the edge moves between them. Empty where no tables cross
+/// slides.
+pub(super) fn pairs_at_edges<M: Mode>(
     world: &World,
     seed: u64,
     screens: &Receivers<M>,
     glances: Option<&EyeTable<M>>,
-) -> Vec<bool> {
+) -> Vec<u8> {
     let Some(glances) = glances.filter(|_| screens.cross_slides()) else { return Vec::new() };
     let tracing = (world, &M::optics(world, seed, 0));
     let [width, height] = world.eye.size();
-    let at_edge = |index: usize| {
+    let pairs = |index: usize| {
         let film = world.eye.film_of(index % width, index / width, [0.5; 2]);
-        glances.any(tracing, film, |vertex, span| screens.has_edge(tracing, (vertex.hit.point, vertex.hit.site), &span))
+        let of = |vertex: &Vertex, span: Span, by_pupil: [DVec3; 2]| {
+            let moves = screens.edge_moves(world, (vertex.hit.point, vertex.hit.site), &span, by_pupil);
+            moves.map_or(0, |moves| ((PER_PIXEL * moves).ceil() as u64).clamp(1, MOST_PAIRS))
+        };
+        glances.most(tracing, film, of) as u8
     };
-    (0..width * height).into_par_iter().map(at_edge).collect()
+    (0..width * height).into_par_iter().map(pairs).collect()
 }
 
 /// Adds what one pass sees in a pixel.
@@ -56,7 +62,11 @@ pub(super) fn look<M: Mode>(
     let [x, y, u, v, s, t] = pixel.start(manifold.seed, Stream::ConnectionLook, pixel.pass);
     let mut rng = pixel.rng(manifold.seed, Stream::ConnectionLook);
     let pupil = disk([u, v]) * world.eye.pupil_radius_m();
-    let least = if manifold.is_at_edge(pixel.index) { AT_EDGES } else { 0.0 };
+    let pairs = manifold.pairs_at_edges(pixel.index);
+    let (least, counted) = if pairs > 0 { (AT_EDGES, Counted::Differences) } else { (0.0, Counted::Both) };
+    if pairs > 0 {
+        look_over(manifold, (optics, screens), (pixel, pairs), out, scratch);
+    }
     // Lamps that are not asked by the one are by the other.
     let turn = rng.uniform();
     let other = (turn + 0.5).fract();
@@ -65,36 +75,102 @@ pub(super) fn look<M: Mode>(
     {
         let film = world.eye.film_of(pixel.x, pixel.y, jitter);
         let pupil = DVec2::new(pupil.x, pupil.y);
-        let within = Some(DVec2::from_array(jitter) - 0.5).filter(|_| manifold.cuts_slides());
-        let read = |walker: &mut Walker<'_, M>, vertex: &Vertex, whole: f64, span: Option<Span>| {
-            let Surface::Scatter(scatter) = &walker.face(vertex).surface else { return };
-            // The nodes over picture and pupil, and one face to be met.
-            scratch.work += cost::STEP;
-            let landed = (walker, vertex, &**scatter, Frame::about(vertex.normal));
-            gather(manifold, landed, (screens, Ask { uv, seen: 1.0 / whole, turn, span }), out, scratch);
-        };
+        let within = DVec2::from_array(jitter) - 0.5;
+        let ask = Ask { uv, seen: 1.0, turn, span: None };
         let glances = manifold.glances.as_deref();
         let rest = glances.map_or(Some(Rest::ALL), |glances| {
-            glances.read((world, optics), (film, pupil, within), (OF_PAIR, Glanced::Lit, least), &mut rng, read)
+            let asked = (OF_PAIR, Glanced::Lit, least);
+            let within = Some(within).filter(|_| counted == Counted::Both && manifold.cuts_slides());
+            glances.read(
+                (world, optics),
+                (film, pupil, within),
+                asked,
+                counted,
+                &mut rng,
+                |walker, vertex, whole, span| {
+                    read(manifold, (walker, vertex), (screens, Ask { seen: 1.0 / whole, span, ..ask }), out, scratch);
+                },
+            )
         });
         let Some(rest) = rest else { continue };
         let whole = OF_PAIR / rest.share;
         let (origin, (_, dir), ..) = world.eye.ray_of(film, pupil);
         let ray = Ray { origin, dir, from: None };
         let walker = Walker::new((world, optics), Travel::FromEye, ray, whole, Interior::default(), rng.fork());
-        let walker = if rest.leaves_out() { walker.recording() } else { walker };
+        let walker = if rest.asks() { walker.recording() } else { walker };
         let balance = ledger.imbalance();
         ledger.paths += 1;
         ledger.emitted += whole;
         let faint = Faint { whole, often: 1.0 / rest.share };
+        let mut landed = 0;
         to_scatterer(walker, faint, ledger, &mut |walker, vertex, scatter, frame, ledger| {
             if !glances.is_some_and(|glances| glances.has_read(rest, walker, vertex)) {
-                let ask = Ask { uv, seen: 1.0 / whole, turn, span: None };
+                let place = (film, pupil, within);
+                let span =
+                    glances.and_then(|glances| glances.span_of(place, (world, rest, &mut landed), (walker, vertex)));
+                let ask = Ask { seen: 1.0 / whole, span, ..ask };
                 gather(manifold, (walker, vertex, scatter, frame), (screens, ask), out, scratch);
             }
             ledger.not_owned += walker.beam.carried();
         });
         ledger.close_path(balance);
+        if let Some(glances) = glances {
+            let open = (OF_PAIR, rest, landed);
+            glances.take_off((world, optics), (film, pupil, within), open, &mut rng, |walker, vertex, whole, span| {
+                read(manifold, (walker, vertex), (screens, Ask { seen: 1.0 / whole, span, ..ask }), out, scratch);
+            });
+        }
+    }
+}
+
+/// Adds what lamps bring to where a table says that a path lands. `ask.seen`: per unit of the path's weight.
+fn read<M: Mode>(
+    manifold: &Manifold<'_, M>,
+    (walker, vertex): (&mut Walker<'_, M>, &Vertex),
+    (screens, ask): (&Receivers<M>, Ask),
+    out: &mut [Light],
+    scratch: &mut Ledger,
+) {
+    let Surface::Scatter(scatter) = &walker.face(vertex).surface else { return };
+    // The nodes over picture and pupil, and one face to be met.
+    scratch.work += cost::STEP;
+    let landed = (walker, vertex, &**scatter, Frame::about(vertex.normal));
+    gather(manifold, landed, (screens, ask), out, scratch);
+}
+
+/// Adds what tables say of all of a pixel with an edge in it, over so many pairs of places of the pupil and of lamps: an edge that blurs
+/// over them is all of a pixel's noise, and tables cost little beside rays.
+fn look_over<M: Mode>(
+    manifold: &Manifold<'_, M>,
+    (optics, screens): (&Optics<M>, &Receivers<M>),
+    (pixel, pairs): (Pixel, u64),
+    out: &mut [Light],
+    scratch: &mut Ledger,
+) {
+    let (world, Some(glances)) = (manifold.world, manifold.glances.as_deref()) else { return };
+    let mut rng = pixel.rng(manifold.seed, Stream::ConnectionMeans);
+    let weight = OF_PAIR / pairs as f64;
+    for k in 0..pairs {
+        let index = pixel.pass.wrapping_mul(pairs).wrapping_add(k);
+        let [x, y, u, v, s, t] = pixel.start(manifold.seed, Stream::ConnectionMeans, index);
+        let pupil = disk([u, v]) * world.eye.pupil_radius_m();
+        let turn = rng.uniform();
+        for (jitter, pupil, uv, turn) in
+            [([x, y], pupil, [s, t], turn), ([1.0 - x, 1.0 - y], -pupil, [1.0 - s, 1.0 - t], (turn + 0.5).fract())]
+        {
+            let film = world.eye.film_of(pixel.x, pixel.y, jitter);
+            let place = (film, DVec2::new(pupil.x, pupil.y), DVec2::from_array(jitter) - 0.5);
+            glances.read_over(
+                (world, optics),
+                place,
+                (weight, Glanced::Lit),
+                &mut rng,
+                |walker, vertex, whole, span| {
+                    let ask = Ask { uv, seen: 1.0 / whole, turn, span };
+                    read(manifold, (walker, vertex), (screens, ask), out, scratch);
+                },
+            );
+        }
     }
 }
 

@@ -25,8 +25,14 @@ pub(super) mod at_edges {
 pub(super) mod eye_subpath {
     /// What each path of a pair starts with.
     pub const OF_PAIR: f64 = 0.5;
-    /// Where a pixel sees an edge of a slide's picture a ray itself is followed so often at least: it differs most from tables there.
-    pub const AT_EDGES: f64 = 0.5;
+    /// Where a pixel sees an edge of a slide's picture a ray itself is followed so often at least.
+    pub const AT_EDGES: f64 = 0.125;
+    /// Pairs of places of the pupil and lamps by which tables tell of such a pixel in a pass: so many for each pixel by which the edge
+    /// moves from their middles to their rims, and at most.
+    pub const PER_PIXEL: f64 = 8.0;
+    pub const MOST_PAIRS: u64 = 16;
+    /// Edges are looked for in a square so many times as wide as the pixel, besides how far they move.
+    pub const WIDER: f64 = 1.25;
 }
 
 /// `film_grid.rs`

@@ -46,8 +46,8 @@ pub struct Manifold<'w, M: Mode> {
     rims: EdgeSampling,
     pub(super) glances: Option<Arc<EyeTable<M>>>,
     screens: Arc<Receivers<M>>,
-    /// By pixel: whether it sees an edge of a slide's picture on a screen; nothing where none does.
-    edges: Vec<bool>,
+    /// By pixel, see [`eye_subpath::pairs_at_edges`].
+    pairs_at_edges: Vec<u8>,
     /// Wavelengths that lead in turn in a pass.
     turns: u64,
     /// What the wavelengths of passes make of light.
@@ -67,7 +67,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
         seed: u64,
     ) -> Self {
         let rims = EdgeSampling::new(world, connections.middle());
-        let edges = eye_subpath::edges(world, seed, &screens, glances.as_deref());
+        let pairs_at_edges = eye_subpath::pairs_at_edges(world, seed, &screens, glances.as_deref());
         Manifold {
             mode: PhantomData,
             world,
@@ -77,7 +77,7 @@ impl<'w, M: Mode> Manifold<'w, M> {
             rims,
             glances,
             screens,
-            edges,
+            pairs_at_edges,
             turns: turns::<M>(world),
             shared: SharedLight::new::<M>(world),
             seed,
@@ -92,12 +92,12 @@ impl<'w, M: Mode> Manifold<'w, M> {
 
     /// Whether light crosses slides on the way to screens that tables lead to.
     pub(super) fn cuts_slides(&self) -> bool {
-        !self.edges.is_empty()
+        !self.pairs_at_edges.is_empty()
     }
 
-    /// Whether a pixel sees an edge of a slide's picture on a screen.
-    pub(super) fn is_at_edge(&self, pixel: u64) -> bool {
-        self.edges.get(pixel as usize).is_some_and(|edge| *edge)
+    /// See [`eye_subpath::pairs_at_edges`].
+    pub(super) fn pairs_at_edges(&self, pixel: u64) -> u64 {
+        self.pairs_at_edges.get(pixel as usize).map_or(0, |pairs| u64::from(*pairs))
     }
 
     /// Adds passes `first .. first + count` to the film. The ledger counts connections as paths, and what they bring, in

@@ -9,7 +9,7 @@ use crate::base::path::{Event, Trail};
 use crate::base::rng::Stream;
 use crate::base::warp::{Frame, disk};
 use crate::estimate::ledger::{Ledger, cost};
-use crate::estimate::manifold::eye_table::{Glanced, Rest};
+use crate::estimate::manifold::eye_table::{Counted, Glanced, Rest};
 use crate::estimate::manifold::pixel_span::Span;
 use crate::estimate::manifold::receiver::{Claim, Receivers};
 use crate::estimate::photon_map::{Photon, PhotonMap, adaptive_kernel};
@@ -171,13 +171,13 @@ impl<M: Mode> PhotonMapper<'_, M> {
         };
         let rest = self.glances.as_ref().map_or(Some(Rest::ALL), |glances| {
             let of = if self.part { Glanced::Little } else { Glanced::All };
-            glances.read((world, optics), (film, pupil, None), (1.0, of, 0.0), &mut rng, read)
+            glances.read((world, optics), (film, pupil, None), (1.0, of, 0.0), Counted::Both, &mut rng, read)
         });
         let Some(rest) = rest else { return };
         let (origin, (_, dir), ..) = world.eye.ray_of(film, pupil);
         let ray = Ray { origin, dir, from: None };
         let walker = Walker::new((world, optics), Travel::FromEye, ray, 1.0 / rest.share, Interior::default(), rng);
-        let walker = if rest.leaves_out() { walker.recording() } else { walker };
+        let walker = if rest.asks() { walker.recording() } else { walker };
         let even = (pixel, &Rqmc::new(self.seed, stream, pixel, pixel.pass));
         self.eye_path((walker, even, 0), rest, maps, out, ledger);
     }

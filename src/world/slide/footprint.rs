@@ -150,6 +150,15 @@ impl SlideMap {
         })
     }
 
+    /// Whether these columns and rows, first and last of each, have one value.
+    pub(super) fn is_even(&self, [first, last]: [usize; 2], [first_row, last_row]: [usize; 2]) -> bool {
+        let start = first_row * self.width + first;
+        (first_row..=last_row).all(|row| {
+            let at = row * self.width + first;
+            self.same(start, at) && usize::from(self.alike[at]) > last - first
+        })
+    }
+
     /// Cuts a polygon of the square into pieces that each show one value of the picture, and calls `each` with them and a
     /// pixel of that value. What lies beside the picture is left out. None where the footprint is not finite.
     fn pieces(
@@ -167,13 +176,9 @@ impl SlideMap {
         let Some([first_row, last_row]) = cells(down, self.height) else { return Some(()) };
         let Some([first, last]) = cells(along, self.width) else { return Some(()) };
         // Most of a picture is even.
-        let start = first_row * self.width + first;
-        let even = |row: usize| {
-            let at = row * self.width + first;
-            self.same(start, at) && usize::from(self.alike[at]) > last - first
-        };
-        if inside(down, self.height) && inside(along, self.width) && (first_row..=last_row).all(even) {
-            return each(polygon, start);
+        if inside(down, self.height) && inside(along, self.width) && self.is_even([first, last], [first_row, last_row])
+        {
+            return each(polygon, first_row * self.width + first);
         }
         for row in first_row..=last_row {
             let strip = rows.cut(polygon, row as f64, (row + 1) as f64);
@@ -194,7 +199,7 @@ impl SlideMap {
 }
 
 /// The cells that a span reaches, of so many from 0 on.
-fn cells([low, high]: [f64; 2], count: usize) -> Option<[usize; 2]> {
+pub(super) fn cells([low, high]: [f64; 2], count: usize) -> Option<[usize; 2]> {
     let last = count - 1;
     (low < count as f64 && high > 0.0).then(|| [(low.max(0.0) as usize).min(last), (high as usize).min(last)])
 }

@@ -26,7 +26,18 @@ use std::collections::BTreeMap;
 const TRIALS: [DVec2; 4] = [DVec2::new(0.6, 0.3), DVec2::new(-0.3, 0.6), DVec2::new(-0.6, -0.3), DVec2::new(0.3, -0.6)];
 
 /// The ray itself is always followed.
-const NONE: Use = Use { share: 1.0, known: 0, in_part: 0, whole: false, aside: [0; 2] };
+const NONE: Use = Use { share: 1.0, off: f64::INFINITY, known: 0, in_part: 0, whole: false, aside: [0; 2] };
+
+/// What rays on trial say of a table.
+#[derive(Debug, Clone, Copy)]
+struct Trial {
+    /// By how much it is off, as a share.
+    off: f64,
+    /// What light it brings.
+    weight: f64,
+    /// Some rays do not land.
+    cut: bool,
+}
 
 /// Specular faces, and the scatterer behind them as (part, face).
 type Way = (Chain, (u32, u32));
@@ -135,25 +146,26 @@ impl<M: Mode> EyeTable<M> {
         let spots = SIDES.iter().filter_map(|aside| Some((*aside, self.over.nodes.spot_by(middle, *aside)?)));
         let Some((aside, spot)) = spots.rev().max_by(|a, b| known(&a.1).total_cmp(&known(&b.1))) else { return NONE };
         let film = self.over.film(middle);
-        let (mut known, mut in_part, mut worst, mut best) = (0u32, 0u32, 0f64, 0f64);
+        let (mut known, mut in_part, mut worst, mut best, mut always) = (0u32, 0u32, 0f64, 0f64, false);
         for (k, glance) in self.glances.iter().enumerate() {
             let has = |(node, _): &(usize, f64)| glance.landings.has(*node);
             let count = spot.nodes().filter(has).count();
             let trial = if count == 16 { self.error(tracing, glance, &spot, film) } else { None };
-            let Some((off, weight)) = trial else {
+            // Where a part of the pupil is cut off tables are of use where rays are always followed, but only if there is much.
+            let cut = trial.is_some_and(|trial| trial.cut);
+            let seldom = cut && (glance.is_faint() || self.share_beside(tracing, glance, film, best) <= LITTLE);
+            let Some(Trial { off, weight, .. }) = trial.filter(|_| !seldom) else {
                 if glance.is_faint() {
                     let beside = self.over.nodes.spot(middle).into_iter().flat_map(|spot| spot.nodes());
                     let lands = spot.nodes().chain(beside).any(|(node, _)| glance.lands[node]);
                     in_part |= u32::from(lands) << k;
                     continue;
                 }
-                // Its light is left to the rays that are followed: much of it must not be.
-                let share = self.share_beside(tracing, glance, film, best);
-                if share > LITTLE {
-                    return NONE;
-                }
+                // Its light is left to the rays that are followed: of much of it all are.
+                always |= self.share_beside(tracing, glance, film, best) > LITTLE;
                 continue;
             };
+            always |= cut;
             best = best.max(weight);
             known |= 1 << k;
             worst = worst.max(off * weight / best);
@@ -162,7 +174,8 @@ impl<M: Mode> EyeTable<M> {
             return NONE;
         }
         let whole = !TRIALS.iter().any(|trial| self.lands_elsewhere(tracing, film, *trial * self.radius));
-        Use { share: (worst / POOR).clamp(LEAST, 1.0), known, in_part, whole, aside }
+        let off = (worst / POOR).max(if always { 1.0 } else { 0.0 });
+        Use { share: off.clamp(LEAST, 1.0), off, known, in_part, whole, aside }
     }
 
     /// Whether a ray meets scatterers that no train of ours leads to.
@@ -194,15 +207,18 @@ impl<M: Mode> EyeTable<M> {
         if best > 0.0 { most / best } else { most }
     }
 
-    /// By how much the table of a train is off in the middle of a cell, as a share, and what light it brings; none where a
-    /// ray does not land.
-    fn error(&self, tracing: Tracing<'_, M>, glance: &Glance<M>, spot: &Spot, film: DVec2) -> Option<(f64, f64)> {
-        let (mut worst, mut light) = (0f64, 0f64);
+    /// A table of a train in the middle of a cell; none where no ray lands.
+    fn error(&self, tracing: Tracing<'_, M>, glance: &Glance<M>, spot: &Spot, film: DVec2) -> Option<Trial> {
+        let (mut worst, mut light, mut cut, mut any) = (0f64, 0f64, false, false);
         let point = |node: usize| Some(glance.landings.middle(node)?.point);
         let pixel_m = point(spot.cell)?.distance(point(spot.cell + 1)?) / self.over.pixels;
         for trial in TRIALS {
             let pupil = trial * self.radius;
-            let (walker, vertex) = self.follow(tracing, (film, pupil), &glance.chain, glance.face())?;
+            let Some((walker, vertex)) = self.follow(tracing, (film, pupil), &glance.chain, glance.face()) else {
+                cut = true;
+                continue;
+            };
+            any = true;
             let look = self.look_at(*spot, pupil, None);
             let blend = glance.landings.blend(&look.rows, &look.pupil)?;
             let (table, _) = glance.land(tracing, &blend, 1.0, Rng::new(0, Stream::Pilot, 6, 1))?;
@@ -214,7 +230,7 @@ impl<M: Mode> EyeTable<M> {
             worst = worst.max(strength + place + turned);
             light = light.max(real.weight.as_slice().iter().sum::<f64>() / M::LANES as f64);
         }
-        worst.is_finite().then_some((worst, light))
+        (any && worst.is_finite()).then_some(Trial { off: worst, weight: light, cut })
     }
 }
 

@@ -27,9 +27,9 @@ use crate::world::interior::Interior;
 use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
 use eye_hit::{EyeHit, EyeHits, OVER_PUPIL};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use std::sync::OnceLock;
-use tuning::eye_table::{FAINT, OFTEN, OUTER, SELDOM, SELDOM_OF_LITTLE};
+use tuning::eye_table::{FAINT, OF_DIFFERENCES, OFTEN, OUTER, SELDOM, SELDOM_OF_LITTLE};
 
 /// A train from the eye to a lit face.
 struct Glance<M: Mode> {
@@ -52,6 +52,8 @@ struct Glance<M: Mode> {
 struct Use {
     /// How often the ray itself is followed.
     share: f64,
+    /// By how much the tables were off on trial, in units of what has it always followed.
+    off: f64,
     /// The glances that have all nodes, as bits.
     known: u32,
     /// Faint ones that have some.
@@ -118,6 +120,15 @@ impl Glanced {
     }
 }
 
+/// What is counted where tables are read and a ray itself may be followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Counted {
+    /// What tables say over all of the pixel, the ray, and less what they say of its place.
+    Both,
+    /// The ray less what tables say: [`EyeTable::read_over`] reads them over all of the pixel.
+    Differences,
+}
+
 /// What tables leave to rays that are followed.
 #[derive(Debug, Clone, Copy)]
 pub struct Rest {
@@ -125,15 +136,17 @@ pub struct Rest {
     pub share: f64,
     /// Glances that it leaves out, as bits.
     read: u32,
+    /// Glances of which it is told what tables say when it is known whether it has landed over them, as bits.
+    open: u32,
 }
 
 impl Rest {
     /// There are no tables.
-    pub const ALL: Rest = Rest { share: 1.0, read: 0 };
+    pub const ALL: Rest = Rest { share: 1.0, read: 0, open: 0 };
 
-    /// Whether there is anything that a followed ray must not count, for which it has to record its faces.
-    pub fn leaves_out(self) -> bool {
-        self.read != 0
+    /// Whether it matters over which glance a followed ray lands, for which it has to record its faces.
+    pub fn asks(self) -> bool {
+        self.read != 0 || self.open != 0
     }
 }
 
@@ -150,32 +163,32 @@ impl<M: Mode> EyeTable<M> {
 
     /// Calls `visit` with rays that have landed and what each stood for at its start. That is all light if a followed ray
     /// adds what the returned rest asks for; none: nothing is to be followed. `film`, `pupil`: places in tangents and m.
-    /// `whole`: what the ray stands for; `least`: how often it is followed at least. `within`: its place in its pixel, if it matters how the landing moves with it.
+    /// `whole`: what the ray stands for; `least`: how often it is followed at least. `within`: its place in its pixel, if it matters how
+    /// the landing moves with it: for trains that are looked at by themselves.
+    #[allow(clippy::too_many_arguments)] // how a place is asked about
     pub fn read<'w>(
         &self,
         tracing: (&'w World, &'w Optics<M>),
         (film, pupil, within): (DVec2, DVec2, Option<DVec2>),
         (whole, of, least): (f64, Glanced, f64),
+        counted: Counted,
         rng: &mut Rng,
         mut visit: impl FnMut(&mut Walker<'w, M>, &Vertex, f64, Option<Span>),
     ) -> Option<Rest> {
-        let spot = self.over.spot(film);
-        let usage = spot.and_then(|spot| Some((spot, *self.uses.get(spot.cell)?)));
-        let Some((spot, usage)) = usage.filter(|(_, usage)| usage.share < 1.0 && (usage.whole || of == Glanced::Lit))
-        else {
-            return Some(Rest::ALL);
-        };
-        // The nodes about the spot, or, where those are not all there, others beside it.
-        let Some(spot) = self.over.nodes.aside(spot, usage.aside) else { return Some(Rest::ALL) };
+        let Some((spot, usage)) = self.usage(film, of, counted) else { return Some(Rest::ALL) };
         let cells = self.over.by_pixel(tracing.0);
         let look = self.look_at(spot, pupil, within.map(|within| (cells, within)));
         let usual = (usage.share * of.followed()).max(least);
         let followed = rng.uniform() < usual;
-        let mut read = 0;
+        let (mut read, mut open) = (0, 0);
         for (k, glance) in self.glances.iter().enumerate() {
             let by_itself = glance.share < of.by_itself();
             let known = usage.known & 1 << k != 0;
             if !known && usage.in_part & 1 << k == 0 {
+                continue;
+            }
+            if counted == Counted::Differences && !by_itself {
+                open |= u32::from(known) << k;
                 continue;
             }
             // What the table says, less what stands for it where the ray itself is followed.
@@ -195,13 +208,19 @@ impl<M: Mode> EyeTable<M> {
                 (true, true) => SELDOM,
                 (true, false) => usual,
             };
-            let control = if followed { 1.0 - 1.0 / share } else { 1.0 };
-            let table = Some(glance).filter(|_| known);
+            let over_pixel = match counted {
+                Counted::Both => 1.0,
+                Counted::Differences => 0.0,
+            };
+            let control = if followed { over_pixel - 1.0 / share } else { over_pixel };
+            let table = Some(glance).filter(|_| known && control != 0.0);
             let landed = table
                 .and_then(|glance| glance.landings.blend(&look.rows, &look.pupil))
                 .and_then(|at| glance.land(tracing, &at, weight * control, rng.fork()));
             if let Some((mut walker, vertex)) = landed {
-                let span = table.filter(|_| control != 0.0).and_then(|glance| glance.span(&look, 1.0 / control));
+                // Pixels in which others have an edge are asked about otherwise.
+                let wanted = table.filter(|_| over_pixel != 0.0 && by_itself);
+                let span = wanted.and_then(|glance| glance.span(&look, over_pixel / control));
                 visit(&mut walker, &vertex, weight * control, span);
             }
             if followed && by_itself {
@@ -211,36 +230,127 @@ impl<M: Mode> EyeTable<M> {
                 }
             }
         }
-        followed.then_some(Rest { share: usual, read })
+        followed.then_some(Rest { share: usual, read, open })
     }
 
-    /// Whether a place that the middle of a pupil sees through the middle of a pixel there is `wanted`.
-    pub fn any<'w>(
+    /// What tables say over all of a pixel, by one place of it and of the pupil: of all light that [`EyeTable::read`] leaves out where
+    /// it counts differences. Arguments as there.
+    pub fn read_over<'w>(
+        &self,
+        tracing: (&'w World, &'w Optics<M>),
+        (film, pupil, within): (DVec2, DVec2, DVec2),
+        (whole, of): (f64, Glanced),
+        rng: &mut Rng,
+        mut visit: impl FnMut(&mut Walker<'w, M>, &Vertex, f64, Option<Span>),
+    ) {
+        let Some((spot, usage)) = self.usage(film, of, Counted::Differences) else { return };
+        let look = self.look_at(spot, pupil, Some((self.over.by_pixel(tracing.0), within)));
+        for (_, glance) in self.glances.iter().enumerate().filter(|(k, _)| usage.known & 1 << k != 0) {
+            let by_itself = glance.share < of.by_itself();
+            let chance = if by_itself { (glance.share / of.by_itself()).clamp(of.least(), 1.0) } else { 1.0 };
+            if rng.uniform() >= chance {
+                continue;
+            }
+            let at = glance.landings.blend(&look.rows, &look.pupil);
+            let landed = at.and_then(|at| glance.land(tracing, &at, whole / chance, rng.fork()));
+            if let Some((mut walker, vertex)) = landed {
+                visit(&mut walker, &vertex, whole / chance, glance.span(&look, 1.0));
+            }
+        }
+    }
+
+    /// Where in the picture that is, and how tables are used there; none where rays are followed anyway.
+    fn usage(&self, film: DVec2, of: Glanced, counted: Counted) -> Option<(Spot, Use)> {
+        let spot = self.over.spot(film)?;
+        let usage = self.uses.get(spot.cell)?;
+        let is_used = match counted {
+            Counted::Both => usage.share < 1.0,
+            // What tables say of an edge is worth the more the less it is off, if rays are always followed, too.
+            Counted::Differences => usage.off < OF_DIFFERENCES,
+        };
+        if !is_used || !(usage.whole || of == Glanced::Lit) {
+            return None;
+        }
+        // The nodes about the spot, or, where those are not all there, others beside it.
+        Some((self.over.nodes.aside(spot, usage.aside)?, *usage))
+    }
+
+    /// The most that `of` says of what the middle of the pupil sees through the middle of a pixel there, and of how that moves to
+    /// the pupil's rim, m.
+    pub fn most<'w>(
         &self,
         tracing: (&'w World, &'w Optics<M>),
         film: DVec2,
-        wanted: impl Fn(&Vertex, Span) -> bool,
-    ) -> bool {
-        let spot = self.over.spot(film);
-        let Some((spot, usage)) = spot.and_then(|spot| Some((spot, *self.uses.get(spot.cell)?))) else { return false };
-        let Some(spot) = self.over.nodes.aside(spot, usage.aside) else { return false };
-        let look = self.look_at(spot, DVec2::ZERO, Some((self.over.by_pixel(tracing.0), DVec2::ZERO)));
+        of: impl Fn(&Vertex, Span, [DVec3; 2]) -> u64,
+    ) -> u64 {
+        let Some((spot, usage)) = self.usage(film, Glanced::Lit, Counted::Differences) else { return 0 };
+        let pixel = Some((self.over.by_pixel(tracing.0), DVec2::ZERO));
+        let rim = [DVec2::X, DVec2::Y].map(|axis| self.look_at(spot, self.radius * axis, None));
+        let look = self.look_at(spot, DVec2::ZERO, pixel);
         let known = |(k, glance): &(usize, &Glance<M>)| usage.known & 1 << k != 0 && !glance.is_faint();
-        self.glances.iter().enumerate().filter(known).any(|(_, glance)| {
-            let at = glance.landings.blend(&look.rows, &look.pupil);
-            let landed = at.and_then(|at| glance.land(tracing, &at, 1.0, Rng::new(0, Stream::Pilot, 7, 0)));
-            landed.zip(glance.span(&look, 1.0)).is_some_and(|((_, vertex), span)| wanted(&vertex, span))
-        })
+        let of_glance = |(_, glance): (usize, &Glance<M>)| {
+            let at = glance.landings.blend(&look.rows, &look.pupil)?;
+            let span = glance.span(&look, 1.0)?;
+            let [u, v] = rim.each_ref().map(|look| glance.landings.blend(&look.rows, &look.pupil));
+            let by_pupil = [u?.point - at.point, v?.point - at.point];
+            let (_, vertex) = glance.land(tracing, &at, 1.0, Rng::new(0, Stream::Pilot, 7, 0))?;
+            Some(of(&vertex, span, by_pupil))
+        };
+        self.glances.iter().enumerate().filter(known).filter_map(of_glance).max().unwrap_or(0)
     }
 
     /// Whether a followed ray has landed where a glance has been read by itself.
     pub fn has_read(&self, rest: Rest, walker: &Walker<'_, M>, vertex: &Vertex) -> bool {
+        self.landed_over(rest.read, walker, vertex).is_some()
+    }
+
+    /// Over which of some glances a followed ray has landed.
+    fn landed_over(&self, of: u32, walker: &Walker<'_, M>, vertex: &Vertex) -> Option<usize> {
         let face = (vertex.hit.site.part, vertex.hit.site.face);
-        rest.leaves_out()
-            && !walker.trail.has_scatter()
-            && self.glances.iter().enumerate().any(|(k, glance)| {
-                rest.read & 1 << k != 0 && glance.face() == face && walker.chain() == Some(&glance.chain)
-            })
+        let is_over = |k: &usize| {
+            let glance = &self.glances[*k];
+            of & 1 << k != 0 && glance.face() == face && walker.chain() == Some(&glance.chain)
+        };
+        if of == 0 || walker.trail.has_scatter() { None } else { (0..self.glances.len()).find(is_over) }
+    }
+
+    /// How what a followed ray has landed on moves over its pixel, where what tables say of that is still open: the ray stands for all
+    /// of the pixel then, as the table it is held against does. `landed`: glances over which it has, as bits.
+    /// Place as for [`EyeTable::read_over`].
+    pub fn span_of(
+        &self,
+        (film, pupil, within): (DVec2, DVec2, DVec2),
+        (world, rest, landed): (&World, Rest, &mut u32),
+        (walker, vertex): (&Walker<'_, M>, &Vertex),
+    ) -> Option<Span> {
+        let k = self.landed_over(rest.open, walker, vertex)?;
+        let (spot, _) = self.usage(film, Glanced::Lit, Counted::Differences)?;
+        let look = self.look_at(spot, pupil, Some((self.over.by_pixel(world), within)));
+        let span = self.glances[k].span(&look, 1.0)?;
+        *landed |= 1 << k;
+        Some(span)
+    }
+
+    /// Calls `visit` with what tables say that was left open, to be taken off: over all of the pixel where the ray has landed, too, so that
+    /// of both an edge is not seen but by how far they lie apart; else of its place alone, as something stands in its way.
+    pub fn take_off<'w>(
+        &self,
+        tracing: (&'w World, &'w Optics<M>),
+        (film, pupil, within): (DVec2, DVec2, DVec2),
+        (whole, rest, landed): (f64, Rest, u32),
+        rng: &mut Rng,
+        mut visit: impl FnMut(&mut Walker<'w, M>, &Vertex, f64, Option<Span>),
+    ) {
+        let Some((spot, _)) = self.usage(film, Glanced::Lit, Counted::Differences) else { return };
+        let look = self.look_at(spot, pupil, Some((self.over.by_pixel(tracing.0), within)));
+        for (k, glance) in self.glances.iter().enumerate().filter(|(k, _)| rest.open & 1 << k != 0) {
+            let weight = -whole / rest.share;
+            let at = glance.landings.blend(&look.rows, &look.pupil);
+            if let Some((mut walker, vertex)) = at.and_then(|at| glance.land(tracing, &at, weight, rng.fork())) {
+                let span = if landed & 1 << k != 0 { glance.span(&look, 1.0) } else { None };
+                visit(&mut walker, &vertex, weight, span);
+            }
+        }
     }
 
     /// Faces that the tables lead to, as (part, face).

@@ -27,7 +27,7 @@ use crate::world::interior::Interior;
 use crate::world::mode::{Mode, lanes, wavelengths_change};
 use crate::world::optics::Optics;
 use arrayvec::ArrayVec;
-use connect::{Connector, Solution};
+use connect::{Connector, Entry, Solution};
 use glam::DVec3;
 pub use ownership::{Asked, Claim};
 use resolution::{COARSE, RUN, Resolution};
@@ -145,17 +145,31 @@ impl<M: Mode> Receivers<M> {
         self.lit().flat_map(|lit| &lit.entries).flat_map(|entry| &entry.sheets).any(ReceiverTable::crosses_any_slides)
     }
 
-    /// Whether the slides' pictures have an edge in what a pixel sees of a face, by the middles of the lamps.
-    pub fn has_edge(&self, tracing: (&World, &Optics<M>), (point, site): (DVec3, Site), span: &Span) -> bool {
+    /// By how many pixels an edge of a slide's picture that a pixel sees of a face, from any place of the pupil and of lamps, moves from
+    /// their middles to their rims; none where it sees no edge. `by_pupil`: how the place on the face moves from the middle of the
+    /// pupil to its rim, m.
+    pub fn edge_moves(
+        &self,
+        world: &World,
+        (point, site): (DVec3, Site),
+        span: &Span,
+        by_pupil: [DVec3; 2],
+    ) -> Option<f64> {
         let own = |lit: &&Connector<M>| (lit.map.part, lit.map.face) == (site.part, site.face);
-        self.lit().filter(own).any(|lit| {
-            let Some(spot) = lit.map.spot(point) else { return false };
-            let (rows, along) = (spot.rows(), span.by.map(|by| spot.rows_along(lit.map.step_of(by))));
-            let sheets = lit.entries.iter().flat_map(|entry| &entry.sheets);
-            let interpolated = |sheet: &&ReceiverTable<M>| sheet.cell(&lit.map, &spot) == Cell::Interpolated;
+        let of_lit = |lit: &Connector<M>| {
+            let spot = lit.map.spot(point)?;
+            let along = |by: DVec3| spot.rows_along(lit.map.step_of(by));
+            let (rows, over, pupil) = (spot.rows(), span.by.map(along), by_pupil.map(along));
             let near = (spot.cell, &rows);
-            sheets.filter(interpolated).any(|sheet| sheet.pieces(tracing, near, (&along, span)) > 1)
-        })
+            let of_entry = |entry: &Entry<M>| {
+                let interpolated = |sheet: &&ReceiverTable<M>| sheet.cell(&lit.map, &spot) == Cell::Interpolated;
+                let moves =
+                    |sheet: &ReceiverTable<M>| sheet.edge_moves(world, near, (&over, span), (&pupil, entry.size));
+                entry.sheets.iter().filter(interpolated).filter_map(moves).reduce(f64::max)
+            };
+            lit.entries.iter().filter_map(of_entry).reduce(f64::max)
+        };
+        self.lit().filter(own).filter_map(of_lit).reduce(f64::max)
     }
 
     /// Nothing is connected.

@@ -8,6 +8,7 @@ pub(in crate::estimate::manifold) use super::tuning::table::SLIDES;
 use crate::estimate::manifold::pixel_span::Span;
 use crate::estimate::manifold::solver::bicubic::{Rows, Spot};
 use crate::estimate::manifold::solver::simd_nodes::{Quad, SimdNodes, filled};
+use crate::estimate::manifold::tuning::eye_subpath::WIDER;
 use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{LaneArray, Mode, lanes};
@@ -206,30 +207,51 @@ impl<M: Mode> ReceiverTable<M> {
         self.nodes.iter().flatten().any(|node| !node.slides.is_empty())
     }
 
-    /// What comes over all of a pixel that sees a place of the middle's, and of how many pieces of the slides' pictures that is.
-    /// `along`: rows of nodes along the pixel to the right and down.
-    fn over_pixel(
+    /// The pixel's footprints on the slides that are crossed. `along`: rows of nodes along the pixel to the right and down.
+    fn footprints(
         &self,
-        tracing: (&World, &Optics<M>),
         blend: &Blend<'_, M>,
         (along, span): (&[Rows; 2], &Span),
-    ) -> Option<(M::Lanes<Light>, u64)> {
+    ) -> Option<ArrayVec<Footprint, SLIDES>> {
         let [right, down] = [self.blended(&along[0])?, self.blended(&along[1])?];
         let footprint = |(k, (slide, at)): (usize, (usize, DVec3))| {
             let first = 3 + M::LANES + 3 * k;
             let by = [&right, &down].map(|sums| DVec3::from_slice(&sums.as_flattened()[first..first + 3]));
             Footprint { slide, at: at - by[0] * span.within.x - by[1] * span.within.y, by }
         };
-        let footprints: ArrayVec<Footprint, SLIDES> = blend.slides().enumerate().map(footprint).collect();
-        let none = lanes::<M, _>(|_| 0.0);
-        let brightness = Brightness::<M> { middle: lanes::<M, _>(|lane| blend.strength(lane)), by: [none; 2] };
-        footprint::mean(tracing, &brightness, (&[], &footprints))
+        Some(blend.slides().enumerate().map(footprint).collect())
     }
 
-    /// Of how many pieces of the slides' pictures a pixel's light from the middle of the lamp is; none: 0.
-    pub(super) fn pieces(&self, tracing: (&World, &Optics<M>), near: (usize, &Rows), over: (&[Rows; 2], &Span)) -> u64 {
-        let blend = self.blend(near, DVec2::ZERO);
-        blend.and_then(|blend| self.over_pixel(tracing, &blend, over)).map_or(0, |(_, pieces)| pieces)
+    /// What comes through slides over all of a pixel, and of how many pieces of their pictures that is.
+    fn mean(
+        tracing: (&World, &Optics<M>),
+        blend: &Blend<'_, M>,
+        footprints: &[Footprint],
+    ) -> Option<(M::Lanes<Light>, u64)> {
+        let none = lanes::<M, _>(|_| 0.0);
+        let brightness = Brightness::<M> { middle: lanes::<M, _>(|lane| blend.strength(lane)), by: [none; 2] };
+        footprint::mean(tracing, &brightness, (&[], footprints))
+    }
+
+    /// See [`Receivers::edge_moves`](super::Receivers::edge_moves). `pupil`: rows of nodes along how the place moves from the middle of
+    /// the pupil to its rim; `size`: the lamp's, m.
+    pub(super) fn edge_moves(
+        &self,
+        world: &World,
+        near: (usize, &Rows),
+        over: (&[Rows; 2], &Span),
+        (pupil, size): (&[Rows; 2], f64),
+    ) -> Option<f64> {
+        let blend = self.blend(near, DVec2::ZERO)?;
+        let footprints = self.footprints(&blend, over)?;
+        let by_pupil = [self.blended(&pupil[0])?, self.blended(&pupil[1])?];
+        let of_slide = |(k, (footprint, crossing)): (usize, (&Footprint, &Crossing))| {
+            let first = 3 + M::LANES + 3 * k;
+            let by_pupil = by_pupil.each_ref().map(|sums| DVec3::from_slice(&sums.as_flattened()[first..first + 3]));
+            let discs = [by_pupil, crossing.by_lamp.map(|by| size * by)];
+            world.slides[footprint.slide].edge_moves(footprint, WIDER, &discs)
+        };
+        footprints.iter().zip(&blend.near.slides).enumerate().filter_map(of_slide).reduce(f64::max)
     }
 
     /// [`ReceiverTable::interpolate`] with the slides' pictures taken over all of a pixel.
@@ -242,7 +264,7 @@ impl<M: Mode> ReceiverTable<M> {
         off: DVec2,
     ) -> Option<Incoming<'static, M>> {
         let blend = self.blend(near, off)?;
-        let (mean, _) = self.over_pixel(tracing, &blend, (along, span))?;
+        let (mean, _) = Self::mean(tracing, &blend, &self.footprints(&blend, (along, span))?)?;
         let mut light = lanes::<M, _>(|lane| mean[lane].scaled(span.whole));
         if span.whole != 1.0
             && let Some(incoming) = self.interpolate(tracing, near, lamp, off)

@@ -22,8 +22,9 @@ pub struct Spot {
 }
 
 /// Which sixteen nodes are asked, by cells aside of those about a place: these, or, near the rim of what is lit, as many on its
-/// lit side. The place's cell is between some of them in any case.
-pub const SIDES: [[i8; 2]; 9] = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, 1], [1, -1], [-1, -1]];
+/// lit side. The place's cell is between some of them, or, for the last four, beside them.
+pub const SIDES: [[i8; 2]; 13] =
+    [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, 1], [1, -1], [-1, -1], [2, 0], [-2, 0], [0, 2], [0, -2]];
 
 /// Four rows of nodes.
 pub type Rows = [(usize, [f64; 4]); 4];
@@ -81,7 +82,7 @@ impl Nodes {
         if aside == [0; 2] { Some(spot) } else { self.spot_by(spot.at, aside) }
     }
 
-    /// The same with sixteen nodes that lie aside of those about the place, by cells along both axes: −1 to 1.
+    /// The same with sixteen nodes that lie aside of those about the place, by cells along both axes: −2 to 2.
     pub fn spot_by(&self, at: DVec2, aside: [i8; 2]) -> Option<Spot> {
         // The cell, the first of the four nodes about it (all of which there are), and the place from the second of them.
         let along = |x: f64, count: usize, aside: i8| {
