@@ -21,7 +21,8 @@ pub(super) mod at_edges {
 
 /// `eye_subpath.rs`
 /// - `OF_PAIR`: `063e72c` (A combiner's ghost is followed, not drawn by lot)
-/// - `AT_EDGES`: `e69d869` (Rays that see an edge of a slide on a screen are followed every other time)
+/// - `AT_EDGES`, `PER_PIXEL`, `MOST_PAIRS`, `WIDER`: `398aab7` (Edges on screens are read at many places of the pupil and lamps in a
+///   pass)
 pub(super) mod eye_subpath {
     /// What each path of a pair starts with.
     pub const OF_PAIR: f64 = 0.5;
