@@ -57,6 +57,7 @@ mod usd_survive;
 
 // Commands.
 mod completions;
+mod emission_textures;
 mod inspect_init;
 mod paths;
 mod report;

@@ -1,13 +1,11 @@
 //! Borders between the pixels of a sky's picture, seen straight, through a plate, in a mirror: closed forms, and plain sampling that
 //! leaves them to chance.
 
+use crate::common::pixels::{Both, mean_drawn, over_disc, over_square, traced};
 use crate::common::*;
-use eyebox::check::check;
-use eyebox::estimate::run::{Films, Limits, run};
-use eyebox::film::plan::{Estimator, Spectral};
-use eyebox::plan::{Asked, Choice, Polarisation, plan};
+use eyebox::film::plan::Spectral;
+use eyebox::plan::Polarisation;
 use eyebox::scene::*;
-use eyebox::world::World;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -32,18 +30,6 @@ fn sky(s: &mut Scene, [width, height]: [usize; 2], of: impl Fn(usize, usize) -> 
         to_world: DMat3::from_quat(DQuat::from_rotation_z(0.2) * DQuat::from_rotation_x(-0.15)),
         file: "sky.exr".to_owned(),
     });
-}
-
-/// Of plain sampling, or of what the estimator does by itself.
-fn traced(scene: &Scene, polarisation: Polarisation, (passes, seed): (u64, u64), plain: bool) -> (Films, Spectral) {
-    let checked = check(scene).expect("the scene is sound");
-    let mut world = World::freeze(scene).expect("the scene can be traced");
-    world.plain = plain;
-    let asked = Asked { choice: Choice::Only(Estimator::Backward), polarisation, ..Asked::default() };
-    let plan = plan(&checked, &world, asked);
-    let limits = Limits { passes: Some(passes), ..Limits::default() };
-    let outcome = run(&world, &plan, scene.groups.len(), scene.eye.resolution, seed, &limits, &mut ());
-    (outcome.films, plan.mode.spectral)
 }
 
 const PIXELS: [usize; 2] = [16, 12];
@@ -99,26 +85,18 @@ impl Meridian {
     fn want(&self, line: DVec2) -> Vec<(f64, f64)> {
         let normal = DVec2::from_angle(line.y);
         let (a, b) = (normal.x.abs(), normal.y.abs());
-        let ramp = |x: f64| 0.5 * x.max(0.0).powi(2);
-        // Across the border a square is the convolution of two boxes.
         let beyond = |x: f64| {
             if a.min(b) < 1e-9 {
                 return (x + 0.5).clamp(0.0, 1.0);
             }
-            let ends = [(a + b, 1.0), (a - b, -1.0), (b - a, -1.0), (-a - b, 1.0)];
-            ends.iter().map(|(end, sign)| sign * ramp(x + 0.5 * end)).sum::<f64>() / (a * b)
+            over_square(normal, x, |x| 0.5 * x * x)
         };
         // The picture moves by the place in the pupil over the focus distance: chords of a disc.
         let blur = 0.5 * self.pupil_m / self.focus_m / self.pixel;
-        let steps = if blur > 0.0 { 2000 } else { 1 };
         let share = |k: usize| {
             let middle = DVec2::new((k % PIXELS[0]) as f64 - 7.5, (k / PIXELS[0]) as f64 - 5.5);
             let inside = middle.dot(normal) + line.x;
-            let chord = |k: usize| {
-                let t = (k as f64 + 0.5) / steps as f64 * PI;
-                beyond(inside + blur * t.cos()) * 2.0 * t.sin().powi(2) / steps as f64
-            };
-            let right = if blur > 0.0 { (0..steps).map(chord).sum() } else { beyond(inside) };
+            let right = over_disc(blur, |moved| beyond(inside + moved));
             if self.column.is_multiple_of(2) { right } else { 1.0 - right }
         };
         (0..PIXELS[0] * PIXELS[1]).map(share).map(|share| (share, DARK + (BRIGHT - DARK) * share)).collect()
@@ -173,9 +151,7 @@ fn there_is_no_bias() {
             off.iter().sum::<f64>() / off.len() as f64
         });
         let own: Vec<f64> = own.collect();
-        let mean = own.iter().sum::<f64>() / runs as f64;
-        let variance = own.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / (runs - 1) as f64;
-        (mean, (variance / runs as f64).sqrt())
+        mean_drawn(&own)
     };
     let ((mean, sigma), (_, chance)) = (of(false), of(true));
     println!("{mean:.2e} ± {sigma:.2e}, by chance ± {chance:.2e}");
@@ -246,30 +222,9 @@ impl Case {
     }
 
     fn holds(&self) {
-        let (s, width) = (self.scene(), 24);
-        let polarisation = if self.polarised { Polarisation::On } else { Polarisation::Off };
-        let of = |passes: u64, seed: u64, plain: bool| {
-            let (films, mode) = traced(&s, polarisation, (passes, seed), plain);
-            assert_eq!(mode, self.mode, "{}", self.what);
-            image(&films)
-        };
-        let many = of(1024, 7, true);
-        let ours = of(64, 8, false);
-        let (z, bound) = worst_z(&block_z(&ours, &many, width, 4), 1e-3);
-        let ((a, da), (b, db)) = (mean(&ours), mean(&many));
-        let of_means = (a - b) / da.hypot(db);
-        // With what is left of noise in the reference.
-        let off = |seen: &[(f64, f64)]| {
-            seen.iter().zip(&many).map(|(own, many)| (own.0 - many.0).powi(2)).sum::<f64>() / seen.len() as f64
-        };
-        let (own, chance) = (off(&of(self.passes, 9, false)), off(&of(self.passes, 9, true)));
-        println!(
-            "{}: blocks {z:.2} of {bound:.2} σ, mean {of_means:.2} σ ({a:.2} {b:.2}), squared error {own:.0}, by chance {chance:.0}",
-            self.what
-        );
-        assert!(z < bound, "{}: {z} {bound}", self.what);
-        assert!(of_means.abs() < 3.0, "{}: {of_means}", self.what);
-        assert!(own * self.gain < chance, "{}: {own} {chance}", self.what);
+        let Case { what, polarised, mode, .. } = *self;
+        let gain = Both { what, scene: self.scene(), polarised, mode, passes: [1024, 64, self.passes] }.gain();
+        assert!(gain > self.gain, "{what}: {gain}");
     }
 }
 

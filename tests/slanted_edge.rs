@@ -1,6 +1,7 @@
 //! A slanted edge between black and white on a display, seen by a pinhole and through a pupil, in focus and out of it: what each
 //! pixel has of the white is known in closed form.
 
+use crate::common::pixels::{mean_drawn, over_disc, over_square};
 use crate::common::*;
 use eyebox::base::ids::SlideId;
 use eyebox::film::plan::Estimator;
@@ -74,24 +75,9 @@ impl Edge {
             0.5 * PIXELS[1] as f64 - (pixel / PIXELS[0]) as f64 - 0.5,
         );
         let normal = DVec2::new(self.angle.cos(), self.angle.sin());
-        let (a, b) = (normal.x.abs(), normal.y.abs());
-        let ramp = |x: f64| 0.5 * x.max(0.0).powi(2);
-        let beyond = |x: f64| {
-            let ends = [(a + b, 1.0), (a - b, -1.0), (b - a, -1.0), (-a - b, 1.0)];
-            ends.iter().map(|(end, sign)| sign * ramp(x + 0.5 * end)).sum::<f64>() / (a * b)
-        };
         let inside = middle.dot(normal) - self.at;
         let blur = 0.5 * self.pupil_m * (1.0 - FAR / self.focus_m).abs() / PIXEL;
-        if blur == 0.0 {
-            return beyond(inside);
-        }
-        // Chords at the cosines of even angles: x = r cos t, of length 2 r sin t.
-        let steps = 4000;
-        let chord = |k: usize| {
-            let t = (k as f64 + 0.5) / steps as f64 * PI;
-            beyond(inside + blur * t.cos()) * 2.0 * t.sin().powi(2) / steps as f64
-        };
-        (0..steps).map(chord).sum()
+        over_disc(blur, |moved| over_square(normal, inside + moved, |x| 0.5 * x * x))
     }
 
     /// By how much each pixel is off after so many passes, as a share of white.
@@ -142,9 +128,7 @@ fn there_is_no_bias() {
             off.iter().sum::<f64>() / off.len() as f64
         })
         .collect();
-    let mean = means.iter().sum::<f64>() / runs as f64;
-    let variance = means.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / (runs - 1) as f64;
-    let sigma = (variance / runs as f64).sqrt();
+    let (mean, sigma) = mean_drawn(&means);
     println!("{mean:.2e} ± {sigma:.2e}");
     assert!(sigma < 1e-4, "too noisy to tell: {sigma}");
     assert!(mean.abs() < 4.0 * sigma, "{mean} ± {sigma}");

@@ -121,8 +121,8 @@ impl<'w, M: Mode> Backward<'w, M> {
         self
     }
 
-    /// Cuts the pictures of slides and displays, and the sky's, by the footprints of the pixels that see edges in them. Not for witnesses,
-    /// who are to know nothing.
+    /// Cuts the pictures of slides and displays, lamps' emission textures and the sky's picture by the footprints of the pixels that see
+    /// edges in them. Not for witnesses, who are to know nothing.
     #[must_use]
     pub fn cutting_pictures(mut self) -> Self {
         self.vision.iter_mut().for_each(|vision| vision.cut_pictures(&self.route));

@@ -7,9 +7,10 @@ use crate::world::World;
 use crate::world::lamp::Lamp;
 use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A lamp that a path from the eye has met.
+#[derive(Clone, Copy)]
 pub struct EmitterHit<'w> {
     pub lamp: &'w Lamp,
     /// Its number among the lamps.
@@ -20,14 +21,26 @@ pub struct EmitterHit<'w> {
     pub luminance: f64,
     /// What the place has of it, if not all alike.
     pub glow: Option<[f64; 3]>,
-    /// The place, recentred world.
+    /// The place, recentred world, and the mesh's triangle that it lies on.
     place: DVec3,
+    triangle: u32,
 }
 
 impl EmitterHit<'_> {
     /// Recentred world, m.
     pub fn place(&self) -> DVec3 {
         self.place
+    }
+
+    /// Where in the texture that the lamp shines through, if any, it was met, in columns and rows of texels.
+    pub fn in_texture(&self) -> Option<DVec2> {
+        self.lamp.in_texture(self.triangle, self.place)
+    }
+
+    /// The same with the lamp's mean light.
+    #[must_use]
+    pub fn even(self) -> Self {
+        EmitterHit { glow: None, ..self }
     }
 
     /// The picture that the lamp shows, if any, and where in it, in its mesh units, it was met.
@@ -106,7 +119,7 @@ impl<'w, M: Mode> Walker<'w, M> {
         let dark = || lamp.shown.is_some_and(|shown| world.slides[shown.slide].s(shown.local(place)).is_none());
         (luminance > 0.0 && !dark()).then(|| {
             let glow = lamp.glow(site.triangle, place);
-            EmitterHit { lamp, index, cos, luminance, glow, place }
+            EmitterHit { lamp, index, cos, luminance, glow, place, triangle: site.triangle }
         })
     }
 }

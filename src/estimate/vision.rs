@@ -4,8 +4,8 @@
 //! of one in a pinhole's picture, some of the points are chosen about it. Through a pupil that is no point, a lamp is seen
 //! in a small part of it: where the plan knows which, most of the rays go there. Where specular connection has what it can,
 //! some pixels of a pass look for what comes over trains of faces that it does not know, or has no start for there, and for
-//! what the solver leaves of trains that paths from the lamps were not seen to arrive by. Where a slide's picture has an edge
-//! in a pixel, the picture is cut by the pixel's footprint (`vision/over_pixel.rs`).
+//! what the solver leaves of trains that paths from the lamps were not seen to arrive by. Where a slide's picture or a lamp's
+//! emission texture has an edge in a pixel, it is cut by the pixel's footprint (`vision/over_pixel.rs`).
 
 mod glints;
 mod over_pixel;
@@ -117,12 +117,16 @@ struct Unknown {
     share: f64,
 }
 
+/// Whether rays from the eye own direct vision of a lamp, straight or over specular faces.
+fn is_seen(route: &Ownership, lamp: &Lamp) -> bool {
+    let trails = [Trail::START, Trail::START.then(Event::Specular)];
+    trails.iter().any(|trail| route.from_eye(lamp.group, *trail).is_some())
+}
+
 impl<'w, M: Mode> Vision<'w, M> {
     /// None if the route leaves direct vision of all lamps to others.
     pub fn new(world: &'w World, route: &Ownership, hints: Hints<'_>, seed: u64) -> Option<Self> {
-        let trails = [Trail::START, Trail::START.then(Event::Specular)];
-        let ours = |lamp: &&Lamp| trails.iter().any(|trail| route.from_eye(lamp.group, *trail).is_some());
-        let mut ours = world.lamps.all().iter().filter(ours).peekable();
+        let mut ours = world.lamps.all().iter().filter(|lamp| is_seen(route, lamp)).peekable();
         ours.peek()?;
         Some(Vision {
             world,
@@ -137,9 +141,12 @@ impl<'w, M: Mode> Vision<'w, M> {
         })
     }
 
-    /// Cuts the slides' pictures by the footprints of pixels where they have edges, from now on.
+    /// Cuts the slides' pictures, and the emission textures of lamps, by the footprints of pixels where they have edges, from now on.
     pub fn cut_pictures(&mut self, route: &Ownership) {
-        if self.whole && !self.world.plain && !self.world.slides.is_empty() {
+        let has_texture =
+            |lamp: &Lamp| lamp.texture().is_some() && is_seen(route, lamp) && !route.is_connected(lamp.group);
+        let any = || !self.world.slides.is_empty() || self.world.lamps.all().iter().any(has_texture);
+        if self.whole && !self.world.plain && any() {
             let passes = if wavelengths_change::<M>() { PASSES_LOOKED_AT } else { 1 };
             let optics: Vec<Optics<M>> = (0..passes).map(|pass| M::optics(self.world, self.seed, pass)).collect();
             self.footprints = Some(PixelFootprints::find(self, route, &optics));

@@ -1,10 +1,11 @@
 //! Emission textures: what each place of a lamp has of its light.
 
-use super::texture::read;
+use super::texture::{place, read, read_texel};
 use crate::base::colour::luminance;
 use crate::base::warp;
 use crate::scene::texture::{Filter, Texels, TextureInput};
 use crate::scene::{Emitter, Part, Scene};
+use glam::DVec2;
 
 /// Places of a triangle at which its mean is taken, and of all triangles together at most.
 const PLACES: [usize; 2] = [16, 1 << 16];
@@ -83,10 +84,13 @@ impl Glow {
         if mean > LEAST * possible { mean } else { mean.max(LEAST * brightest.max(brightest_of(&self.input))) }
     }
 
-    fn texel(&self, at: usize, weights: [f64; 3]) -> [f64; 3] {
+    fn coordinates(&self, at: usize, weights: [f64; 3]) -> [f64; 2] {
         let corners = self.corners[at];
-        let uv = [0, 1].map(|c| (0..3).map(|i| weights[i] * corners[i][c]).sum());
-        let [r, g, b, _] = read(&self.input, uv);
+        [0, 1].map(|c| (0..3).map(|i| weights[i] * corners[i][c]).sum())
+    }
+
+    fn texel(&self, at: usize, weights: [f64; 3]) -> [f64; 3] {
+        let [r, g, b, _] = read(&self.input, self.coordinates(at, weights));
         [r, g, b].map(|c: f64| c.max(0.0))
     }
 
@@ -98,5 +102,24 @@ impl Glow {
     /// Linear Rec.709 at shares of the corners of triangle `at` of the lamp, over the mean's luminance.
     pub fn at(&self, at: usize, weights: [f64; 3]) -> [f64; 3] {
         if self.mean > 0.0 { self.texel(at, weights).map(|c| c / self.mean) } else { [0.0; 3] }
+    }
+
+    /// Where shares of the corners of triangle `at` lie in the texture, in columns and rows of its texels.
+    pub fn place(&self, at: usize, weights: [f64; 3]) -> DVec2 {
+        place(&self.input, self.coordinates(at, weights)).into()
+    }
+
+    /// Whether it is linear between the middles of texels, not even over each.
+    pub fn is_smooth(&self) -> bool {
+        match self.input.filter {
+            Filter::Nearest => false,
+            Filter::Linear => true,
+        }
+    }
+
+    /// As [`Glow::at`], of a texel, by its whole column and row, in the texture or beyond it.
+    pub fn of_texel(&self, at: [f64; 2]) -> [f64; 3] {
+        let [r, g, b, _] = read_texel(&self.input, at);
+        if self.mean > 0.0 { [r, g, b].map(|c| c.max(0.0) / self.mean) } else { [0.0; 3] }
     }
 }

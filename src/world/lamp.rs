@@ -9,7 +9,7 @@ use crate::base::warp;
 use crate::base::{Code, Error, Where};
 use crate::scene::angular::GaussBeam;
 use crate::scene::{Angular, Emitter, Part, Photometry, Scene};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 /// Share of [`Lamps::pick_for_point`]'s choices that go by flux alone, so that no lamp is ever starved.
 const DEFENSIVE: f64 = 0.1;
@@ -217,13 +217,31 @@ impl Lamp {
     /// What a place has of the mean light, linear Rec.709, whose luminance is 1 on average; none of a lamp that shines evenly.
     pub fn glow(&self, triangle: u32, position: DVec3) -> Option<[f64; 3]> {
         let glow = self.glow.as_ref()?;
+        let (at, weights) = self.weights(triangle, position)?;
+        Some(glow.at(at, weights))
+    }
+
+    /// The texture that it shines through, if any.
+    pub fn texture(&self) -> Option<&Glow> {
+        self.glow.as_deref()
+    }
+
+    /// Where in that texture a place lies, in columns and rows of its texels.
+    pub fn in_texture(&self, triangle: u32, position: DVec3) -> Option<DVec2> {
+        let glow = self.glow.as_ref()?;
+        let (at, weights) = self.weights(triangle, position)?;
+        Some(glow.place(at, weights))
+    }
+
+    /// The place of a triangle among the lamp's, and the shares that its corners have in a point of it.
+    fn weights(&self, triangle: u32, position: DVec3) -> Option<(usize, [f64; 3])> {
         let at = self.place_of(triangle)?;
         let Triangle { origin, edges: [e, f], .. } = self.triangles[at];
         // Shares of the corners, seen along the normal.
         let normal = e.cross(f);
         let (off, whole) = (position - origin, normal.length_squared());
         let (v, w) = (off.cross(f).dot(normal) / whole, e.cross(off).dot(normal) / whole);
-        Some(glow.at(at, [1.0 - v - w, v, w]))
+        Some((at, [1.0 - v - w, v, w]))
     }
 
     /// The place of a triangle among the lamp's.

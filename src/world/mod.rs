@@ -85,7 +85,8 @@ pub struct World {
     pub wavelength_nm: f64,
     /// The light path expressions that paths are told to, if any was asked for that parts classes.
     pub sieve: Option<Arc<Product>>,
-    /// Rays from the eye leave the pictures of slides and of the sky to chance: none is cut by a pixel's footprint. To try the others by.
+    /// Rays from the eye leave the pictures of slides, of lamps and of the sky to chance: none is cut by a pixel's footprint. To try
+    /// the others by.
     pub plain: bool,
     /// A fault that a test plants in the walk, to see that the balances find it.
     #[cfg(test)]

@@ -128,9 +128,16 @@ impl<M: Mode> Optics<M> {
     pub fn lamp_at(&self, index: usize, glow: Option<[f64; 3]>) -> M::Lanes<f64> {
         let whole = self.lighting.lamps[index];
         let Some(rgb) = glow else { return whole };
+        let here = self.glow(rgb);
+        lanes::<M, f64>(|lane| whole[lane] * here[lane])
+    }
+
+    /// How much of a lamp's mean light the lanes have at a place of it that has so much.
+    #[inline]
+    pub fn glow(&self, rgb: [f64; 3]) -> M::Lanes<f64> {
         lanes::<M, f64>(|lane| {
             let shares = self.lighting.reflectance[lane];
-            whole[lane] * shares.iter().zip(rgb).map(|(share, c)| share * c).sum::<f64>().max(0.0)
+            shares.iter().zip(rgb).map(|(share, c)| share * c).sum::<f64>().max(0.0)
         })
     }
 

@@ -3,6 +3,7 @@
 pub mod edges;
 pub mod footprint;
 pub mod jump;
+pub mod texels;
 
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};

@@ -34,10 +34,25 @@ fn wrapped(at: f64, count: usize, wrap: Wrap) -> Option<usize> {
     Some((inside as usize).min(count.saturating_sub(1)))
 }
 
-/// What a parameter reads at texture coordinates of the mesh: red, green, blue, alpha.
-pub fn read(input: &TextureInput, [u, v]: [f64; 2]) -> [f64; 4] {
+/// Where texture coordinates of the mesh lie in the picture: columns and rows of texels from its upper left corner, and beyond it.
+pub fn place(input: &TextureInput, [u, v]: [f64; 2]) -> [f64; 2] {
     let [across, down] = input.to_picture.map(|[a, b, c]| a * u + b * v + c);
-    let at = [across * input.texture.width as f64, down * input.texture.height as f64];
+    [across * input.texture.width as f64, down * input.texture.height as f64]
+}
+
+/// What a parameter reads at texture coordinates of the mesh: red, green, blue, alpha.
+pub fn read(input: &TextureInput, uv: [f64; 2]) -> [f64; 4] {
+    read_at(input, place(input, uv), input.filter)
+}
+
+/// What it reads of one texel, by its whole column and row, in the picture or beyond it.
+pub fn read_texel(input: &TextureInput, [column, row]: [f64; 2]) -> [f64; 4] {
+    read_at(input, [column + 0.5, row + 0.5], Filter::Nearest)
+}
+
+#[inline]
+fn read_at(input: &TextureInput, at: [f64; 2], filter: Filter) -> [f64; 4] {
+    let at = (at, filter);
     // The kind of texels is asked once, not at each. Alpha is never encoded.
     let found = match (&input.texture.texels, input.encoding) {
         // A scene holds none of these.
@@ -65,7 +80,7 @@ pub fn read(input: &TextureInput, [u, v]: [f64; 2]) -> [f64; 4] {
 }
 
 /// Between the texels about a place, in texels.
-fn filtered(input: &TextureInput, [x, y]: [f64; 2], texel: impl Fn(usize) -> [f64; 4]) -> [f64; 4] {
+fn filtered(input: &TextureInput, ([x, y], filter): ([f64; 2], Filter), texel: impl Fn(usize) -> [f64; 4]) -> [f64; 4] {
     if !(x.is_finite() && y.is_finite()) {
         return [0.0; 4];
     }
@@ -78,7 +93,7 @@ fn filtered(input: &TextureInput, [x, y]: [f64; 2], texel: impl Fn(usize) -> [f6
             (None, _) | (_, None) => [0.0; 4],
         }
     };
-    match input.filter {
+    match filter {
         Filter::Nearest => at(column(x.floor()), row(y.floor())),
         Filter::Linear => {
             let (left, top) = ((x - 0.5).floor(), (y - 0.5).floor());

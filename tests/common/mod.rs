@@ -1,6 +1,7 @@
 //! Small scenes made in code, for tests of the physics.
 
 pub mod mutate;
+pub mod pixels;
 
 use eyebox::base::ids::{GroupId, MediumId, MeshId};
 use eyebox::check::check;

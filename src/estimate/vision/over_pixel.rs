@@ -1,8 +1,8 @@
-//! Where a slide's picture, or a display's, has an edge in a pixel: the way from the pixel and the pupil to the picture is smooth,
-//! so five paths tell where all of both lands on it, and how bright that is. For a place of the pupil the picture's pixels are cut
-//! by this footprint, exactly, and so are the outlines of the faces on the way. Paths at places of the pixel and the pupil by
-//! chance differ from it by next to nothing, and the difference is added: the mean is that of paths whatever the five have
-//! missed (a control variate, e.g. A. Owen, "Monte Carlo theory, methods and examples", 2013, chapter 8.9).
+//! Where a slide's picture, or a display's, has an edge in a pixel, or a lamp's emission texture detail: the way from the pixel and
+//! the pupil to the picture is smooth, so five paths tell where all of both lands on it, and how bright that is. For a place of the
+//! pupil the picture's pixels are cut by this footprint, exactly, and so are the outlines of the faces on the way. Paths at places of
+//! the pixel and the pupil by chance differ from it by next to nothing, and the difference is added: the mean is that of paths
+//! whatever the five have missed (a control variate, e.g. A. Owen, "Monte Carlo theory, methods and examples", 2013, chapter 8.9).
 
 mod finder;
 mod sight;
@@ -17,7 +17,8 @@ use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{LaneArray, Mode, lanes, plane_of};
 use crate::world::optics::Optics;
-use crate::world::slide::footprint::{self, Brightness, Edge, Footprint, MOST, MOST_EDGES};
+use crate::world::slide::footprint::{self, Brightness, Edge, Footprint, Lines, MOST, MOST_EDGES};
+use crate::world::slide::texels::Texels;
 use arrayvec::ArrayVec;
 pub(super) use finder::PixelFootprints;
 use glam::{DVec2, DVec3};
@@ -37,8 +38,10 @@ struct Linear<T> {
 pub(super) struct OverPixel<M: Mode> {
     plane: usize,
     alone: bool,
-    /// Luminance per lane, cd/m², with the slides open.
+    /// Luminance per lane, cd/m², with the slides open; the mean of a lamp with a texture.
     brightness: Linear<M::Lanes<f64>>,
+    /// Such a lamp, and where in its texture it is seen, columns and rows of texels.
+    texels: Option<(usize, Linear<DVec2>)>,
     /// Where each slide is crossed, mesh units.
     slides: Box<[(usize, Linear<DVec3>)]>,
     /// How far inside of where the chain's faces, and the lamp, end.
@@ -47,17 +50,22 @@ pub(super) struct OverPixel<M: Mode> {
     pairs: u64,
 }
 
-impl Linear<DVec3> {
+impl<T: Copy> Linear<T> {
     /// By how many pixels the place moves from the middle of the pupil to its rim, about.
-    fn pixels_over_pupil(&self) -> f64 {
-        let of = |by: &[DVec3; 2]| by[0].length() + by[1].length();
-        of(&self.by_pupil) / of(&self.by_pixel)
+    fn pixels_over_pupil(&self, length: impl Fn(T) -> f64) -> f64 {
+        let of = |by: [T; 2]| length(by[0]) + length(by[1]);
+        of(self.by_pupil) / of(self.by_pixel)
+    }
+
+    fn is_all(&self, of: impl Fn(T) -> bool) -> bool {
+        [self.middle].iter().chain(&self.by_pixel).chain(&self.by_pupil).all(|own| of(*own))
     }
 }
 
 /// The same for one place of the pupil.
 struct AtPupil<M: Mode> {
     brightness: Brightness<M>,
+    texels: Option<Texels>,
     footprints: ArrayVec<Footprint, MOST>,
     edges: ArrayVec<Edge, MOST_EDGES>,
 }
@@ -72,7 +80,7 @@ fn on_spiral(k: u64, count: u64, start: [f64; 2]) -> DVec2 {
 
 impl<M: Mode> AtPupil<M> {
     fn mean(&self, tracing: (&World, &Optics<M>)) -> Option<(M::Lanes<Light>, u64)> {
-        footprint::mean(tracing, &self.brightness, (&self.edges, &self.footprints))
+        footprint::mean_of(tracing, (&self.brightness, self.texels.as_ref()), (&self.edges, &self.footprints))
     }
 }
 
@@ -85,12 +93,19 @@ impl<M: Mode> OverPixel<M> {
             let at = place.middle + place.by_pupil[0] * pupil.x + place.by_pupil[1] * pupil.y;
             Footprint { slide: *slide, at, by: place.by_pixel }
         };
+        let texels = |(lamp, place): &(usize, Linear<DVec2>)| {
+            let at = place.middle + place.by_pupil[0] * pupil.x + place.by_pupil[1] * pupil.y;
+            let [right, down] = place.by_pixel;
+            let lines = [0, 1].map(|way| Lines { first: at[way], by: DVec2::new(right[way], down[way]) });
+            Texels { lamp: *lamp, at: lines }
+        };
         let edge = |inside: &Linear<f64>| Edge {
             first: inside.middle + DVec2::from_array(inside.by_pupil).dot(pupil),
             by: DVec2::from_array(inside.by_pixel),
         };
         AtPupil {
             brightness: Brightness { middle: lanes::<M, _>(along), by: *by_pixel },
+            texels: self.texels.as_ref().map(texels),
             footprints: self.slides.iter().map(footprint).collect(),
             edges: self.edges.iter().map(edge).collect(),
         }
@@ -105,18 +120,22 @@ impl<M: Mode> OverPixel<M> {
     /// another, fewer where it has but a share of the light or is put together of many pieces.
     /// `cuts`: pieces that all places may take.
     fn pairs(&self, share: f64, pieces: u64, cuts: u64) -> u64 {
-        let of_slides = self.slides.iter().map(|(_, place)| place.pixels_over_pupil());
+        let of_slides = self.slides.iter().map(|(_, place)| place.pixels_over_pupil(DVec3::length));
+        let of_texture = self.texels.iter().map(|(_, place)| place.pixels_over_pupil(DVec2::length));
         let of_edge = |by: &[f64; 2]| by[0].abs() + by[1].abs();
         let of_edges = self.edges.iter().map(|inside| of_edge(&inside.by_pupil) / of_edge(&inside.by_pixel));
-        let pixels = of_slides.chain(of_edges).filter(|moves| moves.is_finite()).fold(0.0, f64::max);
+        let pixels = of_slides.chain(of_texture).chain(of_edges).filter(|moves| moves.is_finite()).fold(0.0, f64::max);
         let share = if share.is_finite() { share } else { 1.0 };
         ((share * (PER_PIXEL * pixels).min(MOST_PAIRS)) as u64).min(cuts / pieces.max(1)).max(1)
     }
 
     /// What is seen at a place of the pixel, from its middle, and of the pupil; none where that is beside a picture or an edge.
     fn at(&self, tracing: (&World, &Optics<M>), (within, pupil): (DVec2, DVec2)) -> Option<M::Lanes<Light>> {
-        let AtPupil { brightness, footprints, edges } = self.at_pupil(pupil);
-        footprint::at(tracing, &brightness, (&edges, &footprints), within)
+        let AtPupil { brightness, texels, footprints, edges } = self.at_pupil(pupil);
+        let light = footprint::at(tracing, &brightness, (&edges, &footprints), within)?;
+        let Some(texels) = texels else { return Some(light) };
+        let factor = texels.factor(tracing, within);
+        Some(lanes::<M, _>(|lane| light[lane].scaled(factor[lane])))
     }
 
     /// In the middle of the pupil, without edges and with pictures over more than the pixel: what is seen by any place of the pupil
@@ -125,8 +144,13 @@ impl<M: Mode> OverPixel<M> {
         let mut wide = self.at_pupil(DVec2::ZERO);
         wide.edges.clear();
         for (footprint, (_, place)) in wide.footprints.iter_mut().zip(&self.slides) {
-            let wider = WIDER + 2.0 * place.pixels_over_pupil();
+            let wider = WIDER + 2.0 * place.pixels_over_pupil(DVec3::length);
             footprint.by = footprint.by.map(|by| wider * by);
+        }
+        if let (Some(texels), Some((_, place))) = (&mut wide.texels, &self.texels) {
+            // A texture may be the same place of itself all over: 0/0.
+            let wider = WIDER + 2.0 * place.pixels_over_pupil(DVec2::length).max(0.0);
+            texels.at = texels.at.map(|lines| Lines { by: wider * lines.by, ..lines });
         }
         wide
     }
@@ -136,8 +160,14 @@ impl<M: Mode> OverPixel<M> {
         let wide = self.wide();
         let at_rim = |footprint: &Footprint| footprint.to_rim(&tracing.0.slides[footprint.slide]) <= 0.0;
         !self.edges.is_empty()
+            || wide.texels.is_some_and(|texels| !texels.are_even(tracing.0))
             || wide.footprints.iter().any(at_rim)
             || wide.mean(tracing).is_none_or(|(_, pieces)| pieces != 1)
+    }
+
+    /// Whether a texture is much finer than the pixel.
+    fn is_fine(&self) -> bool {
+        self.at_pupil(DVec2::ZERO).texels.is_some_and(|texels| texels.count() > CUTS as f64)
     }
 
     /// Whether nothing of its picture lies about here.
@@ -153,6 +183,7 @@ impl<M: Mode> Vision<'_, M> {
     /// `work`: of a ray, counted.
     fn sorted(&self, optics: &Optics<M>, mut all: Vec<OverPixel<M>>, work: u64) -> Vec<OverPixel<M>> {
         let tracing = (self.world, optics);
+        all.retain(|over| !over.is_fine());
         all.retain(|over| !over.is_beside(tracing));
         // More than rays cost many times over is better spent on passes.
         let most = CUTS.min(RAYS_TO_CUT * work / (cost::CUT * all.len().max(1) as u64).max(1));

@@ -2,6 +2,7 @@
 //! the pixels of their pictures are cut out of it exactly, so that no edge of a picture is left to chance.
 
 use super::SlideMap;
+use super::texels::Texels;
 use crate::film::accumulate::Light;
 use crate::world::World;
 use crate::world::mode::{Mode, lanes};
@@ -52,6 +53,15 @@ impl<M: Mode> Brightness<M> {
     pub fn at(&self, point: DVec2) -> M::Lanes<f64> {
         lanes::<M, _>(|lane| self.middle[lane] + self.by[0][lane] * point.x + self.by[1][lane] * point.y)
     }
+
+    /// Its integral over a piece of the square; 0 over what is no more than rounding leaves of an edge along the square's own.
+    pub(super) fn over(&self, piece: &Polygon) -> M::Lanes<f64> {
+        let (area, moment) = moments(piece);
+        if area < SLIVER {
+            return lanes::<M, _>(|_| 0.0);
+        }
+        lanes::<M, _>(|lane| self.middle[lane] * area + self.by[0][lane] * moment.x + self.by[1][lane] * moment.y)
+    }
 }
 
 /// A straight edge across the square: light comes where `first` + `by`·point is not negative.
@@ -60,11 +70,22 @@ pub type Edge = Lines;
 /// The mean over the square of what comes past all edges and through all slides, and of how many pieces it was put together.
 /// None where that is not finite, or more slides are crossed than [`MOST`], or edges than [`MOST_EDGES`].
 pub fn mean<M: Mode>(
-    (world, optics): (&World, &Optics<M>),
+    tracing: (&World, &Optics<M>),
     brightness: &Brightness<M>,
+    cutting: (&[Edge], &[Footprint]),
+) -> Option<(M::Lanes<Light>, u64)> {
+    mean_of(tracing, (brightness, None), cutting)
+}
+
+/// The same of a lamp that may shine through a texture: its brightness is that of its mean light. A texture counts as a slide. None, too,
+/// where so many texels may be seen that they are not cut, wherever the square lies.
+pub fn mean_of<M: Mode>(
+    (world, optics): (&World, &Optics<M>),
+    (brightness, texels): (&Brightness<M>, Option<&Texels>),
     (edges, footprints): (&[Edge], &[Footprint]),
 ) -> Option<(M::Lanes<Light>, u64)> {
-    if edges.len() > MOST_EDGES || footprints.len() > MOST {
+    let pictures = footprints.len() + usize::from(texels.is_some());
+    if edges.len() > MOST_EDGES || pictures > MOST || texels.is_some_and(Texels::are_many) {
         return None;
     }
     let mut square = square();
@@ -75,7 +96,8 @@ pub fn mean<M: Mode>(
             square = edge.keep(&square, |at| at);
         }
     }
-    let mut sum = Sum { tracing: (world, optics), brightness, light: lanes::<M, _>(|_| Light::default()), pieces: 0 };
+    let light = lanes::<M, _>(|_| Light::default());
+    let mut sum = Sum { tracing: (world, optics), brightness, texels, light, pieces: 0 };
     sum.through(&square, footprints, lanes::<M, _>(|_| Light::ONE))?;
     let finite = (0..M::LANES).all(|lane| sum.light[lane].is_finite());
     finite.then_some((sum.light, sum.pieces))
@@ -109,6 +131,7 @@ pub(in crate::world) fn square() -> Polygon {
 struct Sum<'s, M: Mode> {
     tracing: (&'s World, &'s Optics<M>),
     brightness: &'s Brightness<M>,
+    texels: Option<&'s Texels>,
     light: M::Lanes<Light>,
     pieces: u64,
 }
@@ -117,16 +140,13 @@ impl<M: Mode> Sum<'_, M> {
     /// Adds a piece that `light` has come to through the slides before these.
     fn through(&mut self, piece: &Polygon, footprints: &[Footprint], light: M::Lanes<Light>) -> Option<()> {
         let Some((footprint, rest)) = footprints.split_first() else {
-            self.pieces += 1;
-            let (area, moment) = moments(piece);
-            // What rounding leaves of an edge along the square's own is nothing.
-            if area < SLIVER {
-                return Some(());
-            }
+            let (factor, pieces) = match self.texels {
+                None => (self.brightness.over(piece), 1),
+                Some(texels) => texels.integral(self.tracing, self.brightness, piece),
+            };
+            self.pieces += pieces;
             for lane in 0..M::LANES {
-                let Brightness { middle, by } = self.brightness;
-                let factor = middle[lane] * area + by[0][lane] * moment.x + by[1][lane] * moment.y;
-                self.light[lane].add(light[lane].scaled(factor));
+                self.light[lane].add(light[lane].scaled(factor[lane]));
             }
             return Some(());
         };

@@ -113,8 +113,9 @@ impl<M: Mode> Finder<'_, M> {
     /// The footprints of a pixel, if they are worth it. None where all of it is even.
     fn best(&self, pixel: Pixel) -> Vec<OverPixel<M>> {
         let mut work = 0;
-        let seen = self.vision.over_square((self.route, self.optics), (pixel, Square::PIXEL, true), &mut work);
+        let mut seen = self.vision.over_square((self.route, self.optics), (pixel, Square::PIXEL, true), &mut work);
         let is_even = seen.whole && !seen.over.iter().any(|over| over.has_edge((self.vision.world, self.optics)));
+        seen.over.retain(|over| !over.is_fine());
         if is_even || !self.are_worth_it(pixel, &seen.over) {
             return Vec::new();
         }

@@ -29,8 +29,10 @@ struct Sight<M: Mode> {
     chain: Chain,
     lamp: usize,
     plane: usize,
-    /// Luminance per lane, cd/m², with the slides open.
+    /// Luminance per lane, cd/m², with the slides open; the mean of a lamp with a texture.
     strength: M::Lanes<f64>,
+    /// Where in that it was met, columns and rows of texels.
+    texel: Option<DVec2>,
     alone: bool,
     slides: ArrayVec<(usize, DVec3), MOST>,
     /// Where the faces of the chain, and the lamp's, were met: (part, face), recentred world.
@@ -93,6 +95,8 @@ impl<M: Mode> OverPixel<M> {
             by_pixel: [lanes_of(&|own| own.by_pixel[0]), lanes_of(&|own| own.by_pixel[1])],
             by_pupil: [lanes_of(&|own| own.by_pupil[0]), lanes_of(&|own| own.by_pupil[1])],
         };
+        let has_texture = at.iter().all(|sight| sight.texel.is_some());
+        let texels = has_texture.then(|| (first.lamp, simplex.of(at.map(|sight| sight.texel.unwrap_or_default()))));
         let crossed = |k: usize| (first.slides[k].0, simplex.of(at.map(|sight| sight.slides[k].1)));
         let slides: Box<[_]> = (0..first.slides.len()).map(crossed).collect();
         let mut edges: ArrayVec<Linear<f64>, MOST_EDGES> = ArrayVec::new();
@@ -115,14 +119,11 @@ impl<M: Mode> OverPixel<M> {
             }
         }
         // What does not fit or is not finite could not be cut.
-        let finite = |place: &Linear<DVec3>| {
-            let [right, down] = place.by_pixel;
-            let [u, v] = place.by_pupil;
-            [place.middle, right, down, u, v].iter().all(|own| own.is_finite())
-        };
-        let fits = slides.iter().all(|(_, place)| finite(place));
+        let fits = slides.iter().all(|(_, place)| place.is_all(DVec3::is_finite))
+            && texels.iter().all(|(_, place)| place.is_all(DVec2::is_finite));
         let edges = edges.iter().copied().collect();
-        fits.then_some(OverPixel { plane: first.plane, alone: first.alone, brightness, slides, edges, pairs: 1 })
+        let (plane, alone) = (first.plane, first.alone);
+        fits.then_some(OverPixel { plane, alone, brightness, texels, slides, edges, pairs: 1 })
     }
 }
 
@@ -218,13 +219,14 @@ impl<M: Mode> Vision<'_, M> {
             if many || route.is_connected(seen.lamp.group) {
                 return;
             }
-            let (light, alone) = walker.seen(seen);
+            let (light, alone) = walker.seen(&seen.even());
             let open: f64 = slides.iter().map(|(slide, _)| self.world.slides[*slide].t_white()).product();
             let strength = lanes::<M, _>(|lane| light[lane].open() / open);
             if strength.as_slice().iter().all(|strength| strength.is_finite()) {
                 let mut faces = met.faces.clone();
                 faces.push(((seen.lamp.part as u32, seen.lamp.face as u32), seen.place()));
-                sights.push(Sight { chain: chain.clone(), lamp: seen.index, plane, strength, alone, slides, faces });
+                let (chain, lamp, texel) = (chain.clone(), seen.index, seen.in_texture());
+                sights.push(Sight { chain, lamp, plane, strength, texel, alone, slides, faces });
             }
         };
         self.follow(route, &mut walker, (places, SPLIT_FROM, Some(Met::default())), ledger, &mut each);
