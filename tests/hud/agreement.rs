@@ -119,18 +119,19 @@ fn place_and_unit_change_nothing() {
 /// 120 pixels do without them. Both have the same light, block by block, and with tables a pass errs little.
 #[test]
 fn edges_on_a_screen_are_those_of_rays_alone() {
-    let view = |resolution: [usize; 2]| gaze(hud("diffuse", &[]), [-4.2, -2.0], 4.27, resolution);
-    let (fine, coarse) = (view([128, 64]), view([32, 16]));
+    let view = |resolution: [usize; 2]| gaze(hud("diffuse", &[]), [-4.2, -2.0], 4.53, resolution);
+    // Cells of the tables end within pixels.
+    let (fine, coarse) = (view([136, 68]), view([34, 17]));
     let fine = Ready::new(&fine, Choice::Auto);
     let tables = fine.image(24, 1);
     let rays = Ready::new(&coarse, Choice::Auto).image(1536, 2);
     let block = |k: usize| {
-        let own = (0..16).map(|own| tables[(k / 32 * 4 + own / 4) * 128 + k % 32 * 4 + own % 4]);
+        let own = (0..16).map(|own| tables[(k / 34 * 4 + own / 4) * 136 + k % 34 * 4 + own % 4]);
         let (sum, variance) = own.fold((0.0, 0.0), |(sum, all), (mean, variance)| (sum + mean, all + variance));
         (sum / 16.0, variance / 256.0)
     };
-    let blocks: Vec<(f64, f64)> = (0..512).map(block).collect();
-    let (worst, bound) = worst_z(&block_z(&blocks, &rays, 32, 2), 1e-3);
+    let blocks: Vec<(f64, f64)> = (0..34 * 17).map(block).collect();
+    let (worst, bound) = worst_z(&block_z(&blocks, &rays, 34, 1), 1e-3);
     let scale = mean(&tables).0;
     let error = |seed: u64| {
         let once = fine.image(1, seed);

@@ -4,8 +4,9 @@
 //! choice, so none has density 0 (guiding by photons: H. W. Jensen, "Importance driven path tracing using the photon map", EGWR 1995).
 
 use super::tuning::glow::{
-    ASIDE, BY_LIGHT, FAR, FEWEST, GUIDED, LEAF, LEAST_COS, NARROWEST, RIDGE, SHARES, WIDER, WIDEST,
+    ASIDE, BY_LIGHT, FAR, FEWEST, GUIDED, LEAF, LEAST_COS, MORE, NARROWEST, RIDGE, SHARES, WIDER, WIDEST,
 };
+use crate::base::rng::{Rng, Stream};
 use crate::base::warp::Frame;
 use crate::estimate::photon::Landing;
 use glam::{DMat3, DVec2, DVec3};
@@ -42,7 +43,7 @@ pub struct About<'g> {
 /// All of them, by place.
 pub struct Glow {
     nodes: Vec<Node>,
-    /// The share of the light that comes from where no photon points: an upper bound by some that were set aside.
+    /// The share of the light that may come from where no photon points, by some that were set aside.
     missed: f64,
 }
 
@@ -55,18 +56,26 @@ impl Glow {
         if known.len() < FEWEST {
             return None;
         }
-        let aside: Vec<Landing> = known.iter().copied().skip(1).step_by(ASIDE).collect();
+        // By chance: photons start at even points, of which every fourth is a part of its own.
         let mut number = 0..;
-        known.retain(|_| number.next().is_some_and(|k: usize| k % ASIDE != 1));
-        let mut glow = Glow { nodes: Vec::new(), missed: 0.0 };
+        let mut aside = Vec::new();
+        known.retain(|landing| {
+            let is_aside = Rng::new(0, Stream::Witness, 4, number.next().unwrap_or(0)).uniform() * ASIDE < 1.0;
+            if is_aside {
+                aside.push(*landing);
+            }
+            !is_aside
+        });
+        let mut glow = Glow { nodes: Vec::new(), missed: 1.0 };
         glow.grow(&mut known);
         let is_missed =
             |landing: &&Landing| glow.at(landing.position).is_none_or(|about| about.density(-landing.dir, 0.0) == 0.0);
         let lumens = |all: &mut dyn Iterator<Item = &Landing>| all.map(|landing| landing.lumens).sum::<f64>();
         let all = lumens(&mut aside.iter());
-        // One more than was seen may be missed.
-        let one = all / aside.len().max(1) as f64;
-        glow.missed = (lumens(&mut aside.iter().filter(is_missed)) + one) / (all + one);
+        if all > 0.0 {
+            let more = MORE * all / aside.len() as f64;
+            glow.missed = (lumens(&mut aside.iter().filter(is_missed)) + more) / (all + more);
+        }
         Some(glow)
     }
 
@@ -230,7 +239,6 @@ impl About<'_> {
 mod tests {
     use super::*;
     use crate::base::path::Trail;
-    use crate::base::rng::{Rng, Stream};
     use crate::world::geometry::Site;
 
     fn landing(position: DVec3, dir: DVec3) -> Landing {
@@ -317,7 +325,7 @@ mod tests {
         println!("{} not by cones, {} by none, {} foretold", share(not_by_cones), share(by_none), glow.missed());
         // By the cones alone a lamp in many a leaf would be left out.
         assert!(share(not_by_cones) > 0.02 && share(by_none) < 0.002, "{not_by_cones} {by_none} of {ASKED}");
-        assert!(glow.missed() > share(by_none) && glow.missed() < 0.02, "{}", glow.missed());
+        assert!(glow.missed() > share(by_none) && glow.missed() < 0.03, "{}", glow.missed());
     }
 
     #[test]

@@ -1,12 +1,14 @@
 //! What the eye sees of faces that are joined with lamps: paths from the eye over specular faces to the first scatterer, in
 //! pairs whose points of the pupil and of the pixel lie opposite each other, so that what is linear in them is exact.
-//! Where they land is read from [`EyeTable`](super::eye_table::EyeTable), whose errors a few paths make good.
+//! Where they land is read from [`EyeTable`](super::eye_table::EyeTable), whose errors a few paths make good. In pixels with an edge of a
+//! slide's picture both stand for all of the pixel, for which the table says how the landing moves over it.
 
 use super::eye_table::first_scatterer::to_scatterer;
 use super::eye_table::{Counted, EyeTable, Glanced, Rest};
 use super::pixel_span::Span;
 use super::receiver::{Ask, Incoming, Receivers};
 use super::tuning::eye_subpath::{AT_EDGES, MOST_PAIRS, OF_PAIR, PER_PIXEL};
+use super::tuning::vision::INSIDE;
 use super::vision::Manifold;
 use crate::base::lpe::{Letter, Source};
 use crate::base::path::{Event, Trail};
@@ -40,12 +42,13 @@ pub(super) fn pairs_at_edges<M: Mode>(
     let tracing = (world, &M::optics(world, seed, 0));
     let [width, height] = world.eye.size();
     let pairs = |index: usize| {
-        let film = world.eye.film_of(index % width, index / width, [0.5; 2]);
+        let film = |place: [f64; 2]| world.eye.film_of(index % width, index / width, place);
+        let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|corner| film(corner.map(|k| INSIDE[k])));
         let of = |vertex: &Vertex, span: Span, by_pupil: [DVec3; 2]| {
             let moves = screens.edge_moves(world, (vertex.hit.point, vertex.hit.site), &span, by_pupil);
             moves.map_or(0, |moves| ((PER_PIXEL * moves).ceil() as u64).clamp(1, MOST_PAIRS))
         };
-        glances.most(tracing, film, of) as u8
+        glances.most(tracing, (film([0.5; 2]), corners), of) as u8
     };
     (0..width * height).into_par_iter().map(pairs).collect()
 }

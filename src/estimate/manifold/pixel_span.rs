@@ -13,3 +13,12 @@ pub struct Span {
     /// followed ray stands for some of it.
     pub whole: f64,
 }
+
+impl Span {
+    /// From where the ray lands to where the pixel's corners do, m.
+    pub fn corners(&self) -> [DVec3; 4] {
+        let [right, down] = self.by;
+        [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]]
+            .map(|[x, y]| right * (x - self.within.x) + down * (y - self.within.y))
+    }
+}

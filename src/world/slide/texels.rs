@@ -80,9 +80,10 @@ impl Texels {
         self.at.iter().map(|lines| 2.0 + (lines.by.x.abs() + lines.by.y.abs()).floor()).product()
     }
 
-    /// Whether it may see so many that it is not cut.
+    /// Whether it may see so many that it is not cut, or lies where numbers do not tell one from the next.
     pub(super) fn are_many(&self) -> bool {
-        self.count().is_nan() || self.count() > MOST_TEXELS
+        let is_far = |lines: &Lines| lines.first.abs() > 1.0 / f64::EPSILON;
+        self.count().is_nan() || self.count() > MOST_TEXELS || self.at.iter().any(is_far)
     }
 
     fn glow<'w>(&self, world: &'w World) -> Option<&'w Glow> {

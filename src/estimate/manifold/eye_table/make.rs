@@ -174,8 +174,9 @@ impl<M: Mode> EyeTable<M> {
             return NONE;
         }
         let whole = !TRIALS.iter().any(|trial| self.lands_elsewhere(tracing, film, *trial * self.radius));
-        let off = (worst / POOR).max(if always { 1.0 } else { 0.0 });
-        Use { share: off.clamp(LEAST, 1.0), off, known, in_part, whole, aside }
+        let off = worst / POOR;
+        let share = if always { 1.0 } else { off.clamp(LEAST, 1.0) };
+        Use { share, off, known, in_part, whole, aside }
     }
 
     /// Whether a ray meets scatterers that no train of ours leads to.
@@ -211,7 +212,9 @@ impl<M: Mode> EyeTable<M> {
     fn error(&self, tracing: Tracing<'_, M>, glance: &Glance<M>, spot: &Spot, film: DVec2) -> Option<Trial> {
         let (mut worst, mut light, mut cut, mut any) = (0f64, 0f64, false, false);
         let point = |node: usize| Some(glance.landings.middle(node)?.point);
-        let pixel_m = point(spot.cell)?.distance(point(spot.cell + 1)?) / self.over.pixels;
+        // The first two are neighbours in a row, and known.
+        let mut nodes = spot.nodes().map(|(node, _)| point(node));
+        let pixel_m = nodes.next()??.distance(nodes.next()??) / self.over.pixels;
         for trial in TRIALS {
             let pupil = trial * self.radius;
             let Some((walker, vertex)) = self.follow(tracing, (film, pupil), &glance.chain, glance.face()) else {

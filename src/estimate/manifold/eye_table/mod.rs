@@ -123,9 +123,10 @@ impl Glanced {
 /// What is counted where tables are read and a ray itself may be followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Counted {
-    /// What tables say over all of the pixel, the ray, and less what they say of its place.
+    /// What tables say of the ray's place (of faint trains over all of its pixel), the ray, and less what they say of its place.
     Both,
-    /// The ray less what tables say: [`EyeTable::read_over`] reads them over all of the pixel.
+    /// The ray less what tables say, both over all of the pixel where the ray lands over a train that they know:
+    /// [`EyeTable::read_over`] reads them at many places.
     Differences,
 }
 
@@ -259,13 +260,13 @@ impl<M: Mode> EyeTable<M> {
         }
     }
 
-    /// Where in the picture that is, and how tables are used there; none where rays are followed anyway.
+    /// Where in the picture that is, and how tables are used there; none where they are not.
     fn usage(&self, film: DVec2, of: Glanced, counted: Counted) -> Option<(Spot, Use)> {
         let spot = self.over.spot(film)?;
         let usage = self.uses.get(spot.cell)?;
         let is_used = match counted {
             Counted::Both => usage.share < 1.0,
-            // What tables say of an edge is worth the more the less it is off, if rays are always followed, too.
+            // Of use if rays are always followed, too.
             Counted::Differences => usage.off < OF_DIFFERENCES,
         };
         if !is_used || !(usage.whole || of == Glanced::Lit) {
@@ -275,15 +276,20 @@ impl<M: Mode> EyeTable<M> {
         Some((self.over.nodes.aside(spot, usage.aside)?, *usage))
     }
 
-    /// The most that `of` says of what the middle of the pupil sees through the middle of a pixel there, and of how that moves to
-    /// the pupil's rim, m.
+    /// The most that `of` says of what the middle of the pupil sees through the middle of a pixel, and of how that moves to
+    /// the pupil's rim, m. 0 where tables do not tell the same trains in all of it, by its corners: what one part of it has of all of it
+    /// would be counted beside what rays find in the other.
     pub fn most<'w>(
         &self,
         tracing: (&'w World, &'w Optics<M>),
-        film: DVec2,
+        (film, corners): (DVec2, [DVec2; 4]),
         of: impl Fn(&Vertex, Span, [DVec3; 2]) -> u64,
     ) -> u64 {
         let Some((spot, usage)) = self.usage(film, Glanced::Lit, Counted::Differences) else { return 0 };
+        let known = |film: DVec2| self.usage(film, Glanced::Lit, Counted::Differences).map(|(_, usage)| usage.known);
+        if corners.iter().any(|corner| known(*corner) != Some(usage.known)) {
+            return 0;
+        }
         let pixel = Some((self.over.by_pixel(tracing.0), DVec2::ZERO));
         let rim = [DVec2::X, DVec2::Y].map(|axis| self.look_at(spot, self.radius * axis, None));
         let look = self.look_at(spot, DVec2::ZERO, pixel);
@@ -341,6 +347,9 @@ impl<M: Mode> EyeTable<M> {
         rng: &mut Rng,
         mut visit: impl FnMut(&mut Walker<'w, M>, &Vertex, f64, Option<Span>),
     ) {
+        if rest.open == 0 {
+            return;
+        }
         let Some((spot, _)) = self.usage(film, Glanced::Lit, Counted::Differences) else { return };
         let look = self.look_at(spot, pupil, Some((self.over.by_pixel(tracing.0), within)));
         for (k, glance) in self.glances.iter().enumerate().filter(|(k, _)| rest.open & 1 << k != 0) {

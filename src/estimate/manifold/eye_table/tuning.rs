@@ -46,9 +46,9 @@ pub(super) mod eye_table {
     pub const SELDOM: f64 = 1.0 / 16.0;
     /// So much more seldom it is followed for light that is little.
     pub const SELDOM_OF_LITTLE: f64 = 1.0 / 4.0;
-    /// Where all of a pixel is read and rays count by what they differ from that, tables may be off by so many times what has rays always
-    /// followed: by a pixel.
-    pub const OF_DIFFERENCES: f64 = 10.0;
+    /// Where rays and tables both stand for all of a pixel tables may be off by so much of what has rays always followed: by a fiftieth
+    /// of a pixel. Where something covers a part of a pixel they hide so much of an edge in it.
+    pub const OF_DIFFERENCES: f64 = 0.2;
     /// Least share of the looks in which a train is looked at by itself, where its light is all that a pixel may have: a ghost of
     /// 10⁻⁵ of a symbol is some hundredths of the black beside it. By every fourth look the flat pixels of the diffuse HUD have 4.6e-5
     /// after a pass, by every eighth 5.2e-5 (eight seeds).

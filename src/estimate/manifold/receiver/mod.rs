@@ -18,6 +18,7 @@ use crate::base::lpe::Letter;
 use crate::base::rng::Rng;
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::manifold::pixel_span::Span;
+use crate::estimate::manifold::solver::bicubic::Spot;
 use crate::estimate::manifold::solver::newton::Target;
 use crate::film::accumulate::Light;
 use crate::film::specular_chain::Screen;
@@ -194,6 +195,14 @@ impl<M: Mode> Receivers<M> {
             let Some(spot) = lit.map.spot(point) else { continue };
             let rows = spot.rows();
             let along = ask.span.map(|span| (span.by.map(|by| spot.rows_along(lit.map.step_of(by))), span));
+            // Where a table tells but a part of a pixel it says nothing of all of it.
+            let corners = ask.span.map(|span| span.corners().map(|moved| lit.map.spot(point + moved)));
+            let over_all = |sheet: &ReceiverTable<M>| {
+                let is_known = |spot: &Option<Spot>| {
+                    spot.as_ref().is_some_and(|spot| sheet.cell(&lit.map, spot) == Cell::Interpolated)
+                };
+                corners.as_ref().is_some_and(|corners| corners.iter().all(is_known))
+            };
             let chance = lit.chance(ask.seen);
             let mut turn = ask.turn;
             for entry in &lit.entries {
@@ -211,7 +220,7 @@ impl<M: Mode> Receivers<M> {
                     ledger.work += cost::READ;
                     let near = (spot.cell, &rows);
                     let incoming = match &along {
-                        Some((along, span)) if sheet.crosses_slides(spot.cell) => {
+                        Some((along, span)) if sheet.crosses_slides(spot.cell) && over_all(sheet) => {
                             sheet.interpolate_over((world, optics), near, (along, span), entry.lamp, off)
                         }
                         Some(_) | None => sheet.interpolate((world, optics), near, entry.lamp, off),

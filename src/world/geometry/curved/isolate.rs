@@ -90,7 +90,7 @@ fn foretold(a: End, b: End) -> f64 {
 
 /// The root between two ends of different sign: Newton's method, and halving wherever that leaves the enclosure or
 /// shrinks it too slowly (Press et al., Numerical Recipes, section 9.4). Where the bound on the bending says that the next step
-/// would be below the grain (L. V. Kantorovich's theorem: with h = bend·step/|slope| ≤ ½ what is left is at most h·step), it is not made.
+/// would be below the grain (L. V. Kantorovich's theorem: with h = bend·step/|slope| ≤ √2 − 1 what is left is at most h·step), it is not made.
 fn solve(f: &impl Bent, bend: f64, a: End, b: End) -> f64 {
     let (mut low, mut high) = if a.value < 0.0 { (a.t, b.t) } else { (b.t, a.t) };
     let (first, chord) = (foretold(a, b), a.t + (b.t - a.t) * (a.value / (a.value - b.value)));
@@ -115,7 +115,7 @@ fn solve(f: &impl Bent, bend: f64, a: End, b: End) -> f64 {
         step = (next - t).abs();
         let grain = f.grain(next);
         let left = bend * step / slope.abs();
-        let is_last = next == newton && left <= 0.5 && left * step <= grain;
+        let is_last = next == newton && left <= 0.4 && left * step <= grain;
         if is_last || step <= grain || next == low || next == high || next.is_nan() {
             return if next.is_nan() { t } else { next };
         }
