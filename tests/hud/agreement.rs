@@ -131,8 +131,11 @@ fn edges_on_a_screen_are_those_of_rays_alone() {
         (sum / 16.0, variance / 256.0)
     };
     let blocks: Vec<(f64, f64)> = (0..34 * 17).map(block).collect();
-    let (worst, bound) = worst_z(&block_z(&blocks, &rays, 34, 1), 1e-3);
     let scale = mean(&tables).0;
+    // Beside a symbol rays alone see it once in a thousand passes: what they state of that is nothing.
+    let seen: Vec<usize> = (0..blocks.len()).filter(|k| blocks[*k].0 > 0.2 * scale).collect();
+    let of_seen = |all: &[(f64, f64)]| seen.iter().map(|k| all[*k]).collect::<Vec<_>>();
+    let (worst, bound) = worst_z(&block_z(&of_seen(&blocks), &of_seen(&rays), seen.len(), 1), 1e-3);
     let error = |seed: u64| {
         let once = fine.image(1, seed);
         let terms = once.iter().zip(&tables).map(|(a, b)| (a.0 - b.0).powi(2) / (b.0 * b.0 + (0.01 * scale).powi(2)));
@@ -140,6 +143,7 @@ fn edges_on_a_screen_are_those_of_rays_alone() {
     };
     let error = (3..9).map(error).sum::<f64>() / 6.0;
     eprintln!("worst z {worst:.2} of {bound:.2}, {:?} {:?}, relMSE of a pass {error:.2e}", mean(&blocks), mean(&rays));
-    assert!(worst < bound, "{worst} of {bound}");
-    assert!(error < 1.0, "{error:e}");
+    assert!(seen.len() > 60 && worst < bound, "{} blocks, {worst} of {bound}", seen.len());
+    // It was 4.3e-3. Edges at two places a pass make it ten times as much.
+    assert!(error < 1e-2, "{error:e}");
 }

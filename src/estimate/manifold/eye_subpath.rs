@@ -7,7 +7,7 @@ use super::eye_table::first_scatterer::to_scatterer;
 use super::eye_table::{Counted, EyeTable, Glanced, Rest};
 use super::pixel_span::Span;
 use super::receiver::{Ask, Incoming, Receivers};
-use super::tuning::eye_subpath::{AT_EDGES, MOST_PAIRS, OF_PAIR, PER_PIXEL};
+use super::tuning::eye_subpath::{AT_EDGES, BLOCK, MOST_PAIRS, OF_PAIR, PER_PIXEL};
 use super::tuning::vision::INSIDE;
 use super::vision::Manifold;
 use crate::base::lpe::{Letter, Source};
@@ -41,14 +41,22 @@ pub(super) fn pairs_at_edges<M: Mode>(
     let Some(glances) = glances.filter(|_| screens.cross_slides()) else { return Vec::new() };
     let tracing = (world, &M::optics(world, seed, 0));
     let [width, height] = world.eye.size();
-    let pairs = |index: usize| {
-        let film = |place: [f64; 2]| world.eye.film_of(index % width, index / width, place);
+    let of = |vertex: &Vertex, span: Span, by_pupil: [DVec3; 2]| {
+        let moves = screens.edge_moves(world, (vertex.hit.point, vertex.hit.site), &span, by_pupil);
+        moves.map_or(0, |moves| ((PER_PIXEL * moves).ceil() as u64).clamp(1, MOST_PAIRS))
+    };
+    let most = |[x, y]: [usize; 2], side: usize| {
+        let film = |[u, v]: [f64; 2]| world.eye.film_of(x, y, [u, v].map(|place| side as f64 * place));
         let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|corner| film(corner.map(|k| INSIDE[k])));
-        let of = |vertex: &Vertex, span: Span, by_pupil: [DVec3; 2]| {
-            let moves = screens.edge_moves(world, (vertex.hit.point, vertex.hit.site), &span, by_pupil);
-            moves.map_or(0, |moves| ((PER_PIXEL * moves).ceil() as u64).clamp(1, MOST_PAIRS))
-        };
-        glances.most(tracing, (film([0.5; 2]), corners), of) as u8
+        glances.most(tracing, (film([0.5; 2]), corners, side as f64), of)
+    };
+    // Most blocks are even.
+    let across = width.div_ceil(BLOCK);
+    let even = |k: usize| most([k % across * BLOCK, k / across * BLOCK], BLOCK) == Some(0);
+    let even: Vec<bool> = (0..across * height.div_ceil(BLOCK)).into_par_iter().map(even).collect();
+    let pairs = |index: usize| {
+        let [x, y] = [index % width, index / width];
+        if even[y / BLOCK * across + x / BLOCK] { 0 } else { most([x, y], 1).unwrap_or(0) as u8 }
     };
     (0..width * height).into_par_iter().map(pairs).collect()
 }

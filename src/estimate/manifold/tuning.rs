@@ -21,7 +21,7 @@ pub(super) mod at_edges {
 
 /// `eye_subpath.rs`
 /// - `OF_PAIR`: `063e72c` (A combiner's ghost is followed, not drawn by lot)
-/// - `AT_EDGES`, `PER_PIXEL`, `MOST_PAIRS`, `WIDER`: `398aab7` (Edges on screens are read at many places of the pupil and lamps in a
+/// - `AT_EDGES`, `PER_PIXEL`, `MOST_PAIRS`, `BLOCK`, `WIDER`: `398aab7` (Edges on screens are read at many places of the pupil and lamps in a
 ///   pass)
 pub(super) mod eye_subpath {
     /// What each path of a pair starts with.
@@ -32,6 +32,8 @@ pub(super) mod eye_subpath {
     /// moves from their middles to their rims, and at most.
     pub const PER_PIXEL: f64 = 8.0;
     pub const MOST_PAIRS: u64 = 16;
+    /// First in blocks of so many pixels along both sides.
+    pub const BLOCK: usize = 4;
     /// Edges are looked for in a square so many times as wide as the pixel, besides how far they move.
     pub const WIDER: f64 = 1.25;
 }

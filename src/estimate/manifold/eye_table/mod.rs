@@ -276,19 +276,19 @@ impl<M: Mode> EyeTable<M> {
         Some((self.over.nodes.aside(spot, usage.aside)?, *usage))
     }
 
-    /// The most that `of` says of what the middle of the pupil sees through the middle of a pixel, and of how that moves to
-    /// the pupil's rim, m. 0 where tables do not tell the same trains in all of it, by its corners: what one part of it has of all of it
-    /// would be counted beside what rays find in the other.
+    /// The most that `of` says of what the middle of the pupil sees through the middle of a square of so many pixels' `side`, of how that
+    /// moves over the square and, m, to the pupil's rim. None where they do not land, or tables do not tell the same trains in all of it, by its corners: what one part of
+    /// a pixel has of all of it would be counted beside what rays find in the other.
     pub fn most<'w>(
         &self,
         tracing: (&'w World, &'w Optics<M>),
-        (film, corners): (DVec2, [DVec2; 4]),
+        (film, corners, side): (DVec2, [DVec2; 4], f64),
         of: impl Fn(&Vertex, Span, [DVec3; 2]) -> u64,
-    ) -> u64 {
-        let Some((spot, usage)) = self.usage(film, Glanced::Lit, Counted::Differences) else { return 0 };
+    ) -> Option<u64> {
+        let (spot, usage) = self.usage(film, Glanced::Lit, Counted::Differences)?;
         let known = |film: DVec2| self.usage(film, Glanced::Lit, Counted::Differences).map(|(_, usage)| usage.known);
         if corners.iter().any(|corner| known(*corner) != Some(usage.known)) {
-            return 0;
+            return None;
         }
         let pixel = Some((self.over.by_pixel(tracing.0), DVec2::ZERO));
         let rim = [DVec2::X, DVec2::Y].map(|axis| self.look_at(spot, self.radius * axis, None));
@@ -297,12 +297,13 @@ impl<M: Mode> EyeTable<M> {
         let of_glance = |(_, glance): (usize, &Glance<M>)| {
             let at = glance.landings.blend(&look.rows, &look.pupil)?;
             let span = glance.span(&look, 1.0)?;
+            let span = Span { by: span.by.map(|by| side * by), ..span };
             let [u, v] = rim.each_ref().map(|look| glance.landings.blend(&look.rows, &look.pupil));
             let by_pupil = [u?.point - at.point, v?.point - at.point];
             let (_, vertex) = glance.land(tracing, &at, 1.0, Rng::new(0, Stream::Pilot, 7, 0))?;
             Some(of(&vertex, span, by_pupil))
         };
-        self.glances.iter().enumerate().filter(known).filter_map(of_glance).max().unwrap_or(0)
+        self.glances.iter().enumerate().filter(known).map(of_glance).try_fold(0, |most, own| Some(own?.max(most)))
     }
 
     /// Whether a followed ray has landed where a glance has been read by itself.
