@@ -30,8 +30,8 @@ pub(super) mod eye_subpath {
     pub const AT_EDGES: f64 = 0.125;
     /// Pairs of places of the pupil and lamps by which tables tell of such a pixel in a pass: so many for each pixel by which the edge
     /// moves from their middles to their rims, and at most.
-    pub const PER_PIXEL: f64 = 8.0;
-    pub const MOST_PAIRS: u64 = 16;
+    pub const PER_PIXEL: f64 = 4.0;
+    pub const MOST_PAIRS: u64 = 8;
     /// First in blocks of so many pixels along both sides.
     pub const BLOCK: usize = 4;
     /// Edges are looked for in a square so many times as wide as the pixel, besides how far they move.
