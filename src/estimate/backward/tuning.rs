@@ -3,7 +3,8 @@
 
 /// `glow.rs`
 /// - `LEAF`, `GUIDED`, `BY_LIGHT`, `LEAST_COS`, `RIDGE`, `WIDER`, `WIDEST`: `571fd77` (A witness beside every render)
-/// - `FAR`, `SHARES`, `ASIDE`: `9f88c35` (A witness misses no lamp that few photons came from)
+/// - `FAR`, `SHARES`: `9f88c35` (A witness misses no lamp that few photons came from)
+/// - `ASIDE`, `MORE`: `1cb931c` (What a fresh reader found: photons set aside by chance)
 /// - `FEWEST`: `50c0f63` (Guided aperture: rays from the eye start where lamps light the pupil)
 /// - `NARROWEST`: `f839364` (Energy, lights without faces, one lamp walk, standard errors per layer, traced radiometry rows)
 pub(super) mod glow {

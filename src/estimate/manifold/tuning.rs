@@ -21,8 +21,9 @@ pub(super) mod at_edges {
 
 /// `eye_subpath.rs`
 /// - `OF_PAIR`: `063e72c` (A combiner's ghost is followed, not drawn by lot)
-/// - `AT_EDGES`, `PER_PIXEL`, `MOST_PAIRS`, `BLOCK`, `WIDER`: `398aab7` (Edges on screens are read at many places of the pupil and lamps in a
-///   pass)
+/// - `AT_EDGES`, `WIDER`: `398aab7` (Edges on screens are read at many places of the pupil and lamps in a pass)
+/// - `PER_PIXEL`, `MOST_PAIRS`: `1df8fcb` (Edges on screens: half as many places a pass, for runs that end early)
+/// - `BLOCK`: `fc84797` (Edges on screens are looked for in blocks first)
 pub(super) mod eye_subpath {
     /// What each path of a pair starts with.
     pub const OF_PAIR: f64 = 0.5;

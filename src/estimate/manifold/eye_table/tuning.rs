@@ -31,7 +31,7 @@ pub(super) mod make {
 }
 
 /// `mod.rs`
-/// - `OF_DIFFERENCES`: `398aab7` (Edges on screens are read at many places of the pupil and lamps in a pass)
+/// - `OF_DIFFERENCES`: `1cb931c` (What a fresh reader found: pixels that tables know but in part)
 /// - `OUTER`: `7f3a5c7` (Where rays from the eye land on a lit screen is read from tables, as control variates)
 /// - `FAINT`, `SELDOM`: `abfdbf4` (Diffuse: lens ghosts are found by photons that part, connected where they matter, and seen
 ///   without spikes)
