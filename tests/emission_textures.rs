@@ -1,7 +1,7 @@
 //! Lamps that shine through a texture, seen straight, in a mirror, through a plate: closed forms, and plain sampling that leaves
 //! the texture's detail to chance.
 
-use crate::common::pixels::{Both, mean_drawn, over_disc, over_square, traced};
+use crate::common::pixels::{Both, add_mirror, add_plate, draws, mean_drawn, over_disc, over_square, traced};
 use crate::common::*;
 use eyebox::base::Shared;
 use eyebox::base::ids::{SlideId, SurfaceId};
@@ -181,9 +181,7 @@ fn each_pixel_has_its_share_of_white_after_one_pass() {
 /// Over designs and seeds that are drawn the differences have no mean.
 #[test]
 fn there_is_no_bias() {
-    let draw = |k: usize, which: u64| {
-        eyebox::base::rng::Rng::new(13, eyebox::base::rng::Stream::Tolerance, which, k as u64).uniform()
-    };
+    let draw = draws(13);
     let runs = 120;
     let means: Vec<f64> = (0..runs)
         .map(|k| {
@@ -339,18 +337,9 @@ impl Case {
         let mut triangles = self.screen.triangles();
         match &self.before {
             None | Some(Before::Slide) => {}
-            Some(Before::Plate(index)) => {
-                let faces = (0..6).map(|_| face(Finish::Polished)).collect();
-                let half = DVec3::new(0.3, 0.3, 0.003);
-                let plate = add_part(&mut s, "plate", mesh(&cuboid(half)), DVec3::NEG_Z * 0.3, Some(1.5), faces);
-                s.media.last_mut().unwrap().index = index.clone();
-                s.parts[plate].to_world.matrix3 = DMat3::from_rotation_y(0.8);
-            }
+            Some(Before::Plate(index)) => add_plate(&mut s, 0.3, index),
             Some(Before::Mirror) => {
-                let quad = quad(DVec3::ZERO, DVec3::X * 0.3, DVec3::Y * 0.3);
-                let finish = Finish::MirrorIdeal { reflectance: 0.9 };
-                let mirror = add_part(&mut s, "mirror", mesh(&[quad]), DVec3::NEG_Z * 0.3, None, vec![face(finish)]);
-                s.parts[mirror].to_world.matrix3 = DMat3::from_rotation_y(PI / 4.0);
+                add_mirror(&mut s, 0.3, PI / 4.0);
                 let behind = |place: DVec3| DVec3::new(-0.3 - place.z, place.y, -0.3 - place.x);
                 let turned = |[a, b, c]: [Corner; 3]| [a, c, b].map(|(place, uv)| (behind(place), uv));
                 triangles = triangles.into_iter().map(turned).collect();

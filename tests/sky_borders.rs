@@ -1,7 +1,7 @@
 //! Borders between the pixels of a sky's picture, seen straight, through a plate, in a mirror: closed forms, and plain sampling that
 //! leaves them to chance.
 
-use crate::common::pixels::{Both, mean_drawn, over_disc, over_square, traced};
+use crate::common::pixels::{Both, add_mirror, add_plate, mean_drawn, over_disc, over_square, traced};
 use crate::common::*;
 use eyebox::film::plan::Spectral;
 use eyebox::plan::Polarisation;
@@ -194,19 +194,8 @@ impl Case {
         }
         match &self.before {
             None => {}
-            Some(Before::Plate(index)) => {
-                let faces = (0..6).map(|_| face(Finish::Polished)).collect();
-                let half = DVec3::new(0.6, 0.6, 0.003);
-                let plate = add_part(&mut s, "plate", mesh(&cuboid(half)), DVec3::NEG_Z * 0.3, Some(1.5), faces);
-                s.media.last_mut().unwrap().index = index.clone();
-                s.parts[plate].to_world.matrix3 = DMat3::from_rotation_y(0.8);
-            }
-            Some(Before::Mirror) => {
-                let quad = quad(DVec3::ZERO, DVec3::X * 0.6, DVec3::Y * 0.6);
-                let faces = vec![face(Finish::MirrorIdeal { reflectance: 0.9 })];
-                let mirror = add_part(&mut s, "mirror", mesh(&[quad]), DVec3::NEG_Z * 0.3, None, faces);
-                s.parts[mirror].to_world.matrix3 = DMat3::from_rotation_y(0.5);
-            }
+            Some(Before::Plate(index)) => add_plate(&mut s, 0.6, index),
+            Some(Before::Mirror) => add_mirror(&mut s, 0.6, 0.5),
         }
         let look = DVec3::new(0.1, 0.3, -1.0).normalize();
         s.eye = Eye {

@@ -1,7 +1,7 @@
 //! A slanted edge between black and white on a display, seen by a pinhole and through a pupil, in focus and out of it: what each
 //! pixel has of the white is known in closed form.
 
-use crate::common::pixels::{mean_drawn, over_disc, over_square};
+use crate::common::pixels::{draws, mean_drawn, over_disc, over_square};
 use crate::common::*;
 use eyebox::base::ids::SlideId;
 use eyebox::film::plan::Estimator;
@@ -112,9 +112,7 @@ fn each_pixel_has_its_share_of_white_after_one_pass() {
 /// Over designs and seeds that are drawn the differences have no mean.
 #[test]
 fn there_is_no_bias() {
-    let draw = |k: usize, which: u64| {
-        eyebox::base::rng::Rng::new(11, eyebox::base::rng::Stream::Tolerance, which, k as u64).uniform()
-    };
+    let draw = draws(11);
     let runs = 100;
     let means: Vec<f64> = (0..runs)
         .map(|k| {

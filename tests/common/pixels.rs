@@ -1,13 +1,14 @@
 //! What pixels have to show, in closed form and by plain sampling, where what they see is cut by their footprints.
 
-use super::{block_z, image, mean, worst_z};
+use super::{add_part, block_z, cuboid, face, image, mean, mesh, quad, worst_z};
+use eyebox::base::rng::{Rng, Stream};
 use eyebox::check::check;
 use eyebox::estimate::run::{Films, Limits, run};
 use eyebox::film::plan::{Estimator, Spectral};
 use eyebox::plan::{Asked, Choice, Polarisation, plan};
-use eyebox::scene::Scene;
+use eyebox::scene::{Dispersion, Finish, Scene};
 use eyebox::world::World;
-use glam::DVec2;
+use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
 /// The integral over a unit square of what depends on the place along a unit vector alone, at `x` in its middle. `twice`: what has it for its
@@ -32,12 +33,34 @@ pub fn over_disc(radius: f64, of: impl Fn(f64) -> f64) -> f64 {
     (0..steps).map(chord).sum()
 }
 
+/// Numbers in [0, 1) by design and parameter.
+pub fn draws(seed: u64) -> impl Fn(usize, u64) -> f64 {
+    move |design, parameter| Rng::new(seed, Stream::Tolerance, parameter, design as u64).uniform()
+}
+
 /// Of numbers that are drawn, and its standard error.
 pub fn mean_drawn(drawn: &[f64]) -> (f64, f64) {
     let runs = drawn.len() as f64;
     let mean = drawn.iter().sum::<f64>() / runs;
     let variance = drawn.iter().map(|own| (own - mean).powi(2)).sum::<f64>() / (runs - 1.0);
     (mean, (variance / runs).sqrt())
+}
+
+/// A plate of glass 0.3 m before the eye, turned to its gaze. `half`: of its sides, m.
+pub fn add_plate(s: &mut Scene, half: f64, index: &Dispersion) {
+    let faces = (0..6).map(|_| face(Finish::Polished)).collect();
+    let polygons = cuboid(DVec3::new(half, half, 0.003));
+    let plate = add_part(s, "plate", mesh(&polygons), DVec3::NEG_Z * 0.3, Some(1.5), faces);
+    s.media.last_mut().unwrap().index = index.clone();
+    s.parts[plate].to_world.matrix3 = DMat3::from_rotation_y(0.8);
+}
+
+/// A mirror there, turned by so many radians.
+pub fn add_mirror(s: &mut Scene, half: f64, turn: f64) {
+    let square = mesh(&[quad(DVec3::ZERO, DVec3::X * half, DVec3::Y * half)]);
+    let finish = Finish::MirrorIdeal { reflectance: 0.9 };
+    let mirror = add_part(s, "mirror", square, DVec3::NEG_Z * 0.3, None, vec![face(finish)]);
+    s.parts[mirror].to_world.matrix3 = DMat3::from_rotation_y(turn);
 }
 
 /// Of plain sampling from the eye, or of what the estimator does by itself.

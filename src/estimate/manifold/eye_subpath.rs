@@ -12,7 +12,7 @@ use super::tuning::vision::INSIDE;
 use super::vision::Manifold;
 use crate::base::lpe::{Letter, Source};
 use crate::base::path::{Event, Trail};
-use crate::base::rng::Stream;
+use crate::base::rng::{Rng, Stream};
 use crate::base::warp::{Frame, disk};
 use crate::estimate::ledger::{Ledger, cost};
 use crate::estimate::pixel::Pixel;
@@ -61,6 +61,41 @@ pub(super) fn pairs_at_edges<M: Mode>(
     (0..width * height).into_par_iter().map(pairs).collect()
 }
 
+/// Where a path of a pair starts.
+struct Place {
+    /// In the picture, tangents, and in the pupil, m.
+    film: DVec2,
+    pupil: DVec2,
+    /// In the pixel, from its middle.
+    within: DVec2,
+    /// On lamps.
+    uv: [f64; 2],
+    /// Where their turns begin if not all are asked.
+    turn: f64,
+}
+
+/// A pair of places by a number of the pixel's lattice, that lie opposite each other.
+fn pair<M: Mode>(
+    manifold: &Manifold<'_, M>,
+    pixel: Pixel,
+    (stream, index): (Stream, u64),
+    rng: &mut Rng,
+) -> [Place; 2] {
+    let eye = &manifold.world.eye;
+    let [x, y, u, v, s, t] = pixel.start(manifold.seed, stream, index);
+    let pupil = disk([u, v]) * eye.pupil_radius_m();
+    // Lamps that are not asked by the one are by the other.
+    let turn = rng.uniform();
+    let place = |jitter: [f64; 2], pupil: DVec2, uv: [f64; 2], turn: f64| Place {
+        film: eye.film_of(pixel.x, pixel.y, jitter),
+        pupil,
+        within: DVec2::from_array(jitter) - 0.5,
+        uv,
+        turn,
+    };
+    [place([x, y], pupil, [s, t], turn), place([1.0 - x, 1.0 - y], -pupil, [1.0 - s, 1.0 - t], (turn + 0.5).fract())]
+}
+
 /// Adds what one pass sees in a pixel.
 pub(super) fn look<M: Mode>(
     manifold: &Manifold<'_, M>,
@@ -70,23 +105,14 @@ pub(super) fn look<M: Mode>(
     (ledger, scratch): (&mut Ledger, &mut Ledger),
 ) {
     let world = manifold.world;
-    let [x, y, u, v, s, t] = pixel.start(manifold.seed, Stream::ConnectionLook, pixel.pass);
     let mut rng = pixel.rng(manifold.seed, Stream::ConnectionLook);
-    let pupil = disk([u, v]) * world.eye.pupil_radius_m();
     let pairs = manifold.pairs_at_edges(pixel.index);
     let (least, counted) = if pairs > 0 { (AT_EDGES, Counted::Differences) } else { (0.0, Counted::Both) };
     if pairs > 0 {
         look_over(manifold, (optics, screens), (pixel, pairs), out, scratch);
     }
-    // Lamps that are not asked by the one are by the other.
-    let turn = rng.uniform();
-    let other = (turn + 0.5).fract();
-    for (jitter, pupil, uv, turn) in
-        [([x, y], pupil, [s, t], turn), ([1.0 - x, 1.0 - y], -pupil, [1.0 - s, 1.0 - t], other)]
+    for Place { film, pupil, within, uv, turn } in pair(manifold, pixel, (Stream::ConnectionLook, pixel.pass), &mut rng)
     {
-        let film = world.eye.film_of(pixel.x, pixel.y, jitter);
-        let pupil = DVec2::new(pupil.x, pupil.y);
-        let within = DVec2::from_array(jitter) - 0.5;
         let ask = Ask { uv, seen: 1.0, turn, span: None };
         let glances = manifold.glances.as_deref();
         let rest = glances.map_or(Some(Rest::ALL), |glances| {
@@ -163,14 +189,9 @@ fn look_over<M: Mode>(
     let weight = OF_PAIR / pairs as f64;
     for k in 0..pairs {
         let index = pixel.pass.wrapping_mul(pairs).wrapping_add(k);
-        let [x, y, u, v, s, t] = pixel.start(manifold.seed, Stream::ConnectionMeans, index);
-        let pupil = disk([u, v]) * world.eye.pupil_radius_m();
-        let turn = rng.uniform();
-        for (jitter, pupil, uv, turn) in
-            [([x, y], pupil, [s, t], turn), ([1.0 - x, 1.0 - y], -pupil, [1.0 - s, 1.0 - t], (turn + 0.5).fract())]
+        for Place { film, pupil, within, uv, turn } in pair(manifold, pixel, (Stream::ConnectionMeans, index), &mut rng)
         {
-            let film = world.eye.film_of(pixel.x, pixel.y, jitter);
-            let place = (film, DVec2::new(pupil.x, pupil.y), DVec2::from_array(jitter) - 0.5);
+            let place = (film, pupil, within);
             glances.read_over(
                 (world, optics),
                 place,

@@ -162,7 +162,7 @@ impl<M: Mode> EyeTable<M> {
                     continue;
                 }
                 // Its light is left to the rays that are followed: of much of it all are.
-                always |= self.share_beside(tracing, glance, film, best) > LITTLE;
+                always |= !seldom && self.share_beside(tracing, glance, film, best) > LITTLE;
                 continue;
             };
             always |= cut;

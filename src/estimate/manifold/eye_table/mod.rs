@@ -103,6 +103,11 @@ impl Glanced {
         }
     }
 
+    /// How often a train with such a share is looked at by itself.
+    fn chance(self, share: f64) -> f64 {
+        (share / self.by_itself()).clamp(self.least(), 1.0)
+    }
+
     /// How often a ray itself is followed where another would always be.
     fn followed(self) -> f64 {
         match self {
@@ -196,7 +201,7 @@ impl<M: Mode> EyeTable<M> {
             let (weight, followed) = if by_itself {
                 read |= 1 << k;
                 // What no table tells is followed as often as tables are read.
-                let chance = (glance.share / of.by_itself()).clamp(of.least(), 1.0);
+                let chance = of.chance(glance.share);
                 if rng.uniform() >= chance {
                     continue;
                 }
@@ -248,7 +253,7 @@ impl<M: Mode> EyeTable<M> {
         let look = self.look_at(spot, pupil, Some((self.over.by_pixel(tracing.0), within)));
         for (_, glance) in self.glances.iter().enumerate().filter(|(k, _)| usage.known & 1 << k != 0) {
             let by_itself = glance.share < of.by_itself();
-            let chance = if by_itself { (glance.share / of.by_itself()).clamp(of.least(), 1.0) } else { 1.0 };
+            let chance = if by_itself { of.chance(glance.share) } else { 1.0 };
             if rng.uniform() >= chance {
                 continue;
             }
