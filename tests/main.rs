@@ -27,6 +27,7 @@ mod hud;
 mod klems;
 mod lights;
 mod looks;
+mod lost_light;
 mod manifold;
 mod modes;
 mod peers;

@@ -2,7 +2,7 @@
 
 use super::kit;
 use crate::base::rng::{Rng, Stream};
-use crate::plan::pilots::pinhole_pilot::find_by_way;
+use crate::plan::pilots::glint_pilot::{Search, find_by_way};
 use crate::scene::{Finish, Scene};
 use crate::world::World;
 use glam::{DAffine3, DVec3};
@@ -33,10 +33,12 @@ fn an_image_in_each_mirror_and_in_each_mirror_of_each() {
             let (sin, cos) = (third * TAU / 3.0).sin_cos();
             DVec3::new(near(0.035 * cos), near(0.035 * sin), near(-0.25))
         });
-        let world = World::freeze(&mirrors(&at)).unwrap();
+        let scene = mirrors(&at);
+        let world = World::freeze(&scene).unwrap();
         for _ in 0..4 {
             let shift = [rng.next_u64(), rng.next_u64()];
-            let found = find_by_way(&world, shift, &|| false);
+            let all = Search { wants: &|_| true, takes: &|_| false, over_faces: true };
+            let found = find_by_way((&world, &scene), all, shift, &|| false);
             let of = |reflections: usize| -> Vec<usize> {
                 let ways = found.iter().filter(|((chain, _), _)| chain.0.len() == reflections);
                 ways.map(|(_, glints)| glints.len()).collect()

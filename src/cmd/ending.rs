@@ -14,6 +14,21 @@ pub struct Ending {
     pub finding: bool,
 }
 
+/// What is said where nobody looks beside a run.
+pub const NO_WITNESS: &str = "witness: none, for rays from the eye trace all of the light and nobody else looks for it";
+
+impl Ending {
+    /// The error that was asked for was not reached: what holds it up. `given_up`: it would have taken too much work.
+    pub fn fell_short(&mut self, films: &Films, [stated, wanted]: [f64; 2], given_up: bool) {
+        let why = films.hold_up().map_or_else(String::new, |hold_up| {
+            let size = films.films.first().map_or([1; 2], |(_, film, _)| [film.width, film.height]);
+            format!(": {}", hold_up.text(size))
+        });
+        let on = if given_up { "; --time lets it go on" } else { "" };
+        self.warnings.push(format!("the error is {:.2} %, not {:.2} %{why}{on}", 100.0 * stated, 100.0 * wanted));
+    }
+}
+
 /// `name`: of a light group. `error`: what the run states. `one_pass`: it was asked for no more than one pass, of which no error
 /// can be told. `lit`: lamps are on.
 pub fn ending(

@@ -6,6 +6,7 @@
 mod adaptive;
 mod drive;
 mod engines;
+mod outlook;
 mod tuning;
 
 use super::ledger::Ledger;
@@ -17,9 +18,11 @@ use crate::film::plan::Estimator;
 use crate::film::witness::{Judgement, Witness, judge};
 pub use drive::{drive, run};
 pub use engines::{begin, begin_trial};
+pub use outlook::HoldUp;
 use rayon::prelude::*;
 use std::time::Duration;
 pub use tuning::run::LEEWAY;
+use tuning::run::MISSED;
 
 /// The normal quantile of 49 in 50. Nine in ten runs are to be honest, and those that stop at what they state are more often those
 /// that state too little: with 19 in 20, 56 of 60 on A2 (`--error 0.1`) were.
@@ -45,6 +48,8 @@ pub enum Stop {
     Passes,
     Time,
     Error,
+    /// The error that was asked for is out of reach: no other limit was given, and it would take too much work.
+    TooFar,
     /// The observer asked for it (Ctrl-C).
     Asked,
 }
@@ -112,21 +117,23 @@ impl Films {
     /// photons within a radius blurs is no noise: it is told apart (`film::blur`) and added. None before the second pass, for a
     /// black picture, or for one that is nothing but noise.
     pub fn relative_error(&self) -> Option<f64> {
-        let (noise, signal) = likely_noise(self.noise()?)?;
-        Some(((noise + self.blur2()) / signal).sqrt())
+        let sums = self.noise()?;
+        let (noise, signal) = likely_noise(&sums)?;
+        Some(((noise + self.blur2()) / signal + self.missed(&sums).powi(2)).sqrt())
     }
 
     /// The part of [`Films::relative_error`] that falls as the root of the passes, but for what few passes do not know of it.
     pub fn relative_error_of_noise(&self) -> Option<f64> {
-        self.noise().and_then(likely_noise).map(|(noise, signal)| (noise / signal).sqrt())
+        self.noise().as_ref().and_then(likely_noise).map(|(noise, signal)| (noise / signal).sqrt())
     }
 
     /// The sum over the pixels of squared errors, (cd/m²)², with which [`Films::relative_error`] would be `error`. Where what
     /// gathering blurs hides that, a quarter of what it is.
     fn goal(&self, error: f64) -> Option<f64> {
         let sums = self.noise()?;
-        let ([noise, ..], (likely, signal)) = (sums, likely_noise(sums)?);
-        let wanted = (error * error * signal - self.blur2()) * (noise / likely);
+        let (noise, (likely, signal)) = (sums.noise, likely_noise(&sums)?);
+        let missed = self.missed(&sums).min(error * MISSED);
+        let wanted = ((error * error - missed * missed) * signal - self.blur2()) * (noise / likely);
         Some(if wanted > 0.0 { wanted } else { noise / 4.0 })
     }
 
@@ -140,8 +147,22 @@ impl Films {
     /// Root of (sum of the variances of all pixels' luminance) over (sum of their squares without noise): the noise's share
     /// of the picture. None where [`Films::relative_error`] is none.
     pub fn relative_noise(&self) -> Option<f64> {
-        let [noise, .., seen] = self.noise()?;
+        let Noise { noise, seen, .. } = self.noise()?;
         Some((noise / beyond_noise(noise, seen)?).sqrt())
+    }
+
+    /// Of the picture's light, what rays from the eye have missed at the most, a quarter of it: see [`crate::film::unseen`].
+    fn missed(&self, sums: &Noise) -> f64 {
+        let most = self.films.iter().map(|(_, film, _)| film.missed()).sum::<f64>();
+        if most > 0.0 { most / sums.light } else { 0.0 }
+    }
+
+    /// Passes that every pixel of a film is to have, for that to leave room for a relative error; without one, for it to be less than
+    /// half of what is stated.
+    fn passes_to_miss_less(&self, film: &Film, error: Option<f64>) -> u64 {
+        let (Some(sums), Some(unseen)) = (self.noise(), film.unseen()) else { return 0 };
+        let error = error.or_else(|| self.relative_error()).unwrap_or(0.0);
+        if error > 0.0 { unseen.passes_for(error * MISSED * sums.light) } else { 0 }
     }
 
     /// From the second pass on: whether there is any light, be it all noise of which no error is stated yet.
@@ -149,34 +170,39 @@ impl Films {
         self.noise().is_some()
     }
 
-    /// Sums over the pixels: variance, its square, that over the degrees of freedom that tell it, and luminance squared.
-    /// None before the second pass or for a black picture.
+    /// Sums over the pixels. None before the second pass or for a black picture.
     ///
     /// Where each pixel goes through points that are even over the passes, what that saves is found in the whole picture.
-    fn noise(&self) -> Option<[f64; 4]> {
+    fn noise(&self) -> Option<Noise> {
         let (_, first, _) = self.films.first()?;
-        let saved: Vec<Saved> = self.films.iter().map(|(estimator, film, _)| saved(*estimator, film)).collect();
+        let known = |(estimator, film, _): &(Estimator, Film, Ledger)| (saved(*estimator, film), film.doubts());
+        let known: Vec<(Saved, Option<Vec<f64>>)> = self.films.iter().map(known).collect();
         // Rows side by side, summed in their order whatever thread made them.
         let of_row = |row: usize| {
-            let (mut noise, mut squares, mut unknown, mut seen) = (0.0, 0.0, 0.0, 0.0);
+            let mut sums = Noise::default();
             for pixel in row * first.width..(row + 1) * first.width {
                 let (mut value, mut variance) = (0.0, 0.0);
-                for ((_, film, _), saved) in self.films.iter().zip(&saved) {
+                for ((_, film, _), (saved, doubts)) in self.films.iter().zip(&known) {
                     value += (0..film.planes.len()).map(|plane| film.mean(pixel, plane).value).sum::<f64>();
                     let of_film = saved.of(film.passes_of(pixel)) * film.variance(pixel, film.planes.len());
+                    let of_film = of_film.max(doubts.as_ref().map_or(0.0, |doubts| doubts[pixel]));
                     variance += of_film;
-                    unknown += of_film * of_film / film.freedom_of(pixel) as f64;
+                    sums.unknown += of_film * of_film / film.freedom_of(pixel) as f64;
                 }
-                noise += variance;
-                squares += variance * variance;
-                seen += value * value;
+                sums.add(&Noise {
+                    noise: variance,
+                    squares: variance * variance,
+                    unknown: 0.0,
+                    seen: value * value,
+                    light: value,
+                });
             }
-            [noise, squares, unknown, seen]
+            sums
         };
-        let rows: Vec<[f64; 4]> = (0..first.height).into_par_iter().map(of_row).collect();
-        let add = |sum: [f64; 4], row: &[f64; 4]| std::array::from_fn(|k| sum[k] + row[k]);
-        let sums = rows.iter().fold([0.0; 4], add);
-        (self.passes >= 2 && sums[3] > 0.0).then_some(sums)
+        let rows: Vec<Noise> = (0..first.height).into_par_iter().map(of_row).collect();
+        let mut sums = Noise::default();
+        rows.iter().for_each(|row| sums.add(row));
+        (self.passes >= 2 && sums.seen > 0.0).then_some(sums)
     }
 
     /// Eye and lamp paths so far.
@@ -208,8 +234,31 @@ impl Films {
     }
 }
 
+/// Sums over the pixels of a picture.
+#[derive(Debug, Clone, Copy, Default)]
+struct Noise {
+    /// Variance of the luminance, (cd/m²)², its square, and that over the degrees of freedom that tell it.
+    noise: f64,
+    squares: f64,
+    unknown: f64,
+    /// Luminance squared, and luminance, cd/m².
+    seen: f64,
+    light: f64,
+}
+
+impl Noise {
+    fn add(&mut self, more: &Noise) {
+        self.noise += more.noise;
+        self.squares += more.squares;
+        self.unknown += more.unknown;
+        self.seen += more.seen;
+        self.light += more.light;
+    }
+}
+
 /// Of what [`Films::noise`] says: squared error as large as it is likely to be by chance, and luminance squared.
-fn likely_noise([noise, squares, unknown, seen]: [f64; 4]) -> Option<(f64, f64)> {
+fn likely_noise(sums: &Noise) -> Option<(f64, f64)> {
+    let Noise { noise, squares, unknown, seen, .. } = *sums;
     let freedom = |squares: f64| if squares > 0.0 { (noise * noise / squares).max(1.0) } else { f64::INFINITY };
     let most = (variance_ratio(freedom(squares), freedom(unknown), Z_OF_98) / (LEEWAY * LEEWAY)).max(1.0);
     Some((noise * most, beyond_noise(noise, seen)?))

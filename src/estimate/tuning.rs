@@ -127,11 +127,13 @@ pub(super) mod vision {
     /// Paths per pixel and pass, and those about each image of a lamp in the pixel.
     pub const PATHS: u64 = 4;
     pub const PATHS_OF_A_GLINT: u64 = 64;
+    /// These are fewer where there are many images, but no fewer than this.
+    pub const FEWEST_OF_A_GLINT: u64 = 8;
     /// Glints of more than so many pixels' area are left to the paths of each: there are pixels in the midst of such an image, which
     /// are exact without points about it.
     pub const LARGE: f64 = 4.0;
     /// And those that reach over more pixels than this.
-    pub const MOST_PIXELS: usize = 64;
+    pub const MOST_PIXELS: usize = 1 << 12;
     /// Of more in a pixel the others are left to these points: work goes with their square.
     pub const MOST_GLINTS: usize = 32;
     /// A path is split where both ways on carry at least this share of what it started with; else chance decides.

@@ -15,18 +15,19 @@ use super::ledger::Ledger;
 use super::ownership::Ownership;
 use super::pixel::Pixel;
 use super::tuning::over_pixel::PASSES_LOOKED_AT;
-use super::tuning::vision::{PATHS, PATHS_OF_A_GLINT, SPLIT_FROM, WORTH};
+use super::tuning::vision::{FEWEST_OF_A_GLINT, PATHS, PATHS_OF_A_GLINT, SPLIT_FROM, WORTH};
 use super::walk::{Meeting, Met as Ahead, Travel, Vertex, Walker};
 use crate::base::lpe::Source;
 use crate::base::path::{Event, Trail};
 use crate::base::rng::{Rng, Stream};
-use crate::base::warp::disk;
+use crate::base::warp::{disk, disk_inverse};
 use crate::estimate::manifold::seeds::bands::Bands;
 use crate::estimate::manifold::solver::newton::Target;
 use crate::film::accumulate::Light;
+use crate::film::glint::Glint;
 use crate::film::guide::{ApertureGuide, Portals};
 use crate::film::plan::Plan;
-use crate::film::specular_chain::Glint;
+use crate::film::unseen::Hidden;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -45,8 +46,14 @@ use std::sync::Arc;
 /// What a plan knows of where lamps are seen, and the sky.
 #[derive(Debug, Clone, Copy)]
 pub struct Hints<'p> {
-    /// In a pinhole's picture.
+    /// Small images of them.
     pub glints: &'p [Glint],
+    /// The brightest lamp that rays may miss, cd/m², if a search tells.
+    pub brightest: Option<f64>,
+    /// Lamps that something hides, perhaps not all of them.
+    pub hidden: Option<Hidden>,
+    /// How much of a lamp's luminance may be missed where paths behind scatterers meet it by chance alone.
+    pub doubt_of_caustics: f64,
     /// Through a pupil that is no point.
     pub pupil: Option<&'p ApertureGuide>,
     /// Through which windows scatterers see the sky.
@@ -58,14 +65,22 @@ pub struct Hints<'p> {
 impl<'p> Hints<'p> {
     /// For paths that scatter alone.
     pub fn of_sky(windows: Option<&'p Portals>) -> Hints<'p> {
-        Hints { glints: &[], pupil: None, windows, share: 1.0 }
+        Hints { glints: &[], brightest: None, hidden: None, doubt_of_caustics: 1.0, pupil: None, windows, share: 1.0 }
     }
 
     pub fn of(plan: &'p Plan) -> Hints<'p> {
         let (pupil, windows) = (plan.pupil_guide.as_ref(), plan.sky_guide.as_ref());
         // Of the pixels that are looked at anyway.
         let share = (plan.vision_share / plan.backward_share).min(1.0);
-        Hints { glints: &plan.glints, pupil, windows, share }
+        Hints {
+            glints: &plan.glints,
+            brightest: plan.brightest_to_miss,
+            hidden: plan.hidden,
+            doubt_of_caustics: plan.doubt_of_caustics,
+            pupil,
+            windows,
+            share,
+        }
     }
 }
 
@@ -79,6 +94,9 @@ pub struct Vision<'w, M: Mode> {
     unknown: Option<Unknown>,
     /// By pixel: the places in it or near it that show lamps.
     glints: HashMap<u64, Vec<Glint>>,
+    /// The brightest lamp that these rays may miss, cd/m², if a search tells.
+    brightest: Option<f64>,
+    hidden: Option<Hidden>,
     pupil: Option<ApertureGuide>,
     /// Footprints of the pixels that have edges of pictures in them, if these are cut.
     footprints: Option<PixelFootprints<M>>,
@@ -128,15 +146,22 @@ impl<'w, M: Mode> Vision<'w, M> {
     pub fn new(world: &'w World, route: &Ownership, hints: Hints<'_>, seed: u64) -> Option<Self> {
         let mut ours = world.lamps.all().iter().filter(|lamp| is_seen(route, lamp)).peekable();
         ours.peek()?;
+        let glints = glints::by_pixel(&world.eye, hints.glints);
+        let [width, height] = world.eye.size();
+        // Together they have as many paths as the pixels have, or a few each.
+        let fair = PATHS * (width * height) as u64 / glints.values().map(Vec::len).sum::<usize>().max(1) as u64;
+        let of_a_glint = fair.clamp(FEWEST_OF_A_GLINT, PATHS_OF_A_GLINT);
         Some(Vision {
             world,
             whole: ours.any(|lamp| !route.is_connected(lamp.group)),
             share: hints.share,
             unknown: None,
-            glints: glints::by_pixel(&world.eye, hints.glints),
+            glints,
+            brightest: hints.brightest,
+            hidden: hints.hidden,
             pupil: hints.pupil.cloned(),
             footprints: None,
-            paths: [PATHS, PATHS_OF_A_GLINT].map(|paths| paths.div_ceil(turns::<M>(world))),
+            paths: [PATHS, of_a_glint].map(|paths| paths.div_ceil(turns::<M>(world))),
             seed,
         })
     }
@@ -153,6 +178,33 @@ impl<'w, M: Mode> Vision<'w, M> {
         }
     }
 
+    /// Luminance of the brightest lamp that these rays may miss, of those that connection leaves to them, cd/m², and how many rays look for it
+    /// in a pixel and pass. None if there is none. Where pilots have found no way to a lamp, so that few pixels are looked at, it is 0.
+    pub fn brightest(&self, route: &Ownership) -> Option<(f64, f64)> {
+        let ours = |lamp: &&Lamp| is_seen(route, lamp) && !route.is_connected(lamp.group);
+        let lamps = self.world.lamps.all().iter().filter(ours);
+        let brightest = lamps.map(Lamp::brightest).reduce(f64::max)?;
+        let brightest = self.brightest.map_or(brightest, |known| known.min(brightest));
+        let looks = self.share * (self.paths[0] * turns::<M>(self.world)) as f64;
+        Some((if self.share < 1.0 { 0.0 } else { brightest }, looks))
+    }
+
+    /// Lamps that something hides, perhaps not all of them.
+    pub fn hidden(&self) -> Option<Hidden> {
+        self.hidden
+    }
+
+    /// Numbers of the pixels with points about small images of lamps.
+    pub fn aimed(&self) -> Vec<u32> {
+        self.glints.keys().filter_map(|pixel| u32::try_from(*pixel).ok()).collect()
+    }
+
+    /// Whether more is known of a pixel by number than its rays tell: images of lamps are looked for, or edges are cut.
+    pub fn knows(&self, pixel: u64) -> bool {
+        let cut = self.footprints.as_ref().is_some_and(|footprints| !footprints.of(pixel).is_empty());
+        cut || self.glints.contains_key(&pixel)
+    }
+
     /// Looks for what these connections don't know, too, at this share of the pixels in a pass.
     pub fn beside(&mut self, connections: Arc<Bands>, share: f64) {
         self.unknown = (!connections.is_empty()).then_some(Unknown { connections, share });
@@ -166,10 +218,12 @@ impl<'w, M: Mode> Vision<'w, M> {
             None => return,
         };
         let mut rng = pixel.rng(self.seed, Stream::Vision);
+        let glints = self.glints.get(&pixel.index).map_or(&[][..], Vec::as_slice);
+        // Where lamps are known to be seen, nothing is left to chance.
+        let share = if glints.is_empty() { share } else { 1.0 };
         if share < 1.0 && rng.uniform() >= share {
             return;
         }
-        let glints = self.glints.get(&pixel.index).map_or(&[][..], Vec::as_slice);
         let footprints = self.footprints.as_ref().filter(|_| glints.is_empty());
         let known = footprints.map_or(&[][..], |footprints| footprints.of(pixel.index));
         let at_these_wavelengths;
@@ -187,39 +241,40 @@ impl<'w, M: Mode> Vision<'w, M> {
         let [paths, of_a_glint] = self.paths;
         // Those share what it takes to find footprints.
         let paths = if known.is_empty() { paths } else { PATHS };
-        let density = |film: [f64; 2]| {
-            let about = glints.iter().filter(|glint| glint.holds(film)).map(|glint| cell / glint.area()).sum::<f64>();
-            paths as f64 + of_a_glint as f64 * about
+        let density = |(film, pupil): (DVec2, DVec2), of_lens: f64| {
+            let about = glints.iter().map(|glint| glint.density(cell, (film, pupil))).sum::<f64>();
+            paths as f64 * of_lens + of_a_glint as f64 * about
         };
         let about = of_a_glint * glints.len() as u64;
         for path in 0..paths + about {
             let index = |path: u64, of: u64| pixel.pass.wrapping_mul(of).wrapping_add(path);
             // Without a guide the points are most even in the picture, where a small image is hard to find, and the pupil has to do
             // with what goes with these. With one little else is left to find.
-            let (jitter, lens, of_lens) = match (path.checked_sub(paths), &self.pupil) {
+            let (jitter, pupil, of_lens) = match (path.checked_sub(paths), &self.pupil) {
                 (None, None) => {
                     let [_, _, u, v] = pixel.start(self.seed, Stream::Vision, index(path, paths));
-                    (pixel.start(self.seed, Stream::Vision, index(path, paths)), [u, v], 1.0)
+                    (pixel.start(self.seed, Stream::Vision, index(path, paths)), disk([u, v]), 1.0)
                 }
                 (None, Some(_)) => {
                     let [x, y, u, v] = pixel.start(self.seed, Stream::Vision, index(path, paths));
                     let (lens, density) = self.lens(pixel, [u, v]);
-                    ([x, y], lens, density)
+                    ([x, y], disk(lens), density)
                 }
                 (Some(path), _) => {
                     let glint = &glints[(path / of_a_glint) as usize];
-                    let place: [f64; 2] = pixel.start(self.seed, Stream::Glint, index(path, about));
-                    let [x, y] = glint.place(place.map(|u| 2.0 * u - 1.0));
+                    let [x, y, u, v] = pixel.start(self.seed, Stream::Glint, index(path, about));
+                    let even = (eye.film_of(pixel.x, pixel.y, [u, v]), self.in_pupil([u, v]));
+                    let Some((film, pupil)) = glint.draw(cell, even, [x, y]) else { continue };
                     let [width, height] = eye.pixel();
-                    ([(x - corner.x) / width, (corner.y - y) / height], rng.pair(), 1.0)
+                    let jitter = [(film.x - corner.x) / width, (corner.y - film.y) / height];
+                    (jitter, pupil, self.density_of_lens(pixel, pupil))
                 }
             };
             // A glint may reach into other pixels, which have points of their own for it.
             if !jitter.iter().all(|x| (0.0..1.0).contains(x)) {
                 continue;
             }
-            let weight = 1.0 / (share * of_lens * density(eye.film_of(pixel.x, pixel.y, jitter).to_array()));
-            let pupil = disk(lens);
+            let weight = 1.0 / (share * density((eye.film_of(pixel.x, pixel.y, jitter), pupil), of_lens));
             self.look_along((route, optics), (pixel, jitter, pupil), (weight, rng.fork()), out, ledger);
             self.take_off((optics, over), (jitter, pupil), weight, out);
         }
@@ -230,6 +285,21 @@ impl<'w, M: Mode> Vision<'w, M> {
         let Some(guide) = &self.pupil else { return (uv, 1.0) };
         let [width, height] = self.world.eye.size();
         guide.draw([(pixel.x as f64 + 0.5) / width as f64, (pixel.y as f64 + 0.5) / height as f64], uv)
+    }
+
+    /// A place in the pupil, in radii; of a pinhole its middle.
+    fn in_pupil(&self, uv: [f64; 2]) -> DVec2 {
+        if self.world.eye.pupil_radius_m() > 0.0 { disk(uv) } else { DVec2::ZERO }
+    }
+
+    /// The density that [`Vision::lens`] draws a place of the pupil (radii) with, relative to chance.
+    fn density_of_lens(&self, pixel: Pixel, pupil: DVec2) -> f64 {
+        let Some(guide) = &self.pupil else { return 1.0 };
+        let [width, height] = self.world.eye.size();
+        guide.density(
+            [(pixel.x as f64 + 0.5) / width as f64, (pixel.y as f64 + 0.5) / height as f64],
+            disk_inverse(pupil),
+        )
     }
 
     /// Follows a path from a place of a pixel (right and down from its corner) and of the pupil (in radii).

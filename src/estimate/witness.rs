@@ -233,9 +233,8 @@ fn is_plain(verdict: &Verdict) -> bool {
 fn brightest(world: &World, group: GroupId) -> f64 {
     let others = world.lights.all().iter().any(|light| light.group() == group);
     let sky = world.sky.as_ref().is_some_and(|sky| sky.group == group);
-    let of_lamp = |lamp: &Lamp| (0..=32).map(|k| lamp.luminance(f64::from(k) / 32.0)).fold(0.0, f64::max);
     if others || sky {
         return f64::INFINITY;
     }
-    world.lamps.all().iter().filter(|lamp| lamp.group == group).map(of_lamp).fold(0.0, f64::max)
+    world.lamps.all().iter().filter(|lamp| lamp.group == group).map(Lamp::brightest).fold(0.0, f64::max)
 }

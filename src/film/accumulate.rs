@@ -12,11 +12,13 @@ use super::rqmc_variance::{Evenness, PixelMean, RqmcVariance, RqmcVarianceRow};
 use super::sample_map::{SampleMap, SampleMapRow};
 use super::tiles::{Tiles, TilesRow};
 use super::totals::{Totals, TotalsRow};
+use super::unseen::Unseen;
 use crate::base::double_double::Sum;
 use crate::base::ids::GroupId;
 use light::{COLUMNS, add, depth, value_of};
 pub use light::{Light, MixError};
 pub use plane::{Components, PlaneKey, Together};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// How the samples of a film are counted, for its standard error.
@@ -73,6 +75,8 @@ pub struct Film {
     pub(super) detail: Option<LayerMoments>,
     /// Of films whose light is gathered within a radius.
     pub(super) blur: Option<KernelBias>,
+    /// Of films of rays from the eye.
+    unseen: Option<Unseen>,
     /// `[pixel]`: variances of the sum over planes, of a [condensed](Film::condense) film.
     variances: Option<Vec<f64>>,
     pub(super) totals: Totals,
@@ -120,6 +124,7 @@ impl Film {
             control: None,
             detail: None,
             blur: None,
+            unseen: None,
             variances: None,
             totals: Totals::new([width, height], count),
         }
@@ -130,6 +135,32 @@ impl Film {
     pub fn with_blur(mut self) -> Self {
         self.blur = Some(KernelBias::new([self.width, self.height]));
         self
+    }
+
+    /// Says what its rays may not have met.
+    #[must_use]
+    pub fn with_unseen(self, unseen: Option<Unseen>) -> Self {
+        Film { unseen, ..self }
+    }
+
+    /// What its rays may not have met.
+    pub fn unseen(&self) -> Option<&Unseen> {
+        self.unseen.as_ref()
+    }
+
+    /// Per pixel: the variance that its mean luminance has at least, (cd/m²)², whatever its passes say. None of a film that knows no such.
+    pub fn doubts(&self) -> Option<Vec<f64>> {
+        let unseen = self.unseen.as_ref()?;
+        let total = |pixel: usize| (0..self.planes.len()).map(|plane| self.sum(pixel, plane).value).sum::<f64>();
+        let mean = |pixel: usize| total(pixel) / self.passes_of(pixel).max(1) as f64;
+        let means: Vec<f64> = (0..self.width * self.height).into_par_iter().map(mean).collect();
+        Some(unseen.doubts(self.width, &means, |pixel| self.passes_of(pixel).max(1)))
+    }
+
+    /// Of the light of all pixels, cd/m², what its rays have missed at the most, a quarter of it.
+    pub fn missed(&self) -> f64 {
+        let passes = self.map.as_ref().map_or(self.passes, |map| map.range()[0]);
+        self.unseen.as_ref().map_or(0.0, |unseen| unseen.light(passes.max(1)))
     }
 
     /// Says of what its passes are even.

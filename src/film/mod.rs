@@ -10,6 +10,7 @@ pub mod error_detail;
 pub mod exr; // a file → a frame
 pub mod finish;
 pub mod frame;
+pub mod glint; // where lamps are seen
 pub mod guide;
 pub mod jpeg;
 pub mod kernel_bias;
@@ -27,5 +28,6 @@ pub mod specular_chain;
 pub mod still; // pictures made elsewhere: skies, slides, plates
 mod tiles; // sums only where there is light
 pub mod totals;
+pub mod unseen; // what rays may not have met
 pub mod variance;
 pub mod witness; // what naive paths saw, and what that says of the films

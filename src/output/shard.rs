@@ -12,6 +12,7 @@ use crate::film::control_variates::{self, Known};
 use crate::film::frame::{Channel, Frame, Meta, Samples};
 use crate::film::kernel_bias;
 use crate::film::rqmc_variance::Evenness;
+use crate::film::unseen::Unseen;
 use crate::output::exr::{read_exr, write_exr};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -21,7 +22,7 @@ use std::path::Path;
 /// The attribute that makes an EXR a shard.
 const KEY: &str = "shard";
 /// What the sums mean; another number when they come to mean something else. Programs before there was one wrote none.
-const FORMAT: u32 = 6;
+const FORMAT: u32 = 7;
 /// The layer of the sums.
 const SUMS: &str = "sums";
 const BITS: u32 = 24;
@@ -65,6 +66,9 @@ struct Kind {
     /// What is known of passes that share wavelengths, see [`crate::film::control_variates`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     known: Vec<(u64, Known)>,
+    /// What rays from the eye may not have met.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    unseen: Option<Unseen>,
 }
 
 impl Kind {
@@ -119,6 +123,7 @@ pub fn write_shard<H: Serialize>(path: &Path, head: &H, films: &[&Film], picture
         adaptive: film.sample_map().is_some(),
         totals: film.totals().sums().to_vec(),
         known: film.known().to_vec(),
+        unseen: film.unseen().cloned(),
     };
     let stored = Stored { format: FORMAT, films: films.iter().map(kind).collect(), head };
     let text = serde_json::to_string(&stored)
@@ -191,6 +196,10 @@ fn filled(frame: &Frame, number: usize, kind: Kind, sums: &mut HashMap<String, S
     let film = Film::new(frame.width, frame.height, kind.planes, kind.components, kind.sampling);
     let film = if kind.detail { film.with_detail() } else { film };
     let film = if kind.blur { film.with_blur() } else { film };
+    if kind.unseen.as_ref().is_some_and(|unseen| !unseen.is_valid(frame.width * frame.height)) {
+        return Err(format!("film {number} says of what its rays may have missed what cannot be"));
+    }
+    let film = film.with_unseen(kind.unseen);
     let shared = kind.surplus.len() == Evenness::OfPasses.per_pixel();
     let mut film = if shared { film.with_evenness(Evenness::OfPasses) } else { film };
     if kind.adaptive {

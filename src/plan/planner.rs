@@ -4,7 +4,7 @@
 use super::pilots::pilot_cache::PilotCache;
 use super::pilots::{chains, pupil_guide, reached, shared_faces, sky_guide, split_threshold};
 use super::selection::facts::{is_connected, own};
-use super::tuning::planner::{FEWEST_LOOKS, LOOKS, SELDOM, SELDOM_UNKNOWN, UNKNOWN};
+use super::tuning::planner::{FEWEST_LOOKS, LOOKS, MISSED, SELDOM, SELDOM_UNKNOWN, UNKNOWN};
 use super::{Asked, Choice, Guides, pilots};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -17,6 +17,7 @@ use crate::estimate::vision::Hints;
 use crate::film::plan::{Estimator, PathMode, Plan, Row, Verdict};
 use crate::film::specular_chain::Screen;
 use crate::world::World;
+use crate::world::lamp::Lamp;
 use crate::world::mode::Mono;
 use crate::world::surface::Surface;
 use std::collections::{BTreeMap, BTreeSet};
@@ -197,13 +198,18 @@ impl Planner<'_> {
 
     /// Paths from the eye.
     fn eye_paths(&self, plan: &mut Plan) {
-        let facts = self.checked.facts();
         let guided = self.asked.guides == Guides::On;
-        if guided && facts.pinhole && facts.specular && plan.runs(Estimator::Backward) && !self.stopped() {
-            plan.glints = self.made.glints(self.world, self.stop);
+        if guided && plan.runs(Estimator::Backward) && !self.stopped() {
+            (plan.glints, plan.hidden) = self.made.glints(self, plan);
+            let by_eye = |lamp: &&Lamp| plan.owner(lamp.group, Class::Vision, false) == Some(Estimator::Backward);
+            let brightest = self.world.lamps.all().iter().filter(by_eye).map(Lamp::brightest).fold(0.0, f64::max);
+            plan.brightest_to_miss = Some(MISSED * brightest);
+            if self.asked.choice == Choice::Auto {
+                plan.doubt_of_caustics = MISSED;
+            }
             if !plan.glints.is_empty() {
                 plan.notes.push(format!(
-                    "backward looks closer at {} places of the picture where lamps may be seen over specular faces",
+                    "backward looks closer at {} places of the picture where a pilot saw small images of lamps",
                     plan.glints.len()
                 ));
             }
@@ -211,7 +217,11 @@ impl Planner<'_> {
         if plan.pupil_guide.is_some() {
             plan.notes.push("backward looks for lamps through the parts of the pupil that a pilot saw lit".to_owned());
         }
-        if self.asked.choice == Choice::Auto && plan.owns(Estimator::Backward) && !self.stopped() {
+        if self.asked.choice == Choice::Auto
+            && plan.owns(Estimator::Backward)
+            && plan.glints.is_empty()
+            && !self.stopped()
+        {
             let route = Ownership::new(plan, self.groups(), Estimator::Backward);
             let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), Hints::of(plan), pilots::SEED);
             if !backward.finds_light(LOOKS, self.stop) {

@@ -144,6 +144,15 @@ impl EyeLens {
         DVec2::new(ax, ay)
     }
 
+    /// The place in the picture, in tangents, at which a place of the pupil (m) sees a point, and the unit direction to it; none behind
+    /// the eye.
+    pub fn towards(&self, point: DVec3, pupil: DVec2) -> Option<(DVec2, DVec3)> {
+        let way = point - (self.position + self.right * pupil.x + self.up * pupil.y);
+        let along = way.dot(self.look);
+        let film = DVec2::new(way.dot(self.right), way.dot(self.up)) / along + pupil * self.per_focus;
+        (along > 0.0 && film.is_finite()).then(|| (film, way.normalize()))
+    }
+
     /// The point of the unit cube (right and down over the picture, then what [`EyeLens::ray`] takes to the place in the
     /// pupil) of a place in the picture (tangents) and in the pupil (m).
     pub fn unit_of(&self, film: DVec2, pupil: DVec2) -> [f64; 4] {

@@ -10,7 +10,11 @@ use crate::base::{Code, Error, Where};
 use crate::scene::angular::GaussBeam;
 use crate::scene::{Angular, Emitter, Part, Photometry, Scene};
 use glam::{DAffine3, DVec2, DVec3};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
+/// Directions in which the brightest of a measured beam is looked for.
+const POLAR: u32 = 360;
+const AROUND: u32 = 72;
 /// Share of [`Lamps::pick_for_point`]'s choices that go by flux alone, so that no lamp is ever starved.
 const DEFENSIVE: f64 = 0.1;
 
@@ -267,6 +271,28 @@ impl Lamp {
             Beam::Profile { c0, .. } => super::beam::photometric(DVec3::Z, *c0).x_axis,
         };
         self.luminance_along(DVec3::Z, DVec3::Z * cos_theta + x * sin)
+    }
+
+    /// The largest of its luminances, in any direction, cd/m²: of the mean of a texture.
+    pub fn brightest(&self) -> f64 {
+        match (&self.beam, self.triangles.first()) {
+            // A measured beam may have a narrow peak anywhere.
+            (Beam::Profile { .. }, Some(triangle)) => {
+                let (a, b) = triangle.normal.any_orthonormal_pair();
+                let along = |polar: f64, around: f64| {
+                    let across = a * around.cos() + b * around.sin();
+                    self.luminance_along(triangle.normal, triangle.normal * polar.cos() + across * polar.sin())
+                };
+                let of = |k: u32| {
+                    let polar = (f64::from(k) + 0.5) / f64::from(POLAR) * FRAC_PI_2;
+                    (0..AROUND).map(|j| along(polar, f64::from(j) / f64::from(AROUND) * TAU)).fold(0.0, f64::max)
+                };
+                (0..POLAR).map(of).fold(along(0.0, 0.0), f64::max)
+            }
+            (Beam::CosN(_) | Beam::Gauss(_) | Beam::Profile { .. }, _) => {
+                (0..=32).map(|k| self.luminance(f64::from(k) / 32.0)).fold(0.0, f64::max)
+            }
+        }
     }
 
     /// A point uniform over the area: density 1/`area_m2`.

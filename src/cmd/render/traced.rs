@@ -5,7 +5,7 @@ use super::planned::Planned;
 use super::{Ended, Run};
 use crate::base::ids::GroupId;
 use crate::base::{Error, Result, Where};
-use crate::cmd::ending::{Ending, ending};
+use crate::cmd::ending::{Ending, NO_WITNESS, ending};
 use crate::cmd::progress::Progress;
 use crate::cmd::shards::{Saver, checkpoint_of};
 use crate::cmd::witnessed::{Seen, Watched, traced};
@@ -79,11 +79,19 @@ impl Run<'_> {
             planned.frozen = PlanFile::new(scene, *asked, &planned.plan);
         }
         let one_pass = limits.passes == Some(1);
-        let ending = match args.shard {
+        let mut ending = match args.shard {
             // One piece of a run tells too little; the whole is judged when it is merged.
             Some(_) => Ending::default(),
             None => ending(&outcome.films, judgement.as_ref(), &name, error, (one_pass, is_lit(world))),
         };
+        if let (Some(wanted), Some(stated)) = (args.error, error)
+            && stated > wanted
+        {
+            ending.fell_short(&outcome.films, [stated, wanted], outcome.stop == Stop::TooFar);
+        }
+        if judgement.is_none() && !args.no_witness && args.crop.is_none() && args.shard.is_none() {
+            ending.lines.push(NO_WITNESS.to_owned());
+        }
         let errors = progress.errors().to_vec();
         Ok(Some(Traced { outcome, judgement, again, error, errors, ending }))
     }
@@ -92,9 +100,9 @@ impl Run<'_> {
         let met = self.args.error.is_none_or(|limit| traced.error.is_some_and(|error| error <= limit));
         match (traced.outcome.stop, self.signals.caught()) {
             (Stop::Asked, Some(_)) => Ended::Stopped,
-            (Stop::Passes | Stop::Time, _) if !met => Ended::Unmet,
+            (Stop::Passes | Stop::Time | Stop::TooFar, _) if !met => Ended::Unmet,
             (_, _) if traced.ending.finding => Ended::Unmet,
-            (Stop::Passes | Stop::Time | Stop::Error | Stop::Asked, _) => Ended::Met,
+            (Stop::Passes | Stop::Time | Stop::Error | Stop::TooFar | Stop::Asked, _) => Ended::Met,
         }
     }
 }

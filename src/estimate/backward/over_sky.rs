@@ -122,6 +122,11 @@ impl<M: Mode> OverSky<M> {
         self.of[own].iter().map(|shown| &self.shown[*shown as usize])
     }
 
+    /// Whether anything is foretold of a pixel by number.
+    pub(super) fn knows(&self, pixel: u64) -> bool {
+        self.first[pixel as usize] < self.first[pixel as usize + 1]
+    }
+
     /// Adds what is foretold of all of a pixel and the pupil.
     pub(super) fn add_mean(&self, optics: &Optics<M>, pixel: Pixel, out: &mut [Light], ledger: &mut Ledger) {
         for shown in self.of(pixel) {

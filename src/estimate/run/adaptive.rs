@@ -9,7 +9,7 @@
 //! single pixels, is spread over blocks of pixels, and what even these don't foresee gets passes of pixels at random.
 
 use super::Films;
-use super::tuning::adaptive::{AIM, ALONE, BLOCK, FORESEEN, LEAST_DRAWN, SHARE_OF_WORK};
+use super::tuning::adaptive::{AIM, AIMED, ALONE, BLOCK, FLOOR, FLOOR_OF_WORK, FORESEEN, LEAST_DRAWN, SHARE_OF_WORK};
 use crate::base::rng::{Rng, Stream};
 use crate::film::accumulate::{Film, Sampling};
 use crate::film::plan::Estimator;
@@ -33,9 +33,15 @@ struct Variances {
     unforeseen: f64,
 }
 
-/// Wants passes for another round. `traced`: whether a pixel is looked at at all; `goal`: the squared error, (cd/m²)², that
-/// is to be reached; none: as much as the round's work can do. Where no error is known, all get as many again.
-pub fn aim(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), goal: Option<f64>, seed: u64) {
+/// Wants passes for another round. `traced`: whether a pixel is looked at at all; `error`: the relative one that is to be reached;
+/// none: as much as the round's work can do. Where no error is known, all get as many again.
+pub fn aim(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), error: Option<f64>, seed: u64) {
+    deal(films, traced, error.and_then(|error| films.goal(error)), seed);
+    raise(films, traced, error, seed);
+}
+
+/// Passes for where they lessen the error. `goal`: the squared error, (cd/m²)², that is to be reached.
+fn deal(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), goal: Option<f64>, seed: u64) {
     let round = films.dealt.rounds;
     let work: Vec<f64> = films.films.iter().map(|(_, _, ledger)| ledger.work.max(1) as f64).collect();
     let budget = SHARE_OF_WORK * work.iter().sum::<f64>();
@@ -46,7 +52,9 @@ pub fn aim(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), goal: Opt
         let pixels = 0..own.width * own.height;
         let saved = super::saved(*estimator, own);
         let all = own.planes.len();
-        let variance = |pixel: usize| saved.of(own.passes_of(pixel)) * own.variance(pixel, all);
+        let doubts = own.doubts();
+        let doubt = |pixel: usize| doubts.as_ref().map_or(0.0, |doubts| doubts[pixel]);
+        let variance = |pixel: usize| (saved.of(own.passes_of(pixel)) * own.variance(pixel, all)).max(doubt(pixel));
         let error = pixels.clone().filter(|pixel| traced(*pixel)).map(variance).sum::<f64>();
         noise += error;
         if !has_own_sequences(*estimator, own) {
@@ -55,7 +63,7 @@ pub fn aim(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), goal: Opt
         }
         let passes: f64 = pixels.clone().filter(|pixel| traced(*pixel)).map(|pixel| own.passes_of(pixel) as f64).sum();
         let per_pass = work / passes.max(1.0);
-        let Variances { foreseen, unforeseen } = variances(own, traced);
+        let Variances { foreseen, unforeseen } = variances(own, doubts.as_deref(), traced);
         candidates.extend(pixels.filter(|pixel| traced(*pixel)).map(|pixel| {
             let made = own.passes_of(pixel) as f64;
             let gain = saved.of(own.passes_of(pixel)) * foreseen[pixel] / (2.0 * made);
@@ -80,6 +88,48 @@ pub fn aim(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), goal: Opt
             } else {
                 film.wanted = film.passes.saturating_mul(2);
             }
+        }
+    }
+}
+
+/// Whatever passes have shown, no pixel is left behind for ever, nor an estimator: what they may not have met is not known to them.
+/// This is a function of numbers of passes and of work, and where light that no ray has met may be more than the error that is asked for
+/// leaves room for (or than half of what is stated), all pixels get more.
+fn raise(films: &mut Films, traced: &(dyn Fn(usize) -> bool + Sync), error: Option<f64>, seed: u64) {
+    let round = films.dealt.rounds;
+    let works: Vec<u64> = films.films.iter().map(|(_, _, ledger)| ledger.work).collect();
+    let least_work = FLOOR_OF_WORK * works.iter().sum::<u64>() as f64;
+    let asked: Vec<u64> = films.films.iter().map(|(_, film, _)| films.passes_to_miss_less(film, error)).collect();
+    for (number, (estimator, film, _)) in films.films.iter_mut().enumerate() {
+        let starves = (works[number] as f64) < least_work;
+        if !has_own_sequences(*estimator, film) {
+            if starves && film.missing().is_none() {
+                film.wanted = film.passes.saturating_mul(2);
+            }
+            continue;
+        }
+        if starves && film.missing().is_none() {
+            draw(film, (traced, &[]), f64::INFINITY, (seed, round, 8 + number));
+        }
+        let made = || (0..film.width * film.height).filter(|pixel| traced(*pixel)).map(|pixel| film.passes_of(pixel));
+        let (fewest, all, count) = made().fold((u64::MAX, 0u64, 0u64), |(fewest, all, count), own| {
+            (fewest.min(own), all.saturating_add(own), count + 1)
+        });
+        if count == 0 {
+            continue;
+        }
+        // Powers of two: pixels of many different numbers of passes tell little of what evenness saves.
+        let share = (FLOOR * all as f64 / count as f64) as u64;
+        let share = share.checked_ilog2().map_or(0, |bits| 1 << bits);
+        let asked = asked[number].checked_next_power_of_two().unwrap_or(u64::MAX).min(fewest.saturating_mul(2));
+        let floor = share.max(asked);
+        if floor <= fewest {
+            continue;
+        }
+        let map = film.sample_map_mut();
+        for pixel in 0..map.pixels() {
+            // Those that nobody looks at cost nothing, and are not to be taken for the fewest.
+            map.want(pixel, map.wanted(pixel).max(floor));
         }
     }
 }
@@ -132,7 +182,8 @@ fn choose(films: &mut Films, mut candidates: Vec<Candidate>, enough: f64, budget
 }
 
 /// Doubles the passes of pixels that are drawn by chance, for `passes` passes of single pixels: the more likely the more others
-/// foresee of theirs, for light in single pixels is seldom far from other edges, and the fewer passes they have. None is left out.
+/// foresee of theirs, for light in single pixels is seldom far from other edges, the fewer passes they have, and where the plan has rays aimed
+/// at lamps. None is left out.
 fn draw(
     film: &mut Film,
     (traced, foreseen): (&dyn Fn(usize) -> bool, &[f64]),
@@ -140,9 +191,11 @@ fn draw(
     (seed, round, number): (u64, u64, usize),
 ) {
     let least = LEAST_DRAWN * foreseen.iter().sum::<f64>() / foreseen.len().max(1) as f64;
+    let unseen = film.unseen().filter(|_| passes.is_finite());
     let weight = |pixel: usize| {
         let of = foreseen.get(pixel).map_or(1.0, |own| own + least);
-        if of > 0.0 { of.sqrt() } else { 1.0 }
+        let aimed = unseen.is_some_and(|unseen| unseen.is_aimed(pixel));
+        (if of > 0.0 { of.sqrt() } else { 1.0 }) * if aimed { AIMED } else { 1.0 }
     };
     let mut order: Vec<(f64, usize)> = (0..film.width * film.height)
         .filter(|pixel| traced(*pixel))
@@ -167,11 +220,13 @@ fn draw(
 }
 
 /// What the others of a film's pixels say of each.
-fn variances(film: &Film, traced: &(dyn Fn(usize) -> bool + Sync)) -> Variances {
+fn variances(film: &Film, doubts: Option<&[f64]>, traced: &(dyn Fn(usize) -> bool + Sync)) -> Variances {
     let (width, height) = (film.width, film.height);
     let all = film.planes.len();
-    let of_pass =
-        |pixel: usize| if traced(pixel) { film.variance(pixel, all) * film.passes_of(pixel) as f64 } else { 0.0 };
+    let of_pass = |pixel: usize| {
+        let variance = film.variance(pixel, all).max(doubts.map_or(0.0, |doubts| doubts[pixel]));
+        if traced(pixel) { variance * film.passes_of(pixel) as f64 } else { 0.0 }
+    };
     let own: Vec<f64> = (0..width * height).into_par_iter().map(of_pass).collect();
     let near: Vec<f64> =
         (0..width * height).into_par_iter().map(|pixel| of_neighbours(&own, pixel, [width, height])).collect();

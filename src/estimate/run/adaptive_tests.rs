@@ -5,6 +5,7 @@ use crate::estimate::ledger::Ledger;
 use crate::estimate::run::Dealt;
 use crate::film::accumulate::{Components, Light, PlaneKey};
 use crate::film::layer::Layer;
+use crate::film::unseen::Unseen;
 
 const SIZE: [usize; 2] = [24, 20];
 
@@ -128,7 +129,7 @@ fn goals_end_a_round() {
     let mut made = Made::new(5, edge);
     made.rounds(5);
     let (before, mean) = (noise(&made), made.film().mean_passes());
-    aim(&mut made.films, &|_| true, Some(0.97 * before), 5);
+    deal(&mut made.films, &|_| true, Some(0.97 * before), 5);
     made.fill();
     assert!(noise(&made) < before && made.film().mean_passes() < 1.1 * mean);
 }
@@ -139,6 +140,46 @@ fn single_pixels_get_theirs_in_time() {
     let mut made = Made::new(2, |pixel, u| if pixel == 230 { u } else { 1.0 });
     made.rounds(12);
     assert!(made.film().passes_of(230) >= 64, "{}", made.film().passes_of(230));
+}
+
+/// Whatever they have shown, pixels have a share of what the others have, and estimators one of the work.
+#[test]
+fn nobody_is_left_behind() {
+    let mut made = Made::new(3, edge);
+    let still = Film::new(SIZE[0], SIZE[1], made.film().planes.clone(), Components::Luminance, Sampling::PerPass);
+    let mut ledger = Ledger::new(0);
+    ledger.work = 2;
+    made.films.films.push((Estimator::Photon, still, ledger));
+    for _ in 0..14 {
+        aim(&mut made.films, &|_| true, None, 3);
+        let (_, film, ledger) = &mut made.films.films[1];
+        ledger.work += film.wanted.saturating_sub(film.passes) * 10;
+        film.passes = film.wanted.max(film.passes);
+        made.fill();
+    }
+    let map = made.film().sample_map().expect("pixels have passes of their own");
+    assert!(map.mean() > 40.0 && map.range()[0] as f64 >= map.mean() / 16.0, "{:?} {}", map.range(), map.mean());
+    let [ours, still] = [0, 1].map(|film| made.films.films[film].2.work as f64);
+    assert!(still > (ours + still) / 40.0, "{ours} {still}");
+}
+
+/// Where rays may have missed more than what is asked for allows, all pixels get passes until that is no longer so.
+#[test]
+fn what_may_be_missed_asks_for_passes() {
+    let mut made = Made::new(3, |_, _| 1.0);
+    let (_, film, ledger) = made.films.films.remove(0);
+    let unseen = Unseen::new(480.0, 1.0, &[false; SIZE[0] * SIZE[1]], Vec::new());
+    made.films.films.push((Estimator::Backward, film.with_unseen(Some(unseen)), ledger));
+    let stated = |made: &Made| made.films.relative_error().unwrap();
+    // 2 · 480 / (480 · passes)
+    assert!((stated(&made) - 1.0).abs() < 1e-9, "{}", stated(&made));
+    for _ in 0..8 {
+        aim(&mut made.films, &|_| true, Some(0.1), 3);
+        made.fill();
+    }
+    // Half of the error may be that.
+    let least = made.film().sample_map().map_or(made.film().passes, |map| map.range()[0]);
+    assert!(least == 64 || stated(&made) <= 0.05, "{least} {}", stated(&made));
 }
 
 /// Films without any error get passes, too: a run that waits for another limit goes on.

@@ -1,5 +1,6 @@
 //! Makes passes until a limit is reached.
 
+use super::outlook::Outlook;
 use super::tuning::adaptive::BASE;
 use super::{Films, Limits, Observer, Outcome, Status, Stop, Tracing, begin};
 use crate::film::plan::Plan;
@@ -35,7 +36,8 @@ pub fn drive(mut tracing: Box<dyn Tracing + '_>, limits: &Limits, observer: &mut
     if let Some(stop) = first_pass(tracing.as_mut(), (limits, adaptive), start, observer) {
         return Outcome { films: tracing.into_films(), stop, elapsed: start.elapsed() };
     }
-    let (mut block, mut doubled_at) = (1u64, 0);
+    let (mut block, mut doubled_at, mut outlook) = (1u64, 0, Outlook::default());
+    let by_error_alone = limits.time.is_none() && limits.passes.is_none();
     loop {
         let before = Instant::now();
         // Every run goes through the state behind this block, wherever clocks end others.
@@ -59,6 +61,10 @@ pub fn drive(mut tracing: Box<dyn Tracing + '_>, limits: &Limits, observer: &mut
         let go_on = observer.block(&status, films);
         let may_end = settled || !adaptive;
         let small = || limits.error.is_some_and(|error| films.passes >= 4 && status.error.is_some_and(|e| e <= error));
+        let too_far = limits
+            .error
+            .filter(|_| by_error_alone && settled)
+            .is_some_and(|wanted| outlook.is_too_far(work, status.error, wanted));
         let stop = if limits.passes.is_some_and(|passes| films.passes >= passes) {
             Some(Stop::Passes)
         } else if may_end && small() {
@@ -67,6 +73,8 @@ pub fn drive(mut tracing: Box<dyn Tracing + '_>, limits: &Limits, observer: &mut
             Some(Stop::Time)
         } else if !go_on {
             Some(Stop::Asked)
+        } else if too_far {
+            Some(Stop::TooFar)
         } else {
             None
         };

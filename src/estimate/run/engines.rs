@@ -105,9 +105,8 @@ impl<M: Mode> Tracing for Engines<'_, M> {
         left
     }
     fn aim(&mut self, error: Option<f64>) {
-        let goal = error.and_then(|error| self.films.goal(error));
         let traced = |pixel: usize| self.world.eye.wants_index(pixel);
-        adaptive::aim(&mut self.films, &traced, goal, self.seed);
+        adaptive::aim(&mut self.films, &traced, error, self.seed);
         self.films.dealt.rounds += 1;
     }
     fn missing(&self) -> Option<u64> {
@@ -304,7 +303,11 @@ fn begin_with<'w, M: Mode + 'w>(
                 Engine::Photon(mapper.parting(plan.photons_part).glancing(glances.clone()))
             }
         });
-        films.films.push((estimator, film, Ledger::new(world.solids.len())));
+        let unseen = match engines.last() {
+            Some(Engine::Backward(backward)) => backward.unseen(),
+            Some(Engine::Forward(_) | Engine::Photon(_) | Engine::Manifold(_)) | None => None,
+        };
+        films.films.push((estimator, film.with_unseen(unseen), Ledger::new(world.solids.len())));
     }
     Box::new(Engines { engines, films, witness: None, world, plan: plan.clone(), groups, seed })
 }

@@ -1,7 +1,7 @@
-//! Places in a pinhole's picture that show lamps: the pixels that they reach into have points of their own for them.
+//! Places of the picture that show lamps: the pixels that they reach into have points of their own for them.
 
 use crate::estimate::tuning::vision::{LARGE, MOST_GLINTS, MOST_PIXELS};
-use crate::film::specular_chain::Glint;
+use crate::film::glint::Glint;
 use crate::world::eye::EyeLens;
 use std::collections::HashMap;
 use std::ops::Range;

@@ -294,7 +294,12 @@ impl Maker {
 
     /// `stderr`: one sigma of `hybrid`. Films of different estimators are independent.
     pub(super) fn stderr(&mut self, films: &[&Film], pixels: usize) {
-        let variance = |pixel: usize| films.iter().map(|film| film.variance(pixel, film.planes.len())).sum::<f64>();
+        let doubts: Vec<Option<Vec<f64>>> = films.iter().map(|film| film.doubts()).collect();
+        let of_film = |(film, doubts): (&&Film, &Option<Vec<f64>>), pixel: usize| {
+            let doubt = doubts.as_ref().map_or(0.0, |doubts| doubts[pixel]);
+            film.variance(pixel, film.planes.len()).max(doubt)
+        };
+        let variance = |pixel: usize| films.iter().zip(&doubts).map(|film| of_film(film, pixel)).sum::<f64>();
         let variance = told(films, variance);
         self.grey("stderr", (0..pixels).map(|pixel| variance(pixel).sqrt() as f32).collect());
     }

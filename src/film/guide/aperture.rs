@@ -70,9 +70,14 @@ impl ApertureGuide {
         ([u, v], density)
     }
 
+    /// The density of such a point.
+    pub fn density(&self, field: [f64; 2], [u, v]: [f64; 2]) -> f64 {
+        self.tree(field).density(&[0.5, 0.5, u, v])
+    }
+
     /// Mean density where light crosses: how many times fewer points miss the lamps.
     pub fn gain(&self, crossings: &[Lit]) -> f64 {
-        let at = |lit: &Lit| self.tree(lit.field).density(&[0.5, 0.5, lit.pupil[0], lit.pupil[1]]);
+        let at = |lit: &Lit| self.density(lit.field, lit.pupil);
         let sums = crossings.iter().fold((0.0, 0.0), |(sum, all), lit| (sum + lit.weight * at(lit), all + lit.weight));
         sums.0 / sums.1
     }

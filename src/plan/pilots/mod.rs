@@ -4,10 +4,10 @@
 mod border_tests;
 pub mod chains;
 pub(super) mod eye_pilot;
+pub(crate) mod glint_pilot;
 mod photons;
 pub(super) mod pilot_cache;
 pub(super) mod pilot_resolution;
-pub(crate) mod pinhole_pilot;
 pub mod pupil;
 pub(super) mod pupil_guide;
 pub(super) mod reached;

@@ -1,17 +1,23 @@
 //! What pilots have made for one plan, for the next that differs from it in something else.
 
+use super::glint_pilot::{self, Search};
 use super::split_threshold::{self, Branches};
-use super::{ForwardPilot, SEED, forward, pinhole_pilot};
+use super::{ForwardPilot, SEED, forward};
+use crate::base::chain::Chain;
+use crate::base::ids::GroupId;
+use crate::base::path::Class;
 use crate::estimate::ShouldStop;
 use crate::estimate::manifold::receiver::Receivers;
 use crate::estimate::manifold::seeds::connections::{Connections, index_of};
 use crate::estimate::manifold::solver::grid::Grid;
+use crate::film::glint::Glint;
 use crate::film::plan::{Estimator, Plan, Row, Verdict};
-use crate::film::specular_chain::{Connection, Glint, Screen};
+use crate::film::specular_chain::{Connection, Screen};
+use crate::film::unseen::Hidden;
 use crate::plan::Planner;
 use crate::world::World;
 use crate::world::mode::{Mode, Mono};
-use std::cell::{OnceCell, RefCell};
+use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -27,7 +33,8 @@ pub(crate) struct PilotCache {
     screens: Known<Screen, Arc<Receivers<Mono>>>,
     /// By the paths from the eye, as [`Plan::computes`] tells them.
     branching: Known<Vec<bool>, Branches>,
-    glints: OnceCell<Vec<Glint>>,
+    /// By the light groups whose lamps rays from the eye look for, or have what others leave of, and the trains that connection has.
+    glints: Known<(Vec<[bool; 2]>, Vec<(GroupId, Chain)>), (Vec<Glint>, Option<Hidden>)>,
 }
 
 impl PilotCache {
@@ -49,9 +56,26 @@ impl PilotCache {
         known(&self.branching, key, |_| split_threshold::learn(making, plan))
     }
 
-    /// [`glints::find`]: they hang on the scene alone.
-    pub(in crate::plan) fn glints(&self, world: &World, stop: &ShouldStop<'_>) -> Vec<Glint> {
-        self.glints.get_or_init(|| pinhole_pilot::find(world, stop)).clone()
+    /// [`glint_pilot::find`], for the lamps that the plan leaves to rays from the eye, and for ways that it leaves to them of others.
+    pub(in crate::plan) fn glints(&self, making: &Planner<'_>, plan: &Plan) -> (Vec<Glint>, Option<Hidden>) {
+        let group_of = |lamp: usize| making.world.lamps.all()[lamp].group;
+        let by_eye = |group| plan.owner(group, Class::Vision, false) == Some(Estimator::Backward);
+        // Where other pilots found no way from the eye to a lamp nothing is looked for.
+        let hope = plan.vision_share >= 1.0;
+        let left = |group| plan.computes(Estimator::Backward, group, Class::Vision, false);
+        let groups = || (0..making.groups()).map(GroupId::from_index);
+        let over: Vec<(GroupId, Chain)> = plan.connections.iter().map(|own| (own.group, own.train.chain())).collect();
+        let kinds = groups().map(|group| [by_eye(group) && hope, left(group)]).collect();
+        known(&self.glints, (kinds, over), |(_, over)| {
+            let wants = |lamp: usize| hope && by_eye(group_of(lamp));
+            let is_connected = |(chain, lamp): &(Chain, usize)| {
+                over.iter().any(|(group, known)| *group == group_of(*lamp) && known == chain)
+            };
+            let takes = |way: &(Chain, usize)| left(group_of(way.1)) && !is_connected(way);
+            let over_faces = making.checked.facts().specular;
+            let search = Search { wants: &wants, takes: &takes, over_faces };
+            glint_pilot::find((making.world, making.checked.scene()), search, making.stop)
+        })
     }
 
     /// The connections of a plan.

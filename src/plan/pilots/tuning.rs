@@ -85,14 +85,14 @@ pub(super) mod photons {
     pub const STRONG: f64 = 2e-3;
 }
 
-/// `pinhole_pilot.rs`
+/// `glint_pilot/`
 /// - `CELLS`, `RAYS`, `CLOSER`, `KEPT`, `MOST_WAYS`: `8cef4a0` (Glints do not hang on where the pilot's rays fall)
 /// - `AT_A_TIME`, `IN_VAIN`: `262b087` (What a fresh reader found in the glints)
 /// - `LEAST`: `c7e2c79` (Who traces what facts leave open is decided by a pilot of variance and counted work)
 /// - `MOST_SEGMENTS`, `STARTS`, `MARGIN`: `465a217` (Pinholes: the places where lamps are seen over specular faces are solved
 ///   for)
 /// - `MOST_LAMPS`: `d8e222a` (Plan: lamps imaged far from the pupil are not connected untried)
-pub(super) mod pinhole_pilot {
+pub(super) mod glint_pilot {
     /// Cells along each side of the picture; about one ray looks into each at first.
     pub const CELLS: usize = 64;
     pub const RAYS: u64 = (CELLS * CELLS) as u64;
@@ -114,8 +114,47 @@ pub(super) mod pinhole_pilot {
     pub const KEPT: usize = 64;
     /// Chains and lamps that are started from: those that a ray came nearest over.
     pub const MOST_WAYS: usize = 1 << 11;
-    /// How much wider than the image of a disc about the lamp, as its derivatives have it, a glint is taken to be.
-    pub const MARGIN: f64 = 1.5;
+    /// How much wider than the image of a disc about the lamp, as its derivatives have it, a glint is taken to be at first.
+    pub const ROOM: f64 = 1.5;
+    /// Rays at all specular faces together, and at one at most.
+    pub const AIMED: usize = 1 << 12;
+    pub const AIMED_AT_FACE: usize = 64;
+    /// With more lamps than this rays are no closer where they met a specular face: each asks for each lamp.
+    pub const MANY_LAMPS: usize = 256;
+    /// An image that so many rays met is large.
+    pub const MANY_MET: usize = 256;
+    /// Share of its light that a way to a lamp leaves that nobody looks for, at the least.
+    pub const WORTH: f64 = 0.05;
+    /// A step in the pupil, in radii, by which an image is seen to move.
+    pub const STEP: f64 = 0.25;
+    /// Rays over a guess at an image, and how often a better guess is made of those that meet the lamp.
+    pub const RAYS_TO_FIT: u64 = 256;
+    pub const ROUNDS: u64 = 8;
+    /// Fewer rays than this do not tell how an image moves with the pupil, nor that nothing of it lies beyond them.
+    pub const FEWEST: usize = 12;
+    /// A ray that meets the lamp so far out in a guess, 1 at its rim, says that there may be more; how much wider the next one is.
+    pub const AT_RIM: f64 = 0.93;
+    pub const GROWN: f64 = 1.6;
+    /// How much wider than all the rays that met the lamp a glint is.
+    pub const MARGIN: f64 = 1.15;
+    /// Pixels that it is long and wide at the least, half.
+    pub const LEAST_PIXELS: f64 = 0.01;
+    /// An image that is wider and higher than so many pixels is left to the paths of each. Else it is cut into pieces so long, into
+    /// so many at most.
+    pub const THIN: f64 = 2.5;
+    pub const LONG: f64 = 2.0;
+    pub const MOST_PIECES: usize = 1 << 10;
+    /// Ways from points of a lamp to points of the pupil at first; if `ENOUGH` of them are not free more, up to so many, and
+    /// `JOINED` of all lamps together.
+    pub const FIRST: u64 = 64;
+    /// Lamps of more triangles than this are known by points on them alone; how much wider than the others' outlines a glint is.
+    pub const MOST_TRIANGLES: usize = 1 << 12;
+    pub const ROUNDED: f64 = 1.01;
+    pub const ENOUGH: usize = 32;
+    pub const MOST_JOINED: u64 = 1 << 16;
+    pub const JOINED: u64 = 1 << 17;
+    /// Of all lamps.
+    pub const MOST_GLINTS: usize = 1 << 14;
 }
 
 /// `pupil.rs`
