@@ -14,8 +14,9 @@ use crate::output::exr::read_exr;
 /// Compare two frames by their standard errors, layer by layer.
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "\
-Exit code 0: no difference beyond noise; 1: different, or not comparable; 2: wrong usage or unreadable. Layers without \
-standard error in the files are shown but not judged: render both with --stderr layers. --within asks no errors: it \
+Exit code 0: no difference beyond noise; 1: different, not comparable, or not judged; 2: wrong usage or unreadable. Not \
+judged is a picture without standard error in the files, such as one of a single pass; shares of a picture that is judged \
+are shown without a verdict, too, unless both files are rendered with --stderr layers. --within asks no errors: it \
 compares values, for what must agree to rounding. docs/diff.md says what is tested and what can be claimed.
 
 Examples:
@@ -73,16 +74,19 @@ pub fn run(args: &DiffArgs) -> Result<ExitCode> {
         }
         _ => &weighted_sum(&others, &args.weights)?,
     };
-    let different = if let Some(tolerance) = args.within {
+    let passes = if let Some(tolerance) = args.within {
         let found = within(&a, b, tolerance);
         print(args.format, || deviations(args, &found), || serde_json::json!(found))?;
-        found.different
+        !found.different
     } else {
         let found = compare_blocks(&a, b, args.sigma, usize::from(args.blocks));
         print(args.format, || text(args, &found), || serde_json::json!(found))?;
-        found.different
+        match found.verdict {
+            Verdict::Identical | Verdict::Same => true,
+            Verdict::Different | Verdict::Unjudged => false,
+        }
     };
-    Ok(ExitCode::from(u8::from(different)))
+    Ok(ExitCode::from(u8::from(!passes)))
 }
 
 /// What B is called: the frame, or the sum.
@@ -115,18 +119,41 @@ fn deviations(args: &DiffArgs, found: &Deviations) -> String {
 }
 
 fn text(args: &DiffArgs, found: &Comparison) -> String {
-    let (a, b) = (args.a.display(), name_of_b(args));
-    let verdict = if found.different { "different" } else { "the same" };
+    let names = format!("{} and {}", args.a.display(), name_of_b(args));
     let blocks = if found.block > 1 { format!(", in blocks of {0} × {0} pixels", found.block) } else { String::new() };
+    let of = |verdict: Verdict| found.layers.iter().filter(move |layer| layer.verdict == verdict);
+    let identical: Vec<&str> = of(Verdict::Identical).map(|layer| named(&layer.layer)).collect();
+    let verdict = match found.verdict {
+        Verdict::Identical => match identical.len() {
+            1 => "identical, every bit".to_owned(),
+            count => format!("identical, every bit of {count} layers"),
+        },
+        Verdict::Same => format!("the same at {} sigma{blocks}", found.sigma),
+        Verdict::Different => format!("different at {} sigma{blocks}", found.sigma),
+        Verdict::Unjudged => "not judged, neither the same nor different".to_owned(),
+    };
     // What decided, first.
-    let differ = found.layers.iter().filter(|layer| layer.verdict == Verdict::Different);
-    let differ: Vec<String> = differ.map(|layer| format!("{} ({})", named(&layer.layer), layer.because)).collect();
-    let differ = if differ.is_empty() { String::new() } else { format!(": {}", differ.join(", ")) };
-    let mut lines = vec![format!("{a} and {b}: {verdict} at {} sigma{blocks}{differ}", found.sigma)];
+    let decided = match found.verdict {
+        Verdict::Identical | Verdict::Same => None,
+        Verdict::Different | Verdict::Unjudged => Some(found.verdict),
+    };
+    let decided = decided.into_iter().flat_map(of).map(|of| format!("{} ({})", named(&of.layer), of.because));
+    let decided = decided.collect::<Vec<_>>().join(", ");
+    let decided = if decided.is_empty() { decided } else { format!(": {decided}") };
+    // Shares without errors of their own in a picture that has them.
+    let open = match found.verdict {
+        Verdict::Identical | Verdict::Unjudged => 0,
+        Verdict::Same | Verdict::Different => of(Verdict::Unjudged).count(),
+    };
+    let open = if open > 0 { format!("; {open} of {} layers not judged", found.layers.len()) } else { String::new() };
+    let mut lines = vec![format!("{names}: {verdict}{decided}{open}")];
     lines.extend(found.notes.iter().map(|note| format!("note: {note}")));
     lines.extend(found.incomparable.iter().map(|why| format!("not comparable: {why}")));
     lines.extend(found.only_in.iter().map(|(layer, which)| format!("{layer}: only in {which}")));
-    lines.extend(found.layers.iter().map(layer));
+    lines.extend(found.layers.iter().filter_map(layer));
+    if !identical.is_empty() && found.verdict != Verdict::Identical {
+        lines.push(format!("identical: {}", identical.join(", ")));
+    }
     lines.join("\n")
 }
 
@@ -134,10 +161,11 @@ fn named(layer: &str) -> &str {
     if layer.is_empty() { "(default)" } else { layer }
 }
 
-fn layer(of: &LayerDifference) -> String {
+/// A layer's line, unless it is identical.
+fn layer(of: &LayerDifference) -> Option<String> {
     let name = named(&of.layer);
     let verdict = match of.verdict {
-        Verdict::Identical => return format!("{name}: identical"),
+        Verdict::Identical => return None,
         Verdict::Same => "same",
         Verdict::Different => "DIFFERENT",
         Verdict::Unjudged => "not judged",
@@ -156,7 +184,7 @@ fn layer(of: &LayerDifference) -> String {
     if let Some(noise) = of.relative_mse_of_noise {
         text += &format!(" (noise alone {noise:.3e})");
     }
-    text
+    Some(text)
 }
 
 #[cfg(test)]
@@ -170,6 +198,40 @@ mod tests {
     fn parse(words: &[&str]) -> std::result::Result<DiffArgs, clap::Error> {
         let command = DiffArgs::augment_args(clap::Command::new("diff"));
         command.try_get_matches_from(words).map(|matches| DiffArgs::from_arg_matches(&matches).unwrap())
+    }
+
+    /// Two frames of one pass, of 100 and 200 cd/m²: nobody knows their errors, so nobody says that they are the same.
+    /// A share of a picture that is judged takes nothing from its verdict, a picture beside it does.
+    #[test]
+    fn what_is_not_judged_does_not_pass() {
+        let directory = tempfile::tempdir().unwrap();
+        let write = |name: &str, layers: &[(&str, f32)]| {
+            let path = directory.path().join(name).to_str().unwrap().to_owned();
+            let mut frame = Frame::new(2, 1);
+            for (layer, value) in layers {
+                ["R", "G", "B"].iter().for_each(|c| frame.push(format!("{layer}{c}"), vec![*value; 2]));
+            }
+            write_exr(PathBuf::from(&path).as_path(), &frame).unwrap();
+            path
+        };
+        let judged = |a: &str, b: &str| {
+            let args = parse(&["diff", a, b]).unwrap();
+            let [a, b] = [&args.a, &args.b[0]].map(|path| read_exr(path).unwrap());
+            (run(&args).unwrap(), text(&args, &compare_blocks(&a, &b, args.sigma, 1)))
+        };
+        let (a, b) = (write("a", &[("", 100.0)]), write("b", &[("", 200.0)]));
+        let (code, said) = judged(&a, &b);
+        assert_eq!(code, ExitCode::from(1), "{said}");
+        assert!(said.contains(": not judged, neither the same nor different: (default) (no standard error"), "{said}");
+        assert!(!said.contains("the same at"), "{said}");
+        assert_eq!(judged(&a, &a).0, ExitCode::SUCCESS);
+        let with = |name: &str, other: &str, value: f32| write(name, &[("", 10.0), ("stderr.", 0.5), (other, value)]);
+        let (a, b) = (with("c", "direct_led.", 1.0), with("d", "direct_led.", 1.5));
+        let (code, said) = judged(&a, &b);
+        assert_eq!(code, ExitCode::SUCCESS, "{said}");
+        assert!(said.contains("the same at 3 sigma; 1 of 2 layers not judged\n"), "{said}");
+        assert!(said.contains("\nidentical: (default)"), "{said}");
+        assert_eq!(judged(&with("e", "ghost.", 1.0), &with("f", "ghost.", 1.5)).0, ExitCode::from(1));
     }
 
     #[test]
@@ -196,7 +258,7 @@ mod tests {
         };
         assert!(said(&c).contains("(default): DIFFERENT, pixel (0, 0) is 14.14 standard errors off"), "{}", said(&c));
         assert!(said(&d).contains("not comparable: size: 3 × 1 and 2 × 1"), "{}", said(&d));
-        assert!(said(&a).contains("identical"));
+        assert!(said(&a).ends_with(": identical, every bit"), "{}", said(&a));
         assert!(run(&parse(&["diff", &a, "gone.exr"]).unwrap()).is_err());
         for bad in ["0", "-1", "x", "NaN", "11"] {
             assert!(parse(&["diff", &a, &b, "--sigma", bad]).is_err(), "{bad}");

@@ -157,7 +157,19 @@ fn layers_by_their_kind() {
         frame.channels.iter_mut().filter(|c| c.layer() == "stderr").for_each(|c| c.data.fill(0.0));
         frame
     };
-    assert_eq!(of(&compare(&one(1), &one(2), 3.0), "").verdict, Verdict::Unjudged);
+    let found = compare(&one(1), &one(2), 3.0);
+    assert_eq!((of(&found, "").verdict, found.verdict, found.different), (Verdict::Unjudged, Verdict::Unjudged, false));
+    // A pixel that is no number in both says nothing, and the others are judged.
+    let broken = |mean: f64, seed| {
+        let mut frame = sampled(seed, |_| mean, 1.0, 8);
+        frame.channels.iter_mut().for_each(|channel| channel.data[3] = f32::NAN);
+        frame
+    };
+    let same = compare(&broken(10.0, 1), &broken(10.0, 2), 3.0);
+    assert!(same.layers[0].because.ends_with("less 1 values that are no numbers in both"), "{:?}", same.layers[0]);
+    assert_eq!((same.verdict, compare(&broken(10.0, 1), &broken(20.0, 2), 3.0).verdict), {
+        (Verdict::Same, Verdict::Different)
+    });
 }
 
 /// Rare light: a pixel is hit once in 200 samples, and has 16. Single pixels say "different" of two samples of the same light;
