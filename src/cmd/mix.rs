@@ -8,6 +8,7 @@ use crate::base::atomic::check_writable;
 use crate::base::error::{Error, Result, Where};
 use crate::film::exr::is_exr;
 use crate::film::frame::Frame;
+use crate::film::radiance::is_radiance;
 use crate::film::still::{Remark, Still};
 use crate::output::exr::{read_exr, write_exr};
 use crate::output::fit::{Fit, Resize, fitted};
@@ -43,7 +44,7 @@ pub struct MixArgs {
     /// [default: as rendered]
     #[arg(long = "contrast", value_name = "[SLIDE=]C,…", value_delimiter = ',', value_parser = parse_contrast)]
     pub contrasts: Vec<(Option<String>, f64)>,
-    /// A picture to put behind the optics: EXR in cd/m² (or what its whiteLuminance says), or PNG or JPEG in sRGB
+    /// A picture to put behind the optics: EXR in cd/m² (or what its whiteLuminance says), Radiance HDR in cd/m², or PNG or JPEG in sRGB
     #[arg(long, value_name = "BACKGROUND.exr|png|jpg")]
     pub plate: Option<PathBuf>,
     /// The layer of the plate, where it has several
@@ -122,7 +123,11 @@ fn plate_of(path: &Path, layer: Option<&str>) -> Result<Still> {
     if let Some(layer) = layer {
         return Err(broken(format!("only an EXR has the layer `{layer}`")));
     }
-    let mut still = Still::of_srgb(&bytes).map_err(|error| broken(error).expected("an EXR, PNG or JPEG file"))?;
+    if is_radiance(&bytes) {
+        return Still::of_radiance(&bytes).map_err(broken);
+    }
+    let read = Still::of_srgb(&bytes);
+    let mut still = read.map_err(|error| broken(error).expected("an EXR, Radiance HDR, PNG or JPEG file"))?;
     let text = format!("says no luminance: its white is {SRGB_WHITE} cd/m², or what --plate-white says");
     still.remarks.push(Remark { warns: false, text });
     Ok(Still { white_cd_m2: Some(SRGB_WHITE), ..still })

@@ -13,7 +13,7 @@ use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::Chunk;
 use ::exr::block::lines::LineIndex;
 use ::exr::block::reader::ChunksReader;
-use ::exr::meta::attribute::{AttributeValue, SampleType, Text};
+use ::exr::meta::attribute::{AttributeValue, EnvironmentMap, SampleType, Text};
 use ::exr::meta::header::Header;
 use ::exr::prelude::{Vec2, f16};
 use rayon::prelude::*;
@@ -72,6 +72,8 @@ pub struct About {
     /// Left, top, width and height of the display window, in pixels from the top left of the data window, which is the frame.
     pub display: [i64; 4],
     pub chromaticities: Option<Chromaticities>,
+    /// Its attribute `envmap`: six faces below each other.
+    pub is_cube: bool,
 }
 
 impl About {
@@ -110,7 +112,8 @@ fn about(header: &Header) -> About {
     let chromaticities = shared
         .chromaticities
         .map(|all| [all.red, all.green, all.blue, all.white].map(|Vec2(x, y)| [f64::from(x), f64::from(y)]));
-    About { display, chromaticities }
+    let is_cube = header.own_attributes.environment_map == Some(EnvironmentMap::Cube);
+    About { display, chromaticities, is_cube }
 }
 
 fn said(error: ::exr::error::Error) -> String {

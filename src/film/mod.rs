@@ -19,6 +19,7 @@ pub mod layer_moments;
 pub mod names; // of all layers, and which clash
 pub mod plan;
 pub mod pupil;
+pub mod radiance; // Radiance HDR
 pub mod replicates;
 pub mod rqmc_variance;
 pub mod sample_map;

@@ -9,7 +9,7 @@ use crate::base::colour::FileSpace;
 use crate::base::error::nearest_name;
 
 /// More pixels than this are a broken header, not a picture: 16384 × 8192.
-const MAX_PIXELS: usize = 1 << 27;
+pub(super) const MAX_PIXELS: usize = 1 << 27;
 /// Bytes that all channels of an EXR may take once they are decoded, as f32: a few bytes can be zeros for ever.
 const MAX_DECODED: usize = 1 << 33;
 /// What is said of a JPEG that ends before its picture does.
@@ -45,7 +45,7 @@ pub struct Remark {
 }
 
 impl Remark {
-    fn info(text: impl Into<String>) -> Remark {
+    pub(super) fn info(text: impl Into<String>) -> Remark {
         Remark { warns: false, text: text.into() }
     }
     fn warning(text: impl Into<String>) -> Remark {
@@ -60,6 +60,9 @@ impl Still {
         check_size(bytes)?;
         let (frame, about) = decode_all(bytes)?;
         let mut remarks = Vec::new();
+        if about.is_cube {
+            return Err("it is a cube map by its `envmap`; expected latitudes and longitudes".to_owned());
+        }
         let layer = chosen(&frame, layer, &mut remarks)?;
         let Some([red, green, blue]) = colours(&frame, &layer) else { return Err("it has no picture".to_owned()) };
         for (component, data) in [("R", red), ("G", green), ("B", blue)] {

@@ -3,6 +3,7 @@
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::film::exr::is_exr;
+use crate::film::radiance::is_radiance;
 use crate::film::still::{Light, Remark, Still, is_srgb, undecoded};
 use crate::scene::{Note, Severity};
 use std::io::Cursor;
@@ -19,6 +20,8 @@ pub struct Picture {
     pub rgb: Option<Vec<[f32; 3]>>,
     /// How many pixels have a component below 0: it became 0 and the others were scaled to keep the luminance.
     pub clipped: usize,
+    /// cd/m² of the value 1, if the file says so.
+    pub white_cd_m2: Option<f64>,
     /// What was made of the file.
     pub remarks: Vec<Remark>,
 }
@@ -30,7 +33,7 @@ fn luminance(rgb: [f32; 3]) -> f32 {
 
 impl Picture {
     pub(super) fn grey(width: usize, height: usize, pixels: Vec<f32>) -> Self {
-        Picture { width, height, pixels, rgb: None, clipped: 0, remarks: Vec::new() }
+        Picture { width, height, pixels, rgb: None, clipped: 0, white_cd_m2: None, remarks: Vec::new() }
     }
 
     pub(super) fn coloured(width: usize, height: usize, mut rgb: Vec<[f32; 3]>) -> Self {
@@ -43,7 +46,8 @@ impl Picture {
             *pixel = if whole > 0.0 { inside.map(|c| c * (own / whole)) } else { [0.0; 3] };
         }
         let colour = rgb.iter().any(|[r, g, b]| r != g || g != b);
-        Picture { width, height, pixels, rgb: colour.then_some(rgb), clipped, remarks: Vec::new() }
+        let rgb = colour.then_some(rgb);
+        Picture { width, height, pixels, rgb, clipped, white_cd_m2: None, remarks: Vec::new() }
     }
 
     /// Resampling rings: what it has left below 0 becomes 0, which is said.
@@ -128,13 +132,9 @@ fn no_layer(layer: Option<&str>, path: &Path, at: &Where) -> Result<()> {
 pub fn panorama(bytes: &[u8], layer: Option<&str>, path: &Path, at: &Where) -> Result<Picture> {
     let picture = if is_exr(bytes) {
         exr(bytes, layer, path, at)?.without_negatives()
-    } else if bytes.starts_with(b"#?") {
+    } else if is_radiance(bytes) {
         no_layer(layer, path, at)?;
-        let reader = image::ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Hdr);
-        let decoded =
-            reader.decode().map_err(|error| broken(path, at, undecoded(&error, bytes, image::ImageFormat::Hdr)))?;
-        let (width, height) = (decoded.width() as usize, decoded.height() as usize);
-        Picture::coloured(width, height, decoded.to_rgb32f().pixels().map(|pixel| pixel.0).collect())
+        still_picture(Still::of_radiance(bytes).map_err(|why| broken(path, at, why))?).without_negatives()
     } else if is_srgb(bytes) {
         no_layer(layer, path, at)?;
         still_picture(Still::of_srgb(bytes).map_err(|why| broken(path, at, why))?)
@@ -155,7 +155,7 @@ fn still_picture(still: Still) -> Picture {
         Light::Grey(pixels) => Picture::grey(still.width, still.height, pixels),
         Light::Rgb(pixels) => Picture::coloured(still.width, still.height, pixels),
     };
-    Picture { remarks: still.remarks, ..picture }
+    Picture { remarks: still.remarks, white_cd_m2: still.white_cd_m2, ..picture }
 }
 
 fn checked(picture: Picture, path: &Path, at: &Where) -> Result<Picture> {

@@ -277,6 +277,14 @@ impl Builder<'_> {
             Some((Ok(bytes), file)) => {
                 let mut read = image::panorama(&bytes, None, file, &light.at)?;
                 self.notes.extend(read.notes(&file.display().to_string(), &light.at));
+                if let Some(white) = read.white_cd_m2.filter(|white| *white != 1.0) {
+                    let text = format!(
+                        "the picture of dome {} says that 1 is {white} cd/m² (`whiteLuminance`), which does not count: USD has \
+                         its values times the intensity as cd/m²",
+                        light.name
+                    );
+                    self.notes.push(Note::warning(light.at.clone(), text));
+                }
                 self.files.push(file.to_owned());
                 (read, file.display().to_string())
             }
@@ -303,7 +311,7 @@ impl Builder<'_> {
 
 /// A panorama of one pixel.
 fn evenly_lit() -> Picture {
-    Picture { width: 1, height: 1, pixels: vec![1.0], rgb: None, clipped: 0, remarks: Vec::new() }
+    Picture::grey(1, 1, vec![1.0])
 }
 
 /// The rotation in a node's axes; scale is taken off.

@@ -24,7 +24,16 @@ impl Builder<'_> {
             SkyKind::Image { image, at, layer, scale_cd_m2, rotation_deg } => {
                 let read = self.panorama(&image, &at, layer.as_deref())?;
                 let turned = axes * DMat3::from_rotation_y(rotation_deg.to_radians());
-                let scale = ([scale_cd_m2; 3], "a smaller scale_cd_m2");
+                let white = scale_cd_m2.or(read.white_cd_m2).unwrap_or_else(|| {
+                    let text = "`scale_cd_m2` of sky is not said: 1";
+                    self.notes.push(Note::info(spec.at.clone(), text));
+                    1.0
+                });
+                if let (None, Some(own)) = (scale_cd_m2, read.white_cd_m2) {
+                    let text = format!("the picture {image} says that 1 is {own} cd/m² (`whiteLuminance`)");
+                    self.notes.push(Note::info(at.clone(), text));
+                }
+                let scale = ([white; 3], "a smaller scale_cd_m2");
                 (self.sky_of(read, scale, (spec.group, image), turned, &spec.at, &at)?, None)
             }
             SkyKind::Uniform { luminance_cd_m2, rgb } => {

@@ -4,6 +4,7 @@ use crate::base::error::Result;
 use crate::base::{Error, Where, package};
 use crate::film::exr::is_exr;
 use crate::film::jpeg::is_cut_short;
+use crate::film::radiance::{self, is_radiance};
 use crate::film::still::{CUT_SHORT, Light, Still, undecoded};
 use crate::scene::Texture;
 use crate::scene::texture::{Encoding, Texels};
@@ -29,8 +30,9 @@ pub(super) fn decoded(bytes: &[u8], name: &str, at: &Where) -> Result<(Texture, 
     let broken = |why: String| Error::new(at.clone(), format!("can't read the texture {name}: {why}"));
     let texture =
         |width: usize, height: usize, texels: Texels| Texture { name: name.to_owned(), width, height, texels };
-    if is_exr(bytes) {
-        let still = Still::of_exr(bytes, None).map_err(broken)?;
+    if is_exr(bytes) || is_radiance(bytes) {
+        let still = if is_exr(bytes) { Still::of_exr(bytes, None) } else { Still::of_radiance(bytes) };
+        let still = still.map_err(broken)?;
         let floats = match &still.light {
             Light::Grey(grey) => grey.iter().map(|y| [*y, *y, *y, 1.0]).collect(),
             Light::Rgb(rgb) => rgb.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect(),
@@ -45,7 +47,7 @@ pub(super) fn decoded(bytes: &[u8], name: &str, at: &Where) -> Result<(Texture, 
     let format =
         image::guess_format(bytes).map_err(|_| broken("its format is not known".to_owned()).expected(KNOWN))?;
     let format = match format {
-        ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP | ImageFormat::Hdr | ImageFormat::Tiff => format,
+        ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP | ImageFormat::Tiff => format,
         other => return Err(broken(format!("{} is not read", other.to_mime_type())).expected(KNOWN)),
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
@@ -132,6 +134,13 @@ pub(super) fn size_bytes(mut from: impl BufRead + Seek) -> u64 {
         let header = ::exr::meta::MetaData::read_from_buffered(from, false);
         let size = header.ok().and_then(|meta| meta.headers.first().map(|header| header.layer_size.area() as u64));
         return DEEP * size.unwrap_or(0);
+    }
+    if is_radiance(&first) {
+        const LONGEST: u64 = 1 << 16;
+        let mut head = Vec::new();
+        let read = from.take(LONGEST).read_to_end(&mut head);
+        let size = read.ok().and_then(|_| radiance::size(&head));
+        return size.map_or(0, |[width, height]| DEEP.saturating_mul((width as u64).saturating_mul(height as u64)));
     }
     let reader = ImageReader::new(from).with_guessed_format().ok();
     let decoder = reader.and_then(|reader| reader.into_decoder().ok());

@@ -27,7 +27,8 @@ pub enum SkyKind {
         at: Where,
         /// Of an EXR file.
         layer: Option<String>,
-        scale_cd_m2: f64,
+        /// None: what the picture says of itself.
+        scale_cd_m2: Option<f64>,
         rotation_deg: f64,
     },
     Uniform {
@@ -78,7 +79,7 @@ pub fn sky(value: &Value, notes: &mut Vec<Note>) -> Result<SkySpec> {
             image: fields.need_text(name)?.to_owned(),
             at: place(&fields, name).clone(),
             layer: fields.text("layer")?.map(str::to_owned),
-            scale_cd_m2: fields.number_or("scale_cd_m2", 1.0, notes)?,
+            scale_cd_m2: fields.number("scale_cd_m2")?,
             rotation_deg: fields.number_or("rotation_deg", 0.0, notes)?,
         },
         "luminance_cd_m2" => {

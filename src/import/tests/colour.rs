@@ -235,3 +235,38 @@ fn pictures_of_the_sidecar_count_for_the_memory_of_textures() {
     };
     assert_eq!((read(1 << 14), read(1 << 12)), ((Some(64), false), (Some(32), true)));
 }
+
+/// Skies that say what their values are: 500 at EXPOSURE=5 in a Radiance picture, 2 at a `whiteLuminance` of 50 in an EXR, unless
+/// the sidecar says it. A cube map is none of latitudes and longitudes.
+#[test]
+fn calibrated_skies() {
+    use exr::prelude::{Encoding, Layer, LayerAttributes, attribute::EnvironmentMap};
+    let folder = tempfile::tempdir().unwrap();
+    let hdr = b"#?RGBE\r\nEXPOSURE=5\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 1 +X 2\r\n\xfa\xfa\xfa\x89\xfa\xfa\xfa\x89";
+    std::fs::write(folder.path().join("sky.hdr"), hdr).unwrap();
+    let write = |name: &str, envmap| {
+        let values = exr::prelude::FlatSamples::F32(vec![2.0; 2]);
+        let channels =
+            exr::prelude::AnyChannels::sort(std::iter::once(exr::prelude::AnyChannel::new("Y", values)).collect());
+        let own =
+            LayerAttributes { white_luminance: Some(50.0), environment_map: envmap, ..LayerAttributes::default() };
+        let image = Image::from_layer(Layer::new((2, 1), own, Encoding::UNCOMPRESSED, channels));
+        image.write().to_file(folder.path().join(name)).unwrap();
+    };
+    write("sky.exr", Some(EnvironmentMap::LatitudeLongitude));
+    write("cube.exr", Some(EnvironmentMap::Cube));
+    let built = |sky: &str| built_in(folder.path(), assembly(&["LENS"]), &format!("{}[sky]\n{sky}\n", visible()));
+    for (sky, want) in [
+        ("image = \"sky.hdr\"", 100.0),
+        ("image = \"sky.hdr\"\nscale_cd_m2 = 3", 300.0),
+        ("image = \"sky.exr\"", 100.0),
+        ("image = \"sky.exr\"\nscale_cd_m2 = 3", 6.0),
+    ] {
+        let scene = built(sky).unwrap().scene;
+        assert_eq!(scene.sky.as_ref().map(|sky| sky.luminance[0]), Some(want), "{sky}");
+        let says =
+            scene.notes.iter().any(|note| note.text.contains("EXPOSURE") || note.text.contains("whiteLuminance"));
+        assert_eq!(says, sky != "image = \"sky.exr\"\nscale_cd_m2 = 3", "{sky}");
+    }
+    assert!(built("image = \"cube.exr\"").unwrap_err().contains("it is a cube map by its `envmap`"));
+}

@@ -290,7 +290,7 @@ pub const ROWS: &[Row] = &[
     // Light from everywhere: a picture, a number, or a model.
     new(Sky, "image", File, "", Any, "latitude-longitude panorama, EXR or HDR"),
     new(Sky, "layer", Text, "", Any, "layer of an EXR file that has several").or("the default image"),
-    new(Sky, "scale_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "luminance of a pixel of value 1").or("1"),
+    new(Sky, "scale_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "luminance of a pixel of value 1; without it what the `whiteLuminance` of an EXR says").or("1"),
     new(Sky, "rotation_deg", Number, "deg", Any, "of an image about up, counter-clockwise as seen from above").or("0"),
     new(Sky, "luminance_cd_m2", Number, "cd/m²", MOST_LUMINANCE, "of a uniform sky, which is all around, below as above"),
     new(Sky, "rgb", Numbers(3), "", AtLeast(0.0), "colour of a uniform sky: linear Rec.709, of which only the hue and saturation count").or("white, D65"),
