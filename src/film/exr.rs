@@ -18,6 +18,8 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::{Vec2, f16};
 use rayon::prelude::*;
 
+use super::colours;
+pub use super::colours::{CHROMATICITIES, COLOR_INTEROP_ID};
 use super::crop::Window;
 use super::cryptomatte;
 use super::frame::{Channel, Frame, Meta, split_name};
@@ -25,8 +27,6 @@ use crate::base::colour::Chromaticities;
 use crate::base::error::{Error, Result, Where};
 use subsampled::Sampling;
 
-/// The attribute that names the colour space of the pictures.
-pub const COLOR_INTEROP_ID: &str = "colorInteropID";
 /// cd/m² of the value (1, 1, 1).
 pub const WHITE_LUMINANCE: &str = "whiteLuminance";
 /// Every other metadata entry `key` is the attribute `eyebox.key`, less those of Cryptomatte.
@@ -182,6 +182,9 @@ fn decode_trusting(bytes: &[u8]) -> Result<(Frame, About), String> {
     sampling.spread(&mut frame, &first_of_part);
     without_prefix(&mut frame);
     luminance_chroma::to_rgb(&mut frame, about.chromaticities.as_ref());
+    if let Some(own) = &about.chromaticities {
+        colours::keep(&mut frame, own);
+    }
     Ok((frame, about))
 }
 

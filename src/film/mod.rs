@@ -2,6 +2,7 @@
 
 pub mod accumulate;
 pub mod aov; // layers that a user defines
+pub mod colours; // how the numbers of pictures are to be read
 pub mod control_variates;
 pub mod crop; // a part of a picture
 pub mod cryptomatte; // Cryptomatte

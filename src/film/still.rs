@@ -1,6 +1,7 @@
 //! Pictures that were made elsewhere, as light: skies, slides and plates. What a file says of its windows and its colours is
 //! honoured, and what was made of it is said.
 
+use super::colours::file_space;
 use super::exr::{About, COLOR_INTEROP_ID, WHITE_LUMINANCE, decode_all};
 use super::frame::Frame;
 use super::jpeg::is_cut_short;
@@ -201,23 +202,23 @@ fn chosen(frame: &Frame, asked: Option<&str>, remarks: &mut Vec<Remark>) -> Resu
     }
 }
 
-/// How the colours are to be read: `colorInteropID`, else `chromaticities`, else linear Rec.709, as EXR has it.
+/// How the colours are to be read, and what is to be said of it.
 fn space(frame: &Frame, about: &About, remarks: &mut Vec<Remark>) -> FileSpace {
     let own = about.chromaticities.as_ref();
     let by_primaries = own.and_then(FileSpace::linear);
     if let (Some(_), None) = (own, by_primaries) {
         remarks.push(Remark::warning("has `chromaticities` that span no colours: they are left out"));
     }
-    let fallback = by_primaries.unwrap_or(FileSpace::LINEAR_REC709);
-    let (found, by) = match frame.text(COLOR_INTEROP_ID) {
-        None => (fallback, "`chromaticities`".to_owned()),
+    let found = file_space(frame);
+    let by = match frame.text(COLOR_INTEROP_ID) {
+        None => "`chromaticities`".to_owned(),
         Some(id) => match FileSpace::of_interop_id(id) {
-            Some(space) => (space, format!("`{COLOR_INTEROP_ID}` {id}")),
+            Some(_) => format!("`{COLOR_INTEROP_ID}` {id}"),
             None => {
                 let taken =
                     if by_primaries.is_some() { "its `chromaticities` count" } else { "taken as linear Rec.709" };
                 remarks.push(Remark::warning(format!("has the unknown `{COLOR_INTEROP_ID}` {id}: {taken}")));
-                (fallback, "`chromaticities`".to_owned())
+                "`chromaticities`".to_owned()
             }
         },
     };

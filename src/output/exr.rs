@@ -14,8 +14,6 @@ pub use naming::{COMPRESSION, HALF, MULTI_PART, parse_prefix};
 pub use packing::Packing;
 pub use write::{warnings, write_exr};
 
-/// Linear Rec. 709 / D65: the colour space when a frame names none.
-pub const DEFAULT_COLOR: &str = "lin_rec709_scene";
 /// What it is for numbers that are no colours.
 const DATA: &str = "data";
 

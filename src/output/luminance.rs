@@ -1,13 +1,13 @@
 //! Luminance of a frame's pixels, cd/m², whatever colour space it is stored in.
 
-use crate::base::colour::ColourSpace;
+use crate::film::colours::Colours;
 use crate::film::frame::Frame;
-use crate::output::exr::{COLOR_INTEROP_ID, WHITE_LUMINANCE};
+use crate::output::exr::WHITE_LUMINANCE;
 
 /// How the three channels of a frame's pictures become a luminance and a colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Luminance {
-    pub space: ColourSpace,
+    pub space: Colours,
     /// cd/m² of the value (1, 1, 1): 1 in our own frames.
     pub white_cd_m2: f64,
 }
@@ -15,7 +15,7 @@ pub struct Luminance {
 impl Luminance {
     /// As the frame's header says.
     pub fn in_frame(frame: &Frame) -> Luminance {
-        let space = ColourSpace::from_interop_id(frame.text(COLOR_INTEROP_ID));
+        let space = Colours::of(frame);
         let white = frame.number(WHITE_LUMINANCE).filter(|white| *white > 0.0 && white.is_finite());
         Luminance { space, white_cd_m2: white.unwrap_or(1.0) }
     }
@@ -48,7 +48,52 @@ pub fn layer_luminance(frame: &Frame, layer: &str) -> Option<Vec<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::colour::ColourSpace;
     use crate::film::frame::Meta;
+    use crate::output::exr::COLOR_INTEROP_ID;
+
+    /// Files of others that name no space but their primaries: AP1, which we write ourselves, and AP0, which we do not. Written
+    /// again they are what they were.
+    #[test]
+    fn primaries_of_foreign_files() {
+        use ::exr::prelude::*;
+        let colour = [120.0, 300.0, 80.0];
+        let primaries = |all: [[f32; 2]; 4]| {
+            let [red, green, blue, white] = all.map(|[x, y]| Vec2(x, y));
+            attribute::Chromaticities { red, green, blue, white }
+        };
+        let white = [0.32168, 0.33767];
+        let ap1 = primaries([[0.713, 0.293], [0.165, 0.830], [0.128, 0.044], white]);
+        let ap0 = primaries([[0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.077], white]);
+        let read = |own: Option<attribute::Chromaticities>, id: Option<&str>| {
+            let [r, g, b] = colour.map(|value| value as f32);
+            let mut image = Image::from_channels((1, 1), SpecificChannels::rgb(move |_| (r, g, b)));
+            image.attributes.chromaticities = own;
+            let named = id.map(|id| (Text::from(COLOR_INTEROP_ID), AttributeValue::Text(Text::from(id))));
+            image.layer_data.attributes.other.extend(named);
+            let mut bytes = std::io::Cursor::new(Vec::new());
+            image.write().to_buffered(&mut bytes).unwrap();
+            crate::film::exr::decode(&bytes.into_inner()).unwrap()
+        };
+        let of = |frame: &Frame| layer_luminance(frame, "").unwrap()[0];
+        let (by_primaries, by_name) = (read(Some(ap1), None), read(None, Some("lin_ap1_scene")));
+        assert_eq!(of(&by_primaries), ColourSpace::AcesCg.luminance(colour));
+        assert_eq!(of(&by_name), of(&by_primaries));
+        let alike = crate::output::compare::compare(&by_primaries, &by_name, 3.0);
+        assert_eq!(alike.verdict, crate::output::compare::Verdict::Identical, "{alike:?}");
+        let shown = |frame: &Frame| crate::output::view::render_view(frame, &Default::default()).unwrap().0;
+        assert_eq!(shown(&by_primaries), shown(&by_name));
+        let (by_primaries, by_name) = (read(Some(ap0), None), read(None, Some("lin_ap0_scene")));
+        assert_eq!(of(&by_primaries), of(&by_name));
+        assert!((of(&by_primaries) / ColourSpace::Rec709.luminance(colour) - 1.0).abs() > 0.01);
+        let folder = tempfile::tempdir().unwrap();
+        for frame in [&by_primaries, &by_name] {
+            let path = folder.path().join("again.exr");
+            crate::output::exr::write_exr(&path, frame).unwrap();
+            let again = crate::output::exr::read_exr(&path).unwrap();
+            assert_eq!((of(&again), again.text(COLOR_INTEROP_ID)), (of(frame), frame.text(COLOR_INTEROP_ID)));
+        }
+    }
 
     #[test]
     fn luminance_in_every_space() {

@@ -6,6 +6,7 @@ use super::luminance::Luminance;
 use super::mix::set_layer;
 use crate::base::error::{Error, Result, Where};
 use crate::film::aov;
+use crate::film::colours::Colours;
 use crate::film::frame::Frame;
 use crate::film::still::{Light, Still};
 
@@ -34,11 +35,15 @@ pub fn place(frame: &Frame, plate: &Still, white_cd_m2: f64) -> Result<(Frame, O
             .expected("a frame rendered without --layers, or with seethrough among them"));
     };
     let to = Luminance::in_frame(frame);
+    let Colours::Own(space) = to.space else {
+        return Err(Error::new(Where::Nowhere, format!("the frame's colours are in {}", to.space.name(frame)))
+            .expected("a frame of `eyebox render`"));
+    };
     let scale = white_cd_m2 / to.white_cd_m2;
     let mut behind: [Vec<f32>; 3] = std::array::from_fn(|_| Vec::with_capacity(through[0].len()));
     for pixel in 0..through[0].len() {
         let at = |data: &[f32]| data.get(pixel).map_or(0.0, |value| f64::from(*value));
-        let colour = to.space.from_rec709(match &plate.light {
+        let colour = space.from_rec709(match &plate.light {
             // A luminance alone is a grey of this luminance.
             Light::Grey(values) => [at(values); 3],
             Light::Rgb(values) => values.get(pixel).map_or([0.0; 3], |rgb| rgb.map(f64::from)),

@@ -9,14 +9,12 @@ mod planes;
 mod slides;
 
 use super::contrasts::Contrasts;
-use super::exr::COLOR_INTEROP_ID;
 use super::false_colour;
 use super::light_shares::{Picture, Rendering, luminance_of};
 use super::luminance::Luminance;
 use super::measure::{Target, measure};
 use super::tone::{Adaptation, adaptation_luminance, ward_scale};
 use super::view::{Shown, choose};
-use crate::base::colour::ColourSpace;
 use crate::base::error::{Error, Result, Where};
 use crate::film::frame::Frame;
 use planes::{Planes, Reduce};
@@ -102,7 +100,7 @@ pub fn page_with(frames: &[(String, &Frame)], more: &str) -> Result<Page> {
     let weigh = Luminance::in_frame(frame);
     let unit = |channel: usize| [0, 1, 2].map(|c| f64::from(u8::from(c == channel)));
     let title = frame.text("scene").filter(|scene| !scene.is_empty()).unwrap_or(file);
-    let space = ColourSpace::from_interop_id(frame.text(COLOR_INTEROP_ID));
+    let space = weigh.space;
     let columns = [0, 1, 2].map(|channel| space.to_rec709(unit(channel)));
     let to_rec709 = [0, 1, 2].map(|row: usize| columns.map(|column| column[row]));
     let weights = [0, 1, 2].map(|channel| weigh.of(unit(channel)));

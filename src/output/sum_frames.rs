@@ -4,11 +4,12 @@ use super::light_shares::{PLATE, Rendering, groups_of};
 use super::mix::set_layer;
 use crate::base::error::{Error, Result, Where};
 use crate::film::aov;
+use crate::film::colours::Colours;
 use crate::film::finish::slides;
 use crate::film::frame::{Frame, Meta};
 use crate::film::layer::Layer;
 use crate::film::variance;
-use crate::output::exr::{COLOR_INTEROP_ID, WHITE_LUMINANCE};
+use crate::output::exr::WHITE_LUMINANCE;
 use serde_json::Value;
 
 /// Adds up frames that were rendered with different light groups on. Layers are summed, errors are independent, data
@@ -76,13 +77,13 @@ fn comparable(first: &Frame, other: &Frame, number: usize) -> Result<()> {
     if size(first) != size(other) {
         return differs("the size", size(first), size(other));
     }
-    for (key, what) in [
-        (COLOR_INTEROP_ID, "the colour space"),
-        (WHITE_LUMINANCE, "the white"),
-        ("eye", "the eye"),
-        ("contrast", "the contrast"),
-        (slides::KEY, "the slides"),
-    ] {
+    let [own, its] = [first, other].map(Colours::of);
+    if own != its {
+        return differs("the colour space", own.name(first), its.name(other));
+    }
+    for (key, what) in
+        [(WHITE_LUMINANCE, "the white"), ("eye", "the eye"), ("contrast", "the contrast"), (slides::KEY, "the slides")]
+    {
         // A frame without slide light says no contrast, and goes with any.
         let (Some(own), Some(its)) = (first.meta.get(key), other.meta.get(key)) else { continue };
         if own != its {

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use crate::base::colour::ColourSpace;
 use crate::base::error::{Error, Result, Where};
+use crate::film::colours::Colours;
 use crate::film::frame::{Channel, Frame};
 use crate::film::sharpness::Sharpness;
 use crate::output::canvas::Canvas;
-use crate::output::exr::COLOR_INTEROP_ID;
 use crate::output::false_colour::{draw, scale};
 use crate::output::field::Field;
 use crate::output::glare::{PIGMENT, spread};
@@ -164,7 +163,7 @@ pub fn render_view(frame: &Frame, options: &ViewOptions) -> Result<(Vec<u8>, Vie
     };
     let pixel: Box<dyn Fn(DVec3) -> [u8; 3]> = match shown {
         Shown::Picture => {
-            let space = ColourSpace::from_interop_id(frame.text(COLOR_INTEROP_ID));
+            let space = Colours::of(frame);
             let adapted = frame.rgb("").unwrap_or(channels);
             let luminance = Luminance { space, white_cd_m2: 1.0 }.image(adapted);
             let mean = match adaptation_luminance(options.adaptation, &luminance, frame) {

@@ -1,9 +1,10 @@
 //! What the headers of two frames say: whether they can be compared, what was different about their making, and how well
 //! their errors are known.
 
+use crate::film::colours::Colours;
 use crate::film::frame::Frame;
 use crate::film::plan::Estimator;
-use crate::output::exr::{COLOR_INTEROP_ID, WHITE_LUMINANCE};
+use crate::output::exr::WHITE_LUMINANCE;
 
 /// Independent scrambles that light tracing learns its error from; see `film::scrambles`.
 const REPLICATES: f64 = crate::film::replicates::REPLICATES as f64;
@@ -22,9 +23,9 @@ pub fn incomparable(a: &Frame, b: &Frame) -> Vec<String> {
     if (a.width, a.height) != (b.width, b.height) {
         why.push(format!("size: {} × {} and {} × {}", a.width, a.height, b.width, b.height));
     }
-    let space = |frame: &Frame| frame.text(COLOR_INTEROP_ID).unwrap_or("none").to_owned();
-    if space(a) != space(b) {
-        why.push(format!("colour space: {} and {}", space(a), space(b)));
+    let [of_a, of_b] = [a, b].map(Colours::of);
+    if of_a != of_b {
+        why.push(format!("colour space: {} and {}", of_a.name(a), of_b.name(b)));
     }
     let white = |frame: &Frame| frame.number(WHITE_LUMINANCE).unwrap_or(1.0);
     if white(a) != white(b) {

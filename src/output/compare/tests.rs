@@ -86,7 +86,7 @@ fn frames_that_cannot_be_compared_say_why() {
         compare(&frame, &other, 3.0)
     };
     let space = with(COLOR_INTEROP_ID, Meta::Text("lin_ap1_scene".into()));
-    assert_eq!(space.incomparable, ["colour space: none and lin_ap1_scene"]);
+    assert_eq!(space.incomparable, ["colour space: lin_rec709_scene and lin_ap1_scene"]);
     assert!(space.different && space.layers.is_empty());
     assert!(with(WHITE_LUMINANCE, Meta::Number(100.0)).incomparable[0].contains("unit: whiteLuminance 1 and 100"));
     assert!(compare(&frame, &Frame::new(3, 3), 3.0).incomparable[0].contains("32 × 32 and 3 × 3"));

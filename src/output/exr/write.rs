@@ -16,14 +16,12 @@ use ::exr::prelude::{Vec2, f16};
 
 use super::naming::{self, Part, Stored};
 use super::packing::{sample_type, too_bright};
-use super::{
-    COLOR_INTEROP_ID, COMPRESSION, DATA, DEFAULT_COLOR, LAYER_PREFIX, PREFIX, Packing, WHITE_LUMINANCE, header,
-};
+use super::{COLOR_INTEROP_ID, COMPRESSION, DATA, LAYER_PREFIX, PREFIX, Packing, WHITE_LUMINANCE, header};
 use crate::base::atomic::write_atomic_by;
-use crate::base::colour::ColourSpace;
 use crate::base::error::{Error, Result, Where};
+use crate::film::colours::{self, Colours};
 use crate::film::crop::Window;
-use crate::film::exr::is_word;
+use crate::film::exr::{CHROMATICITIES, is_word};
 use crate::film::frame::{Frame, Meta, split_name};
 use crate::film::{cryptomatte, names};
 
@@ -175,8 +173,18 @@ fn check_name(name: &str, at: &dyn Fn() -> Where) -> Result<()> {
 
 fn attributes(frame: &Frame, at: &dyn Fn() -> Where) -> Result<HashMap<String, AttributeValue>> {
     let mut attributes = HashMap::new();
-    attributes.insert(COLOR_INTEROP_ID.to_owned(), AttributeValue::Text(text(DEFAULT_COLOR)));
+    match Colours::of(frame) {
+        Colours::Own(space) => {
+            attributes.insert(COLOR_INTEROP_ID.to_owned(), AttributeValue::Text(text(space.interop_id())));
+        }
+        // Its own name, if it has one, or its primaries.
+        Colours::Foreign(_) => {}
+    }
     for (key, value) in &frame.meta {
+        // A typed field of the header, too.
+        if key == CHROMATICITIES {
+            continue;
+        }
         if key == WHITE_LUMINANCE {
             // A typed field of the header, see `encode`.
             if frame.number(key).is_none_or(|number| !(number > 0.0 && number.is_finite())) {
@@ -241,11 +249,13 @@ fn encode(
             layer_position: frame.window.map_or(Vec2(0, 0), |Window { corner: [x, y], .. }| Vec2(x, y)),
             ..LayerAttributes::default()
         };
-        let space = ColourSpace::from_interop_id(frame.text(COLOR_INTEROP_ID));
-        let [red, green, blue, white] = space.chromaticities().map(|[x, y]| Vec2(x as f32, y as f32));
+        let chromaticities = colours::chromaticities(frame).map(|all| {
+            let [red, green, blue, white] = all.map(|[x, y]| Vec2(x as f32, y as f32));
+            Chromaticities { red, green, blue, white }
+        });
         let picture = frame.window.map_or(size, |Window { picture: [width, height], .. }| Vec2(width, height));
         let mut shared = ImageAttributes::new(IntegerBounds::from_dimensions(picture));
-        shared.chromaticities = Some(Chromaticities { red, green, blue, white });
+        shared.chromaticities = chromaticities;
         Header {
             shared_attributes: shared,
             own_attributes: own,

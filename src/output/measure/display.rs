@@ -3,6 +3,7 @@
 use super::points::{nine, uv, window};
 use super::{Measurer, Quantity, ghost, plain, quantity, unmeasured};
 use crate::base::colour::ColourSpace;
+use crate::film::colours::Colours;
 use crate::output::average::{Image, Uncertain, mean};
 use crate::output::contrasts::Contrasts;
 use crate::output::field::Field;
@@ -234,7 +235,7 @@ impl Measurer<'_> {
             let [r, g, b] = share.picture;
             r == g && g == b
         });
-        found.push(if grey && self.weigh.space == ColourSpace::Rec709 {
+        found.push(if grey && self.weigh.space == Colours::Own(ColourSpace::Rec709) {
             unmeasured(name, none, "the light has one colour: one wavelength, or grey".to_owned())
         } else if places.len() != 9 {
             unmeasured(name, none, "the display's light fills too few pixels for 9 points".to_owned())

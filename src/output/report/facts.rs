@@ -40,7 +40,7 @@ pub fn facts(frame: &Frame) -> Vec<[String; 2]> {
     put("field of view", field.map(|[width, height]| format!("{width:.3}° × {height:.3}°")));
     let pupil = frame.number("pupilDiameter_m").map(|metres| format!("{} mm", round(1e3 * metres)));
     put("pupil", pupil);
-    put("colour space", said(frame, crate::output::exr::COLOR_INTEROP_ID));
+    put("colour space", Some(crate::film::colours::Colours::of(frame).name(frame)));
     put("wavelengths", said(frame, "wavelengths").map(wavelengths));
     put("contrast of the slide", frame.number("contrast").map(round));
     put("light groups", list(frame, "groups").map(|groups| groups.join(", ")));

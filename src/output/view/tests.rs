@@ -1,5 +1,6 @@
 use super::*;
 use crate::film::frame::Meta;
+use crate::output::exr::COLOR_INTEROP_ID;
 
 fn picture(values: &[f32]) -> Frame {
     let mut frame = Frame::new(values.len(), 1);
