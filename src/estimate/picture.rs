@@ -149,6 +149,9 @@ pub fn add_sums(frame: &mut Frame, films: &Films, stop: Stop, splits: &[Split]) 
         put(&format!("paths.{name}"), Meta::Text(ledger.paths.to_string()));
         put(&format!("ledger.{name}"), text(ledger));
     }
+    if let Some(error) = films.relative_error().filter(|error| error.is_finite()) {
+        put(names::STATED_ERROR, Meta::Number(error));
+    }
     put("stop", text(&stop));
     put("splits", text(&splits.to_vec()));
 }

@@ -124,13 +124,11 @@ pub fn add(frame: &mut Frame, matte: Matte, ranked: &[Ranked], names: &[&str]) {
 
 /// The attributes of a matte, under the names that the specification gives them.
 fn header(matte: Matte, names: &[&str]) -> Vec<(String, Meta)> {
-    let key = format!("{:08x}", identity(matte.name()));
     let manifest: BTreeMap<&str, String> =
         names.iter().map(|name| (*name, format!("{:08x}", identity(name)))).collect();
     // Keys that are texts always serialise.
     let manifest = serde_json::to_string(&manifest).unwrap_or_else(|_| "{}".to_owned());
-    // The first seven digits, as the specification suggests.
-    let at = |what: &str| format!("{KEYS}{}/{what}", &key[..7]);
+    let at = |what: &str| key(matte.name(), what);
     let text = |text: &str| Meta::Text(text.to_owned());
     vec![
         (at("name"), text(matte.name())),
@@ -138,6 +136,18 @@ fn header(matte: Matte, names: &[&str]) -> Vec<(String, Meta)> {
         (at("conversion"), text("uint32_to_float32")),
         (at("manifest"), Meta::Text(manifest)),
     ]
+}
+
+/// The attribute of a matte that layers are called by: the first seven digits of its name's hash, as the specification suggests.
+pub fn key(name: &str, what: &str) -> String {
+    let hash = format!("{:08x}", identity(name));
+    format!("{KEYS}{}/{what}", &hash[..7])
+}
+
+/// The attribute `own`, if it is one of the matte `from`, as that of the matte `to`.
+pub fn renamed(own: &str, from: &str, to: &str) -> Option<String> {
+    let what = own.strip_prefix(KEYS)?.split_once('/')?.1;
+    (key(from, what) == own).then(|| key(to, what))
 }
 
 /// Metadata that begins so is an attribute of this name in a file, without a prefix of ours.

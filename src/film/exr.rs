@@ -314,11 +314,21 @@ pub fn without_prefix(frame: &mut Frame) {
             channel.name = own.to_owned();
         }
     }
+    let mut mattes = Vec::new();
     for (_, value) in frame.meta.iter_mut().filter(|(key, _)| is_matte_name(key)) {
         if let Meta::Text(name) = value
-            && let Some(own) = name.strip_prefix(&prefix)
+            && let Some(own) = name.strip_prefix(&prefix).map(str::to_owned)
         {
-            *name = own.to_owned();
+            mattes.push((std::mem::replace(name, own.clone()), own));
+        }
+    }
+    // Attributes of a matte go by the hash of its name.
+    for (stored, own) in &mattes {
+        let old: Vec<String> = frame.meta.keys().filter(|key| key.starts_with(cryptomatte::KEYS)).cloned().collect();
+        for (old, new) in old.iter().filter_map(|key| Some((key, cryptomatte::renamed(key, stored, own)?))) {
+            if let Some(value) = frame.meta.remove(old) {
+                frame.meta.insert(new, value);
+            }
         }
     }
 }

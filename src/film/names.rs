@@ -6,6 +6,9 @@ use super::cryptomatte::Matte;
 use super::layer::Layer;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Metadata: the relative error that a run states of its picture.
+pub const STATED_ERROR: &str = "statedError";
+
 /// What a share comes with beside its own picture, and what that is.
 const OF_SHARE: [(&str, &str); 12] = [
     ("_open", "with the slide open"),

@@ -8,6 +8,7 @@ use crate::film::aov;
 use crate::film::finish::slides::{self, SlideInfo};
 use crate::film::frame::{Frame, Meta, split_name};
 use crate::film::layer::Layer;
+use crate::film::names::STATED_ERROR;
 use crate::film::variance;
 
 /// What the header's entries about layers of `render --chain` begin with, and the path table that comes with them.
@@ -250,7 +251,7 @@ fn leave_out_chains(out: &mut Frame) -> Vec<String> {
     let named = |key: &String| key.strip_prefix(CHAIN).map(str::to_owned);
     let names: Vec<String> = out.meta.keys().filter_map(named).collect();
     out.channels.retain(|channel| !names.iter().any(|name| name == channel.layer()));
-    out.meta.retain(|key, _| !key.starts_with(CHAIN) && key != PATHS);
+    out.meta.retain(|key, _| !key.starts_with(CHAIN) && key != PATHS && key != STATED_ERROR);
     names
 }
 

@@ -8,6 +8,7 @@ use crate::film::colours::Colours;
 use crate::film::finish::slides;
 use crate::film::frame::{Frame, Meta};
 use crate::film::layer::Layer;
+use crate::film::names::STATED_ERROR;
 use crate::film::variance;
 use crate::output::exr::WHITE_LUMINANCE;
 use serde_json::Value;
@@ -30,6 +31,8 @@ pub fn join(frames: &[Frame]) -> Result<Frame> {
     if !rest.is_empty() {
         aov::refresh(&mut sum);
         variance::refresh(&mut sum);
+        // Of several runs nobody has stated one.
+        sum.meta.remove(STATED_ERROR);
     }
     Ok(sum)
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::super::compare::is_data;
 use crate::base::error::{Error, Result, Where};
-use crate::film::cryptomatte::Matte;
+use crate::film::cryptomatte::{KEYS, Matte, renamed};
 use crate::film::exr::{LAYER_PREFIX, is_matte_name, is_word};
 use crate::film::frame::{Frame, Meta, split_name};
 use crate::film::names;
@@ -85,6 +85,16 @@ pub fn parts<'f>(frame: &'f Frame, at: &dyn Fn() -> Where) -> Result<Vec<Part<'f
         part.name = part.name.take().map(|name| if name.is_empty() { first.clone() } else { name });
     }
     Ok(parts)
+}
+
+/// What an entry of the metadata is called in a file: a matte's attributes by the hash of its name, prefix included.
+pub fn stored_key(frame: &Frame, key: &str) -> String {
+    let prefix = frame.text(LAYER_PREFIX).filter(|prefix| !prefix.is_empty() && key.starts_with(KEYS));
+    let renamed = prefix.and_then(|prefix| {
+        let mut all = Matte::ALL.iter().map(|matte| matte.name());
+        all.find_map(|name| renamed(key, name, &format!("{prefix}{name}")))
+    });
+    renamed.unwrap_or_else(|| key.to_owned())
 }
 
 /// A matte's name in the header is the name of its layers, prefix included.

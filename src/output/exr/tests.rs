@@ -94,6 +94,11 @@ fn prefix_and_parts_are_the_files_own_business() {
         assert_eq!(contains(&bytes, "eb_forward.R"), prefix.is_some());
         assert_eq!(contains(&bytes, "eb_CryptoPart01.r"), prefix.is_some());
         assert!(!contains(&bytes, "eb_R") && !contains(&bytes, "eb_Z\0"));
+        // The specification's key: seven digits of the hash of the name that the layers have in the file.
+        let stored = format!("{}CryptoPart", prefix.unwrap_or(""));
+        let key =
+            format!("cryptomatte/{}/name\0", &format!("{:08x}", crate::film::cryptomatte::identity(&stored))[..7]);
+        assert!(contains(&bytes, &key) && contains(&bytes, "cryptomatte/3201c4f/") == prefix.is_none(), "{key}");
         let back = decode(&bytes).unwrap();
         assert_eq!(by_name(&back), by_name(&frame), "{prefix:?} {several}");
         assert_eq!(back.text("cryptomatte/3201c4f/name"), Some("CryptoPart"));

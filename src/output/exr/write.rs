@@ -193,7 +193,7 @@ fn attributes(frame: &Frame, at: &dyn Fn() -> Where) -> Result<HashMap<String, A
             continue;
         }
         let own_name = key == COLOR_INTEROP_ID || key.starts_with(cryptomatte::KEYS);
-        let name = if own_name { key.clone() } else { format!("{PREFIX}{key}") };
+        let name = if own_name { naming::stored_key(frame, key) } else { format!("{PREFIX}{key}") };
         if key.is_empty() || name.len() > LONGEST_NAME || !name.bytes().all(|byte| byte.is_ascii_graphic()) {
             return Err(Error::new(at(), format!("`{key}` cannot name an attribute"))
                 .expected(format!("1 to {} visible ASCII characters without spaces", LONGEST_NAME - PREFIX.len())));
