@@ -53,6 +53,7 @@ codes! {
     NameUnknown => "EB0209",
     TableTooShort => "EB0210",
     TransmissionPartial => "EB0211",
+    IndexContradicted => "EB0212",
     StrengthMissing => "EB0301",
     StrengthTwice => "EB0302",
     ProfileMissing => "EB0304",

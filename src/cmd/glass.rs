@@ -65,7 +65,9 @@ pub fn run(args: &GlassArgs) -> Result<ExitCode> {
 fn asked(args: &GlassArgs) -> Result<(Vec<Cow<'static, Glass>>, Vec<f64>)> {
     let row = |name: &String| -> Result<Cow<'static, Glass>> {
         if let Some(from) = agf::Reference::of(name) {
-            return Ok(Cow::Owned(from.read(&Where::Nowhere)?));
+            let (glass, doubt) = from.compared(&Where::Nowhere)?;
+            doubt.into_iter().for_each(|doubt| tell!("warning: {doubt}"));
+            return Ok(Cow::Owned(glass));
         }
         find(name).map(Cow::Borrowed).ok_or_else(|| {
             Error::new(Where::Nowhere, format!("unknown glass `{name}`"))

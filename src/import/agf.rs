@@ -1,6 +1,6 @@
 //! Catalogues of glasses as makers publish them for lens design programs (`.agf`), named in place of a glass: `FILE.agf#NAME`.
 //!
-//! A line is a keyword and numbers: NM starts a glass and has its formula, CD the coefficients, LD the wavelengths in µm that
+//! A line is a keyword and numbers, and those that do not fit go on in the next, which begins with one: NM starts a glass and has its formula, CD the coefficients, LD the wavelengths in µm that
 //! the formula holds for, IT a wavelength, the transmittance inside of the glass and its thickness in mm. TD and ED are of heat,
 //! which nothing here has. Formulas by number as in the manual of Zemax OpticStudio, "Using material catalogs".
 
@@ -10,6 +10,12 @@ use crate::base::{Code, Error, Where};
 use crate::scene::glass::Glass;
 use crate::scene::{Dispersion, Formula, FormulaKind};
 use std::path::{Path, PathBuf};
+
+/// How far n_d of a melt may be from that of its catalogue (SCHOTT, TIE-29, "Refractive index and dispersion", step 3): a law
+/// that is farther from the n_d beside it is of another glass.
+const MELT: f64 = 5e-4;
+/// The yellow line of helium, nm.
+const D_NM: f64 = 587.5618;
 
 /// `FILE.agf#NAME`, taken apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,19 +42,45 @@ impl<'a> Reference<'a> {
     /// # Errors
     /// The file can't be read, has no such glass, or says of it what can't be.
     pub fn read(self, at: &Where) -> Result<Glass> {
+        self.compared(at).map(|(glass, _)| glass)
+    }
+
+    /// The same, and what contradicts itself in its lines.
+    pub fn compared(self, at: &Where) -> Result<(Glass, Option<String>)> {
         let path = self.path(at);
         let text = text::decoded(&files::read(&path, at, "catalogue of glasses")?);
         glass(&text, &path, self.name, at)
     }
 }
 
-/// The glass `name` of the catalogue `text`. Upper and lower case, `-`, `_` and spaces make no difference.
-fn glass(text: &str, path: &Path, name: &str, at: &Where) -> Result<Glass> {
-    let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.split_whitespace().collect::<Vec<_>>()));
+/// Lines with their numbers; a line that begins with a number belongs to the one before.
+fn lines(text: &str) -> Vec<(usize, Vec<&str>)> {
+    let mut out: Vec<(usize, Vec<&str>)> = Vec::new();
+    for (i, line) in text.lines().enumerate() {
+        let words = line.split_whitespace();
+        let goes_on = words.clone().next().is_some_and(|word| word.parse::<f64>().is_ok());
+        match out.last_mut().filter(|_| goes_on) {
+            Some((_, own)) => own.extend(words),
+            None => out.push((i + 1, words.collect())),
+        }
+    }
+    out
+}
+
+/// The glass `name` of the catalogue `text`, and what contradicts itself in its lines. Where none is spelt so, upper and lower
+/// case make no difference, and then `-`, `_` and spaces.
+fn glass(text: &str, path: &Path, name: &str, at: &Where) -> Result<(Glass, Option<String>)> {
+    let lines = lines(text);
     let letters = |name: &str| name.replace(['-', '_', ' '], "").to_ascii_uppercase();
     let starts = |words: &[&str]| words.first() == Some(&"NM");
-    let named = |words: &[&str]| starts(words) && words.get(1).is_some_and(|own| letters(own) == letters(name));
-    let Some((line, head)) = lines.find(|(_, words)| named(words)) else {
+    let spelt = |alike: &dyn Fn(&str) -> bool| {
+        let named = |words: &[&str]| starts(words) && words.get(1).is_some_and(|own| alike(own));
+        lines.iter().position(|(_, words)| named(words))
+    };
+    let found = spelt(&|own| own == name)
+        .or_else(|| spelt(&|own| own.eq_ignore_ascii_case(name)))
+        .or_else(|| spelt(&|own| letters(own) == letters(name)));
+    let Some((line, head)) = found.and_then(|index| lines.get(index)).map(|(line, head)| (*line, head)) else {
         let names: Vec<&str> =
             text.lines().filter_map(|line| line.strip_prefix("NM")?.split_whitespace().next()).collect();
         return Err(Error::new(at.clone(), format!("no glass `{name}` in {}", path.display()))
@@ -67,11 +99,12 @@ fn glass(text: &str, path: &Path, name: &str, at: &Where) -> Result<Glass> {
     };
     let number = head.get(2).and_then(|word| word.parse::<f64>().ok()).unwrap_or(f64::NAN);
     let (mut c, mut valid_um, mut k) = (Vec::new(), None, Vec::new());
-    for (line, words) in lines.take_while(|(_, words)| !starts(words)) {
+    let own = lines.iter().skip(found.map_or(0, |index| index + 1)).take_while(|(_, words)| !starts(words));
+    for (line, words) in own {
         match words.first().copied() {
-            Some("CD") => c = numbers(line, &words)?,
-            Some("LD") => valid_um = numbers(line, &words)?.first_chunk::<2>().copied(),
-            Some("IT") => k.extend(extinction(&numbers(line, &words)?)),
+            Some("CD") => c = numbers(*line, words)?,
+            Some("LD") => valid_um = numbers(*line, words)?.first_chunk::<2>().copied(),
+            Some("IT") => k.extend(extinction(&numbers(*line, words)?)),
             Some(_) | None => {}
         }
     }
@@ -91,14 +124,22 @@ fn glass(text: &str, path: &Path, name: &str, at: &Where) -> Result<Glass> {
     if let Some(problem) = law.problem() {
         return Err(fault(line, format!("glass `{name}`: {problem}")));
     }
-    Ok(Glass {
+    let glass = Glass {
         name: head.get(1).copied().unwrap_or(name).to_owned().leak(),
         also: &[],
         dispersion: Dispersion::Formula(law),
         valid_nm: [low, high].map(|um| (um * 1e6).round() / 1e3),
         solid: true,
         source: format!("{}, line {line}", path.display()).leak(),
-    })
+    };
+    // 1 and less stand for no number.
+    let stated = head.get(4).and_then(|word| word.parse::<f64>().ok()).filter(|n| *n > 1.0);
+    let within = low <= 1e-3 * D_NM && 1e-3 * D_NM <= high;
+    let law = glass.dispersion.index(D_NM).re;
+    let doubt = stated.filter(|n_d| within && (law.is_nan() || (law - n_d).abs() > MELT)).map(|n_d| {
+        format!("{}: glass `{}` says n_d {n_d}, and its coefficients give {law:.6}", glass.source, glass.name)
+    });
+    Ok((glass, doubt))
 }
 
 /// (nm, k) of an IT line: k = −λ ln τ / 4πd. None where nothing came through, as then no number is known.
@@ -155,7 +196,43 @@ mod tests {
         NM POLY 1 0 0 0 0 0 0\nCD 2.25 0 0 0 0 0\nLD 0.3 2.5\nNM BAD 14 0 0 0\nCD 1\nLD 0.3 2.5\nNM WORSE 2\nCD x\n";
 
     fn read(name: &str) -> Result<Glass> {
-        glass(FILE, Path::new("x.agf"), name, &Where::Nowhere)
+        glass(FILE, Path::new("x.agf"), name, &Where::Nowhere).map(|(glass, _)| glass)
+    }
+
+    /// Coefficients that go on in lines below, as a maker prints them: the index is that of the glass's own n_d and V_d. With
+    /// the first line alone it is 0.009 too high, which NM's n_d tells.
+    #[test]
+    fn lines_that_go_on() {
+        let wrapped = "NM SF11 1 785258 1.784721 25.833679 0 2 0\nGC\nCD 3.127487 -6.374660E-002 -9.890957E-004 1.363913E-002 \n\
+            -1.588824E-003 9.646333E-005 0 0\n0 0\nTD 0 0 0 0\n0 0 20\nOD -1 -1\nLD 0.4 0.7\n";
+        let of = |text: &str| glass(text, Path::new("x.agf"), "SF11", &Where::Nowhere).unwrap();
+        let (read, doubt) = of(wrapped);
+        let n = |nm: f64| read.dispersion.index(nm).re;
+        assert!((n(D_NM) - 1.784_721).abs() < 1e-6, "{}", n(D_NM));
+        let v = (n(D_NM) - 1.0) / (n(486.1327) - n(656.2725));
+        assert!((v - 25.833_679).abs() < 1e-3, "{v}");
+        assert_eq!((doubt, read.valid_nm), (None, [400.0, 700.0]));
+        let (_, doubt) = of(&wrapped.replace("-1.588824E-003 9.646333E-005 0 0\n0 0\n", ""));
+        let said = doubt.expect("n_d contradicts it");
+        assert!(
+            said.contains("x.agf, line 1: glass `SF11` says n_d 1.784721, and its coefficients give 1.79"),
+            "{said}"
+        );
+        // 1 is what stands where nobody knows.
+        assert_eq!(of(&wrapped.replace("1.784721", "1.000000")).1, None);
+    }
+
+    /// `CDS-E` and `CDSE` are two glasses, and so are `Bk7` and `BK7`.
+    #[test]
+    fn a_name_as_it_is_spelt_goes_first() {
+        let text = "NM CDS-E 1 1\nCD 4\nLD 0.3 2\nNM CDSE 1 1\nCD 9\nLD 0.3 2\nNM Bk7 1 1\nCD 16\nLD 0.3 2\nNM BK7 1 1\nCD 25\n\
+            LD 0.3 2\n";
+        for (name, n) in
+            [("CDSE", 3.0), ("CDS-E", 2.0), ("cdse", 3.0), ("CDS_E", 2.0), ("BK7", 5.0), ("bk7", 4.0), ("B-K7", 4.0)]
+        {
+            let (read, _) = glass(text, Path::new("x.agf"), name, &Where::Nowhere).unwrap();
+            assert_eq!(read.dispersion.index(550.0).re, n, "{name}");
+        }
     }
 
     #[test]

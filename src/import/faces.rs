@@ -129,7 +129,12 @@ impl Builder<'_> {
                 let beyond = match Reference::of(name) {
                     Some(from) => {
                         self.catalogue_file(from, &value.at);
-                        from.read(&value.at).ok().and_then(|glass| glass.beyond(traced))
+                        let read = from.compared(&value.at).ok();
+                        let doubt = read.as_ref().and_then(|(_, doubt)| doubt.clone());
+                        let note =
+                            doubt.map(|doubt| Note::warning(value.at.clone(), doubt).code(Code::IndexContradicted));
+                        self.notes.extend(note.filter(|note| !self.notes.contains(note)));
+                        read.and_then(|(glass, _)| glass.beyond(traced))
                     }
                     None => glass::find(name).and_then(|glass| glass.beyond(traced)),
                 };

@@ -185,14 +185,19 @@ static GLASSES: LazyLock<Vec<Glass>> = LazyLock::new(|| vec![
 ]);
 
 /// The row called `name`, or the entry of the database; upper and lower case, `-`, `_` and spaces make no difference (`nbk7`
-/// finds `N-BK7`). A row of the catalogue goes before an entry of the same name.
+/// finds `N-BK7`) where none is spelt so. A row of the catalogue goes before an entry of the same name.
 pub fn find(name: &str) -> Option<&'static Glass> {
-    row(name).or_else(|| database::find(name))
+    spelt(name).or_else(|| database::exact(name)).or_else(|| row(name)).or_else(|| database::find(name))
+}
+
+/// The row that is spelt so.
+fn spelt(name: &str) -> Option<&'static Glass> {
+    GLASSES.iter().find(|glass| known(glass).any(|own| own == name))
 }
 
 /// The row of the catalogue, without the database.
 fn row(name: &str) -> Option<&'static Glass> {
-    GLASSES.iter().find(|glass| known(glass).any(|own| letters(own).eq(letters(name))))
+    spelt(name).or_else(|| GLASSES.iter().find(|glass| known(glass).any(|own| letters(own).eq(letters(name)))))
 }
 
 fn known(glass: &Glass) -> impl Iterator<Item = &'static str> {

@@ -75,6 +75,10 @@ const PLANTS: &[(&str, Plant)] = &[
             "KHR_materials_volume": { "thicknessFactor": 1 },
         });
     }),
+    ("EB0212", |b| {
+        b.files.insert("own.agf".into(), b"NM X 1 0 1.6 50\nCD 2.25\nLD 0.3 2.5\n".to_vec());
+        b.swap("glass = \"PMMA\"", "glass = \"own.agf#X\"");
+    }),
     ("EB0301", |b| b.swap("luminance_cd_m2 = 5000, ", "")),
     ("EB0302", |b| b.swap("luminance_cd_m2 = 5000, ", "luminance_cd_m2 = 5000, flux_lm = 1, ")),
     ("EB0303", |b| b.gltf["materials"][1]["emissiveFactor"] = json!([1, 1, 1])),

@@ -34,6 +34,7 @@ mod eb0208;
 mod eb0209;
 mod eb0210;
 mod eb0211;
+mod eb0212;
 mod eb0301;
 mod eb0302;
 mod eb0303;
@@ -98,6 +99,7 @@ pub const RULES: &[&Rule] = &[
     &eb0209::RULE,
     &eb0210::RULE,
     &eb0211::RULE,
+    &eb0212::RULE,
     &eb0301::RULE,
     &eb0302::RULE,
     &eb0303::RULE,

@@ -2,6 +2,7 @@
 //! surface that the first one began. A command may name its surface instead (`THI S3 5`).
 
 mod axes;
+mod private;
 mod words;
 
 use super::{After, Heights, Prescription, Profile, Surface};
@@ -9,9 +10,9 @@ use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::scene::Note;
 use axes::{Raw, Return, spread};
-use std::collections::BTreeMap;
+use private::Private;
 use std::path::Path;
-use words::{bare, commands, glass, qualifier};
+use words::{commands, glass, qualifier};
 
 /// Commands that bend light or turn axes in ways that are not read.
 const REFUSED: [&str; 15] =
@@ -22,8 +23,8 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
     let mut out = Prescription { unit_m: 1e-3, ..Prescription::default() };
     let (mut raws, mut radii, mut reference) = (Vec::<Raw>::new(), false, 1usize);
     let (mut waves, mut fields, mut zoomed, mut heights) = (Vec::new(), [0.0f64; 2], false, None);
-    // Glasses of the file's own, between PRV and END, and the wavelengths of their indices.
-    let (mut private, mut known, mut at_nm) = (false, BTreeMap::<String, Vec<[f64; 2]>>::new(), Vec::<f64>::new());
+    // Whether this is between PRV and END, where the file's own glasses are.
+    let (mut private, mut known) = (false, Private::default());
     for (line, command) in commands(text) {
         let at = || Where::Line { file: path.to_owned(), line };
         let mut words: Vec<&str> = command.split_whitespace().collect();
@@ -31,18 +32,7 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
         match key.as_str() {
             "PRV" => private = true,
             "END" => private = false,
-            _ if private => {
-                let numbers =
-                    words.iter().skip(1).filter_map(|word| word.parse::<f64>().ok()).filter(|n| n.is_finite());
-                if key == "PWL" {
-                    at_nm = numbers.collect();
-                } else {
-                    let mut rows: Vec<[f64; 2]> = at_nm.iter().zip(numbers).map(|(nm, n)| [*nm, n]).collect();
-                    rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
-                    rows.dedup_by(|b, a| a[0] == b[0]);
-                    known.insert(bare(&key), rows);
-                }
-            }
+            _ if private => known.take(&key, words.get(1..).unwrap_or(&[])),
             _ => {}
         }
         if private {

@@ -93,6 +93,39 @@ fn a_sequence_in_its_spellings() {
     }
 }
 
+/// A private glass by Laurent's formula: NOA61, whose maker gives n = 1.5375 + 0.0082904/λ² − 0.000211046/λ⁴ (λ in µm; Norland,
+/// "Norland Optical Adhesive 61"), squared. Formulas that are not read are refused where such a glass is used.
+#[test]
+fn private_glasses_by_formula() {
+    let of = |glass: &str| {
+        let text = format!(
+            "RDM\nDIM M\nWL 587.5618\nEPD 10\nPRV\n PWL 550.0\n {glass}\nEND\nSO 0 0.1e14\nS 50 5 'NOA61'\nSTO\nCIR 6\n\
+             S -50 40\nCIR 6\nSI 0 0\n"
+        );
+        seq::read(&text, Path::new("x.seq")).map_err(|fault| fault.to_string())
+    };
+    let read = of("'NOA61' LAU 2.36390625 0.0 0.025493134 -0.000580235 -0.349933e-5 0.445404e-7").unwrap();
+    let After::Private(rows) = &read.surfaces[1].after else { panic!("{:?}", read.surfaces[1].after) };
+    for [nm, n] in rows {
+        let um = nm / 1e3;
+        let want = 1.5375 + 0.0082904 / um.powi(2) - 0.000211046 / um.powi(4);
+        assert!((n - want).abs() < 1e-6, "{nm}: {n} for {want}");
+    }
+    assert!(rows.first().is_some_and(|row| row[0] <= 360.0) && rows.last().is_some_and(|row| row[0] >= 830.0));
+    let fault = of("'NOA61' HAR 1.5 0.1 0.2").unwrap_err();
+    assert!(
+        fault.starts_with("x.seq:10: the private glass `NOA61` is by the formula HAR, which is not read"),
+        "{fault}"
+    );
+    for bad in ["'NOA61' LAU -9", "'NOA61' LAU x", "'NOA61' 1.5 1.6", "'NOA61'", "'NOA61' LAU 2 0 0 0 0 0 7"] {
+        let fault = of(bad).unwrap_err();
+        assert!(fault.contains("expected an index at each wavelength of PWL") && !fault.contains('\n'), "{fault}");
+    }
+    // Nobody uses this one.
+    let unused = of("'OTHER' HAR 1").unwrap();
+    assert_eq!(unused.surfaces[1].after, After::Glass { name: "NOA61".to_owned(), model: None });
+}
+
 /// Fringe terms against their polynomials as they are printed (Wyant and Creath 1992, table III), on the sag of a plane that has
 /// one of them.
 #[test]

@@ -71,9 +71,18 @@ impl Layout {
     }
 }
 
-/// The entry called `name`. Of names with the same letters the one in the same case comes first (`BaF2` is no `BAF2`), then
-/// the one of the maker whom the database lists first.
+/// The entry called `name`. Of names with the same letters the one that is spelt so comes first, then the one in the same case
+/// (`BaF2` is no `BAF2`), then the one of the maker whom the database lists first.
 pub fn find(name: &str) -> Option<&'static Glass> {
+    found(name, false)
+}
+
+/// The entry that is spelt so.
+pub fn exact(name: &str) -> Option<&'static Glass> {
+    found(name, true)
+}
+
+fn found(name: &str, exact: bool) -> Option<&'static Glass> {
     let layout = layout()?;
     let compare = |i: usize| layout.name(i).map_or(Ordering::Greater, |(own, _)| letters(own).cmp(letters(name)));
     let (mut low, mut high) = (0, layout.count);
@@ -83,8 +92,10 @@ pub fn find(name: &str) -> Option<&'static Glass> {
     }
     let alike: Vec<(&str, u16)> =
         (low..layout.count).take_while(|i| compare(*i) == Ordering::Equal).filter_map(|i| layout.name(i)).collect();
-    let same_case = alike.iter().find(|(own, _)| kept(own).eq(kept(name)));
-    decoded(same_case.or(alike.first())?.1)
+    let spelt = alike.iter().find(|(own, _)| *own == name);
+    let same_case = || alike.iter().find(|(own, _)| kept(own).eq(kept(name)));
+    let chosen = if exact { spelt } else { spelt.or_else(same_case).or(alike.first()) };
+    decoded(chosen?.1)
 }
 
 fn decoded(number: u16) -> Option<&'static Glass> {

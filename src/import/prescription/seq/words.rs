@@ -1,9 +1,9 @@
 //! Commands of a sequence and the words that are in them.
 
+use super::private::Private;
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::import::prescription::After;
-use std::collections::BTreeMap;
 
 /// Commands with their lines: comments left out, a line that ends in `&` goes on in the next, `;` parts them outside of quotes.
 pub(super) fn commands(text: &str) -> Vec<(usize, String)> {
@@ -54,10 +54,10 @@ pub(super) fn bare(word: &str) -> String {
 }
 
 /// What a word behind a surface means: REFL, AIR, a glass with its maker, six digits and more of n and V, or both with a colon.
-pub(super) fn glass(word: &str, known: &BTreeMap<String, Vec<[f64; 2]>>, at: &Where) -> Result<After> {
+pub(super) fn glass(word: &str, known: &Private, at: &Where) -> Result<After> {
     let upper = bare(&word.to_uppercase());
-    if let Some(rows) = known.get(&upper).filter(|rows| !rows.is_empty()) {
-        return Ok(After::Private(rows.clone()));
+    if let Some(own) = known.glass(&upper, at)? {
+        return Ok(own);
     }
     match upper.as_str() {
         "AIR" => return Ok(After::Air),
