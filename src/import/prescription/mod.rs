@@ -6,6 +6,7 @@
 mod frames;
 mod mesh;
 mod profile;
+mod pupil;
 mod seq;
 mod sidecar;
 mod sizes;
@@ -30,8 +31,8 @@ pub struct Prescription {
     pub surfaces: Vec<Surface>,
     /// Diameter of the entrance pupil, if the file says it.
     pub pupil: Option<f64>,
-    /// Focal length over the diameter of the pupil, if the file says that instead.
-    pub f_number: Option<f64>,
+    /// What the file says instead.
+    pub aperture: Option<Aperture>,
     /// Largest field in x and y, degrees.
     pub field_deg: Option<[f64; 2]>,
     /// What the file says instead of angles.
@@ -41,6 +42,21 @@ pub struct Prescription {
     /// Makers whose glasses it names, the first first.
     pub catalogues: Vec<String>,
     pub notes: Vec<Note>,
+}
+
+/// What the diameter of the entrance pupil follows from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Aperture {
+    /// Focal length over it.
+    Ratio(f64),
+    /// 1/(2 tan u'), u' the paraxial angle of the light from the axis of the object at the image.
+    WorkingRatio(f64),
+    /// Sine of the angle of that light at the object.
+    ObjectNa(f64),
+    /// The same at the image.
+    ImageNa(f64),
+    /// The size of the stop.
+    Stop,
 }
 
 /// Largest heights of a field in x and y.

@@ -5,7 +5,7 @@ mod axes;
 mod private;
 mod words;
 
-use super::{After, Heights, Prescription, Profile, Surface};
+use super::{After, Aperture, Heights, Prescription, Profile, Surface};
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::scene::Note;
@@ -75,7 +75,9 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
             "RDM" => radii = !words.first().is_some_and(|word| word.to_uppercase().starts_with('N')),
             "CUM" => radii = false,
             "EPD" => out.pupil = Some(number(0)?).filter(|pupil| *pupil > 0.0),
-            "FNO" => out.f_number = Some(number(0)?).filter(|ratio| *ratio > 0.0),
+            "FNO" => out.aperture = Some(Aperture::Ratio(number(0)?)),
+            "NA" => out.aperture = Some(Aperture::ImageNa(number(0)?)),
+            "NAO" => out.aperture = Some(Aperture::ObjectNa(number(0)?)),
             "WL" => waves = (0..words.len()).map(number).collect::<Result<Vec<f64>>>()?,
             "REF" => reference = number(0)?.max(1.0) as usize,
             "XAN" | "YAN" | "XOB" | "YOB" | "XIM" | "YIM" | "XRI" | "YRI" => {

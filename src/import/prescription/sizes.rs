@@ -2,7 +2,7 @@
 //! rim of the field; and the field, where the file says it by heights.
 
 use super::sidecar::FIELD_DEG;
-use super::{After, Heights, Prescription, sidecar};
+use super::{After, Heights, Prescription, pupil, sidecar};
 use crate::base::Where;
 use crate::scene::{Dispersion, Note, glass};
 use glam::DAffine3;
@@ -56,7 +56,8 @@ fn traced(prescription: &Prescription, [mut y, mut u]: [f64; 2]) -> (Vec<f64>, f
 /// Fills in the sizes that are missing, and the field.
 pub(super) fn fill(prescription: &mut Prescription, frames: &[DAffine3], path: &Path) {
     let missing = |surface: &super::Surface| surface.turn.is_none() && surface.semi_diameter <= 0.0;
-    let ((by_height, leaves), (by_slope, _)) = (traced(prescription, [1.0, 0.0]), traced(prescription, [0.0, 1.0]));
+    let ((by_height, leaves), (by_slope, by_slope_leaves)) =
+        (traced(prescription, [1.0, 0.0]), traced(prescription, [0.0, 1.0]));
     let stop = prescription.surfaces.iter().position(|surface| surface.stop).unwrap_or(1);
     // The height at which a ray from the field's rim must enter to go through the middle of the stop.
     let enters = by_height.get(stop).zip(by_slope.get(stop)).map_or(0.0, |(y, u)| if *y == 0.0 { 0.0 } else { -u / y });
@@ -81,17 +82,9 @@ pub(super) fn fill(prescription: &mut Prescription, frames: &[DAffine3], path: &
         prescription.notes.push(Note::info(Where::Line { file: path.to_owned(), line: image.line }, text));
         image.semi_diameter = seen;
     }
-    if !prescription.surfaces.iter().skip(1).any(missing) {
-        return;
-    }
-    let by_ratio = || prescription.f_number.map(|ratio| 1.0 / (leaves * ratio).abs()).filter(|pupil| pupil.is_finite());
-    let pupil = prescription.pupil.or_else(by_ratio).or_else(|| {
-        // Without one, what its stop lets in.
-        let own = prescription.surfaces.get(stop)?.semi_diameter / by_height.get(stop)?.abs();
-        (own > 0.0 && own.is_finite()).then_some(2.0 * own)
-    });
-    let Some(pupil) = pupil else { return };
-    prescription.pupil = Some(pupil);
+    let at_stop = by_height.get(stop).copied().unwrap_or(0.0);
+    pupil::fill(prescription, &pupil::Rays { leaves: [leaves, by_slope_leaves], enters, stop, at_stop }, path);
+    let Some(pupil) = prescription.pupil.filter(|_| prescription.surfaces.iter().skip(1).any(missing)) else { return };
     let slope = angle.unwrap_or(0.0).to_radians().tan();
     let mut from = None;
     for (index, (y, u)) in by_height.into_iter().zip(by_slope).enumerate().skip(1) {

@@ -126,6 +126,44 @@ fn private_glasses_by_formula() {
     assert_eq!(unused.surfaces[1].after, After::Glass { name: "NOA61".to_owned(), model: None });
 }
 
+/// The entrance pupil by each of the words that say an aperture, against the thick lens's formula 1/f = (n − 1)(2/R − (n − 1)d/nR²)
+/// and, from the near side, by the angle of the light from the axis.
+#[test]
+fn pupils_of_every_aperture() {
+    let n = crate::scene::glass::find("N-BK7").unwrap().dispersion.index(587.5618).re;
+    let focal = 1.0 / ((n - 1.0) * (2.0 / 50.0 - (n - 1.0) * 5.0 / (n * 2500.0)));
+    let pupil = |aperture: &str, distance: &str| {
+        let text = SINGLET.replace("ENPD 8", aperture).replacen("DISZ INFINITY", &format!("DISZ {distance}"), 1);
+        let made = made(&text).unwrap();
+        let sheet = toml::parse(&made.text, Path::new("x.optics.toml")).unwrap();
+        let told: Vec<String> = made.notes.iter().map(|note| note.text.clone()).collect();
+        let scene = build(made.assembly, Some(&sheet), &[]).unwrap().scene;
+        (1e3 * scene.eye.pupil_diameter_m, told)
+    };
+    let near = |got: f64, want: f64| assert!((got / want - 1.0).abs() < 1e-9, "{got} for {want}");
+    near(pupil("FNUM 2.5 0", "INFINITY").0, focal / 2.5);
+    near(pupil("FNUM 2.5 1", "INFINITY").0, focal / 2.5);
+    near(pupil("FLOA", "INFINITY").0, 8.0);
+    // The stop is the first surface, so that the pupil stands in it.
+    near(pupil("OBNA 0.04 0", "100").0, 200.0 * 0.04f64.asin().tan());
+    near(pupil("OBNA 3 1", "100").0, 200.0 * 3f64.to_radians().tan());
+    // A paraxial ray by hand: over the air before the lens, its front, the glass, its back.
+    let (slope, at_lens) = (1.0, 100.0 + 20.0);
+    let inside = (slope - at_lens * 0.02 * (n - 1.0)) / n;
+    let leaves = n * inside - (at_lens + 5.0 * inside) * -0.02 * (1.0 - n);
+    near(pupil("FNUM 4 1", "100").0, 2.0 * 100.0 / (8.0 * f64::abs(leaves)));
+    let (_, told) = pupil("FNUM 2.5 0", "INFINITY");
+    assert!(
+        told.iter().any(|text| text.starts_with("the pupil of 19.68") && text.ends_with("ratio of 2.5")),
+        "{told:?}"
+    );
+    let (default, told) = pupil("OBNA 0.04 0", "INFINITY");
+    assert!(
+        default == 4.0
+            && told.iter().any(|text| text.ends_with("gives no pupil: one of 4 mm, as of an eye by room light"))
+    );
+}
+
 /// Fringe terms against their polynomials as they are printed (Wyant and Creath 1992, table III), on the sag of a plane that has
 /// one of them.
 #[test]

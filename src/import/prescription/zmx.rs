@@ -3,7 +3,7 @@
 mod terms;
 
 use super::profile::Form;
-use super::{After, Heights, Outline, Prescription, Profile, Surface, Turn};
+use super::{After, Aperture, Heights, Outline, Prescription, Profile, Surface, Turn};
 use crate::base::error::Result;
 use crate::base::{Error, Where};
 use crate::scene::Note;
@@ -77,7 +77,15 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Prescription> {
                 }
             }
             "ENPD" => out.pupil = Some(need(0)?).filter(|pupil| *pupil > 0.0),
-            "FNUM" => out.f_number = Some(need(0)?).filter(|ratio| *ratio > 0.0),
+            // The second number says whether the ratio is a working one.
+            "FNUM" if value(1) == Some(1.0) => out.aperture = Some(Aperture::WorkingRatio(need(0)?)),
+            "FNUM" => out.aperture = Some(Aperture::Ratio(need(0)?)),
+            // Of object space; the second number says whether it is an angle, in degrees.
+            "OBNA" if value(1) == Some(1.0) => {
+                out.aperture = Some(Aperture::ObjectNa(need(0)?.to_radians().sin()));
+            }
+            "OBNA" => out.aperture = Some(Aperture::ObjectNa(need(0)?)),
+            "FLOA" => out.aperture = Some(Aperture::Stop),
             "GCAT" => out.catalogues = words.iter().map(|word| (*word).to_owned()).collect(),
             "FTYP" => kind = need(0)?,
             "XFLN" | "YFLN" => {
