@@ -2,6 +2,7 @@
 
 mod broken;
 mod bytes;
+mod cameras;
 mod kit;
 mod looks;
 mod looks_usd;

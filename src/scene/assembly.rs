@@ -183,6 +183,20 @@ pub struct Frustum {
     pub far: Option<f64>,
     /// Half the width and half the height of what an orthographic camera shows.
     pub half: Option<[f64; 2]>,
+    /// The lens and the film that make its field of view.
+    pub film: Option<Film>,
+    /// Between which times its shutter is open, in frames about the one that is shown.
+    pub shutter: Option<[f64; 2]>,
+}
+
+/// What photographers call a camera by, in asset units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Film {
+    pub focal: f64,
+    /// Width and height.
+    pub size: [f64; 2],
+    /// How far the film's middle is beside the axis, to the right and up.
+    pub offset: [f64; 2],
 }
 
 /// A light that the format has as such (KHR_lights_punctual, UsdLux). Lengths in asset units, in the light's own axes;

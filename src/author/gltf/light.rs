@@ -4,7 +4,7 @@ use super::document::Document;
 use super::value;
 use crate::base::error::Result;
 use crate::base::relative_path::{folder_of, relative, slashed};
-use crate::scene::assembly::{Assembly, Camera, Frustum, LightForm, LightSource};
+use crate::scene::assembly::{Assembly, Camera, Film, Frustum, LightForm, LightSource};
 use crate::scene::value::{Data, Value};
 use serde_json::{Value as Json, json};
 use std::path::Path;
@@ -14,6 +14,9 @@ pub const PUNCTUAL: &str = "KHR_lights_punctual";
 /// Entries of a camera's `extras`.
 const PUPIL: &str = "eyebox_pupil_m";
 const FOCUS: &str = "eyebox_focus_m";
+/// Focal length, width and height of the film, how far its middle is to the right and up.
+const FILM: &str = "eyebox_film_m";
+const SHUTTER: &str = "eyebox_shutter_frames";
 
 /// The light of `KHR_lights_punctual` that `light` is; none, with a note, for a form that glTF has not.
 pub fn light(document: &mut Document, light: &LightSource) -> Option<Json> {
@@ -94,9 +97,9 @@ pub fn sky(document: &mut Document, assembly: &Assembly, out: &Path) -> Option<V
 /// nobody says them, they are wide.
 pub fn camera(camera: &Camera, unit_m: f64) -> Result<Json> {
     let name = &camera.name;
-    let Frustum { near, far, half } = camera.frustum;
+    let Frustum { near, far, half, film, shutter } = camera.frustum;
     let near = near.map_or(0.01, |near| near * unit_m);
-    Ok(match camera.yfov {
+    let mut out = match camera.yfov {
         Some(yfov) => {
             let mut lens = json!({ "yfov": yfov, "znear": near });
             if let Some(aspect) = camera.aspect {
@@ -122,5 +125,12 @@ pub fn camera(camera: &Camera, unit_m: f64) -> Result<Json> {
                 "orthographic": { "xmag": x, "ymag": y, "zfar": far, "znear": near },
             })
         }
-    })
+    };
+    if let Some(Film { focal, size: [wide, high], offset: [right, up] }) = film {
+        out["extras"][FILM] = json!([focal, wide, high, right, up].map(|length| length * unit_m));
+    }
+    if let Some(times) = shutter {
+        out["extras"][SHUTTER] = json!(times);
+    }
+    Ok(out)
 }

@@ -6,7 +6,10 @@ use super::name::Siblings;
 use super::optics;
 use super::stage::{Writing, matrix, named};
 use crate::base::error::Result;
-use crate::scene::assembly::{Camera, Frustum, LightForm, LightSource, ProfileSource};
+use crate::scene::assembly::{Camera, Film, Frustum, LightForm, LightSource, ProfileSource};
+
+/// The focal length of a lens for film of 36 mm × 24 mm that everybody knows, m.
+const USUAL_M: f64 = 0.05;
 
 /// Appends a light below the node that holds it.
 ///
@@ -169,19 +172,33 @@ pub(super) fn camera(
     let mut prim = Prim::def(depth, "Camera", siblings.name(&camera.name, "Camera"));
     named(&mut prim, &camera.name);
     prim.marks.push(("part", Datum::Bool(true)));
-    // Aperture and focal length are in tenths of a unit; only their ratio says something.
+    // Aperture and focal length are in tenths of a unit (UsdGeomCamera, "Units of Measure for Camera Properties").
+    let Frustum { near, far, film, shutter, half } = camera.frustum;
     match camera.yfov {
         Some(yfov) => {
-            let (focal, tall) = (50.0, 100.0 * (0.5 * yfov).tan());
-            let wide = tall * camera.aspect.unwrap_or(1.0);
+            // One without a film has a lens of 50 mm.
+            let own = film.unwrap_or_else(|| {
+                let focal = USUAL_M / optics::unit(writing.assembly);
+                let tall = 2.0 * focal * (0.5 * yfov).tan();
+                Film { focal, size: [tall * camera.aspect.unwrap_or(1.0), tall], offset: [0.0; 2] }
+            });
+            if film.is_none() {
+                prim.marks.push(("no_film", Datum::Bool(true)));
+            }
+            let tenths = |length: f64| Datum::Float((10.0 * length) as f32);
             prim.marks.push(("yfov", Datum::Double(yfov)));
             prim.marks.extend(camera.aspect.map(|aspect| ("aspect", Datum::Double(aspect))));
-            prim.push(Property::new("focalLength", Datum::Float(focal)));
-            prim.push(Property::new("horizontalAperture", Datum::Float(wide as f32)));
-            prim.push(Property::new("verticalAperture", Datum::Float(tall as f32)));
+            prim.push(Property::new("focalLength", tenths(own.focal)));
+            for (name, length) in ["horizontalAperture", "verticalAperture"].into_iter().zip(own.size) {
+                prim.push(Property::new(name, tenths(length)));
+            }
+            let offsets = ["horizontalApertureOffset", "verticalApertureOffset"].into_iter().zip(own.offset);
+            for (name, length) in offsets.filter(|(_, length)| *length != 0.0) {
+                prim.push(Property::new(name, tenths(length)));
+            }
             if let Some(pupil) = camera.pupil {
                 prim.marks.push(("pupil", Datum::Double(pupil)));
-                prim.push(Property::new("fStop", Datum::Float((f64::from(focal) / 10.0 / pupil) as f32)));
+                prim.push(Property::new("fStop", Datum::Float((own.focal / pupil) as f32)));
             }
             if let Some(focus) = camera.focus {
                 prim.marks.push(("focus", Datum::Double(focus)));
@@ -190,14 +207,16 @@ pub(super) fn camera(
         }
         None => {
             prim.push(Property::new("projection", Datum::Token("orthographic".to_owned())));
-            if let Some([x, y]) = camera.frustum.half {
+            if let Some([x, y]) = half {
                 prim.marks.extend([("half_width", Datum::Double(x)), ("half_height", Datum::Double(y))]);
                 prim.push(Property::new("horizontalAperture", Datum::Float((20.0 * x) as f32)));
                 prim.push(Property::new("verticalAperture", Datum::Float((20.0 * y) as f32)));
             }
         }
     }
-    let Frustum { near, far, .. } = camera.frustum;
+    for (name, time) in ["shutter:open", "shutter:close"].into_iter().zip(shutter.into_iter().flatten()) {
+        prim.push(Property::new(name, Datum::Double(time)));
+    }
     if near.is_some() || far.is_some() {
         prim.marks.extend(near.map(|near| ("near", Datum::Double(near))));
         prim.marks.extend(far.map(|far| ("far", Datum::Double(far))));

@@ -11,6 +11,7 @@ use crate::base::Code;
 use crate::base::error::Result;
 use crate::import::assembly::{Assembly, Camera, Frustum, Node};
 use crate::import::{ReadOptions, Rigs};
+use crate::scene::assembly::Film;
 use glam::{DAffine3, DQuat};
 use std::mem::size_of;
 
@@ -200,10 +201,21 @@ fn camera(document: &Document<'_>, reference: &At<'_>, node: &str, to_world: DAf
         let found = at.json.get(lens).and_then(|lens| lens.get(key)?.as_f64());
         found.filter(|x| x.is_finite() && *x > 0.0).map(|x| x / unit_m)
     };
+    fn numbers_of<const N: usize>(extras: Option<&serde_json::Value>, key: &str) -> Option<[f64; N]> {
+        let list: Option<Vec<f64>> = extras?.get(key)?.as_array()?.iter().map(serde_json::Value::as_f64).collect();
+        <[f64; N]>::try_from(list?).ok().filter(|all| all.iter().all(|x| x.is_finite()))
+    }
+    let extras = at.json.get("extras");
+    let film = |[focal, wide, high, right, up]: [f64; 5]| {
+        let sound = [focal, wide, high].iter().all(|x| *x > 0.0);
+        sound.then_some(Film { focal, size: [wide, high], offset: [right, up] })
+    };
     let frustum = |lens: &str| Frustum {
         near: length(lens, "znear"),
         far: length(lens, "zfar"),
         half: length(lens, "xmag").and_then(|x| Some([x, length(lens, "ymag")?])),
+        film: numbers_of::<5>(extras, "eyebox_film_m").map(|all| all.map(|x| x / unit_m)).and_then(film),
+        shutter: numbers_of(extras, "eyebox_shutter_frames"),
     };
     let kind = at.want("type")?;
     match kind.text()? {

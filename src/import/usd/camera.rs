@@ -6,6 +6,7 @@ use super::round_trip::{RoundTrip, refined};
 use super::value;
 use crate::base::error::Result;
 use crate::import::assembly::{Camera, Frustum};
+use crate::scene::assembly::Film;
 use glam::DAffine3;
 
 /// Fallbacks of the schema: a 50 mm lens before a 35 mm full aperture, in tenths of a unit.
@@ -43,10 +44,17 @@ pub(super) fn read(view: &PrimView, to_world: DAffine3, ledger: &mut Ledger) -> 
     }
     let (width, height) = (positive("horizontalAperture", HORIZONTAL)?, positive("verticalAperture", VERTICAL)?);
     let focal = positive("focalLength", FOCAL_LENGTH)?;
-    for offset in ["horizontalApertureOffset", "verticalApertureOffset"] {
-        if view.number(offset)?.is_some_and(|x| x != 0.0) {
-            ledger.warn(view.at_property(offset), "a shifted aperture is not used");
+    let mut offset = [0.0; 2];
+    for (own, name) in offset.iter_mut().zip(["horizontalApertureOffset", "verticalApertureOffset"]) {
+        *own = view.number(name)?.filter(|x| x.is_finite()).unwrap_or(0.0);
+        if *own != 0.0 {
+            ledger.warn(view.at_property(name), "a shifted aperture is not used");
         }
+    }
+    // Of a camera that was made from one without a film, the lens says nothing.
+    if !marks.flag("no_film") {
+        let size = [width, height].map(|x| TENTH * x);
+        frustum.film = Some(Film { focal: TENTH * focal, size, offset: offset.map(|x| TENTH * x) });
     }
     // 0, the fallback of both, says nothing: no depth of field, no distance that is sharp.
     let said = |name: &str| -> Result<Option<f64>> { Ok(view.length(name)?.filter(|x| *x > 0.0)) };
@@ -73,5 +81,8 @@ fn clipping(view: &PrimView, marks: &RoundTrip) -> Result<Frustum> {
     };
     // As good as endless, for our own writer: USD has no such thing.
     let far = side(1, "far").filter(|far| *far < ENDLESS);
-    Ok(Frustum { near: side(0, "near"), far, half: None })
+    let time = |name: &str| view.number(name).map(|time| time.filter(|time| time.is_finite()));
+    let shutter = [time("shutter:open")?, time("shutter:close")?];
+    let shutter = (shutter != [None, None]).then(|| shutter.map(|time| time.unwrap_or(0.0)));
+    Ok(Frustum { near: side(0, "near"), far, half: None, film: None, shutter })
 }

@@ -33,9 +33,11 @@ impl RoundTrip {
     pub fn triple(&self, key: &str) -> Option<[f64; 3]> {
         self.0.get(key).and_then(value::triple).filter(|lanes| lanes.iter().all(|x| x.is_finite()))
     }
+    pub fn flag(&self, key: &str) -> bool {
+        self.0.get(key).and_then(value::flag) == Some(true)
+    }
     pub fn fold(&self) -> Option<Fold> {
-        let flag = |key: &str| self.0.get(key).and_then(value::flag) == Some(true);
-        match (flag("part"), flag("wrapper")) {
+        match (self.flag("part"), self.flag("wrapper")) {
             (true, _) => Some(Fold::Part),
             (false, true) => Some(Fold::Wrapper),
             (false, false) => None,
