@@ -33,6 +33,8 @@ codes! {
     ExtensionUnused => "EB0004",
     /// Of a warning of the importer, where no more is known.
     LeftOut => "EB0005",
+    /// Of those that a picture can be without.
+    TextureMissing => "EB0006",
     FileMissing => "EB0007",
     DataNotFinite => "EB0008",
     ScaleSuspicious => "EB0101",

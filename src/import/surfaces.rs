@@ -9,7 +9,7 @@ use super::texture_file::{MOST_BYTES, decoded, file_bytes, halved, size_bytes};
 use super::tiles;
 use crate::base::error::Result;
 use crate::base::ids::SurfaceId;
-use crate::base::{Error, Shared, Where};
+use crate::base::{Code, Error, Shared, Where};
 use crate::scene::texture::{Encoding, PictureKey, PictureSource, Texels, Wrap};
 use crate::scene::{Colour, Note, Opacity, Scalar, StandardSurface, Texture};
 use std::collections::{HashMap, HashSet};
@@ -23,6 +23,8 @@ pub(super) struct Surfaces {
     by_look: HashMap<Look, SurfaceId>,
     /// With what the file's numbers stand for where the asset leaves that to it.
     pictures: HashMap<PictureKey, (Shared<Texture>, Encoding)>,
+    /// Those that could not be read, which is said once.
+    unread: HashSet<PictureKey>,
     /// Of meshes that have colours of vertices: whether some of them let light through.
     painted: HashMap<usize, Option<bool>>,
     /// The pictures of finishes that somebody has bound.
@@ -150,8 +152,12 @@ impl Builder<'_> {
                     known
                 }
                 (Err(fault), Some(texel)) => {
-                    let text = format!("{}; its fallback is taken", fault.what);
-                    self.notes.push(Note::warning(fault.at.clone(), text));
+                    if self.read.unread.insert(key) {
+                        let text = format!("{}; its fallback is taken", fault.what);
+                        // A file that is missing is one that the asset needs, of which there is a list.
+                        let code = fault.code.filter(|code| *code == Code::FileMissing).map(|_| Code::TextureMissing);
+                        self.notes.push(Note::warning(fault.at.clone(), text).code(code));
+                    }
                     input.wrap = [Wrap::Repeat; 2];
                     input.encoding = Encoding::Linear;
                     (flat(&input.texture.name, texel), Encoding::Linear)

@@ -72,7 +72,7 @@ pub fn write(path: &Path, report: &Report) -> Result<()> {
         fingerprint,
         code: finding.rule.code.to_owned(),
         file: fingerprint::file_from(&folder, finding),
-        text: finding.text.clone(),
+        text: finding.lasting.clone(),
     };
     let seen = fingerprint::seen_from(&folder, &report.findings);
     let mut findings: Vec<Entry> = report.findings.iter().zip(seen).map(entry).collect();

@@ -2,9 +2,9 @@
 //! is said of it; not its line, which moves with every line above it.
 
 use super::Located;
-use crate::base::relative_path::{relative, slashed};
+use crate::base::relative_path::{folder_of, placed, relative, slashed};
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Stamps all findings about one asset.
 pub fn stamp(all: &mut [Located]) {
@@ -35,7 +35,7 @@ fn stamps(all: &[Located], file_of: impl Fn(&Located) -> String) -> Vec<String> 
             &file,
             place.part.as_deref().unwrap_or_default(),
             place.logical.as_deref().unwrap_or_default(),
-            &finding.text,
+            &finding.lasting,
         ] {
             // Lengths, so that pieces can't run into each other.
             key += &format!("{}:{piece};", piece.len());
@@ -47,4 +47,82 @@ fn stamps(all: &[Located], file_of: impl Fn(&Located) -> String) -> Vec<String> 
         blake3::hash(key.as_bytes()).to_hex().chars().take(32).collect()
     };
     all.iter().map(stamp).collect()
+}
+
+/// An asset by the names that texts about it may use.
+pub struct Named {
+    /// Its absolute name.
+    pub whole: PathBuf,
+    /// Its folder as it was named, with a slash behind it; empty for the working directory.
+    folder: String,
+    /// Its folder in texts, the longest first.
+    folders: Vec<String>,
+}
+
+impl Named {
+    pub fn of(asset: &Path) -> Named {
+        let whole = std::path::absolute(asset).unwrap_or_else(|_| asset.to_owned());
+        let ended = |folder: &Path| format!("{}/", folder.display()).replace("//", "/");
+        let folder = match asset.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => ended(parent),
+            Some(_) | None => String::new(),
+        };
+        let mut folders = [folder_of(&whole), folder_of(&placed(asset))].map(|folder| ended(&folder)).to_vec();
+        // Nobody's file is named from the root.
+        folders.retain(|folder| folder != "/");
+        folders.sort_by_key(|folder| std::cmp::Reverse(folder.len()));
+        Named { whole, folder, folders }
+    }
+
+    /// A text with files named as the asset was.
+    pub fn shown(&self, text: &str) -> String {
+        self.with(text, &self.folder)
+    }
+
+    /// A text with files named from the asset's folder.
+    pub fn lasting(&self, text: &str) -> String {
+        self.with(text, "")
+    }
+
+    fn with(&self, text: &str, folder: &str) -> String {
+        let mut out = String::with_capacity(text.len());
+        let mut rest = text;
+        while let Some(next) = rest.chars().next() {
+            let before = &text[..text.len() - rest.len()];
+            let begins = !before.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '/' | '.' | '_' | '-'));
+            let own = self.folders.iter().filter(|_| begins).find_map(|own| rest.strip_prefix(own.as_str()));
+            if let Some(after) = own {
+                out.push_str(folder);
+                rest = after;
+            } else {
+                out.push(next);
+                rest = &rest[next.len_utf8()..];
+            }
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_name_files_from_the_assets_folder() {
+        let place = tempfile::tempdir().unwrap();
+        let root = place.path().canonicalize().unwrap();
+        std::fs::create_dir_all(root.join("a/b")).unwrap();
+        let named = Named::of(&root.join("a/b/../hud.gltf"));
+        let at = root.display();
+        let text = format!("can't read {at}/a/b/../t.png: `../t.png`, nor {at}/a/u.png (x{at}/a/u.png)");
+        assert_eq!(named.lasting(&text), format!("can't read t.png: `../t.png`, nor u.png (x{at}/a/u.png)"));
+        assert_eq!(
+            named.shown(&text),
+            format!("can't read {at}/a/b/../t.png: `../t.png`, nor {at}/a/b/../u.png (x{at}/a/u.png)")
+        );
+        let here = Named::of(Path::new("hud.gltf"));
+        assert_eq!(here.shown(&format!("no {}", std::path::absolute("t.png").unwrap().display())), "no t.png");
+        let up = Named::of(Path::new("../hud.gltf"));
+        assert_eq!(up.shown(&format!("no {}", std::path::absolute("../t.png").unwrap().display())), "no ../t.png");
+    }
 }

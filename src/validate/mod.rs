@@ -28,6 +28,7 @@ use crate::world::eye::EyeLens;
 use crate::world::geometry::Geometry;
 use baseline::Known;
 use config::Config;
+use fingerprint::Named;
 use locate::{Locator, Place};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -41,6 +42,8 @@ pub struct Located {
     pub rule: &'static Rule,
     pub level: Level,
     pub text: String,
+    /// The same with files named from the asset's folder, wherever the program runs.
+    pub lasting: String,
     pub place: Place,
     /// Hex; the same for the same finding in a later version of the asset, whatever lines were added above it.
     pub fingerprint: String,
@@ -122,8 +125,10 @@ pub fn validate_with(
 
 /// The findings about one asset, which may be standard input, that the configuration lets through, each at its place.
 fn located(asset: &Path, piped: Option<&Piped>, config: &Config, reading: &ReadOptions) -> Vec<Located> {
-    let asset = piped.map_or(asset, Piped::path);
-    let said = |text: &str| piped.map_or_else(|| text.to_owned(), |piped| piped.unnamed(text));
+    // By an absolute name, so that files in texts are told from names that stand in the asset.
+    let named = Named::of(asset);
+    let asset = piped.map_or(named.whole.as_path(), Piped::path);
+    let said = |text: &str| piped.map_or_else(|| named.shown(text), |piped| piped.unnamed(text));
     let examined = read::examine(asset, reading);
     let mut found = examined.findings();
     let mut locator = Locator::new(asset, examined.assembly.as_ref());
@@ -142,7 +147,8 @@ fn located(asset: &Path, piped: Option<&Piped>, config: &Config, reading: &ReadO
         };
         let Some(level) = config.level(rule, &place.file, finding.level) else { continue };
         let text = printable(&said(&finding.text));
-        all.push(Located { asset: 0, rule, level, text, place, fingerprint: String::new() });
+        let lasting = piped.map_or_else(|| printable(&named.lasting(&finding.text)), |_| text.clone());
+        all.push(Located { asset: 0, rule, level, text, lasting, place, fingerprint: String::new() });
     }
     all.sort_by(|a, b| {
         let key =
@@ -235,6 +241,10 @@ fn refused(refusal: &Refusal) -> Option<Finding> {
 /// The rule whose finding a note of the importer is. Of those that say nothing of what they are about, only warnings are
 /// one.
 fn rule_of(note: &Note) -> Option<&'static Rule> {
+    if note.code == Some(Code::TextureMissing) {
+        // The rule has it from the list of files that the asset needs.
+        return None;
+    }
     let code = note.code.or(match note.severity {
         Severity::Warning => Some(Code::LeftOut),
         Severity::Info => None,

@@ -105,6 +105,26 @@ fn exit_codes() {
     assert!(run.status.success() && text(&run.stdout).contains("note[EB0207]"), "{}", text(&run.stdout));
 }
 
+/// A finding whose text names a file that is missing is the same one from any working directory.
+#[test]
+fn a_baseline_knows_files_that_texts_name() {
+    let folder = folder_with(|b| drop(b.files.remove("bench.bin")));
+    let below = folder.path().join("below");
+    std::fs::create_dir(&below).unwrap();
+    let found = eyebox(folder.path(), &["bench.optics.toml"]);
+    assert!(found.status.code() == Some(1) && text(&found.stdout).contains("bench.bin"), "{}", text(&found.stdout));
+    let wrote = eyebox(folder.path(), &["bench.optics.toml", "--write-baseline", "known.json"]);
+    assert_eq!((wrote.status.code(), text(&wrote.stderr)), (Some(0), ""));
+    for (at, asset, known) in [
+        (folder.path(), "bench.optics.toml", "known.json"),
+        (folder.path(), "./below/../bench.optics.toml", "known.json"),
+        (&below, "../bench.optics.toml", "../known.json"),
+    ] {
+        let run = eyebox(at, &[asset, "--baseline", known]);
+        assert_eq!(run.status.code(), Some(0), "{asset}: {}", text(&run.stdout));
+    }
+}
+
 #[test]
 fn configuration_and_baseline() {
     let folder = faulty();
