@@ -57,6 +57,15 @@ pub fn slashed(path: &Path) -> String {
     format!("{root}{}", parts.join("/"))
 }
 
+/// A file by the folder that it really stands in: absolute, without `.`, `..` and links on the way. A file that is a link itself
+/// keeps its name: what it names is relative to where the link stands.
+pub fn placed(file: &Path) -> PathBuf {
+    match file.file_name() {
+        Some(name) => whole(&folder_of(file)).join(name),
+        None => whole(file),
+    }
+}
+
 /// Absolute, links resolved as far as the path exists, without `.` and `..`.
 fn whole(path: &Path) -> PathBuf {
     if let Ok(real) = path.canonicalize() {
@@ -88,5 +97,9 @@ mod tests {
         std::fs::write(a.join("x.png"), b"!").unwrap();
         assert_eq!(std::fs::read(file).unwrap(), b"!");
         assert_eq!(folder_of(Path::new("x.glb")), Path::new("."));
+        // There and back is the folder itself.
+        let real = root.path().canonicalize().unwrap();
+        assert_eq!(placed(&b.join("../../a/x.png")), real.join("a/x.png"));
+        assert_eq!(placed(&b.join("..")), real.join("b"));
     }
 }

@@ -4,6 +4,7 @@ use super::frames::{Frames, Pattern, named, parse_frames};
 use super::render_args::RenderArgs;
 use super::{Format, print};
 use crate::base::atomic::write_atomic;
+use crate::base::relative_path::placed;
 use crate::base::{Error, Result, Where};
 use crate::import::ReadOptions;
 use crate::import::deps::dependencies;
@@ -81,9 +82,9 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
     let files: Vec<PathBuf> = dependencies(&args.asset, &ReadOptions::default())?
         .into_iter()
         .filter(|file| file.there)
-        .map(|file| absolute(&file.file))
-        .collect::<Result<_>>()?;
-    let asset = absolute(&args.asset)?;
+        .map(|file| placed(&file.file))
+        .collect();
+    let asset = placed(&args.asset);
     let folder = files.iter().fold(parent(&asset), |common, file| shared(&common, &parent(file)));
     let stem = asset.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let stem = stem.split('.').next().unwrap_or("frame");
@@ -100,7 +101,7 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
     named(&output, args.frames.as_ref().map(|_| 0.0))?;
     // Names of shards are made of it, so there is one way to write it.
     let output = if args.frames.is_some() { Pattern::of(&output)?.hashed() } else { output };
-    let output = absolute(&output)?;
+    let output = placed(&output);
     let mut plan_options = Vec::new();
     let mut option = |name: &str, value: &Option<String>| {
         if let Some(value) = value {
@@ -123,7 +124,7 @@ pub fn run(args: &JobArgs) -> Result<ExitCode> {
         let what = "and its files have no folder in common";
         return Err(Error::new(Where::file(&asset), what).expected("files below one folder, which workers get"));
     }
-    let home = parent(&absolute(&args.job)?);
+    let home = parent(&placed(&args.job));
     let job = Job {
         name: stem.to_owned(),
         asset: below(&asset, &home)?,
@@ -182,10 +183,6 @@ fn check_options(plan: &[String], render: &[String]) -> Result<()> {
         .map_err(|error| Error::new(Where::Option("options of render".to_owned()), super::one_line(&error.to_string())))
 }
 
-fn absolute(path: &Path) -> Result<PathBuf> {
-    std::path::absolute(path).map_err(|error| Error::new(Where::file(path), format!("has no absolute path: {error}")))
-}
-
 fn parent(path: &Path) -> PathBuf {
     path.parent().map(Path::to_owned).unwrap_or_default()
 }
@@ -234,5 +231,27 @@ mod tests {
         }
         assert!(fault("nothing.glb", "a.yaml").unwrap().starts_with("nothing.glb: cannot be read: "));
         assert!(fault(sample, "job.txt").unwrap().ends_with("expected a name that ends in .yaml, .yml or .json"));
+    }
+    /// A sidecar whose sky stands in a folder beside its own: workers get the folder that holds both.
+    #[test]
+    fn the_folder_of_the_asset_holds_every_file() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir_all(folder.path().join("hud")).unwrap();
+        std::fs::create_dir_all(folder.path().join("panorama")).unwrap();
+        std::fs::write(folder.path().join("panorama/day.hdr"), "#?RADIANCE").unwrap();
+        let sidecar = "schema = 1\nasset = \"hud.gltf\"\n[sky]\nimage = \"../panorama/day.hdr\"\n";
+        std::fs::write(folder.path().join("hud/hud.optics.toml"), sidecar).unwrap();
+        let gltf = r#"{ "asset": { "version": "2.0" }, "scenes": [{ "nodes": [] }], "scene": 0 }"#;
+        std::fs::write(folder.path().join("hud/hud.gltf"), gltf).unwrap();
+        let [asset, job] = ["hud/hud.optics.toml", "job.json"].map(|name| folder.path().join(name));
+        let words = ["job", asset.to_str().unwrap(), "--shards", "2", "-o", job.to_str().unwrap()];
+        let matches = JobArgs::augment_args(clap::Command::new("job")).get_matches_from(words);
+        run(&JobArgs::from_arg_matches(&matches).unwrap()).unwrap();
+        let template: serde_json::Value = serde_json::from_slice(&std::fs::read(&job).unwrap()).unwrap();
+        let default = |name: &str| {
+            let all = template["parameterDefinitions"].as_array().unwrap();
+            all.iter().find(|one| one["name"] == name).unwrap()["default"].clone()
+        };
+        assert_eq!([default("Asset"), default("AssetFolder")], ["hud/hud.optics.toml", "."]);
     }
 }

@@ -46,6 +46,14 @@ impl Place {
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
     }
 
+    /// What the program of the action is made of.
+    fn sources(&self, main: &str) {
+        std::fs::create_dir_all(self.path("src")).unwrap();
+        for (name, text) in [("Cargo.toml", ""), ("Cargo.lock", ""), ("src/main.rs", main)] {
+            std::fs::write(self.path(name), text).unwrap();
+        }
+    }
+
     fn run(&self, step: &str, inputs: &[(&str, &str)]) -> Output {
         let names = ["BINARY", "WHEEL", "ASSETS", "CONFIG", "BASELINE", "SARIF", "EXIT_ZERO"];
         let mut all: BTreeMap<&str, &str> = names.map(|name| (name, "")).into();
@@ -97,14 +105,36 @@ fn a_program_is_taken_found_or_built() {
     assert_eq!(place.said(), ["build=false", ""]);
     // None: it is built, unless the cache had it.
     let place = Place::new();
+    place.sources("fn main() {}");
     assert!(place.run("Find eyebox", &[]).status.success());
-    assert_eq!(place.said(), ["build=true", ""]);
+    assert!(place.said()[0].starts_with("build=true\nsum=") && place.said()[1].is_empty(), "{:?}", place.said());
     place.program("bin/cargo", "");
     let built = place.run("Build eyebox", &[]);
     assert!(shown(&built).starts_with("cargo install --locked --ignore-rust-version"), "{}", shown(&built));
     std::fs::create_dir_all(place.path("temp/eyebox/bin")).unwrap();
     place.program("temp/eyebox/bin/eyebox", "");
     assert_eq!(shown(&place.run("Build eyebox", &[])), "");
+}
+
+/// The action stands outside of the workspace, where `hashFiles` is empty: the key of the cache is a sum over its sources, which
+/// changes with them and with nothing else.
+#[test]
+fn another_program_has_another_key() {
+    let action = text("action.yml");
+    let key = action.lines().find(|line| line.trim_start().starts_with("key: ")).expect("a key");
+    assert!(!key.contains("hashFiles(") && key.contains("${{ steps.find.outputs.sum }}"), "{key}");
+    let sum = |source: &str| {
+        let place = Place::new();
+        place.sources(source);
+        let run = place.run("Find eyebox", &[]);
+        assert!(run.status.success(), "{}", shown(&run));
+        let said = place.said()[0].clone();
+        let (_, sum) = said.split_once("sum=").expect("a sum");
+        assert!(sum.len() == 40 && sum.chars().all(|c| c.is_ascii_hexdigit()), "{sum}");
+        sum.to_owned()
+    };
+    assert_eq!(sum("fn main() {}"), sum("fn main() {}"));
+    assert_ne!(sum("fn main() {}"), sum("fn main() { }"));
 }
 
 #[test]
