@@ -143,7 +143,26 @@ pub(super) fn moments(document: &Document<'_>, at: &At<'_>, ledger: &mut Ledger)
         }
         out.push(f64::from(time));
     }
+    // Exporters write the same value for every frame of a range: one of them says all.
+    if is_constant(document, at, times.count, ledger)? {
+        out.truncate(1);
+    }
     Ok(out)
+}
+
+/// Whether a curve of straight pieces or steps has one value at all of its `count` keys.
+fn is_constant(document: &Document<'_>, at: &At<'_>, count: usize, ledger: &mut Ledger) -> Result<bool> {
+    if at.get("interpolation")?.is_some_and(|name| !["STEP", "LINEAR"].iter().any(|plain| name.json == plain)) {
+        return Ok(false);
+    }
+    let output = open(document, &at.want("output")?, &[1, 3, 4], ledger)?;
+    let width = output.count / count.max(1);
+    let alike = |a: usize, b: usize| match output.lanes {
+        1 => output.floats::<1>(a) == output.floats::<1>(b),
+        3 => output.floats::<3>(a) == output.floats::<3>(b),
+        _ => output.floats::<4>(a) == output.floats::<4>(b),
+    };
+    Ok(width > 0 && output.count == width * count && (width..output.count).all(|index| alike(index, index % width)))
 }
 
 /// The times of a sampler, seconds.

@@ -110,3 +110,31 @@ fn is_sound(assembly: &Assembly, node: usize) -> bool {
             locals.iter().all(|local| local.is_finite()) && motion::parts(&locals).is_some()
         })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The keys of a stage with a triangle at these places in these frames.
+    fn keys(samples: &str) -> (Vec<f64>, bool) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.usda");
+        let stage = format!(
+            "#usda 1.0\n(\n startTimeCode = 1\n endTimeCode = 500\n)\ndef Mesh \"m\"\n{{\n point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n \
+             int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2]\n double3 xformOp:translate.timeSamples = {{ {samples} }}\n \
+             uniform token[] xformOpOrder = [\"xformOp:translate\"]\n}}\n"
+        );
+        std::fs::write(&path, stage).unwrap();
+        let (assembly, _) = moving(&path, &ReadOptions::default()).unwrap();
+        (assembly.clock.unwrap().keys, assembly.motion.is_some())
+    }
+
+    /// 500 frames of one place are read once, not 500 times; a place that changes in one of them is read in all.
+    #[test]
+    fn what_stands_still_has_one_key() {
+        let still: Vec<String> = (1..=500).map(|frame| format!("{frame}: (1, 2, 3)")).collect();
+        assert_eq!(keys(&still.join(", ")), (vec![1.0], false));
+        let (found, moves) = keys("1: (1, 2, 3), 4: (1, 2, 3), 5: (1, 2, 3.5)");
+        assert_eq!((found, moves), (vec![1.0, 4.0, 5.0], true));
+    }
+}

@@ -144,7 +144,20 @@ impl PrimView {
         let attribute = self.prim.attribute(name);
         if let Some(keys) = &self.moment.keys {
             let failed = |error| Error::new(self.at_property(name), one_line(&format!("cannot be read: {error}")));
-            let own = attribute.time_samples_in_interval(f64::NEG_INFINITY..=f64::INFINITY).map_err(failed)?;
+            let mut own = attribute.time_samples_in_interval(f64::NEG_INFINITY..=f64::INFINITY).map_err(failed)?;
+            // Exporters write the same value for every frame of a range: one of them says all.
+            if let [first, others @ ..] = own.as_slice() {
+                let at = |time: &f64| attribute.get_at::<Value>(Some(TimeCode::new(*time))).map_err(failed);
+                let value = at(first)?;
+                let mut moves = false;
+                for time in others {
+                    moves |= at(time)? != value;
+                    if moves {
+                        break;
+                    }
+                }
+                own.truncate(if moves { own.len() } else { 1 });
+            }
             keys.borrow_mut().add(own);
         }
         let failed = |error| Error::new(self.at_property(name), one_line(&format!("cannot be read: {error}")));
