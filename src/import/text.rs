@@ -21,9 +21,30 @@ pub fn decoded(bytes: &[u8]) -> String {
     }
 }
 
+/// What may part the cells of a table, for messages.
+pub const SEPARATORS: &str = "commas, semicolons, tabs or blanks between them";
+
+/// The cells of a table's line: between commas, semicolons or tabs, or, where it has none of these, between blanks.
+pub fn cells(line: &str) -> Vec<&str> {
+    if line.contains([',', ';', '\t']) {
+        line.split([',', ';', '\t']).map(str::trim).collect()
+    } else {
+        line.split_whitespace().collect()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cells_of_every_spelling() {
+        for line in ["R,10, 20", "R;10;20", "R\t10\t20", "  R 10   20 "] {
+            assert_eq!(cells(line), ["R", "10", "20"], "{line:?}");
+        }
+        assert_eq!(cells("R,,20"), ["R", "", "20"]);
+        assert!(cells("").is_empty());
+    }
 
     #[test]
     fn encodings_are_told_apart() {

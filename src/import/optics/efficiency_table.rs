@@ -4,6 +4,7 @@
 use super::grating::MOST_ORDERS;
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
+use crate::import::text::{SEPARATORS, cells};
 use crate::scene::Grating;
 use crate::scene::efficiency_table::{Efficiency, EfficiencyGrid, EfficiencyTable};
 use std::fmt;
@@ -73,7 +74,7 @@ impl fmt::Display for Row {
 pub fn efficiency_table(bytes: &[u8], file: &Path, named: &Where) -> Result<EfficiencyTable> {
     let text = std::str::from_utf8(bytes).map_err(|_| {
         Error::new(named.clone(), format!("the efficiencies {} are not a text", file.display()))
-            .expected("lines of comma-separated values")
+            .expected(format!("lines of values with {SEPARATORS}"))
     })?;
     let here = |line: usize| Where::Line { file: file.to_owned(), line };
     let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate().map(|(index, line)| {
@@ -110,11 +111,7 @@ pub fn efficiency_table(bytes: &[u8], file: &Path, named: &Where) -> Result<Effi
 
 fn names() -> String {
     let names: Vec<&str> = COLUMNS.iter().map(|(name, _)| *name).collect();
-    format!("columns of {}", names.join(", "))
-}
-
-fn cells(said: &str) -> impl Iterator<Item = &str> {
-    said.split([',', ';', '\t']).map(str::trim)
+    format!("columns of {}, with {SEPARATORS}", names.join(", "))
 }
 
 /// Some of a line, for a message.
@@ -160,7 +157,7 @@ fn columns(head: &str, at: &dyn Fn() -> Where) -> Result<Vec<(&'static str, Colu
 
 /// One line.
 fn row(columns: &[(&'static str, Column)], said: &str, line: usize, at: &dyn Fn() -> Where) -> Result<Row> {
-    let count = cells(said).count();
+    let count = cells(said).len();
     if count != columns.len() {
         let wanted: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
         return Err(Error::new(at(), format!("`{}` has {count} values", shown(said))).expected(format!(

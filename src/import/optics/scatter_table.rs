@@ -1,11 +1,12 @@
 //! Measured scattering from a text file: lines of side (R or T), angle of incidence, leaving angle, azimuth (deg) and value
-//! (1/sr), separated by commas; the lines of a side make a whole grid, in any order. `#` starts a comment, a first line of
+//! (1/sr), with commas, semicolons, tabs or blanks between them; the lines of a side make a whole grid, in any order. `#` starts a comment, a first line of
 //! names is allowed.
 
 use super::klems_bsdf::{self, KlemsBsdf};
 use super::zemax_bsdf::{self, ZemaxBsdf};
 use crate::base::error::Result;
 use crate::base::{Code, Error, Where};
+use crate::import::text::{SEPARATORS, cells};
 use crate::scene::scatter_table::{Flaw, Measurement};
 use crate::scene::{Note, ScatterTable};
 use std::path::Path;
@@ -104,22 +105,24 @@ fn rows(text: &str, source: &MeasuredFile<'_>) -> Result<BothSides> {
     let mut sides: [Vec<[f64; 4]>; 2] = [Vec::new(), Vec::new()];
     for (index, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or("").trim();
-        if line.is_empty() || line.replace(' ', "").eq_ignore_ascii_case(COLUMNS) {
+        if line.is_empty() || cells(line).join(",").eq_ignore_ascii_case(COLUMNS) {
             continue;
         }
         let here = || Where::Line { file: file.to_owned(), line: index + 1 };
-        let mut cells = line.split(',').map(str::trim);
-        let side = match cells.next() {
+        let cells = cells(line);
+        let side = match cells.first().copied() {
             Some("R" | "r") => 0,
             Some("T" | "t") => 1,
             other => {
                 let what = format!("`{}` is no side", other.unwrap_or(""));
-                return Err(Error::new(here(), what).expected("R or T, then four numbers"));
+                let form = format!("R or T, then four numbers, with {SEPARATORS}");
+                return Err(Error::new(here(), what).expected(form));
             }
         };
-        let numbers: Vec<f64> = cells.map_while(|cell| cell.parse().ok()).collect();
-        let (Ok(row), 5) = (<[f64; 4]>::try_from(numbers), line.split(',').count()) else {
-            return Err(Error::new(here(), format!("`{line}` has not four numbers")).expected(COLUMNS));
+        let numbers: Vec<f64> = cells.iter().skip(1).map_while(|cell| cell.parse().ok()).collect();
+        let (Ok(row), 5) = (<[f64; 4]>::try_from(numbers), cells.len()) else {
+            let form = format!("{COLUMNS}, with {SEPARATORS}");
+            return Err(Error::new(here(), format!("`{line}` has not four numbers")).expected(form));
         };
         let ranges = [(0.0, 90.0), (0.0, 90.0), (0.0, 180.0), (0.0, 1e12)];
         let odd = row
@@ -187,7 +190,15 @@ mod tests {
         // The mean of light at 0° that leaves at 45°, 0.15, and the other way round, 0.2.
         assert!((table.at(1, 0.0, 45f64.to_radians(), 3.0) - 0.175).abs() < 1e-15);
         assert_eq!(table.at(0, 0.0, 0.0, 0.0), 0.0);
+        for separator in [";", "\t", "  "] {
+            let same = good.replace(", ", ",").replace(',', separator);
+            assert_eq!(read(&same).unwrap().at(1, 0.0, 0.7, 3.0), table.at(1, 0.0, 0.7, 3.0), "{same}");
+        }
         for (bad, why) in [
+            (
+                "R|0|0|0|1",
+                "`R|0|0|0|1` is no side; expected R or T, then four numbers, with commas, semicolons, tabs or blanks",
+            ),
             ("", "no lines"),
             ("X,0,0,0,1", "is no side"),
             ("R,0,0,0", "four numbers"),
