@@ -61,7 +61,7 @@ pub fn edges(mesh: &Mesh) -> Edges {
     Edges { all: count.len(), open: count.values().filter(|count| **count % 2 == 1).count(), doubled }
 }
 
-pub(super) fn corners(mesh: &Mesh, [a, b, c]: [u32; 3]) -> Option<[DVec3; 3]> {
+pub fn corners(mesh: &Mesh, [a, b, c]: [u32; 3]) -> Option<[DVec3; 3]> {
     let corner = |vertex: u32| Some(DVec3::from_array(mesh.positions.get(vertex as usize)?.map(f64::from)));
     Some([corner(a)?, corner(b)?, corner(c)?])
 }
@@ -77,7 +77,7 @@ pub fn volume(mesh: &Mesh) -> f64 {
 }
 
 /// Triangles of a face, by their corners; none for a range that the mesh lacks.
-pub(super) fn triangles(mesh: &Mesh, range: FaceRange) -> &[[u32; 3]] {
+pub fn triangles(mesh: &Mesh, range: FaceRange) -> &[[u32; 3]] {
     let end = (range.first as usize).checked_add(range.count as usize);
     end.and_then(|end| mesh.triangles.get(range.first as usize..end)).unwrap_or(&[])
 }

@@ -4,7 +4,7 @@
 use super::motion::{Clock, Motion, Rig};
 use super::value::Value;
 use super::{Mesh, Note, StandardSurface};
-use crate::base::{Shared, Where};
+use crate::base::{Code, Shared, Where};
 use glam::{DAffine3, DMat3};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -88,6 +88,11 @@ impl Assembly {
     /// Whether the second texture coordinate grows upwards, as USD's `st` does; in glTF it grows downwards.
     pub fn st_runs_up(&self) -> bool {
         self.stage.is_some()
+    }
+
+    /// Whether the asset says for itself how long a unit is, as a stage can; glTF's is a metre, whatever a kernel wrote.
+    pub fn says_unit(&self) -> bool {
+        self.stage.is_some() && self.notes.iter().all(|note| note.code != Some(Code::UnitUnsaid))
     }
 
     /// Whether the asset itself says anything in our vocabulary.

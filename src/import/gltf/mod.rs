@@ -142,6 +142,9 @@ const LARGE_PART_M: f64 = 5.0;
 /// larger than 20 m, and a quarter of its parts are larger than 5 m each (a street that a display is looked at in is large, too, but
 /// most things in it are not). Where the sidecar sets `unit`: [`large_by_its_unit`].
 pub fn looks_like_millimetres(assembly: &Assembly) -> Option<Note> {
+    if assembly.says_unit() {
+        return None;
+    }
     // What declares millimetres or less does not take them for metres.
     let extent = too_large(assembly, assembly.unit_m).filter(|_| assembly.unit_m > 1e-3 * (1.0 + 1e-9))?;
     let text = format!(

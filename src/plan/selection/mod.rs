@@ -84,6 +84,7 @@ pub(super) fn settle(making: &Planner<'_>, base: Plan, handicap: &Handicap) -> P
         let wins = wins && (sure || !unsure);
         let [of_own, of_other] = [&best, &plan].map(|plan| names(plan, question));
         let found = match misses {
+            None if ratio.is_nan() => format!("a pilot found no noise in {of_other} nor in {of_own}"),
             None => format!("a pilot found {ratio:.2e} times the variance × work for {of_other} as for {of_own}"),
             Some(Misses { rival, found }) => {
                 let (blind, sees) = if rival { (of_other, of_own) } else { (of_own, of_other) };

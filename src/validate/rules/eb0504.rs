@@ -2,9 +2,11 @@
 
 use super::Frozen;
 use crate::check::finding::{Finding, Level};
+use crate::check::geometry::{corners, triangles};
 use crate::check::rule::{Example, Rule, kept, nothing};
-use crate::scene::{Face, Finish};
+use crate::scene::{Face, Finish, Scene};
 use crate::world::geometry::Ray;
+use glam::DVec3;
 
 pub const RULE: Rule = Rule {
     code: "EB0504",
@@ -22,12 +24,14 @@ pub const RULE: Rule = Rule {
 const SIDE: usize = 48;
 /// Faces that are not there for light are passed, so many at most.
 const PASSED: usize = 64;
+/// Triangles of a face that rays are aimed at, at most.
+const AIMS: usize = 64;
 
 pub fn find(frozen: &Frozen<'_>) -> Vec<Finding> {
     let scene = frozen.subject.scene;
     // A scene without any optics is looked at for its lamps alone.
     let any = scene.parts.iter().flat_map(|part| &part.faces).any(is_optical);
-    if sees_optics(frozen) || !any {
+    if !any || has_sensors(scene) || sees_optics(frozen) {
         return Vec::new();
     }
     let fov = scene.eye.fov_deg;
@@ -35,32 +39,60 @@ pub fn find(frozen: &Frozen<'_>) -> Vec<Finding> {
     vec![RULE.at(super::place_of_eye(frozen.subject), text)]
 }
 
-/// Whether a ray of the grid meets an optical face.
+/// Whether the scene is there for its sensors, too: where its eye stands is then of no meaning that could be known.
+pub(super) fn has_sensors(scene: &Scene) -> bool {
+    scene.parts.iter().flat_map(|part| &part.faces).any(|face| face.sensor.is_some())
+}
+
+/// Whether a ray of the grid meets an optical face, or one that is aimed at a face between them.
 pub fn sees_optics(frozen: &Frozen<'_>) -> bool {
     let eye = &frozen.world.eye;
     let [width, height] = eye.size();
     let at = |step: usize, size: usize| (step * size / SIDE).min(size.saturating_sub(1));
     (0..SIDE * SIDE).any(|cell| {
         let (origin, dir) = eye.ray(at(cell % SIDE, width), at(cell / SIDE, height), [0.5; 2], [0.5; 2]);
-        meets_optics(frozen, origin, dir)
+        first_optics(frozen, origin, dir).is_some()
+    }) || sees_straight(frozen, is_optical)
+}
+
+/// Whether the middle of the pupil sees a face of this kind before any other that does something with light, by rays at some of
+/// its triangles: a slit is narrower than a grid.
+pub(super) fn sees_straight(frozen: &Frozen<'_>, kind: impl Fn(&Face) -> bool) -> bool {
+    let (scene, eye) = (frozen.subject.scene, &frozen.world.eye);
+    let [width, height] = eye.size().map(|count| count as f64);
+    scene.parts.iter().zip(0u32..).any(|(part, index)| {
+        let mesh = &scene.meshes[part.mesh.index()];
+        let to_world = frozen.world.geometry.part_to_world(index);
+        part.faces.iter().zip(&mesh.faces).filter(|(face, _)| kind(face)).any(|(_, range)| {
+            let all = triangles(mesh, *range);
+            let middles =
+                all.iter().step_by(all.len().div_ceil(AIMS).max(1)).filter_map(|corner| corners(mesh, *corner));
+            middles.map(|corner| corner.iter().sum::<DVec3>() / 3.0).any(|middle| {
+                let Some(dir) = (to_world.transform_point3(middle) - eye.position()).try_normalize() else {
+                    return false;
+                };
+                let inside = |[x, y]: [f64; 2]| (0.0..=width).contains(&x) && (0.0..=height).contains(&y);
+                eye.place_of(dir).is_some_and(inside) && first_optics(frozen, eye.position(), dir).is_some_and(&kind)
+            })
+        })
     })
 }
 
-fn meets_optics(frozen: &Frozen<'_>, origin: glam::DVec3, dir: glam::DVec3) -> bool {
+/// The first face on the way that does something with light.
+fn first_optics<'f>(frozen: &Frozen<'f>, origin: DVec3, dir: DVec3) -> Option<&'f Face> {
     let mut ray = Ray { origin, dir, from: None };
     for _ in 0..PASSED {
-        let Some(hit) = frozen.world.geometry.intersect(&ray, f64::INFINITY) else { return false };
-        let part = frozen.subject.scene.parts.get(hit.site.part as usize);
-        let Some(face) = part.and_then(|part| part.faces.get(hit.site.face as usize)) else { return false };
+        let hit = frozen.world.geometry.intersect(&ray, f64::INFINITY)?;
+        let face = frozen.subject.scene.parts.get(hit.site.part as usize)?.faces.get(hit.site.face as usize)?;
         if is_optical(face) {
-            return true;
+            return Some(face);
         }
         if face.finish != Finish::None {
-            return false;
+            return None;
         }
         ray = Ray { origin: hit.point, dir, from: Some(hit.site) };
     }
-    false
+    None
 }
 
 /// Whether a face does more than take light away.

@@ -1,11 +1,12 @@
 //! The light of a group does not reach the eye.
 
 use super::Frozen;
+use super::eb0504::{has_sensors, sees_optics, sees_straight};
 use crate::check::finding::{Finding, Level};
 use crate::check::rule::{Example, Rule, kept, nothing};
 use crate::estimate::run::begin;
 use crate::plan::{Choice, plan};
-use crate::scene::Scene;
+use crate::scene::{Face, Scene};
 use crate::world::World;
 
 pub const RULE: Rule = Rule {
@@ -33,8 +34,8 @@ const PATHS: u64 = 1 << 14;
 
 pub fn find(frozen: &Frozen<'_>) -> Vec<Finding> {
     let scene = frozen.subject.scene;
-    // Of an eye that looks elsewhere, that is what is wrong.
-    if frozen.checked.facts().no_light || !super::eb0504::sees_optics(frozen) {
+    // Of an eye that looks elsewhere, that is what is wrong; and who has sensors may have lamps for them.
+    if frozen.checked.facts().no_light || has_sensors(scene) || !sees_optics(frozen) {
         return Vec::new();
     }
     let Some(dark) = dark_groups(scene, frozen.world) else { return Vec::new() };
@@ -43,7 +44,10 @@ pub fn find(frozen: &Frozen<'_>) -> Vec<Finding> {
         let text = format!("no light of group {name} arrived in a small picture of {} passes", PASSES[1]);
         RULE.at(place_of_group(frozen, group), text)
     };
-    dark.into_iter().map(finding).collect()
+    // Lamps that few pixels see.
+    let of = |face: &Face, group: usize| face.emitter.as_ref().is_some_and(|lamp| lamp.group.index() == group);
+    let dark = dark.into_iter().filter(|group| !sees_straight(frozen, |face| of(face, *group)));
+    dark.map(finding).collect()
 }
 
 /// Light groups that shine and bring nothing; none if that can't be traced.
