@@ -147,7 +147,8 @@ fn text(args: &DiffArgs, found: &Comparison) -> String {
     };
     let open = if open > 0 { format!("; {open} of {} layers not judged", found.layers.len()) } else { String::new() };
     let mut lines = vec![format!("{names}: {verdict}{decided}{open}")];
-    lines.extend(found.notes.iter().map(|note| format!("note: {note}")));
+    let notes = found.notes.iter().filter(|_| found.verdict != Verdict::Identical);
+    lines.extend(notes.map(|note| format!("note: {note}")));
     lines.extend(found.incomparable.iter().map(|why| format!("not comparable: {why}")));
     lines.extend(found.only_in.iter().map(|(layer, which)| format!("{layer}: only in {which}")));
     lines.extend(found.layers.iter().filter_map(layer));
