@@ -10,6 +10,7 @@ use eyebox::plan::Polarisation;
 use eyebox::scene::texture::{Channel, Encoding, Filter, Texels, Wrap};
 use eyebox::scene::*;
 use eyebox::world::World;
+use eyebox::world::lamp::LampPoint;
 use eyebox::world::mode::{Mode, Rgb};
 use eyebox::world::slide::footprint::{Brightness, Lines, mean_of};
 use eyebox::world::slide::texels;
@@ -223,8 +224,9 @@ fn squares_have_the_mean_of_what_their_points_read() {
         let screen = &world.lamps.all()[0];
         // Where in the texture the screen's middle lies, and how fast that moves. All of it is one chart.
         let at = |x: f64, y: f64| {
-            let (recentred, triangle) = (screen.around().0 + DVec3::new(x, y, 0.0), u32::from(y > x));
-            (screen.in_texture(triangle, recentred).unwrap(), screen.glow(triangle, recentred).unwrap())
+            let (position, triangle) = (screen.around().0 + DVec3::new(x, y, 0.0), u32::from(y > x));
+            let place = LampPoint { position, normal: DVec3::Z, triangle };
+            (screen.in_texture(triangle, position).unwrap(), screen.glow(&place, DVec3::Z).unwrap())
         };
         let (middle, right, up) = (at(0.0, 0.0).0, at(0.5, 0.0).0, at(0.0, 0.5).0);
         let (right, up) = (2.0 * (right - middle), 2.0 * (up - middle));

@@ -59,6 +59,7 @@ mod usd_survive;
 // Commands.
 mod completions;
 mod emission_textures;
+mod found;
 mod inspect_init;
 mod paths;
 mod report;

@@ -121,7 +121,7 @@ impl Emission {
                     ray,
                     world.lamp_interiors[index],
                     Origin { group: lamp.group, visible: true, face: Some((index, point.position, point.normal)) },
-                    optics.lamp_at(index, lamp.glow(point.triangle, point.position)),
+                    optics.lamp_at(index, lamp.glow(&point, dir)),
                 )
             }
             Source::Light(index) => {

@@ -4,7 +4,7 @@ use super::throughput::Throughput;
 use super::walk::{Vertex, Walker};
 use crate::film::accumulate::Light;
 use crate::world::World;
-use crate::world::lamp::Lamp;
+use crate::world::lamp::{Lamp, LampPoint};
 use crate::world::mode::{Mode, lanes};
 use crate::world::optics::Optics;
 use glam::{DVec2, DVec3};
@@ -19,8 +19,10 @@ pub struct EmitterHit<'w> {
     pub cos: f64,
     /// That way, cd/m²; above 0.
     pub luminance: f64,
-    /// What the place has of it, if not all alike.
+    /// What the place has of it towards the eye, if not all alike.
     pub glow: Option<[f64; 3]>,
+    /// The same without the texture that the lamp shines through.
+    veiled: Option<[f64; 3]>,
     /// The place, recentred world, and the mesh's triangle that it lies on.
     place: DVec3,
     triangle: u32,
@@ -37,10 +39,10 @@ impl EmitterHit<'_> {
         self.lamp.in_texture(self.triangle, self.place)
     }
 
-    /// The same with the lamp's mean light.
+    /// The same with the mean light of the texture that the lamp shines through.
     #[must_use]
     pub fn even(self) -> Self {
-        EmitterHit { glow: None, ..self }
+        EmitterHit { glow: self.veiled, ..self }
     }
 
     /// The picture that the lamp shows, if any, and where in it, in its mesh units, it was met.
@@ -118,8 +120,11 @@ impl<'w, M: Mode> Walker<'w, M> {
         let place = vertex.hit.point;
         let dark = || lamp.shown.is_some_and(|shown| world.slides[shown.slide].s(shown.local(place)).is_none());
         (luminance > 0.0 && !dark()).then(|| {
-            let glow = lamp.glow(site.triangle, place);
-            EmitterHit { lamp, index, cos, luminance, glow, place, triangle: site.triangle }
+            let (towards, triangle) = (-self.ray.dir, site.triangle);
+            let at = LampPoint { position: place, normal, triangle };
+            let veiled = lamp.veiled(&at, towards);
+            let glow = if lamp.texture().is_some() { lamp.glow(&at, towards) } else { veiled };
+            EmitterHit { lamp, index, cos, luminance, glow, veiled, place, triangle }
         })
     }
 }

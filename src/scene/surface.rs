@@ -265,7 +265,8 @@ impl Opacity {
 }
 
 impl CoatNormal {
-    fn map(&self) -> Option<&TextureInput> {
+    /// Its own map, if it has one.
+    pub fn map(&self) -> Option<&TextureInput> {
         match self {
             CoatNormal::Map(input, _) => Some(input),
             CoatNormal::Base | CoatNormal::Smooth => None,

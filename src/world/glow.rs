@@ -34,6 +34,20 @@ fn brightest_of(input: &TextureInput) -> f64 {
     texels.map(|[r, g, b, _]| luminance([r, g, b])).fold(0.0, f64::max)
 }
 
+/// Places of triangles of these areas at which means are taken: the number of the triangle, the shares of its corners, its area.
+pub fn places(areas: &[f64]) -> impl Iterator<Item = (usize, [f64; 3], f64)> + '_ {
+    let each = (PLACES[1] / areas.len().max(1)).clamp(1, PLACES[0]);
+    areas.iter().enumerate().flat_map(move |(at, area)| {
+        (0..each).map(move |place| {
+            // Points of the golden ratio's lattice.
+            let row = (place as f64 + 0.5) / each as f64;
+            let turn = ((at * each + place) as f64 * 0.618_033_988_749_894_9).fract();
+            let [u, v, w] = warp::triangle([row, turn]);
+            (at, [w, u, v], *area)
+        })
+    })
+}
+
 impl Glow {
     /// None where the light has no texture.
     pub fn build(
@@ -62,19 +76,10 @@ impl Glow {
     }
 
     fn mean_of(&self, areas: &[f64]) -> f64 {
-        let each = (PLACES[1] / areas.len().max(1)).clamp(1, PLACES[0]);
         let (mut sum, mut whole, mut brightest) = (0.0, 0.0, 0.0f64);
-        for (at, area) in areas.iter().enumerate() {
-            for place in 0..each {
-                // Points of the golden ratio's lattice.
-                let (row, turn) = (
-                    (place as f64 + 0.5) / each as f64,
-                    ((at * each + place) as f64 * 0.618_033_988_749_894_9).fract(),
-                );
-                let [u, v, w] = warp::triangle([row, turn]);
-                let found = luminance(self.texel(at, [w, u, v]));
-                (sum, whole, brightest) = (sum + found * area, whole + area, brightest.max(found));
-            }
+        for (at, weights, area) in places(areas) {
+            let found = luminance(self.texel(at, weights));
+            (sum, whole, brightest) = (sum + found * area, whole + area, brightest.max(found));
         }
         let mean = if whole > 0.0 { sum / whole } else { 0.0 };
         let possible = match self.input.texture.texels {

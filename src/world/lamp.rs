@@ -3,6 +3,7 @@
 use super::beam::Beam;
 use super::cdf::Cdf;
 use super::glow::Glow;
+use super::veil::Veil;
 use crate::base::error::Result;
 use crate::base::ids::GroupId;
 use crate::base::warp;
@@ -43,6 +44,9 @@ pub struct Lamp {
     pub shown: Option<Shown>,
     /// The texture that it shines through, if any: flux, intensity and luminance are the mean's.
     glow: Option<Box<Glow>>,
+    /// What the material of its face leaves of its light, if not all: flux, intensity and luminance are what the opacity leaves on
+    /// average, before coat and sheen.
+    veil: Option<Box<Veil>>,
     triangles: Vec<Triangle>,
     by_area: Cdf,
     /// Sphere about the face: centre, and radius squared.
@@ -101,8 +105,8 @@ impl Lamp {
         let mut triangles = world_triangles(scene, owner, face, to_world)
             .ok_or_else(|| Error::new(at(), "an emitting face refers to triangles or vertices that its mesh lacks"))?;
         triangles.iter_mut().for_each(|triangle| triangle.normal *= side);
-        let areas = triangles.iter().map(|t| 0.5 * t.edges[0].cross(t.edges[1]).length());
-        let by_area = Cdf::new(areas).ok_or_else(|| {
+        let areas: Vec<f64> = triangles.iter().map(|t| 0.5 * t.edges[0].cross(t.edges[1]).length()).collect();
+        let by_area = Cdf::new(areas.iter().copied()).ok_or_else(|| {
             Error::new(at(), "an emitting face has no area")
                 .expected("a face with a positive, finite area")
                 .code(Code::EmitterWithoutArea)
@@ -152,8 +156,10 @@ impl Lamp {
             | Photometry::IntensityCd(_)
             | Photometry::AsMeasured => 1.0,
         };
-        let glow = Glow::build(scene, owner, emitter, triangles.iter().map(|triangle| triangle.index));
-        let mean = glow.as_ref().map_or(1.0, |glow| glow.mean());
+        let indices: Vec<u32> = triangles.iter().map(|triangle| triangle.index).collect();
+        let glow = Glow::build(scene, owner, emitter, indices.iter().copied());
+        let veil = Veil::build(scene, (part, face), (to_world, side), glow.as_deref(), (&indices, &areas));
+        let mean = glow.as_ref().map_or(1.0, |glow| glow.mean()) * veil.as_ref().map_or(1.0, |veil| veil.mean());
         let unit_cd = share * mean * emitter.unit_cd(&spread, area_m2);
         let (flux_lm, intensity_cd) = (unit_cd * beam.whole(), unit_cd * spread.normal);
         let brightest = unit_cd * spread.peak / area_m2;
@@ -197,6 +203,7 @@ impl Lamp {
             polarisation: by_slide.or_else(own).map(|(axis, degree)| (to_world.transform_vector3(axis), degree)),
             shown,
             glow,
+            veil,
             triangles,
             by_area,
             centre,
@@ -218,11 +225,28 @@ impl Lamp {
         }
     }
 
-    /// What a place has of the mean light, linear Rec.709, whose luminance is 1 on average; none of a lamp that shines evenly.
-    pub fn glow(&self, triangle: u32, position: DVec3) -> Option<[f64; 3]> {
-        let glow = self.glow.as_ref()?;
-        let (at, weights) = self.weights(triangle, position)?;
-        Some(glow.at(at, weights))
+    /// What a place has of the mean light along a unit direction, linear Rec.709, whose luminance is 1 on average before coat and
+    /// sheen; none of a lamp that shines evenly.
+    pub fn glow(&self, place: &LampPoint, dir: DVec3) -> Option<[f64; 3]> {
+        let own = self.glow.as_ref().and_then(|glow| {
+            let (at, weights) = self.weights(place.triangle, place.position)?;
+            Some(glow.at(at, weights))
+        });
+        match (own, self.veiled(place, dir)) {
+            (Some(own), Some(veiled)) => Some([0, 1, 2].map(|c| own[c] * veiled[c])),
+            (found, None) | (None, found) => found,
+        }
+    }
+
+    /// The same without the texture that the lamp shines through.
+    pub fn veiled(&self, place: &LampPoint, dir: DVec3) -> Option<[f64; 3]> {
+        let veil = self.veil.as_ref().filter(|veil| !veil.is_even())?;
+        Some(veil.at(place, dir))
+    }
+
+    /// Whether the material of its face leaves more of its light here than there.
+    pub fn is_patterned(&self) -> bool {
+        self.veil.as_ref().is_some_and(|veil| veil.is_patterned())
     }
 
     /// The texture that it shines through, if any.
@@ -257,9 +281,9 @@ impl Lamp {
         Some(guess).filter(is_at).or_else(search)
     }
 
-    /// Whether it shines alike from all of its places.
+    /// Whether it shines alike from all of its places, whatever lies over it.
     pub fn is_even(&self) -> bool {
-        self.glow.is_none() && self.shown.is_none()
+        self.glow.is_none() && self.shown.is_none() && self.veil.as_ref().is_none_or(|veil| veil.is_even())
     }
 
     /// [`Lamp::luminance_along`] a direction at `cos_theta` to the normal; for a profile, the one in its plane C0.

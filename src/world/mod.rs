@@ -31,6 +31,7 @@ pub mod surface;
 pub mod texture;
 pub mod thinfilm;
 pub mod tint;
+mod veil;
 pub mod wavelengths;
 pub mod web;
 

@@ -82,8 +82,8 @@ impl<M: Mode> Backward<'_, M> {
                 // What is behind the lamp is not before it, whatever rounding says.
                 Some((_, reach)) => distance - 4.0 * reach / cos,
             };
+        let tint = here.walker.optics.lamp_at(index, lamp.glow(&target, -dir));
         let (target, on_lamp) = (Some(site), target.position);
-        let tint = here.walker.optics.lamp_at(index, lamp.glow(site.triangle, on_lamp));
         let luminance = lanes::<M, _>(|lane| luminance * tint[lane]);
         let (group, source) = (lamp.group, Source::Face);
         let shown = match &lamp.shown {

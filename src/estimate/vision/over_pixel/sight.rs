@@ -214,8 +214,10 @@ impl<M: Mode> Vision<'_, M> {
         let mut each = |walker: &Walker<'_, M>, seen: &EmitterHit<'_>, plane: usize, met: Option<&Met>| {
             let (Some(chain), Some(met)) = (walker.chain(), met) else { return };
             let mut slides = met.slides.clone();
-            // What is left to rays from the eye beside connections is not smooth.
-            let many = met.many || seen.shown().is_some_and(|shown| slides.try_push(shown).is_err());
+            // What is left to rays from the eye beside connections is not smooth, nor is what an opacity cuts out.
+            let many = met.many
+                || seen.lamp.is_patterned()
+                || seen.shown().is_some_and(|shown| slides.try_push(shown).is_err());
             if many || route.is_connected(seen.lamp.group) {
                 return;
             }

@@ -19,6 +19,7 @@ mod film;
 mod layers;
 mod lobe;
 mod look;
+mod outwards;
 mod point;
 mod polarisation;
 mod sheen;

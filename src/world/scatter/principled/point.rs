@@ -27,7 +27,7 @@ pub struct Point {
 }
 
 /// Shares of the corners of a triangle.
-type Weights = [f64; 3];
+pub(super) type Weights = [f64; 3];
 
 impl Principled {
     /// The surface where a ray has met it.
@@ -158,7 +158,7 @@ impl Principled {
 }
 
 /// The triangle that a ray has met, and where in it.
-fn corners(mesh: &Mesh, hit: &Hit) -> Option<([usize; 3], Weights)> {
+pub(super) fn corners(mesh: &Mesh, hit: &Hit) -> Option<([usize; 3], Weights)> {
     let corners = mesh.triangles.get(hit.site.triangle as usize)?.map(|corner| corner as usize);
     let [a, b, c] = positions(mesh, corners)?;
     // Shares of the area, seen along the triangle's normal.
@@ -176,7 +176,7 @@ fn positions(mesh: &Mesh, corners: [usize; 3]) -> Option<[DVec3; 3]> {
 }
 
 /// What is said at the corners, between them.
-fn between<const N: usize>(all: &[[f32; N]], corners: [usize; 3], weights: Weights) -> Option<[f64; N]> {
+pub(super) fn between<const N: usize>(all: &[[f32; N]], corners: [usize; 3], weights: Weights) -> Option<[f64; N]> {
     let [a, b, c] = corners.map(|corner| all.get(corner));
     let (a, b, c) = (a?, b?, c?);
     Some(std::array::from_fn(|i| {
@@ -184,11 +184,11 @@ fn between<const N: usize>(all: &[[f32; N]], corners: [usize; 3], weights: Weigh
     }))
 }
 
-fn coordinates(mesh: &Mesh, corners: [usize; 3], weights: Weights) -> Coordinates {
+pub(super) fn coordinates(mesh: &Mesh, corners: [usize; 3], weights: Weights) -> Coordinates {
     [&mesh.uvs, &mesh.second_uvs].map(|set| between(set, corners, weights).unwrap_or_default())
 }
 
-fn of_vertices(mesh: &Mesh, corners: [usize; 3], weights: Weights) -> [f64; 4] {
+pub(super) fn of_vertices(mesh: &Mesh, corners: [usize; 3], weights: Weights) -> [f64; 4] {
     between(&mesh.colors, corners, weights).unwrap_or([1.0; 4])
 }
 
@@ -205,7 +205,7 @@ impl Point {
         Point::of(surface, &|scalar| strip(scalar), &|colour| colour.factor, [1.0; 4], alpha)
     }
 
-    fn new(surface: &StandardSurface, uv: &Coordinates, colour: [f64; 4]) -> Point {
+    pub(super) fn new(surface: &StandardSurface, uv: &Coordinates, colour: [f64; 4]) -> Point {
         let alpha = match &surface.opacity {
             Opacity::Opaque => 1.0,
             Opacity::Mask { alpha, cutoff } => f64::from(alpha.at(uv) * colour[3] >= *cutoff),
