@@ -88,11 +88,32 @@ impl Shader<'_> {
         Ok(own)
     }
 
-    /// A picture of what a face emits.
-    pub fn glow(&mut self, name: &str) -> Result<Option<TextureInput>> {
-        let Some(found) = self.folded(name)? else { return Ok(None) };
-        let found = self.without_vertices(name, found);
-        Ok(self.as_colour(name, found).texture)
+    /// What a face emits: the colour of its light by a weight, and the picture that it shines through, if any, whose white is that
+    /// colour. None where something is said that is no light, with a note.
+    pub fn light(
+        &mut self,
+        weight: Option<Named<'_, f64>>,
+        color: Named<'_, [f64; 3]>,
+    ) -> Result<Option<([f64; 3], Option<TextureInput>)>> {
+        let found = self.weighted(weight, color)?;
+        let found = self.without_vertices(color.0, found);
+        if let Reading::Constant([r, g, b, _]) = found.what {
+            let sound = [r, g, b].iter().all(|lane| *lane >= 0.0 && lane.is_finite());
+            if !sound {
+                self.warn(color.0, format!("a value of `{}` that is none it can have: ignored", color.0));
+            }
+            return Ok(sound.then_some(([r, g, b], None)));
+        }
+        let Colour { factor, texture } = self.as_colour(color.0, found);
+        let Some(mut input) = texture else { return Ok(Some((factor, None))) };
+        let [r, g, b, _] = input.scale;
+        let scaled = input.bias[..3] == [0.0; 3] && [r, g, b].iter().all(|scale| *scale >= 0.0 && scale.is_finite());
+        if !scaled {
+            return Ok(Some(([1.0; 3], Some(input))));
+        }
+        // Its scale is the light's, as other formats have it.
+        input.scale = [1.0, 1.0, 1.0, input.scale[3]];
+        Ok(Some(([r, g, b], Some(input))))
     }
 
     /// Tangent-space normals, each component −1 to 1.

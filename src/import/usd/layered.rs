@@ -23,6 +23,8 @@ pub(super) struct Model {
     film_nm: f64,
     /// Whether the film has a weight of its own; else its thickness says whether it is there.
     film_weight: Option<&'static str>,
+    /// What `emission_color` is multiplied by: cd/m².
+    emission: &'static str,
     /// Names that mean nothing here.
     other: &'static [&'static str],
 }
@@ -39,6 +41,7 @@ pub(super) const OPEN_PBR: Model = Model {
     film_default: 1.4,
     film_nm: 1000.0,
     film_weight: Some("thin_film_weight"),
+    emission: "emission_luminance",
     other: &["subsurface_weight"],
 };
 
@@ -54,6 +57,7 @@ pub(super) const STANDARD: Model = Model {
     film_default: 1.5,
     film_nm: 1.0,
     film_weight: None,
+    emission: "emission",
     other: &["subsurface", "transmission_extra_roughness"],
 };
 
@@ -74,16 +78,9 @@ pub(super) fn layered(inputs: &mut Inputs<'_>, model: &Model) -> Result<Surface>
     }
     dispersion(inputs, model, &mut out)?;
     film(inputs, model, &mut out)?;
-    if model.film_weight.is_some() {
-        if let Some((nit, at)) = inputs.number("emission_luminance", 0.0, f64::MAX)? {
-            let color = inputs.color("emission_color")?.map_or([1.0; 3], |(color, _)| color);
-            shines(&mut out, nit, color, &at);
-        }
-    } else {
-        inputs.note("emission", "has no unit: it is no light here, say `emitter` for that")?;
-    }
     looks(inputs, model, &mut out)?;
     out.standard = standard::layered(inputs.reader, inputs.view, model.film_weight.is_some())?;
+    shines(inputs, Some((model.emission, 0.0)), ("emission_color", [1.0; 3]), &mut out)?;
     for name in model.other {
         inputs.note(name, "is not used")?;
     }

@@ -157,7 +157,6 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
     let (mut known, mut glass) = (false, None);
     let (mut mapped, mut looks) = (Vec::new(), Vec::new());
     let mut standard = None;
-    let mut preview = true;
     // MaterialX can say more than the universal surface.
     for context in ["outputs:mtlx:surface", "outputs:surface"] {
         let End::Node(shader, _) = shader::follow(reader, view, context)? else { continue };
@@ -166,7 +165,7 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
             (mapped, looks) = (found.mapped, found.looks);
             standard = Some(found.standard);
             // It may be our own writer's surface: the marks have its numbers exactly.
-            (known, preview) = (false, found.preview);
+            known = false;
             if let Some(surface) = standard.as_mut().filter(|_| !found.preview) {
                 cut_out(reader, view, &shader, surface)?;
             }
@@ -175,8 +174,9 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
         }
     }
     if !known {
-        let said = if preview { &["ior"][..] } else { &surface::SAID[..] };
-        for (rows, key, keys) in [(&mut mapped, "mapped", said), (&mut looks, "looks", &surface::LOOKS[..])] {
+        for (rows, key, keys) in
+            [(&mut mapped, "mapped", &surface::SAID[..]), (&mut looks, "looks", &surface::LOOKS[..])]
+        {
             if let Some(text) = marks.text(key) {
                 reader.charge(view.path(), text.len(), size_of::<Row>())?;
                 *rows = exact(parse(text, &view.at()), std::mem::take(rows), keys);
@@ -266,7 +266,11 @@ fn exact(marks: Vec<Row>, mut shader: Vec<Row>, keys: &[&str]) -> Vec<Row> {
             Some(index) => {
                 let (_, authored) = shader.remove(index);
                 // Only its being there counts: the geometry has the thickness.
-                let same = key == "thickness" || rounds_to(&value, &authored);
+                let same = match key.as_str() {
+                    "thickness" => true,
+                    "emitter.spectrum" => is_one_hue(&value, &authored),
+                    _ => rounds_to(&value, &authored),
+                };
                 out.push((key, if same { value } else { authored }));
             }
             None if keys.contains(&key.as_str()) && single(&value) => {}
@@ -275,6 +279,16 @@ fn exact(marks: Vec<Row>, mut shader: Vec<Row>, keys: &[&str]) -> Vec<Row> {
     }
     out.extend(shader);
     out
+}
+
+/// Whether two colours of light are the same but for how bright they are, to single precision.
+fn is_one_hue(exact: &Value, rounded: &Value) -> bool {
+    let lanes = |value: &Value| -> Option<Vec<f64>> { value.get("rgb")?.list()?.iter().map(Value::number).collect() };
+    let (Some(a), Some(b)) = (lanes(exact), lanes(rounded)) else { return rounds_to(exact, rounded) };
+    let most = |lanes: &[f64]| lanes.iter().copied().fold(0.0, f64::max);
+    let (of_a, of_b) = (most(&a), most(&b));
+    // What is computed of single precision is a few roundings off.
+    a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (a * of_b - b * of_a).abs() <= 1e-6 * of_a * of_b)
 }
 
 /// Whether single precision can hold it, so that our writer said it in the shader, too.

@@ -87,7 +87,6 @@ pub(super) fn layered(reader: &mut Reader, view: &PrimView, open_pbr: bool) -> R
         sheen_color: shader.product((names.sheen, 0.0), (names.sheen_color, [1.0; 3]))?,
         sheen_roughness: shader.scalar(names.sheen_roughness, names.sheen_rough)?,
         normal: shader.normal(names.normal)?,
-        emission: if open_pbr { shader.glow("emission_color")? } else { None },
         opacity: opacity(alpha, by_vertices, 0.0),
         ..StandardSurface::default()
     })
@@ -132,7 +131,6 @@ pub(super) fn gltf(reader: &mut Reader, view: &PrimView) -> Result<StandardSurfa
         sheen_color: shader.colour("sheen_color", [0.0; 3])?,
         sheen_roughness: shader.scalar("sheen_roughness", 0.0)?,
         normal: shader.normal("normal")?,
-        emission: shader.glow("emissive")?,
         opacity,
         ..StandardSurface::default()
     })

@@ -3,6 +3,7 @@
 
 use super::attribute::PrimView;
 use super::fold::Lanes;
+use super::inputs::Shader;
 use super::layered::{OPEN_PBR, STANDARD, layered};
 use super::reader::Reader;
 use super::shader::{self, End};
@@ -17,7 +18,7 @@ use openusd::sdf;
 pub(super) type Row = (String, Value);
 
 /// What of the models may be a picture; `standard` says where one is not used.
-const SHOWN: [&str; 31] = [
+const SHOWN: [&str; 35] = [
     "diffuseColor",
     "specularColor",
     "metallic",
@@ -47,8 +48,12 @@ const SHOWN: [&str; 31] = [
     "fuzz_weight",
     "fuzz_color",
     "fuzz_roughness",
+    "emission",
+    "emission_luminance",
     "emission_color",
     "emissive",
+    "emissive_strength",
+    "emissiveColor",
 ];
 
 /// What our writer says in a layered surface where it is so.
@@ -78,7 +83,12 @@ pub(super) struct Surface {
 /// | `attenuation_…` | – | `transmission_depth`, `transmission_color` | the same |
 /// | `dispersion` (20/V_d) | – | `transmission_dispersion_scale` / `…_abbe_number` | 1 / `transmission_dispersion` |
 /// | `coating` | – | `thin_film_thickness` in µm, `thin_film_ior` | `thin_film_thickness` in nm, `thin_film_IOR` |
-/// | `luminance_cd_m2`, `emitter.spectrum` | – | `emission_luminance` in nit × `emission_color` | – |
+/// | `luminance_cd_m2`, `emitter.spectrum` | `emissiveColor` | `emission_luminance` in nit × `emission_color` | `emission` × `emission_color` |
+///
+/// Emission without a unit is one cd/m² a unit, as glTF's.
+///
+/// | entry | UsdPreviewSurface | OpenPBR | standard_surface |
+/// |---|---|---|---|
 /// | looks | `diffuseColor`, `opacity`, `metallic`, `roughness` | base and specular | base and specular |
 ///
 /// Sources: the UsdPreviewSurface specification 2.6; OpenPBR Surface 1.1; the Standard Surface paper (Autodesk, 1.0.1).
@@ -213,8 +223,8 @@ fn preview(inputs: &mut Inputs<'_>) -> Result<Surface> {
     {
         out.glass = Some(value.at.clone());
     }
-    inputs.note("emissiveColor", "has no unit: it is no light here, say `emitter` for that")?;
     out.standard = standard::preview(inputs.reader, inputs.view)?;
+    shines(inputs, None, ("emissiveColor", [0.0; 3]), &mut out)?;
     Ok(out)
 }
 
@@ -248,17 +258,6 @@ fn gltf(inputs: &mut Inputs<'_>) -> Result<Surface> {
     if let Some((dispersion, at)) = inputs.number("dispersion", 0.0, f64::MAX)?.filter(|(x, _)| *x > 0.0) {
         out.mapped.push(row("dispersion", Data::Number(dispersion), &at));
     }
-    let emissive = inputs.color("emissive")?;
-    let glows = match &emissive {
-        Some((color, at)) => Some((*color, at.clone())),
-        // A picture of it goes with the surface.
-        None if inputs.view.has("inputs:emissive") => Some(([1.0; 3], inputs.view.at_property("inputs:emissive"))),
-        None => None,
-    };
-    if let Some((color, at)) = glows {
-        let strength = inputs.number("emissive_strength", 0.0, f64::MAX)?.map_or(1.0, |(strength, _)| strength);
-        shines(&mut out, strength, color, &at);
-    }
     if let Some((lanes, at)) = inputs.color("base_color")? {
         out.looks.push(color_row("base_color", lanes, &at));
     }
@@ -268,19 +267,38 @@ fn gltf(inputs: &mut Inputs<'_>) -> Result<Surface> {
         }
     }
     out.standard = standard::gltf(inputs.reader, inputs.view)?;
+    shines(inputs, Some(("emissive_strength", 1.0)), ("emissive", [0.0; 3]), &mut out)?;
     Ok(out)
 }
 
-/// A face that shines: luminance in cd/m² times a colour.
-pub(super) fn shines(out: &mut Surface, nit: f64, color: [f64; 3], at: &Where) {
-    let luminance = nit * luminance(color);
-    if luminance > 0.0 && luminance.is_finite() {
-        out.mapped.push(row("luminance_cd_m2", Data::Number(luminance), at));
-        if color[0] != color[1] || color[1] != color[2] {
-            let rgb = color_row("rgb", color, at);
-            out.mapped.push(row("emitter.spectrum", Data::Table(vec![rgb]), at));
-        }
+/// A face that shines: a weight times a colour in cd/m², as the emission of glTF is read. The picture that it shines through goes
+/// with the surface. Names and what they are where nothing is said.
+pub(super) fn shines(
+    inputs: &mut Inputs<'_>,
+    weight: Option<(&str, f64)>,
+    color: (&str, [f64; 3]),
+    out: &mut Surface,
+) -> Result<()> {
+    let mut names = weight.iter().map(|(name, _)| *name).chain([color.0]).map(|name| format!("inputs:{name}"));
+    let Some(name) = names.find(|name| inputs.view.has(name)) else { return Ok(()) };
+    let at = inputs.view.at_property(&name);
+    let mut shader = Shader { reader: &mut *inputs.reader, view: inputs.view };
+    let Some((rgb, picture)) = shader.light(weight, color)? else { return Ok(()) };
+    let luminance = luminance(rgb);
+    if !luminance.is_finite() {
+        inputs.ignored(color.0, at);
+        return Ok(());
     }
+    if luminance > 0.0 {
+        out.mapped.push(row("luminance_cd_m2", Data::Number(luminance), &at));
+        if rgb[0] != rgb[1] || rgb[1] != rgb[2] {
+            let most = rgb.iter().copied().fold(1.0, f64::max);
+            let rgb = color_row("rgb", rgb.map(|lane| lane / most), &at);
+            out.mapped.push(row("emitter.spectrum", Data::Table(vec![rgb]), &at));
+        }
+        out.standard.emission = picture;
+    }
+    Ok(())
 }
 
 /// What a solid lets through over a distance in scene units.

@@ -183,14 +183,13 @@ fn surface(id: &str, inputs: &str) -> Assembly {
 fn preview_surfaces_are_looks_and_an_index() {
     let found = surface(
         "UsdPreviewSurface",
-        "color3f inputs:diffuseColor = (0.5, 0.25, 1)\nfloat inputs:opacity = 0.5\nfloat inputs:metallic = 1\nfloat inputs:roughness = 7\nfloat inputs:ior = 1.5\ncolor3f inputs:emissiveColor = (1, 1, 1)",
+        "color3f inputs:diffuseColor = (0.5, 0.25, 1)\nfloat inputs:opacity = 0.5\nfloat inputs:metallic = 1\nfloat inputs:roughness = 7\nfloat inputs:ior = 1.5\ncolor3f inputs:emissiveColor = (20, 20, 20)",
     );
     let material = &found.materials[0];
-    assert_eq!(said(&material.mapped), ["ior = 1.5"]);
+    assert_eq!(said(&material.mapped), ["ior = 1.5", "luminance_cd_m2 = 20"]);
     assert_eq!(said(&material.looks), ["base_color = [0.5, 0.25, 1]", "opacity = 0.5", "metallic = 1"]);
     let notes = notes(&found);
     assert!(notes.contains("/M/S.inputs:roughness>: a value of `roughness`"), "{notes}");
-    assert!(notes.contains("no unit"), "{notes}");
 }
 
 #[test]
@@ -214,7 +213,7 @@ fn layered_surfaces_are_optics() {
     assert!(notes(&found).contains("`subsurface_weight` of a surface is not used"));
     let found = surface(
         "ND_standard_surface_surfaceshader_100",
-        "float inputs:base = 0.5\ncolor3f inputs:base_color = (1, 0.5, 0)\nfloat inputs:metalness = 1\nfloat inputs:specular_IOR = 1.25\nfloat inputs:transmission = 1\nbool inputs:thin_walled = 1\nfloat inputs:transmission_dispersion = 40\nfloat inputs:thin_film_thickness = 500\nfloat inputs:emission = 1",
+        "float inputs:base = 0.5\ncolor3f inputs:base_color = (1, 0.5, 0)\nfloat inputs:metalness = 1\nfloat inputs:specular_IOR = 1.25\nfloat inputs:transmission = 1\nbool inputs:thin_walled = 1\nfloat inputs:transmission_dispersion = 40\nfloat inputs:thin_film_thickness = 500\nfloat inputs:emission = 30\ncolor3f inputs:emission_color = (0.5, 0.5, 0.5)",
     );
     let material = &found.materials[0];
     let want = [
@@ -222,10 +221,10 @@ fn layered_surfaces_are_optics() {
         "transmission = 1",
         "dispersion = 0.5",
         "coating = { name = \"thin film\", stack = [{ n = 1.5, thickness_nm = 500 }] }",
+        "luminance_cd_m2 = 15",
     ];
     assert_eq!(said(&material.mapped), want);
     assert_eq!(said(&material.looks), ["base_color = [0.5, 0.25, 0]", "metallic = 1"]);
-    assert!(notes(&found).contains("`emission` of a surface has no unit"));
 }
 
 /// What makes a surface glass elsewhere, and is not read yet, is said by a warning of its own.
