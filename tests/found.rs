@@ -1,6 +1,7 @@
 //! What use has found: assets of others that came out wrong, with the values that are right. Their files are in `tests/data/found`.
 
 mod emission;
+mod normals;
 mod usd_light;
 
 use crate::common::{image, mean, render};

@@ -16,6 +16,10 @@ pub struct Mesh {
     /// A second set of them, or none.
     #[serde(skip)]
     pub second_uvs: Vec<[f32; 2]>,
+    /// Unit directions in which a normal map's x runs, and the side (±1) of its y about normal × direction; one per position, or
+    /// none: then texture coordinates say it, as they do where a direction is 0.
+    #[serde(skip)]
+    pub tangents: Vec<[f32; 4]>,
     /// Linear Rec.709 colours with alpha, one per position, or none.
     #[serde(skip)]
     pub colors: Vec<[f32; 4]>,

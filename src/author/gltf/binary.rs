@@ -19,10 +19,11 @@ const WEIGHTS: usize = 6;
 /// What no vertex has: inverse bind matrices and the keys of animations, whose views glTF keeps apart.
 const BINDS: usize = 7;
 const KEYS: usize = 8;
+const TANGENTS: usize = 9;
 
 #[derive(Debug, Default)]
 pub struct Binary {
-    views: [View; 9],
+    views: [View; 10],
     /// (view, byte offset, the rest of the accessor)
     accessors: Vec<(usize, usize, Json)>,
 }
@@ -44,6 +45,10 @@ impl Binary {
     }
     pub fn uvs(&mut self, values: &[[f32; 2]]) -> usize {
         self.floats(UVS, "VEC2", values, json!({}))
+    }
+    /// Unit directions and their sides.
+    pub fn tangents(&mut self, values: &[[f32; 4]]) -> usize {
+        self.floats(TANGENTS, "VEC4", values, json!({}))
     }
     /// Linear colours with alpha.
     pub fn colors(&mut self, values: &[[f32; 4]]) -> usize {
@@ -106,7 +111,7 @@ impl Binary {
 
     /// The buffer's bytes, `bufferViews`, `accessors`.
     pub fn finish(self) -> (Vec<u8>, Vec<Json>, Vec<Json>) {
-        let (mut bytes, mut views, mut places) = (Vec::new(), Vec::new(), [0; 9]);
+        let (mut bytes, mut views, mut places) = (Vec::new(), Vec::new(), [0; 10]);
         for (index, view) in self.views.into_iter().enumerate().filter(|(_, view)| !view.bytes.is_empty()) {
             places[index] = views.len();
             let mut json = json!({ "buffer": 0, "byteOffset": bytes.len(), "byteLength": view.bytes.len() });
@@ -116,7 +121,7 @@ impl Binary {
             let stride = match index {
                 INDICES | BINDS | KEYS => None,
                 UVS | JOINTS => Some(8),
-                COLORS | WEIGHTS => Some(16),
+                COLORS | WEIGHTS | TANGENTS => Some(16),
                 _ => Some(12),
             };
             if let Some(stride) = stride {

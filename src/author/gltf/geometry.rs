@@ -140,6 +140,12 @@ fn face(document: &mut Document, (source, shapes): (&MeshSource, &Shapes), face:
         let normals: Vec<[f32; 3]> = used.iter().map(|vertex| all_normals[*vertex as usize]).collect();
         attributes["NORMAL"] = Json::from(document.binary.normals(&normals));
     }
+    // What a rig bends has tangents for its pose alone.
+    let tangents = used.iter().map(|vertex| mesh.tangents.get(*vertex as usize).copied());
+    let tangents: Option<Vec<[f32; 4]>> = tangents.map(|own| own.filter(|own| own[..3] != [0.0; 3])).collect();
+    if let Some(tangents) = tangents.filter(|_| source.rig.is_none() && !all_normals.is_empty()) {
+        attributes["TANGENT"] = Json::from(document.binary.tangents(&tangents));
+    }
     let sets = match (mesh.uvs.is_empty(), mesh.second_uvs.is_empty()) {
         (true, true) => vec![],
         (false, true) => vec![&mesh.uvs],

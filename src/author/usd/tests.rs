@@ -14,6 +14,7 @@ fn triangle(name: &str, faces: u32) -> MeshSource {
         normals: vec![[-0.0, 0.0, 1.0]; positions.len()],
         uvs: positions.iter().map(|p| [p[0], p[1]]).collect(),
         second_uvs: Vec::new(),
+        tangents: Vec::new(),
         colors: Vec::new(),
         triangles: (0..faces).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         faces: (0..faces).map(|first| FaceRange { first, count: 1 }).collect(),

@@ -12,6 +12,7 @@ fn lanes_of(name: &str) -> Option<&'static [usize]> {
     Some(match name {
         "POSITION" | "NORMAL" => &[3],
         "TEXCOORD_0" | "TEXCOORD_1" => &[2],
+        "TANGENT" => &[4],
         "COLOR_0" => &[3, 4],
         _ if is_joints(name) || name.starts_with("WEIGHTS_") => &[4],
         _ => return None,

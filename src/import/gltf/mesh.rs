@@ -45,12 +45,14 @@ pub(in crate::import) fn append(mesh: &mut Mesh, face: FaceMesh) -> Option<()> {
         // Most meshes are one face: nothing is copied.
         (mesh.positions, mesh.normals, mesh.triangles) = (face.positions, face.normals, face.triangles);
         (mesh.uvs, mesh.second_uvs, mesh.colors) = (face.uvs, face.second_uvs, face.colors);
+        mesh.tangents = face.tangents;
         mesh.faces.push(FaceRange { first, count });
         return Some(());
     }
     let counts = [mesh.positions.len(), face.positions.len()];
     joined(&mut mesh.uvs, face.uvs, [0.0; 2], counts);
     joined(&mut mesh.second_uvs, face.second_uvs, [0.0; 2], counts);
+    joined(&mut mesh.tangents, face.tangents, [0.0; 4], counts);
     joined(&mut mesh.colors, face.colors, [1.0; 4], counts);
     mesh.triangles.extend(face.triangles.iter().map(|triangle| triangle.map(|vertex| base + vertex)));
     mesh.positions.extend(face.positions);

@@ -31,8 +31,7 @@ pub(super) fn weights(owner: &At<'_>) -> Result<Option<Vec<f64>>> {
     list.items()?.iter().map(|weight| weight.number()).collect::<Result<_>>().map(Some)
 }
 
-/// Adds the differences of positions, normals, texture coordinates and colours. (Tangents are made from the texture
-/// coordinates of the finished mesh.)
+/// Adds the differences of positions, normals, tangents, texture coordinates and colours.
 ///
 /// # Errors
 /// Other numbers of weights than of targets, or of differences than of vertices.
@@ -56,6 +55,14 @@ pub(super) fn apply(target: &Target<'_>, weights: &[f64], bent: &mut Bent<'_>, l
             moved(&mut bent.normals, &deltas, target.used, weight);
         }
         let face = &mut *bent.face;
+        let deltas = differences(target, morph, "TANGENT", &[3], ledger)?.filter(|_| !face.tangents.is_empty());
+        if let Some(deltas) = deltas {
+            // The side stays.
+            let alone: Vec<[f32; 3]> = deltas.gather(target.used);
+            let alone: Vec<[f32; 4]> = alone.into_iter().map(|[x, y, z]| [x, y, z, 0.0]).collect();
+            added(&mut face.tangents, &alone, weight);
+            finite(&mut face.tangents, &deltas, "tangents that are not finite: set to 0", ledger);
+        }
         for (key, uvs) in [("TEXCOORD_0", &mut face.uvs), ("TEXCOORD_1", &mut face.second_uvs)] {
             if let Some(deltas) = differences(target, morph, key, &[2], ledger)?.filter(|_| !uvs.is_empty()) {
                 added(uvs, &deltas.gather(target.used), weight);

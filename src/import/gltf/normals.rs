@@ -66,6 +66,7 @@ pub(in crate::import) fn flat_shaded(face: &FaceMesh) -> (FaceMesh, usize) {
             out.normals.push(normal);
             out.uvs.extend(face.uvs.get(vertex as usize));
             out.second_uvs.extend(face.second_uvs.get(vertex as usize));
+            out.tangents.extend(face.tangents.get(vertex as usize));
             out.colors.extend(face.colors.get(vertex as usize));
             out.sources.extend(face.sources.get(vertex as usize));
         }

@@ -9,7 +9,8 @@ use super::notes::Ledger;
 use crate::base::Code;
 use crate::base::error::Result;
 use crate::import::normals::repair;
-use crate::scene::Note;
+use crate::scene::{Note, Severity};
+use glam::DVec3;
 
 /// The geometry of one face, indices from 0.
 #[derive(Debug, Default)]
@@ -20,6 +21,8 @@ pub(in crate::import) struct FaceMesh {
     pub uvs: Vec<[f32; 2]>,
     /// A second set, one per position, or none.
     pub second_uvs: Vec<[f32; 2]>,
+    /// As [`Mesh::tangents`](crate::scene::Mesh::tangents).
+    pub tangents: Vec<[f32; 4]>,
     /// Linear Rec.709 and alpha, one per position, or none.
     pub colors: Vec<[f32; 4]>,
     pub triangles: Vec<[u32; 3]>,
@@ -34,8 +37,8 @@ pub(super) struct FaceName<'a> {
     pub face: usize,
 }
 
-/// Bytes of a vertex with normal, two sets of texture coordinates and a colour, and of a triangle.
-const VERTEX: usize = 56;
+/// Bytes of a vertex with normal, two sets of texture coordinates, a tangent and a colour, and of a triangle.
+const VERTEX: usize = 72;
 pub(super) const TRIANGLE: usize = 12;
 
 /// Reads the primitive at `at`. Without a surface (points, lines, no positions) the face is empty, with a note, so that
@@ -92,6 +95,7 @@ pub(super) fn read(
             same_count(&reference, &stored, &positions)?;
             check_type(document, &stored, &[Component::I8, Component::I16], ledger)?;
             face.normals = stored.gather(&used);
+            face.tangents = tangents(document, &attributes, (&positions, &used), ledger)?;
             Some(stored)
         }
         None => None,
@@ -136,6 +140,37 @@ fn coordinates(
         *uv = [0.0; 2];
     }
     Ok(uvs)
+}
+
+/// Tangents of the vertices at unit length, 0 where they have no direction; none if there are none.
+fn tangents(
+    document: &Document<'_>,
+    attributes: &At<'_>,
+    (positions, used): (&Accessor<'_>, &[u32]),
+    ledger: &mut Ledger,
+) -> Result<Vec<[f32; 4]>> {
+    let Some(reference) = attributes.get("TANGENT")? else { return Ok(Vec::new()) };
+    let accessor = open(document, &reference, &[4], ledger)?;
+    same_count(&reference, &accessor, positions)?;
+    check_type(document, &accessor, &[Component::I8, Component::I16], ledger)?;
+    let mut tangents: Vec<[f32; 4]> = accessor.gather(used);
+    let mut lost = 0usize;
+    for tangent in &mut tangents {
+        let [x, y, z, side] = tangent.map(f64::from);
+        match normals::unit(DVec3::new(x, y, z)).filter(|_| side.is_finite()) {
+            Some([x, y, z]) => *tangent = [x, y, z, if side < 0.0 { -1.0 } else { 1.0 }],
+            None => {
+                lost += 1;
+                *tangent = [0.0; 4];
+            }
+        }
+    }
+    // Files of some exporters have all of them 0: texture coordinates say as much.
+    if lost > 0 {
+        let text = "a tangent that is zero or not finite: computed from the texture coordinates";
+        ledger.notes.add_many(Severity::Info, accessor.at.place(), text, lost);
+    }
+    Ok(tangents)
 }
 
 /// Colours of the vertices, linear Rec.709 with alpha (1 where there is none); none if there are none.

@@ -140,6 +140,11 @@ pub(super) fn apply(target: &Target<'_>, bones: &Bones, bent: &mut Bent<'_>, led
         if let Some(normal) = bent.normals.get_mut(place) {
             *normal = skinning::normal(&matrix.matrix3, *normal);
         }
+        if let Some([x, y, z, side]) = bent.face.tangents.get_mut(place) {
+            let along = matrix.matrix3 * DVec3::new((*x).into(), (*y).into(), (*z).into());
+            [*x, *y, *z] = super::normals::unit(along).unwrap_or_default();
+            *side *= if matrix.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
+        }
         if let Some(mirrored) = is_mirrored.get_mut(place) {
             *mirrored = matrix.matrix3.determinant() < 0.0;
         }

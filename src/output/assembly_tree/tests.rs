@@ -18,6 +18,7 @@ fn mesh(name: &str) -> Mesh {
         normals: vec![[0.0, 0.0, 1.0]; 4],
         uvs: Vec::new(),
         second_uvs: Vec::new(),
+        tangents: Vec::new(),
         colors: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         faces: vec![FaceRange { first: 0, count: 1 }, FaceRange { first: 1, count: 1 }],

@@ -134,6 +134,7 @@ fn by_points(data: &mut Data, mut triangles: Vec<[u32; 3]>, alone: bool) -> Face
         },
         triangles,
         sources: if data.is_traced { used } else { Vec::new() },
+        ..FaceMesh::default()
     }
 }
 
@@ -165,6 +166,7 @@ fn whole(data: &mut Data, triangles: Vec<[u32; 3]>) -> FaceMesh {
         },
         triangles,
         sources: if data.is_traced { (0..count as u32).collect() } else { Vec::new() },
+        ..FaceMesh::default()
     }
 }
 

@@ -3,6 +3,7 @@
 use super::energy;
 use super::film::FilmLook;
 use super::lobe::{Lobe, Stretch};
+use crate::base::warp::Frame;
 use glam::DVec3;
 
 /// Its colours.
@@ -43,6 +44,8 @@ pub struct Look {
     pub coat_alpha: f64,
     /// The coat's normal in the local frame, where it is not that of the base.
     pub coat_normal: Option<DVec3>,
+    /// The normal of the body in the local frame, where it is not that of the facets: they are seen from where it turns away.
+    pub body_normal: Option<DVec3>,
     pub sheen_alpha: f64,
     /// The largest of the primaries of the sheen: how much it takes from below.
     pub most_sheen: f64,
@@ -58,6 +61,11 @@ impl Look {
     /// Reflectance of the dielectric where light falls straight on, and where it grazes (KHR_materials_specular).
     pub fn dielectric(&self, colour: f64) -> [f64; 2] {
         [(self.straight * colour).min(1.0) * self.specular, self.specular]
+    }
+
+    /// Axes about the body's normal, where they are not those of the facets.
+    pub(super) fn body_frame(&self) -> Option<Frame> {
+        self.body_normal.map(Frame::about)
     }
 
     /// Facets of the base.

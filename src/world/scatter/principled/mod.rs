@@ -16,6 +16,7 @@
 mod diffuse;
 pub mod energy;
 mod film;
+mod frame;
 mod layers;
 mod lobe;
 mod look;
@@ -67,9 +68,11 @@ impl PartialEq for Principled {
 /// The lobes of a surface, by what is chosen between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Chances {
-    /// What scatters back, and what scatters through.
+    /// What the body scatters back, and what scatters through.
     back: f64,
     through: f64,
+    /// Fibres, and what facets of a metal lose and send back all the same.
+    fuzz: f64,
     /// Facets of the base and of the coat.
     base: f64,
     coat: f64,
@@ -105,13 +108,16 @@ impl Principled {
     pub(super) fn eval(&self, d_in: DVec3, d_out: DVec3, look: &Look) -> f64 {
         let wi = -d_in;
         let layers = self.layers(wi, d_out, look);
-        let body = layers.body;
+        let frame = look.body_frame();
+        // The body scatters by the cosine about its own normal.
+        let share = frame.as_ref().map_or(1.0, |frame| (frame.to_local(d_out).z / d_out.z).max(0.0));
         if d_out.z < 0.0 {
             let sheet = if layers.sheet > 0.0 { self.through_sheet(wi, mirrored(d_out), look) } else { 0.0 };
-            return body * look.tint.through * look.diffuse_transmission
+            return layers.body * share * look.tint.through * look.diffuse_transmission
                 + layers.under * layers.sheet * look.tint.base * (sheet + layers.again);
         }
-        let mut sum = self.scatters_back([wi, d_out], &layers, look) * (1.0 - look.diffuse_transmission);
+        let about_body = frame.map_or([wi, d_out], |frame| [wi, d_out].map(|w| frame.to_local(w)));
+        let mut sum = share * self.scatters_back(about_body, &layers, look) * (1.0 - look.diffuse_transmission);
         if look.metallic > 0.0 {
             sum += layers.under * look.metallic * layers.again * self.again(look, look.tint);
         }
@@ -154,8 +160,12 @@ impl Principled {
             yes
         };
         let dir = if chosen(chances.back) {
+            about_body(look, cosine_hemisphere(at), 1.0)?
+        } else if chosen(chances.through) {
+            about_body(look, mirrored(cosine_hemisphere(at)), -1.0)?
+        } else if chosen(chances.fuzz) {
             cosine_hemisphere(at)
-        } else if chosen(chances.through + chances.sheet_again) {
+        } else if chosen(chances.sheet_again) {
             mirrored(cosine_hemisphere(at))
         } else if chosen(chances.base) {
             look.lobe().sample(wi, at)?
@@ -187,19 +197,21 @@ impl Principled {
         let back = mean.base * (1.0 - look.diffuse_transmission);
         let sheet = layers.under * layers.sheet * mean.base;
         let all = Chances {
-            back: layers.under * (inside * (1.0 - look.transmission) * back + again) + mean.sheen,
+            back: layers.under * inside * (1.0 - look.transmission) * back,
             through: layers.under * inside * (1.0 - look.transmission) * look.diffuse_transmission * mean.through,
+            fuzz: layers.under * again + mean.sheen,
             base: layers.under * facets,
             coat: layers.under_sheen * look.coat * self.coat_reflects(wi, look),
             // A mean of what one facet lets through serves: 1 − what it reflects straight on.
             sheet: sheet * (1.0 - lost) * (1.0 - look.straight * look.specular),
             sheet_again: sheet * lost,
         };
-        let sum = all.back + all.through + all.base + all.coat + all.sheet + all.sheet_again;
+        let sum = all.back + all.through + all.fuzz + all.base + all.coat + all.sheet + all.sheet_again;
         let scale = if sum > 0.0 && sum.is_finite() { 1.0 / sum } else { 0.0 };
         Chances {
             back: all.back * scale,
             through: all.through * scale,
+            fuzz: all.fuzz * scale,
             base: all.base * scale,
             coat: all.coat * scale,
             sheet: all.sheet * scale,
@@ -239,15 +251,22 @@ impl Principled {
     }
 }
 
+/// A direction about the body's normal; none where that leads to the other side.
+fn about_body(look: &Look, w: DVec3, side: f64) -> Option<DVec3> {
+    let dir = look.body_frame().map_or(w, |frame| frame.to_world(w));
+    (dir.z * side > 0.0).then_some(dir)
+}
+
 fn density(wi: DVec3, wo: DVec3, look: &Look, chances: &Chances) -> f64 {
+    let own = look.body_frame().map_or(wo.z, |frame| frame.to_local(wo).z);
     if wo.z < 0.0 {
         let lobe = if chances.sheet > 0.0 { look.lobe().mirrored(wi, mirrored(wo)) } else { None };
         let sheet = lobe.map_or(0.0, |[_, pdf, _]| chances.sheet * pdf);
-        return (chances.through + chances.sheet_again) * -wo.z / PI + sheet;
+        return (chances.through * (-own).max(0.0) - chances.sheet_again * wo.z) / PI + sheet;
     }
     let base = if chances.base > 0.0 { look.lobe().mirrored(wi, wo) } else { None };
     let coat = if chances.coat > 0.0 { coat_facets(wi, wo, look) } else { None };
-    chances.back * wo.z / PI
+    (chances.back * own.max(0.0) + chances.fuzz * wo.z) / PI
         + base.map_or(0.0, |[_, pdf, _]| chances.base * pdf)
         + coat.map_or(0.0, |([_, pdf, _], _)| chances.coat * pdf)
 }

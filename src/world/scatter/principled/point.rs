@@ -7,9 +7,9 @@ use super::lobe::Stretch;
 use super::look::{Look, Tint, facets};
 use super::sheen::sheen_alpha;
 use crate::base::warp::Frame;
-use crate::scene::{Anisotropy, CoatNormal, Mesh, Opacity, StandardSurface, TextureInput};
+use crate::scene::{CoatNormal, Mesh, Opacity, StandardSurface};
 use crate::world::geometry::Hit;
-use crate::world::texture::{Coordinates, of_set, read};
+use crate::world::texture::Coordinates;
 use glam::{DAffine3, DVec3};
 
 /// A standard surface at a place: its colours in linear Rec.709, its numbers.
@@ -23,6 +23,8 @@ pub struct Point {
     /// What its facets are longer along, and the coat's normal where it has its own: world.
     along: Option<DVec3>,
     coat_normal: Option<DVec3>,
+    /// The normal of the body, as the map has it, and the outward one of the face: world.
+    body_normal: Option<[DVec3; 2]>,
     rest: Look,
 }
 
@@ -42,11 +44,12 @@ impl Principled {
                 let colour = if coloured { of_vertices(&self.mesh, corners, weights) } else { [1.0; 4] };
                 let mut point = Point::new(&self.surface, &uv, colour);
                 if let Some(anisotropy) = &self.surface.anisotropy {
-                    point.along = self.along(anisotropy, (hit, corners), to_world, &uv);
+                    point.along = self.along(anisotropy, (hit, (corners, weights)), to_world, &uv);
                 }
                 point
             }
         };
+        point.body_normal = Some([self.bent_normal(hit, to_world).unwrap_or(hit.shading), hit.normal]);
         if point.rest.coat > 0.0 {
             point.coat_normal = match &self.surface.coat_normal {
                 CoatNormal::Base => None,
@@ -63,98 +66,6 @@ impl Principled {
     pub fn uv(&self, hit: &Hit) -> [f64; 2] {
         corners(&self.mesh, hit).map_or([0.0; 2], |(corners, weights)| coordinates(&self.mesh, corners, weights)[0])
     }
-
-    /// What facets are longer along, world.
-    fn along(
-        &self,
-        anisotropy: &Anisotropy,
-        (hit, corners): (&Hit, [usize; 3]),
-        to_world: &DAffine3,
-        uv: &Coordinates,
-    ) -> Option<DVec3> {
-        let set = anisotropy.direction.as_ref().map_or(0, |input| input.set);
-        let [tangent, upright] = self.tangents(set, None, corners, hit, to_world)?;
-        let [x, y] = match &anisotropy.direction {
-            None => [1.0, 0.0],
-            Some(input) => {
-                let [x, y, ..] = read(input, of_set(input, uv));
-                [x, y]
-            }
-        };
-        let (sin, cos) = anisotropy.rotation_rad.sin_cos();
-        (tangent * (cos * x - sin * y) + upright * (sin * x + cos * y)).try_normalize()
-    }
-
-    /// The normal for optics of a ray along `dir`, in the hemisphere of the face's own.
-    pub fn shading(&self, hit: &Hit, dir: DVec3, to_world: &DAffine3) -> DVec3 {
-        // The cosine of 87°: less of it is seen of no normal.
-        const LEAST: f64 = 0.05;
-        // Cosine of the lowest direction that is mirrored, and its most of that of the ray.
-        const GRAZING: f64 = 0.01;
-        const GRAZES: f64 = 0.9;
-        let shading = self.bent_normal(hit, to_world).unwrap_or(hit.shading);
-        let towards = if dir.dot(hit.normal) < 0.0 { -dir } else { dir };
-        let (cos, least) = (shading.dot(towards), LEAST.min(hit.normal.dot(towards)));
-        let shading = if cos >= least { shading } else { (shading + towards * (least - cos)).normalize() };
-        // What it mirrors must not lie below the face: pulled up to that, the mirrored direction says the normal (Keller et al.,
-        // "The Iray Light Transport Simulation and Rendering System", 2017, section on normals).
-        let mirrored = shading * (2.0 * shading.dot(towards)) - towards;
-        let (up, lowest) = (mirrored.dot(hit.normal), GRAZING.min(GRAZES * hit.normal.dot(towards)));
-        if up >= lowest {
-            return shading;
-        }
-        (towards + (mirrored + hit.normal * (lowest - up)).normalize()).normalize()
-    }
-
-    /// The normal that a normal map makes of the shading normal, world; none where there is no map. Its x runs with the
-    /// picture's columns, its y against its rows.
-    pub fn bent_normal(&self, hit: &Hit, to_world: &DAffine3) -> Option<DVec3> {
-        let (input, strength) = self.surface.normal.as_ref()?;
-        self.mapped(input, *strength, hit, to_world)
-    }
-
-    fn mapped(&self, input: &TextureInput, strength: f64, hit: &Hit, to_world: &DAffine3) -> Option<DVec3> {
-        let (corners, weights) = corners(&self.mesh, hit)?;
-        let uv = of_set(input, &coordinates(&self.mesh, corners, weights));
-        let [x, y, z, _] = read(input, uv);
-        let [tangent, upright] = self.tangents(input.set, Some(&input.to_picture), corners, hit, to_world)?;
-        (tangent * (x * strength) + upright * (y * strength) + hit.shading * z).try_normalize()
-    }
-
-    /// Along the columns of a picture on this set of coordinates, and against its rows, both at right angles to the shading
-    /// normal, world; none where the coordinates say nothing.
-    fn tangents(
-        &self,
-        set: u32,
-        to_picture: Option<&[[f64; 3]; 2]>,
-        corners: [usize; 3],
-        hit: &Hit,
-        to_world: &DAffine3,
-    ) -> Option<[DVec3; 2]> {
-        let set = if set > 0 { &self.mesh.second_uvs } else { &self.mesh.uvs };
-        let uvs = corners.map(|corner| set.get(corner).map(|uv| uv.map(f64::from)));
-        let [Some(a), Some(b), Some(c)] = uvs else { return None };
-        let picture = |[u, v]: [f64; 2]| match to_picture {
-            Some(rows) => rows.map(|[p, q, r]| p * u + q * v + r),
-            None => [u, v],
-        };
-        let ([a, b, c], [p, q, r]) = ([a, b, c].map(picture), positions(&self.mesh, corners)?);
-        // p(s, t) is linear over the triangle: its derivatives by the picture's axes.
-        let (e, f) = (q - p, r - p);
-        let ([s1, t1], [s2, t2]) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
-        let det = s1 * t2 - s2 * t1;
-        let (by_s, by_t) = ((e * t2 - f * t1) / det, (f * s1 - e * s2) / det);
-        let normal = hit.shading;
-        let across = |by: DVec3| {
-            let by = to_world.transform_vector3(by);
-            (by - normal * by.dot(normal)).try_normalize()
-        };
-        let tangent = across(by_s)?;
-        // At a right angle, on the side where the rows run the other way.
-        let upright = normal.cross(tangent);
-        let upright = if upright.dot(across(by_t)?) > 0.0 { -upright } else { upright };
-        Some([tangent, upright])
-    }
 }
 
 /// The triangle that a ray has met, and where in it.
@@ -169,7 +80,7 @@ pub(super) fn corners(mesh: &Mesh, hit: &Hit) -> Option<([usize; 3], Weights)> {
     weights.iter().all(|weight| weight.is_finite()).then_some((corners, weights))
 }
 
-fn positions(mesh: &Mesh, corners: [usize; 3]) -> Option<[DVec3; 3]> {
+pub(super) fn positions(mesh: &Mesh, corners: [usize; 3]) -> Option<[DVec3; 3]> {
     let at = |corner: usize| mesh.positions.get(corner).map(|p| DVec3::from(p.map(f64::from)));
     let [a, b, c] = corners.map(at);
     Some([a?, b?, c?])
@@ -247,6 +158,7 @@ impl Point {
             edge: shares(&surface.metal_edge),
             along: None,
             coat_normal: None,
+            body_normal: None,
             rest: Look {
                 tint: white,
                 mean: white,
@@ -262,6 +174,7 @@ impl Point {
                 coat: share(&surface.coat),
                 coat_alpha: facets(share(&surface.coat_roughness)),
                 coat_normal: None,
+                body_normal: None,
                 sheen_alpha: sheen_alpha(share(&surface.sheen_roughness)),
                 most_sheen: sheen.into_iter().fold(0.0, f64::max),
                 opacity: alpha.clamp(0.0, 1.0),
@@ -289,7 +202,10 @@ impl Point {
     #[must_use]
     pub fn seen_about(&self, normal: DVec3) -> Point {
         let mut out = *self;
-        if self.along.is_none() && self.coat_normal.is_none() {
+        // What a ray sees its facets about is pulled up for it; what scatters below them is not.
+        let body = self.body_normal.map(|[body, face]| if normal.dot(face) < 0.0 { -body } else { body });
+        let body = body.filter(|body| *body != normal);
+        if self.along.is_none() && self.coat_normal.is_none() && body.is_none() {
             return out;
         }
         let frame = Frame::about(normal);
@@ -300,6 +216,7 @@ impl Point {
                 stretch.turn = [local.x / length, local.y / length];
             }
         }
+        out.rest.body_normal = body.map(|body| frame.to_local(body));
         // On the side that is looked at.
         out.rest.coat_normal = self.coat_normal.map(|coat| {
             let local = frame.to_local(coat);
