@@ -2,6 +2,7 @@
 
 mod emission;
 mod normals;
+mod reading;
 mod usd_light;
 
 use crate::common::{image, mean, render};
@@ -29,4 +30,10 @@ fn seen(path: &Path, sets: &[&str], asked: impl Into<Asked>, passes: u64) -> (f6
 
 fn is_near((found, error): (f64, f64), want: f64, share: f64) -> bool {
     (found - want).abs() < share * want + 4.0 * error
+}
+
+/// The texts of an asset's warnings.
+fn warnings(built: &Built) -> Vec<String> {
+    let warnings = built.scene.notes.iter().filter(|note| note.severity == eyebox::scene::Severity::Warning);
+    warnings.map(|note| note.text.clone()).collect()
 }

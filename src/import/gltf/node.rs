@@ -30,7 +30,7 @@ pub(super) fn read(
     assembly: &mut Assembly,
     ledger: &mut Ledger,
 ) -> Result<()> {
-    let tree = hierarchy::read(document)?;
+    let tree = hierarchy::read(document, &mut ledger.notes)?;
     let moved = animation::moved(document, &tree.nodes, options, ledger)?;
     if options.rigs != Rigs::No {
         assembly.clock = animation::clock(document, &tree.nodes, options, ledger)?;
