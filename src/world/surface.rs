@@ -128,6 +128,15 @@ fn ratios(scene: &Scene) -> Vec<[f64; 2]> {
     out
 }
 
+/// Whether places of a face have texture coordinates that differ.
+fn is_unrolled(scene: &Scene, part: &Part, face: usize) -> bool {
+    let Some(mesh) = scene.meshes.get(part.mesh.index()) else { return false };
+    let triangles = mesh.faces.get(face).and_then(|range| mesh.triangles.get(range.triangles())).unwrap_or_default();
+    let mut corners = triangles.as_flattened().iter().map(|corner| *corner as usize);
+    let Some(first) = corners.next() else { return false };
+    corners.any(|corner| [&mesh.uvs, &mesh.second_uvs].iter().any(|set| set.get(corner) != set.get(first)))
+}
+
 /// Number of a face's coating among the world's: those of the scene, after the bare interface.
 fn coating(scene: &Scene, face: &Face, at: impl Fn() -> Where) -> Result<usize> {
     let Some(id) = face.coating else { return Ok(0) };
@@ -192,7 +201,7 @@ fn resolve(scene: &Scene, part: &Part, index: usize, tables: &mut Tables) -> Res
         }
         (None, Finish::Surface { surface }) => {
             let own = &scene.surfaces[surface.index()];
-            if face.shape != Shape::Mesh && own.is_textured() {
+            if face.shape != Shape::Mesh && own.is_textured() && is_unrolled(scene, part, index) {
                 return Err(Error::new(at(), "textures on an exact shape, which has no texture coordinates")
                     .expected("`shape = \"mesh\"` there, or a finish without textures"));
             }

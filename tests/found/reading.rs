@@ -1,6 +1,11 @@
 //! Honest files that were refused, or read in silence as something else.
 
-use super::{data, read, warnings};
+use super::{data, read, seen, warnings};
+use eyebox::import;
+use eyebox::plan::Choice;
+use eyebox::scene::Shape;
+use std::fmt::Write;
+use std::path::Path;
 
 /// Unity's exporter lists nodes that have a parent.
 #[test]
@@ -24,4 +29,68 @@ fn a_scene_may_list_what_is_no_root() {
         assert_eq!(built.scene.parts[0].to_world.translation.x, shift, "{nodes}");
         assert_eq!(warnings(&built).is_empty(), nodes == "[0]", "{nodes}: {:?}", built.scene.notes);
     }
+}
+
+/// What reads coordinates that a shape has not has the fallback of its reader, as on a mesh.
+#[test]
+fn shapes_without_coordinates_may_have_pictures() {
+    let text = std::fs::read_to_string(data("textured_sphere.usda")).expect("a text");
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::copy(data("q.png"), folder.path().join("q.png")).expect("a copy");
+    let asset = folder.path().join("a.usda");
+    for kind in ["Sphere", "Plane", "Capsule", "Cube", "Cone", "Cylinder"] {
+        let text = text.replace("def Sphere", &format!("def {kind}")).replace("double radius=1", "");
+        // The middle of the upper left texel, which is red.
+        let text = text.replace(
+            "string inputs:varname=\"st\"",
+            "string inputs:varname=\"st\"\nfloat2 inputs:fallback=(0.25, 0.75)",
+        );
+        std::fs::write(&asset, &text).expect("a file");
+        let built = read(&asset, &[]);
+        let said = warnings(&built).join("\n");
+        assert!(said.contains("reads the texture coordinates `st`"), "{kind}: {said}");
+        let exact = built.scene.parts[0].faces.iter().filter(|face| face.shape != Shape::Mesh).count();
+        assert_eq!(
+            exact,
+            match kind {
+                "Sphere" => 1,
+                "Capsule" => 2,
+                _ => 0,
+            },
+            "{kind}"
+        );
+        let (found, _) = seen(&asset, &[], Choice::Auto, 4);
+        assert!(found > 0.0, "{kind}");
+        // One that is said holds all over.
+        let with = text.replace("rel material:binding", "texCoord2f primvars:st = (0.75, 0.75)\n rel material:binding");
+        std::fs::write(&asset, with).expect("a file");
+        assert!(warnings(&read(&asset, &[])).is_empty(), "{kind}");
+    }
+}
+
+fn shapes(path: &Path, count: usize, shape: impl Fn(usize) -> String) -> usize {
+    let mut text = "#usda 1.0\n(\n metersPerUnit = 1\n)\n".to_owned();
+    for k in 0..count {
+        let x = 3 * k;
+        let _ = writeln!(
+            text,
+            "def {} double3 xformOp:translate = ({x}, 0, 0)\n uniform token[] xformOpOrder = [\"xformOp:translate\"] }}",
+            shape(k)
+        );
+    }
+    std::fs::write(path, text).expect("a file");
+    let found = import::asset(path).unwrap_or_else(|fault| panic!("{fault}"));
+    assert_eq!(found.nodes.len(), count);
+    found.meshes.len()
+}
+
+/// Shapes that are alike share a mesh whatever they are called, and many that are not are honest, too.
+#[test]
+fn many_shapes_are_no_attack() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let asset = folder.path().join("a.usda");
+    let alike = shapes(&asset, 200, |k| format!("Capsule \"S{k}\" {{ double radius = 0.2\n double height = 0.3\n"));
+    assert_eq!(alike, 1);
+    let other = shapes(&asset, 600, |k| format!("Sphere \"S{k}\" {{ double radius = {}\n", 1.0 + 1e-3 * k as f64));
+    assert_eq!(other, 600);
 }

@@ -3,7 +3,7 @@
 
 use super::attribute::PrimView;
 use super::handed::Above;
-use super::mesh::Made;
+use super::mesh::{AllOver, Made};
 use super::reader::Reader;
 use super::{binding, mesh, tessellate};
 use crate::base::Where;
@@ -66,18 +66,24 @@ impl Axis {
 /// The mesh of an implicit shape, an index of `Assembly::meshes`.
 pub(super) fn of(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above) -> Result<Option<usize>> {
     mesh::shared(reader, view, below, |reader, view, below| {
-        let look = look(reader, view, kind, below)?;
-        if let Some(known) = look.as_ref().and_then(|look| reader.meshes.shapes.get(look)) {
+        let material = binding::bound(reader, view, &below.handed.material);
+        let carried = mesh::all_over(reader, view, below, material)?;
+        let look = look(view, kind, (material, &carried))?;
+        if let Some(known) = reader.meshes.shapes.get(&look) {
             return Ok(Made::Known(*known));
         }
         let (mut mesh, shapes) = shape(reader, view, kind)?;
-        reader.charge(view.path(), mesh.triangles.len() + 2 * mesh.positions.len(), 12)?;
-        let material = binding::bound(reader, view, &below.handed.material);
+        let [first, second] = carried.uvs.map(|uvs| 8 * usize::from(uvs.is_some()));
+        let each = 24 + first + second + 16 * usize::from(carried.color.is_some());
+        let bytes = 12 * mesh.triangles.len() + each * mesh.positions.len();
+        // A line of text honestly means thousands of triangles.
+        reader.ledger.allow_fine(bytes);
+        reader.charge(view.path(), 1, bytes)?;
+        let all = mesh.positions.len();
+        mesh.uvs = carried.uvs[0].map_or_else(Vec::new, |uv| vec![uv; all]);
+        mesh.second_uvs = carried.uvs[1].map_or_else(Vec::new, |uv| vec![uv; all]);
+        mesh.colors = carried.color.map_or_else(Vec::new, |color| vec![color; all]);
         let materials = vec![material; mesh.faces.len()];
-        if shows_colors(reader, material) {
-            reader.charge(view.path(), mesh.positions.len(), 16)?;
-            below.handed.painted.on(&mut mesh);
-        }
         let mut attributes = vec![None; mesh.faces.len()];
         for (face, shape) in shapes {
             if let Some(slot) = attributes.get_mut(face) {
@@ -86,32 +92,19 @@ pub(super) fn of(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above
         }
         let index =
             mesh::keep(reader, MeshSource { mesh: mesh.into(), materials, attributes, rig: None, at: view.at() });
-        reader.meshes.shapes.extend(look.map(|look| (look, index)));
+        reader.meshes.shapes.insert(look, index);
         Ok(Made::Known(index))
     })
 }
 
-/// Whether a shape with this material shows the colours that its prim has: it has no look, or one that reads them.
-fn shows_colors(reader: &Reader, material: Option<usize>) -> bool {
-    let Some(index) = material else { return true };
-    let looks = reader.assembly.materials.get(index).is_some_and(|material| material.surface.is_some());
-    let reads = reader.materials.reads.get(index);
-    !looks || reads.is_some_and(|reads| reads.color.is_some() || reads.opacity.is_some())
-}
-
-/// All that the mesh of a shape depends on; `None` if more than this.
-fn look(reader: &mut Reader, view: &PrimView, kind: Kind, below: &Above) -> Result<Option<String>> {
-    match kind {
-        Kind::Sphere | Kind::Cube | Kind::Plane => {}
-        Kind::Cylinder | Kind::Cylinder1 | Kind::Cone | Kind::Capsule | Kind::Capsule1 => return Ok(None),
-    }
-    let mut out = format!("{kind:?} {} {:?}", view.name(), view.token("axis")?);
-    for name in ["radius", "size", "width", "length"] {
+/// All that the mesh of a shape depends on. Shapes that are alike share one whatever they are called: the nodes have the names.
+fn look(view: &PrimView, kind: Kind, (material, carried): (Option<usize>, &AllOver)) -> Result<String> {
+    let mut out = format!("{kind:?} {:?} {material:?} {carried:?}", view.token("axis")?);
+    for name in ["radius", "size", "width", "length", "height", "radiusBottom", "radiusTop"] {
         let bits = view.number(name)?.map(f64::to_bits);
         out += &format!(" {bits:?}");
     }
-    let material = binding::bound(reader, view, &below.handed.material);
-    Ok(Some(format!("{out} {material:?} {:?}", below.handed.painted)))
+    Ok(out)
 }
 
 /// The mesh, and the exact surfaces of some faces.

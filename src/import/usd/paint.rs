@@ -5,7 +5,6 @@ use super::attribute::PrimView;
 use super::notes::Ledger;
 use super::primvar::{self, Sizes};
 use crate::base::error::Result;
-use crate::scene::Mesh;
 
 /// What prims hand down, in bits: meshes that have different ones are different.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -44,16 +43,6 @@ impl Painted {
     }
     pub fn opacity(self, name: &str) -> Option<f32> {
         self.opacity.filter(|_| name == "displayOpacity").map(f32::from_bits)
-    }
-
-    /// Gives all vertices of a mesh, whose prim has no other, these colours.
-    pub fn on(self, mesh: &mut Mesh) {
-        let (color, opacity) = (self.color("displayColor"), self.opacity("displayOpacity"));
-        if color.is_none() && opacity.is_none() {
-            return;
-        }
-        let ([r, g, b], a) = (color.unwrap_or([0.8; 3]), opacity.unwrap_or(1.0));
-        mesh.colors = vec![clamped([r, g, b, a]); mesh.positions.len()];
     }
 }
 

@@ -70,6 +70,32 @@ fn rigged(reader: &mut Reader, view: &PrimView, below: &Above, bent: &Mesh) -> R
     Ok(fits.then(|| rig.of_vertices(rest, &still.sources)))
 }
 
+/// What all vertices of an implicit shape carry for its material: texture coordinates of two sets, and a colour.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct AllOver {
+    pub uvs: [Option<[f32; 2]>; 2],
+    pub color: Option<[f32; 4]>,
+}
+
+/// What an implicit shape carries for its material. It has neither points nor polygons: primvars are the same all over it.
+///
+/// # Errors
+/// Primvars with an interpolation that there is none of.
+pub(super) fn all_over(
+    reader: &mut Reader,
+    view: &PrimView,
+    below: &Above,
+    material: Option<usize>,
+) -> Result<AllOver> {
+    let one = primvar::Sizes { points: 1, polygons: 1, corners: 1 };
+    let carried = carried_by(reader, view, below, one, &[material])?.pop().unwrap_or_default();
+    let at = |uvs: &carried::Held<[f32; 2]>| uvs.as_ref().and_then(|uvs| uvs.at(0, 0, 0));
+    Ok(AllOver {
+        uvs: [at(&carried.uvs), at(&carried.second_uvs)],
+        color: carried.has_colors().then(|| paint::clamped(carried.colour(0, 0, 0))),
+    })
+}
+
 /// A mesh, and the point that each vertex is, where the reader asks for that.
 struct Traced {
     source: MeshSource,
