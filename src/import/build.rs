@@ -79,7 +79,8 @@ pub(super) fn build_within(
         set.apply(&sheet, &parts, &mut bound)?;
     }
     // Nobody has said what any part is optically: the asset is a picture as it looks.
-    let bare = sheet.default.is_none() && sheet.binds.is_empty() && sets_nothing(&bound) && !assembly.carries_optics();
+    let bare =
+        sheet.default.is_none() && sheet.binds.is_empty() && sets_nothing(&bound) && !assembly.says_what_parts_are();
     if !bare {
         let seen = covered(&parts, &bound, &assembly)?;
         if !sheet.binds.is_empty() && !seen.is_empty() {

@@ -102,6 +102,22 @@ impl Assembly {
             || self.materials.iter().any(|material| material.attributes.is_some())
             || self.meshes.iter().any(MeshSource::carries_optics)
     }
+
+    /// Whether it says what parts are, beside that some shine: that says nothing of the others, and formats have lamps of their own
+    /// (MeshLightAPI of USD), which must not take from the rest how it looks.
+    pub fn says_what_parts_are(&self) -> bool {
+        let more =
+            |attributes: &Option<Value>| attributes.as_ref().is_some_and(|value| says_beside(value, &["emitter"]));
+        self.optics.is_some()
+            || self.nodes.iter().any(|node| more(&node.attributes))
+            || self.materials.iter().any(|material| more(&material.attributes))
+            || self.meshes.iter().any(|mesh| mesh.says_beside(&["shape", "emitter"]))
+    }
+}
+
+/// Whether attributes have other keys than these.
+fn says_beside(attributes: &Value, keys: &[&str]) -> bool {
+    attributes.table().is_none_or(|rows| rows.iter().any(|(key, _)| !keys.contains(&key.as_str())))
 }
 
 #[derive(Debug, Clone)]
@@ -137,9 +153,11 @@ impl MeshSource {
     /// Whether the asset says anything of its faces in our vocabulary. An exact surface alone says nothing of light: USD's
     /// spheres have it, wherever they are written.
     fn carries_optics(&self) -> bool {
-        let says_more =
-            |attributes: &Value| attributes.table().is_none_or(|rows| rows.iter().any(|(key, _)| key != "shape"));
-        self.attributes.iter().flatten().any(|attributes| !self.is_own_shape(attributes) && says_more(attributes))
+        self.says_beside(&["shape"])
+    }
+    fn says_beside(&self, keys: &[&str]) -> bool {
+        let own = |attributes: &&Value| !self.is_own_shape(attributes);
+        self.attributes.iter().flatten().filter(own).any(|attributes| says_beside(attributes, keys))
     }
     /// Whether attributes of a face are the exact surface of a shape that the format itself has: a sphere of USD.
     pub fn is_own_shape(&self, attributes: &Value) -> bool {

@@ -3,7 +3,7 @@
 use super::{data, read, seen, warnings};
 use eyebox::import;
 use eyebox::plan::Choice;
-use eyebox::scene::Shape;
+use eyebox::scene::{Colour, Finish, Shape};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -66,6 +66,23 @@ fn shapes_without_coordinates_may_have_pictures() {
         std::fs::write(&asset, with).expect("a file");
         assert!(warnings(&read(&asset, &[])).is_empty(), "{kind}");
     }
+}
+
+/// A lamp says nothing of what it lights.
+#[test]
+fn a_mesh_light_leaves_the_rest_as_it_looks() {
+    let built = read(&data("M1_ml_grey.usda"), &[]);
+    let [lamp, wall] = &built.scene.parts[..] else { panic!("two parts") };
+    assert!(lamp.faces[0].emitter.is_some() && wall.faces[0].emitter.is_none());
+    let Finish::Surface { surface } = wall.faces[0].finish else { panic!("{:?}", wall.faces[0].finish) };
+    assert_eq!(built.scene.surfaces[surface.index()].base_color, Colour::new([0.8; 3]));
+    assert!(built.scene.sky.is_none(), "the lamp lights it");
+    // As glTF it is the same.
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("a.glb");
+    let assembly = import::asset(&data("M1_ml_grey.usda")).unwrap_or_else(|fault| panic!("{fault}"));
+    eyebox::author::convert(&assembly, &out).unwrap_or_else(|fault| panic!("{fault}"));
+    assert_eq!(read(&out, &[]).scene.parts.len(), 2);
 }
 
 fn shapes(path: &Path, count: usize, shape: impl Fn(usize) -> String) -> usize {

@@ -74,7 +74,7 @@ fn glow(document: &mut Document, assembly: &Assembly, light: &LightSource, lumin
     document.uses(strong);
     document.uses(specular);
     let mut extensions = json!({ strong: { "emissiveStrength": strength }, specular: { "specularFactor": 0 } });
-    if assembly.carries_optics() {
+    if assembly.says_what_parts_are() {
         document.uses(OPTICS);
         extensions[OPTICS] = json!({ "finish": "absorber", "emitter": emitter });
     }
