@@ -111,3 +111,37 @@ fn many_shapes_are_no_attack() {
     let other = shapes(&asset, 600, |k| format!("Sphere \"S{k}\" {{ double radius = {}\n", 1.0 + 1e-3 * k as f64));
     assert_eq!(other, 600);
 }
+
+/// A shader of a kind that is not known has its base colour where a name says it, and a warning in any case.
+#[test]
+fn unknown_materials_are_said() {
+    let built = read(&data("disney.usda"), &[]);
+    let said = warnings(&built).join("\n");
+    assert!(said.contains("disney_principled") && said.contains("`baseColor` is taken"), "{said}");
+    let id = built.scene.parts[0].faces[0].finish.surface().expect("a surface");
+    let colour = built.scene.surfaces[id.index()].base_color.factor;
+    assert!(colour.iter().zip([0.9, 0.1, 0.1]).all(|(a, b)| (a - b).abs() < 1e-6), "{colour:?}");
+    let other = |outputs: &str, shader: &str| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let asset = folder.path().join("a.usda");
+        let text = format!(
+            "#usda 1.0\n(\n metersPerUnit = 1\n)\ndef Sphere \"S\" (prepend apiSchemas = [\"MaterialBindingAPI\"]) {{ rel material:binding = </M> }}\ndef Material \"M\" {{ token outputs:{outputs}.connect = </M/S.outputs:out>\n def Shader \"S\" {{ {shader}\n token outputs:out }} }}\n"
+        );
+        std::fs::write(&asset, text).expect("a file");
+        let built = read(&asset, &[]);
+        let id = built.scene.parts[0].faces[0].finish.surface().expect("a surface");
+        (built.scene.surfaces[id.index()].base_color.factor[0], warnings(&built).join("\n"))
+    };
+    let (red, said) =
+        other("ri:surface", "uniform token info:id = \"PxrSurface\"\ncolor3f inputs:diffuseColor = (0.25, 0, 0)");
+    assert!(red == 0.25 && said.contains("PxrSurface"), "{red} {said}");
+    let mdl = "uniform token info:implementationSource = \"sourceAsset\"\nuniform token info:mdl:sourceAsset:subIdentifier = \"OmniPBR\"\ncolor3f inputs:diffuse_color_constant = (0.5, 0, 0)";
+    let (red, said) = other("mdl:surface", mdl);
+    assert!(red == 0.5 && said.contains("OmniPBR"), "{red} {said}");
+    let (red, said) = other("surface", "uniform token info:id = \"chiang_hair\"\nfloat inputs:ior = 1.55");
+    assert!(red == 0.8 && said.contains("chiang_hair") && said.contains("grey"), "{red} {said}");
+    // Arnold's is the standard surface under another name.
+    let arnold = "uniform token info:id = \"arnold:standard_surface\"\ncolor3f inputs:base_color = (0.125, 0, 0)\nfloat inputs:base = 1";
+    let (red, said) = other("arnold:surface", arnold);
+    assert!(red == 0.125 && said.is_empty(), "{red} {said}");
+}

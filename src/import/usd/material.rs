@@ -7,7 +7,7 @@ use super::reads::{Folding, Reads};
 use super::round_trip::RoundTrip;
 use super::shader::{self, End};
 use super::surface::{self, Row};
-use super::{handed, light, network, optics, texture};
+use super::{handed, light, network, optics, stranger, texture};
 use crate::base::Where;
 use crate::base::error::Result;
 use crate::import::assembly::Material;
@@ -157,20 +157,39 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
     let (mut known, mut glass) = (false, None);
     let (mut mapped, mut looks) = (Vec::new(), Vec::new());
     let mut standard = None;
-    // MaterialX can say more than the universal surface.
-    for context in ["outputs:mtlx:surface", "outputs:surface"] {
+    // MaterialX can say more than the universal surface, and both more than those of one renderer.
+    let foreign = |name: &&str| {
+        let context = name.strip_prefix("outputs:").and_then(|rest| rest.strip_suffix(":surface"));
+        context.is_some_and(|context| context != "mtlx")
+    };
+    let others = view.property_names().iter().map(String::as_str).filter(foreign);
+    let contexts: Vec<&str> = ["outputs:mtlx:surface", "outputs:surface"].into_iter().chain(others).collect();
+    let mut strangers = Vec::new();
+    let mut unread = contexts.iter().copied();
+    for context in unread.by_ref() {
         let End::Node(shader, _) = shader::follow(reader, view, context)? else { continue };
         known = true;
-        if let Some(found) = surface::read(reader, &shader)? {
-            (mapped, looks) = (found.mapped, found.looks);
+        let Some(found) = surface::read(reader, &shader)? else {
+            strangers.push(shader);
+            continue;
+        };
+        (mapped, looks) = (found.mapped, found.looks);
+        standard = Some(found.standard);
+        // It may be our own writer's surface: the marks have its numbers exactly.
+        known = false;
+        if let Some(surface) = standard.as_mut().filter(|_| !found.preview) {
+            cut_out(reader, view, &shader, surface)?;
+        }
+        glass = found.glass;
+        break;
+    }
+    for stranger in &strangers {
+        if standard.is_some() {
+            let text = "a surface shader of a kind that is not known: another one of the material is taken";
+            reader.ledger.info(stranger.at(), text);
+        } else if let Some(found) = stranger::read(reader, stranger)? {
+            looks = found.looks;
             standard = Some(found.standard);
-            // It may be our own writer's surface: the marks have its numbers exactly.
-            known = false;
-            if let Some(surface) = standard.as_mut().filter(|_| !found.preview) {
-                cut_out(reader, view, &shader, surface)?;
-            }
-            glass = found.glass;
-            break;
         }
     }
     if !known {
@@ -188,12 +207,10 @@ fn read(reader: &mut Reader, view: &PrimView) -> Result<Material> {
         let unsaid = parse(text, &view.at());
         looks.retain(|(key, value)| !unsaid.iter().any(|(own, there)| own == key && rounds_to(there, value)));
     }
-    let other = |name: &&String| {
-        let context = name.strip_prefix("outputs:").and_then(|rest| rest.strip_suffix(":surface"));
-        context.is_some_and(|context| context != "mtlx")
-    };
-    if let Some(name) = view.property_names().iter().find(other) {
-        reader.ledger.info(view.at_property(name), "a surface for another renderer alone is not used");
+    if let Some(name) = unread.find(|name| foreign(name)) {
+        reader
+            .ledger
+            .info(view.at_property(name), "a surface for another renderer is not used: the material has its own");
     }
     let attributes = optics::material(reader, view)?;
     if let Some(at) = glass.filter(|_| attributes.as_ref().is_none_or(|own| own.get("finish").is_none())) {

@@ -45,6 +45,7 @@ mod skel;
 mod skel_binding;
 mod stage;
 mod standard;
+mod stranger;
 mod subdivide;
 mod sublayers;
 mod surface;

@@ -104,14 +104,7 @@ pub(super) fn read(reader: &mut Reader, view: &PrimView) -> Result<Option<Surfac
         name if name.contains("open_pbr_surface") => Some(layered(&mut inputs, &OPEN_PBR)?),
         name if name.contains("standard_surface") => Some(layered(&mut inputs, &STANDARD)?),
         name if name.contains("gltf_pbr") => Some(gltf(&mut inputs)?),
-        "" => {
-            inputs.reader.ledger.info(view.at(), "a surface shader without `info:id` is not used");
-            None
-        }
-        other => {
-            inputs.reader.ledger.info(view.at(), format!("surface shaders of the kind `{other}` are not used"));
-            None
-        }
+        _ => None,
     })
 }
 
