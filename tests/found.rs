@@ -1,5 +1,6 @@
 //! What use has found: assets of others that came out wrong, with the values that are right. Their files are in `tests/data/found`.
 
+mod coats;
 mod emission;
 mod normals;
 mod reading;

@@ -32,8 +32,11 @@ pub struct StandardSurface {
     pub anisotropy: Option<Anisotropy>,
     /// A thin film between the dielectric or metal and what is above it.
     pub film: Option<Film>,
-    /// A clear layer on top, of index 1.5.
+    /// A layer on top: its weight, the index of its boundary (at least 1), and what of light that falls straight on is left on its way
+    /// in and out again.
     pub coat: Scalar,
+    pub coat_ior: f64,
+    pub coat_color: Colour,
     pub coat_roughness: Scalar,
     pub coat_normal: CoatNormal,
     /// Fibres on top: reflectance at grazing incidence.
@@ -151,6 +154,8 @@ impl Default for StandardSurface {
             anisotropy: None,
             film: None,
             coat: Scalar::new(0.0),
+            coat_ior: 1.5,
+            coat_color: WHITE,
             coat_roughness: Scalar::new(0.0),
             coat_normal: CoatNormal::Base,
             sheen_color: BLACK,
@@ -175,8 +180,15 @@ impl StandardSurface {
             || self.emission.as_ref().is_some_and(|input| !input.is_grey())
     }
 
-    fn colours(&self) -> [&Colour; 5] {
-        [&self.base_color, &self.specular_color, &self.diffuse_transmission_color, &self.metal_edge, &self.sheen_color]
+    fn colours(&self) -> [&Colour; 6] {
+        [
+            &self.base_color,
+            &self.specular_color,
+            &self.diffuse_transmission_color,
+            &self.metal_edge,
+            &self.coat_color,
+            &self.sheen_color,
+        ]
     }
 
     /// Every reading of a texture by what scatters.
@@ -212,6 +224,7 @@ impl StandardSurface {
             &mut self.specular_color,
             &mut self.diffuse_transmission_color,
             &mut self.metal_edge,
+            &mut self.coat_color,
             &mut self.sheen_color,
         ];
         let scalars = [

@@ -69,7 +69,7 @@ impl Veil {
         let is_patterned = is_cut
             || is_covered
                 && (over.iter().any(|scalar| scalar.texture.is_some())
-                    || surface.sheen_color.texture.is_some()
+                    || [&surface.sheen_color, &surface.coat_color].iter().any(|colour| colour.texture.is_some())
                     || surface.coat_normal.map().is_some()
                     || surface.normal.is_some());
         let mut veil = Veil {

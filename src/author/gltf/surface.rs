@@ -221,6 +221,9 @@ impl Looks<'_> {
             layer.extend(texture.map(|texture| ("clearcoatNormalTexture".to_owned(), texture)));
         }
         self.extend_said(extensions, "KHR_materials_clearcoat", layer);
+        if surface.coat.factor > 0.0 && (surface.coat_ior != 1.5 || surface.coat_color != Colour::new([1.0; 3])) {
+            self.warn("coat", "its colour and its index have no form in glTF: it is clear, of index 1.5");
+        }
 
         let mut layer = Fields::new();
         let colour = (&surface.sheen_color, "sheen", 1.0);

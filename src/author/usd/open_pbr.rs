@@ -44,9 +44,15 @@ pub fn is_needed(surface: &StandardSurface, optics: &Optics, vertices: Option<bo
         || surface.film.is_some()
         || surface.anisotropy.is_some()
         || own_coat_normal(surface)
+        || coat_is_stained(surface)
         || painted
         || nearest
         || swapped
+}
+
+/// Whether the coat has a colour or an index of its own.
+fn coat_is_stained(surface: &StandardSurface) -> bool {
+    surface.coat.factor > 0.0 && (surface.coat_ior != 1.5 || surface.coat_color != Colour::new([1.0; 3]))
 }
 
 /// Whether the coat has other normals than the base, which share those of UsdPreviewSurface.
@@ -116,6 +122,14 @@ impl Layers<'_, '_> {
         }
         self.scalar("coat_weight", &surface.coat, None, "coat");
         self.scalar("coat_roughness", &surface.coat_roughness, None, "roughness of the coat");
+        if surface.coat.factor > 0.0 {
+            self.out.push(Property::new("inputs:coat_ior", single(surface.coat_ior)));
+            // What lies below is as bright as without.
+            self.out.push(Property::new("inputs:coat_darkening", single(0.0)));
+            if surface.coat_color != Colour::new([1.0; 3]) {
+                self.colour("coat_color", &surface.coat_color, None, "colour of the coat");
+            }
+        }
         if surface.sheen_color != Colour::new([0.0; 3]) {
             self.out.push(Property::new("inputs:fuzz_weight", single(1.0)));
             self.colour("fuzz_color", &surface.sheen_color, None, "sheen");

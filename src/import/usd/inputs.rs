@@ -29,6 +29,24 @@ impl Shader<'_> {
         self.reader.ledger.warn(at, text);
     }
 
+    /// Says that an input is not applied, and why.
+    pub fn unapplied(&mut self, name: &str, why: &str) {
+        self.warn(name, format!("`{name}` of a surface is not used: {why}"));
+    }
+
+    /// Whether an input is said and is not this, all over.
+    pub fn differs(&mut self, name: &str, neutral: f64) -> Result<bool> {
+        if !self.view.has(&format!("inputs:{name}")) {
+            return Ok(false);
+        }
+        // What says nothing is neutral, what comes to no constant is not.
+        let End::Nothing = shader::follow(self.reader, self.view, &format!("inputs:{name}"))? else {
+            let lanes = self.folded(name)?.and_then(|found| found.lanes());
+            return Ok(lanes.is_none_or(|[r, g, b, _]| [r, g, b] != [neutral; 3]));
+        };
+        Ok(false)
+    }
+
     /// A number that is no picture.
     pub fn plain(&mut self, name: &str, default: f64) -> Result<f64> {
         let Some(found) = self.folded(name)? else { return Ok(default) };

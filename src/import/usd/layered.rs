@@ -1,5 +1,6 @@
 //! What the two layered models say, OpenPBR and the standard surface, in our words.
 
+use super::inputs::Shader;
 use super::standard;
 use super::surface::{Inputs, Surface, attenuation, color_row, row, shines};
 use crate::base::Where;
@@ -25,8 +26,9 @@ pub(super) struct Model {
     film_weight: Option<&'static str>,
     /// What `emission_color` is multiplied by: cd/m².
     emission: &'static str,
-    /// Names that mean nothing here.
-    other: &'static [&'static str],
+    /// Names that mean nothing here, and where they mean nothing anywhere; those of a coat count where there is one.
+    other: &'static [(&'static str, f64)],
+    of_coat: &'static [(&'static str, f64)],
 }
 
 pub(super) const OPEN_PBR: Model = Model {
@@ -42,7 +44,9 @@ pub(super) const OPEN_PBR: Model = Model {
     film_nm: 1000.0,
     film_weight: Some("thin_film_weight"),
     emission: "emission_luminance",
-    other: &["subsurface_weight"],
+    other: &[("subsurface_weight", 0.0), ("transmission_scatter", 0.0)],
+    // Its own is 1, where nothing is said of it.
+    of_coat: &[("coat_roughness_anisotropy", 0.0), ("coat_darkening", 0.0)],
 };
 
 pub(super) const STANDARD: Model = Model {
@@ -58,7 +62,8 @@ pub(super) const STANDARD: Model = Model {
     film_nm: 1.0,
     film_weight: None,
     emission: "emission",
-    other: &["subsurface", "transmission_extra_roughness"],
+    other: &[("subsurface", 0.0), ("transmission_scatter", 0.0), ("transmission_extra_roughness", 0.0)],
+    of_coat: &[("coat_anisotropy", 0.0)],
 };
 
 pub(super) fn layered(inputs: &mut Inputs<'_>, model: &Model) -> Result<Surface> {
@@ -81,8 +86,12 @@ pub(super) fn layered(inputs: &mut Inputs<'_>, model: &Model) -> Result<Surface>
     looks(inputs, model, &mut out)?;
     out.standard = standard::layered(inputs.reader, inputs.view, model.film_weight.is_some())?;
     shines(inputs, Some((model.emission, 0.0)), ("emission_color", [1.0; 3]), &mut out)?;
-    for name in model.other {
-        inputs.note(name, "is not used")?;
+    let of_coat = if out.standard.coat.factor > 0.0 { model.of_coat } else { &[] };
+    let mut shader = Shader { reader: &mut *inputs.reader, view: inputs.view };
+    for (name, neutral) in model.other.iter().chain(of_coat) {
+        if shader.differs(name, *neutral)? {
+            shader.unapplied(name, "its surface is as it is without");
+        }
     }
     Ok(out)
 }

@@ -67,7 +67,15 @@ pub(super) fn layered(reader: &mut Reader, view: &PrimView, open_pbr: bool) -> R
         let weight = Scalar::new(if thickness_nm.factor > 0.0 { 1.0 } else { 0.0 });
         film(weight, shader.plain("thin_film_IOR", 1.5)?, thickness_nm)
     };
-    Ok(StandardSurface {
+    let coat = shader.scalar(names.coat, 0.0)?;
+    // Without a coat its colour is none of the surface's.
+    let (coat_ior, coat_color) = if coat.factor > 0.0 {
+        let ior = shader.plain(names.coat_ior.0, names.coat_ior.1)?.max(1.0);
+        (ior, shader.colour("coat_color", [1.0; 3])?)
+    } else {
+        (1.5, Colour::new([1.0; 3]))
+    };
+    let mut out = StandardSurface {
         name: view.name().to_owned(),
         base_color,
         vertex_colors: base_vertices || by_vertices,
@@ -82,14 +90,48 @@ pub(super) fn layered(reader: &mut Reader, view: &PrimView, open_pbr: bool) -> R
         ior: shader.plain(names.ior, 1.5)?.max(1.0),
         specular: shader.scalar(names.specular, 1.0)?,
         transmission: shader.scalar(names.transmission, 0.0)?,
-        coat: shader.scalar(names.coat, 0.0)?,
+        coat,
+        coat_ior,
+        coat_color,
         coat_roughness: shader.scalar("coat_roughness", names.coat_roughness)?,
         sheen_color: shader.product((names.sheen, 0.0), (names.sheen_color, [1.0; 3]))?,
         sheen_roughness: shader.scalar(names.sheen_roughness, names.sheen_rough)?,
         normal: shader.normal(names.normal)?,
         opacity: opacity(alpha, by_vertices, 0.0),
         ..StandardSurface::default()
-    })
+    };
+    if !open_pbr && out.coat.factor > 0.0 {
+        coat_affects(&mut shader, &mut out)?;
+    }
+    Ok(out)
+}
+
+/// What a coat of the standard surface makes of what is below it (MaterialX 1.39, `NG_standard_surface_surfaceshader_100`): the
+/// base colour to the power of 1 + coat · `coat_affect_color`, the roughness towards 1 by coat · `coat_roughness` ·
+/// `coat_affect_roughness`. Of constants: a picture is left as it is, with a warning.
+fn coat_affects(shader: &mut Shader<'_>, out: &mut StandardSurface) -> Result<()> {
+    let color = shader.plain("coat_affect_color", 0.0)?.clamp(0.0, 1.0);
+    let roughness = shader.plain("coat_affect_roughness", 0.0)?.clamp(0.0, 1.0);
+    let plain = |scalar: &Scalar| scalar.texture.is_none();
+    if color > 0.0 {
+        if plain(&out.coat) && out.base_color.texture.is_none() && !out.vertex_colors {
+            let power = 1.0 + out.coat.factor * color;
+            let body = 1.0 - if plain(&out.metallic) { out.metallic.factor } else { 0.0 };
+            // The metal keeps its colour; base and metal share one here.
+            out.base_color.factor = out.base_color.factor.map(|c| c + body * (c.powf(power) - c));
+        } else {
+            shader.unapplied("coat_affect_color", "a picture is not changed by the coat over it");
+        }
+    }
+    if roughness > 0.0 {
+        if plain(&out.coat) && plain(&out.coat_roughness) && plain(&out.roughness) {
+            let share = out.coat.factor * out.coat_roughness.factor * roughness;
+            out.roughness.factor += (1.0 - out.roughness.factor) * share;
+        } else {
+            shader.unapplied("coat_affect_roughness", "a picture is not changed by the coat over it");
+        }
+    }
+    Ok(())
 }
 
 /// MaterialX' glTF model.
@@ -175,6 +217,7 @@ struct Names {
     specular: &'static str,
     transmission: &'static str,
     coat: &'static str,
+    coat_ior: (&'static str, f64),
     coat_roughness: f64,
     sheen: &'static str,
     sheen_color: &'static str,
@@ -197,6 +240,7 @@ const OPEN_PBR: Names = Names {
     specular: "specular_weight",
     transmission: "transmission_weight",
     coat: "coat_weight",
+    coat_ior: ("coat_ior", 1.6),
     coat_roughness: 0.0,
     sheen: "fuzz_weight",
     sheen_color: "fuzz_color",
@@ -219,6 +263,7 @@ const STANDARD: Names = Names {
     specular: "specular",
     transmission: "transmission",
     coat: "coat",
+    coat_ior: ("coat_IOR", 1.5),
     coat_roughness: 0.1,
     sheen: "sheen",
     sheen_color: "sheen_color",

@@ -163,22 +163,6 @@ impl Inputs<'_> {
     pub fn flag(&mut self, name: &str) -> Result<bool> {
         Ok(self.get(name)?.and_then(|(found, _)| value::flag(&found)).unwrap_or(false))
     }
-    /// What is there, not black, and of no meaning here.
-    pub fn note(&mut self, name: &str, why: &str) -> Result<()> {
-        if let Some(at) = self.lit(name)? {
-            self.reader.ledger.info(at, format!("`{name}` of a surface {why}"));
-        }
-        Ok(())
-    }
-    /// Where an input is said that is not black.
-    fn lit(&mut self, name: &str) -> Result<Option<Where>> {
-        let Some((found, at)) = self.get(name)? else { return Ok(None) };
-        let dark = match value::triple(&found) {
-            Some(lanes) => lanes == [0.0; 3],
-            None => value::number(&found) == Some(0.0),
-        };
-        Ok((!dark).then_some(at))
-    }
 }
 
 /// A constant of a network as a value: a number where all lanes are the same.

@@ -120,6 +120,7 @@ fn textures(surface: &StandardSurface) -> Vec<TextureReport> {
         film.and_then(|film| scalar("film", &film.weight)),
         film.and_then(|film| scalar("film thickness", &film.thickness_nm)),
         scalar("coat", &surface.coat),
+        colour("coat colour", &surface.coat_color),
         scalar("coat roughness", &surface.coat_roughness),
         input("coat normal", coat_normal),
         colour("sheen", &surface.sheen_color),

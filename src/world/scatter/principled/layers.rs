@@ -4,7 +4,7 @@ use super::diffuse::Body;
 use super::film::{FilmLook, Interference};
 use super::look::{self, Look, Tint};
 use super::sheen::sheen_reflects;
-use super::{COAT_IOR, Principled, energy};
+use super::{Principled, energy};
 use energy::Tally;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -14,6 +14,8 @@ pub(super) struct Layers {
     /// Below coat and sheen; below the sheen.
     pub under: f64,
     pub under_sheen: f64,
+    /// Share that a coat leaves of what comes from below it, for what it absorbs; `under` has it.
+    pub stain: f64,
     /// Of a smooth body, below all of them.
     pub body: f64,
     /// Share of the surface that is a dielectric with a body.
@@ -110,7 +112,7 @@ impl Principled {
 
     /// Reflectance of a facet of the coat at a cosine.
     pub(super) fn coat_facet(&self, cos: f64) -> f64 {
-        let straight = energy::normal_reflectance(COAT_IOR);
+        let straight = energy::normal_reflectance(self.coat.ior());
         straight + (1.0 - straight) * energy::towards_grazing(self.coat.ior(), cos)
     }
 
@@ -124,8 +126,23 @@ impl Principled {
             return 0.0;
         }
         let [whole, edge, _] = self.coat.at(cos, look.coat_alpha.sqrt());
-        let straight = energy::normal_reflectance(COAT_IOR);
+        let straight = energy::normal_reflectance(self.coat.ior());
         straight * (whole - edge) + edge
+    }
+
+    /// What a coat leaves of light that goes through it along these directions, for what it absorbs.
+    pub(super) fn stained<const N: usize>(&self, ways: [DVec3; N], look: &Look) -> f64 {
+        if look.coat == 0.0 || look.tint.coat >= 1.0 {
+            return 1.0;
+        }
+        // A way through and back again of 1 each is what the colour is of: along others it is 1/cos long, inside of the coat.
+        let ior = self.coat.ior();
+        let length = |w: DVec3| {
+            let sine2 = (1.0 - w.z * w.z).max(0.0) / (ior * ior);
+            0.5 / (1.0 - sine2).max(0.0).sqrt()
+        };
+        let left = look.tint.coat.powf(ways.into_iter().map(length).sum());
+        1.0 - look.coat * (1.0 - left)
     }
 
     /// Share of light from a direction that gets through coat, sheen and facets into the body.
@@ -208,8 +225,10 @@ impl Principled {
         };
         let grazing = wi.z.abs().min(wo.z.abs());
         let under_sheen = 1.0 - look.most_sheen * sheen_reflects(grazing, look.sheen_alpha);
+        let stain = if wi.z * wo.z < 0.0 { self.stained([wi], look) } else { self.stained([wi, wo], look) };
         Layers {
-            under: (under_sheen * (1.0 - coat)).max(0.0),
+            under: (under_sheen * (1.0 - coat)).max(0.0) * stain,
+            stain,
             under_sheen: under_sheen.max(0.0),
             body: dielectric * smooth,
             dielectric,

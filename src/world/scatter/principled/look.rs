@@ -14,6 +14,8 @@ pub struct Tint {
     /// Of what scatters through.
     pub through: f64,
     pub sheen: f64,
+    /// What the coat leaves on the way in and out.
+    pub coat: f64,
     /// Of a metal at 82°.
     pub edge: f64,
 }

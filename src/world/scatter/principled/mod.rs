@@ -6,7 +6,8 @@
 //! facets of a dielectric the body is Lambertian but for what gets in and out: ρ T(i) T(o)/(π T̄), T = what all
 //! layers above leave under that cosine ([`diffuse`]: of a rough one). That is reciprocal, and nothing is lost of a white body (Ashikhmin and Shirley, "An Anisotropic
 //! Phong BRDF Model", JGT 5(2), 2000, by numbers instead of Schlick's form). To lobes of facets a coat and a sheen
-//! leave 1 − the larger of what they reflect under the two cosines: reciprocal, and never a gain.
+//! leave 1 − the larger of what they reflect under the two cosines: reciprocal, and never a gain. What the coat absorbs is by the way
+//! through it, in and out.
 //!
 //! A sheet that transmits is clear where its facets are smooth ([`Principled::passes`]). Where they are rough it sends on through
 //! the face what they do not reflect, as the mirror image of their lobe, and what they lose by masking by a lobe as that of metals.
@@ -42,9 +43,6 @@ use sheen::{sheen, sheen_reflects};
 use std::f64::consts::PI;
 use std::sync::Arc;
 use stretched::Stretched;
-
-/// Index of the coat (KHR_materials_clearcoat).
-const COAT_IOR: f64 = 1.5;
 
 /// A standard surface on a face.
 #[derive(Debug, Clone)]
@@ -91,7 +89,7 @@ impl Principled {
         });
         let film = surface.film.as_ref().filter(|film| film.weight.factor > 0.0);
         let film = film.map(|film| Interference::of(film, energy::normal_reflectance(surface.ior)));
-        Principled { base, coat: Energy::of(COAT_IOR), stretched, film, surface, mesh }
+        Principled { base, coat: Energy::of(surface.coat_ior), stretched, film, surface, mesh }
     }
 
     /// Whether all that it sends out stays within a lobe narrower than this half width at half maximum: a metal that is
@@ -113,11 +111,12 @@ impl Principled {
         let share = frame.as_ref().map_or(1.0, |frame| (frame.to_local(d_out).z / d_out.z).max(0.0));
         if d_out.z < 0.0 {
             let sheet = if layers.sheet > 0.0 { self.through_sheet(wi, mirrored(d_out), look) } else { 0.0 };
-            return layers.body * share * look.tint.through * look.diffuse_transmission
+            return layers.stain * layers.body * share * look.tint.through * look.diffuse_transmission
                 + layers.under * layers.sheet * look.tint.base * (sheet + layers.again);
         }
         let about_body = frame.map_or([wi, d_out], |frame| [wi, d_out].map(|w| frame.to_local(w)));
-        let mut sum = share * self.scatters_back(about_body, &layers, look) * (1.0 - look.diffuse_transmission);
+        let back = layers.stain * self.scatters_back(about_body, &layers, look);
+        let mut sum = share * back * (1.0 - look.diffuse_transmission);
         if look.metallic > 0.0 {
             sum += layers.under * look.metallic * layers.again * self.again(look, look.tint);
         }
@@ -190,7 +189,7 @@ impl Principled {
     /// The chance of each lobe, by what they carry of light of all colours. They sum to 1, or are all 0.
     fn chances(&self, wi: DVec3, look: &Look) -> Chances {
         let mean = look.mean;
-        let layers = self.layers(wi, wi, look);
+        let layers = self.layers(wi, wi, &Look { tint: mean, ..*look });
         let (inside, facets) = self.facets(wi, look, mean);
         let lost = 1.0 - self.energy(wi, look)[0];
         let again = if look.metallic > 0.0 { look.metallic * lost * self.again(look, mean) } else { 0.0 };
@@ -225,7 +224,7 @@ impl Principled {
             return 1.0 - look.opacity;
         }
         let (inside, _) = self.facets(wi, look, look.tint);
-        let through = self.layers(wi, wi, look).under * inside * look.transmission * look.tint.base;
+        let through = self.lets_out(wi, look) * inside * look.transmission * look.tint.base;
         1.0 - look.opacity + look.opacity * through
     }
 

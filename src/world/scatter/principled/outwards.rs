@@ -28,6 +28,7 @@ impl Principled {
 
     /// Share of light from below coat and sheen that leaves along a direction of the local frame.
     pub fn lets_out(&self, w: DVec3, look: &Look) -> f64 {
-        self.layers(w, w, look).under
+        let layers = self.layers(w, w, look);
+        if layers.stain > 0.0 { layers.under / layers.stain * self.stained([w], look) } else { 0.0 }
     }
 }

@@ -19,6 +19,7 @@ pub struct Point {
     pub specular_color: [f64; 3],
     pub through: [f64; 3],
     pub sheen: [f64; 3],
+    pub coat: [f64; 3],
     pub edge: [f64; 3],
     /// What its facets are longer along, and the coat's normal where it has its own: world.
     along: Option<DVec3>,
@@ -135,7 +136,7 @@ impl Point {
         let share = |scalar: &crate::scene::Scalar| number(scalar).clamp(0.0, 1.0);
         let shares = |found: &crate::scene::Colour| colour(found).map(|c| c.clamp(0.0, 1.0));
         let base = colour(&surface.base_color);
-        let white = Tint { base: 1.0, specular: 1.0, through: 1.0, sheen: 1.0, edge: 1.0 };
+        let white = Tint { base: 1.0, specular: 1.0, through: 1.0, sheen: 1.0, coat: 1.0, edge: 1.0 };
         let alpha_of_facets = facets(share(&surface.roughness));
         let stretch = surface.anisotropy.as_ref().and_then(|anisotropy| {
             let strength = share(&anisotropy.strength);
@@ -155,6 +156,7 @@ impl Point {
             specular_color: colour(&surface.specular_color).map(|c| c.max(0.0)),
             through: shares(&surface.diffuse_transmission_color),
             sheen,
+            coat: shares(&surface.coat_color),
             edge: shares(&surface.metal_edge),
             along: None,
             coat_normal: None,
@@ -190,6 +192,7 @@ impl Point {
             specular: mixed(self.specular_color, shares),
             through: mixed(self.through, shares),
             sheen: mixed(self.sheen, shares),
+            coat: mixed(self.coat, shares),
             edge: mixed(self.edge, shares),
         };
         const ALIKE: [f64; 3] = [1.0 / 3.0; 3];

@@ -3,7 +3,7 @@
 //! through depolarise, and so do facets under a film, whose colour says nothing of phases.
 
 use super::look::Look;
-use super::{COAT_IOR, Principled, coat_facets};
+use super::{Principled, coat_facets};
 use crate::base::Complex;
 use crate::world::fresnel::fresnel_turning;
 use crate::world::stokes::Facets;
@@ -41,7 +41,7 @@ impl Principled {
             && let Some(([value, _, cos], common)) = coat_facets(wi, d_out, look)
         {
             let coat = layers.under_sheen * look.coat * self.coat_facet(cos) * value * common;
-            facets.add(coat, &fresnel_turning(1.0, Complex::real(COAT_IOR), cos));
+            facets.add(coat, &fresnel_turning(1.0, Complex::real(self.coat.ior()), cos));
         }
         facets
     }
