@@ -13,7 +13,7 @@ pub struct Moment {
     /// Frames a second of a glTF animation, which counts in seconds [default: 24]
     #[arg(long, value_name = "FPS", value_parser = parse_fps)]
     pub fps: Option<f64>,
-    /// Which animation of a glTF asset, by its name or from 0; the first if not said.
+    /// Which animation of a glTF asset, by its name or from 0; all of them at once if not said.
     #[arg(long, value_name = "NAME|N")]
     pub animation: Option<String>,
     /// Take this variant of a USD prim, e.g. /car{paint=red} (several may be given), or the variant of a glTF asset's materials with

@@ -1,7 +1,7 @@
 //! Honest files that were refused, or read in silence as something else.
 
 use super::{data, read, seen, warnings};
-use eyebox::import;
+use eyebox::import::{self, ReadOptions};
 use eyebox::plan::Choice;
 use eyebox::scene::{Colour, Finish, Shape};
 use std::fmt::Write;
@@ -144,4 +144,41 @@ fn unknown_materials_are_said() {
     let arnold = "uniform token info:id = \"arnold:standard_surface\"\ncolor3f inputs:base_color = (0.125, 0, 0)\nfloat inputs:base = 1";
     let (red, said) = other("arnold:surface", arnold);
     assert!(red == 0.125 && said.is_empty(), "{red} {said}");
+}
+
+/// Exporters write an animation for each thing that moves: all of them move.
+#[test]
+fn several_animations_move_at_once() {
+    let text = std::fs::read_to_string(data("not_a_root.gltf")).expect("a text");
+    let folder = tempfile::tempdir().expect("a folder");
+    let asset = folder.path().join("a.gltf");
+    // Times 0 and 1 s, and places from 0 to (1, 0, 0): bytes of the positions do for both.
+    let bytes = |numbers: &[f32]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    std::fs::write(folder.path().join("keys.bin"), bytes(&[0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 2.0, 0.0])).expect("a file");
+    let mut json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    json["scenes"][0]["nodes"] = serde_json::json!([0]);
+    let push = |json: &mut serde_json::Value, list: &str, item: serde_json::Value| {
+        json[list].as_array_mut().expect("a list").push(item)
+    };
+    push(&mut json, "buffers", serde_json::json!({ "byteLength": 32, "uri": "keys.bin" }));
+    for (offset, length, kind, count) in [(0, 8, "SCALAR", 2), (8, 24, "VEC3", 2)] {
+        push(&mut json, "bufferViews", serde_json::json!({ "buffer": 1, "byteOffset": offset, "byteLength": length }));
+        push(
+            &mut json,
+            "accessors",
+            serde_json::json!({ "bufferView": if count == 2 && kind == "SCALAR" { 4 } else { 5 }, "componentType": 5126, "count": count, "type": kind, "min": if kind == "SCALAR" { vec![0.0] } else { vec![0.0; 3] }, "max": if kind == "SCALAR" { vec![1.0] } else { vec![1.0, 2.0, 0.0] } }),
+        );
+    }
+    let animation = |name: &str, node: usize| serde_json::json!({ "name": name, "samplers": [{ "input": 4, "output": 5 }], "channels": [{ "sampler": 0, "target": { "node": node, "path": "translation" } }] });
+    json["animations"] = serde_json::json!([animation("parent", 0), animation("child", 1)]);
+    std::fs::write(&asset, json.to_string()).expect("a file");
+    let at = |animation: Option<&str>| {
+        let options =
+            ReadOptions { frame: Some(24.0), animation: animation.map(str::to_owned), ..ReadOptions::default() };
+        let (assembly, _) = import::read(&asset, &options).unwrap_or_else(|fault| panic!("{fault}"));
+        assembly.nodes.last().expect("a node").to_world.translation.x
+    };
+    assert_eq!([at(None), at(Some("parent")), at(Some("child"))], [2.0, 1.0, 1.0]);
+    let (moving, _) = import::moving(&asset, &ReadOptions::default()).unwrap_or_else(|fault| panic!("{fault}"));
+    assert_eq!(moving.motion.expect("it moves").nodes.len(), 2);
 }

@@ -41,19 +41,28 @@ pub(super) fn moved(
     };
     let fps = options.fps.unwrap_or(DEFAULT_FPS);
     let time_s = frame / fps;
-    let Some(at) = chosen(&animations, options)? else {
+    let chosen = chosen(&animations, options)?;
+    let Some(first) = chosen.first() else {
         ledger.notes.info(&document.root, "no animations: the asset is the same at every `--frame`");
         return Ok(HashMap::new());
     };
-    let name = at.get("name")?.map_or(Ok(""), |name| name.text())?.escape_debug().to_string();
-    let of = if animations.len() > 1 { format!(" of {}, see `--animation`", animations.len()) } else { String::new() };
     let by = if options.fps.is_some() { "" } else { " (`--fps`)" };
-    let text = format!("frame {frame} is {time_s} s at {fps} frames/s{by} of the animation `{name}`{of}");
-    ledger.notes.info(at, text);
-    channels(document, at, nodes, time_s, ledger)
+    let of = match chosen.len() {
+        1 => format!("the animation `{}`", name(first)?.escape_debug()),
+        count => format!("all {count} animations at once (`--animation` takes one)"),
+    };
+    ledger.notes.info(first, format!("frame {frame} is {time_s} s at {fps} frames/s{by} of {of}"));
+    channels(document, &chosen, nodes, time_s, ledger)
 }
 
-/// When the animation that `options` ask for has its keys; none without animations. Steps jump: the last moment before one is a
+fn name<'d>(animation: &At<'d>) -> Result<&'d str> {
+    match animation.get("name")? {
+        Some(name) => name.text(),
+        None => Ok(""),
+    }
+}
+
+/// When the animations that `options` ask for have their keys; none without animations. Steps jump: the last moment before one is a
 /// key, too.
 ///
 /// # Errors
@@ -65,25 +74,29 @@ pub(super) fn clock(
     ledger: &mut Ledger,
 ) -> Result<Option<Clock>> {
     let animations = document.root.list("animations")?;
-    let Some(animation) = chosen(&animations, options)? else { return Ok(None) };
-    if options.frame.is_none() && animations.len() > 1 {
-        let text = format!("{} animations: one is taken, the others are left out (`--animation`)", animations.len());
-        ledger.notes.warn(animation, text);
+    let chosen = chosen(&animations, options)?;
+    let Some(first) = chosen.first() else { return Ok(None) };
+    // Several become one, which has no name of theirs.
+    let name = if chosen.len() == 1 { name(first)?.to_owned() } else { String::new() };
+    if options.frame.is_none() && chosen.len() > 1 {
+        let text = format!("{} animations: all move at once (`--animation` takes one)", chosen.len());
+        ledger.notes.info(first, text);
     }
     let rate = options.fps.unwrap_or(DEFAULT_FPS);
-    let samplers = animation.want("samplers")?.items()?;
-    let (mut keys, mut seen) = (Vec::new(), HashSet::new());
-    for channel in animation.want("channels")?.items()? {
-        if target(&channel.want("target")?, nodes, ledger)?.is_none() {
-            continue;
+    let mut keys = Vec::new();
+    for animation in chosen {
+        let (samplers, mut seen) = (animation.want("samplers")?.items()?, HashSet::new());
+        for channel in animation.want("channels")?.items()? {
+            if target(&channel.want("target")?, nodes, ledger)?.is_none() {
+                continue;
+            }
+            let number = channel.want("sampler")?.index(samplers.len(), "sampler")?;
+            let Some(sampler) = samplers.get(number).filter(|_| seen.insert(number)) else { continue };
+            keys.extend(sampler::moments(document, sampler, ledger)?.into_iter().map(|time_s| frame_at(time_s, rate)));
         }
-        let number = channel.want("sampler")?.index(samplers.len(), "sampler")?;
-        let Some(sampler) = samplers.get(number).filter(|_| seen.insert(number)) else { continue };
-        keys.extend(sampler::moments(document, sampler, ledger)?.into_iter().map(|time_s| frame_at(time_s, rate)));
     }
     keys.sort_by(f64::total_cmp);
     keys.dedup();
-    let name = animation.get("name")?.map_or(Ok(""), |name| name.text())?.to_owned();
     Ok(Some(Clock { rate, name, keys }))
 }
 
@@ -105,19 +118,20 @@ fn needs_frame(options: &ReadOptions) -> Result<()> {
     Ok(())
 }
 
-/// The animation of this name, else of this number; the first if none is asked for.
-fn chosen<'d, 'a>(animations: &'d [At<'a>], options: &ReadOptions) -> Result<Option<&'d At<'a>>> {
-    let Some(asked) = &options.animation else { return Ok(animations.first()) };
+/// The animation of this name, else of this number; all of them, which move at once, if none is asked for: exporters write one for
+/// each thing that moves.
+fn chosen<'d, 'a>(animations: &'d [At<'a>], options: &ReadOptions) -> Result<Vec<&'d At<'a>>> {
+    let Some(asked) = &options.animation else { return Ok(animations.iter().collect()) };
     let mut names = Vec::new();
     for animation in animations {
-        let name = animation.get("name")?.map_or(Ok(""), |name| name.text())?;
+        let name = name(animation)?;
         if name == asked {
-            return Ok(Some(animation));
+            return Ok(vec![animation]);
         }
         names.push(name);
     }
     if let Some(found) = asked.parse::<usize>().ok().and_then(|number| animations.get(number)) {
-        return Ok(Some(found));
+        return Ok(vec![found]);
     }
     let expected = match animations.len() {
         0 => "an asset with animations: this one has none".to_owned(),
@@ -151,19 +165,30 @@ impl Property {
 
 fn channels(
     document: &Document<'_>,
-    animation: &At<'_>,
+    animations: &[&At<'_>],
     nodes: &[At<'_>],
     time_s: f64,
     ledger: &mut Ledger,
 ) -> Result<HashMap<usize, Moved>> {
-    let samplers = animation.want("samplers")?.items()?;
-    let (mut out, mut seen, mut checked) = (HashMap::new(), HashSet::new(), Checked::default());
-    for channel in animation.want("channels")?.items()? {
+    let (mut out, mut of, mut checked) = (HashMap::new(), HashMap::new(), Checked::default());
+    let lists = |key: &str| -> Result<Vec<Vec<At<'_>>>> {
+        animations.iter().map(|animation| animation.want(key)?.items()).collect()
+    };
+    let (all, samplers) = (lists("channels")?, lists("samplers")?);
+    let channels = all.iter().zip(&samplers).enumerate();
+    let channels = channels.flat_map(|(number, (own, samplers))| own.iter().map(move |own| (number, own, samplers)));
+    for (number, channel, samplers) in channels {
         let Some((node, property)) = target(&channel.want("target")?, nodes, ledger)? else { continue };
-        if !seen.insert((node, property)) {
-            ledger.notes.warn(&channel, "a second channel for the same property of a node: the first one holds");
+        if let Some(first) = of.get(&(node, property)) {
+            let text = if *first == number {
+                "a second channel for the same property of a node: the first one holds"
+            } else {
+                "several animations move the same property of a node: the first one holds (`--animation` takes one)"
+            };
+            ledger.notes.warn(channel, text);
             continue;
         }
+        of.insert((node, property), number);
         let reference = channel.want("sampler")?;
         let Some(sampler) = samplers.get(reference.index(samplers.len(), "sampler")?) else { continue };
         let mut value = |kind, width| sampler::value(document, sampler, (kind, width, time_s), &mut checked, ledger);
@@ -184,7 +209,7 @@ fn channels(
                     None => 0,
                 };
                 if count == 0 {
-                    ledger.notes.warn(&channel, "animated weights for a node without morph targets: not used");
+                    ledger.notes.warn(channel, "animated weights for a node without morph targets: not used");
                     continue;
                 }
                 moved.weights = Some(value(Kind::Weights, count)?);

@@ -98,7 +98,7 @@ fn frames_are_counted_and_animations_chosen() {
     let found = builder.read_at(&asked(Some(12.0), None, None)).unwrap();
     assert!(has_note(
         &found,
-        "frame 12 is 0.5 s at 24 frames/s (`--fps`) of the animation `go` of 2, see `--animation`"
+        "frame 12 is 0.5 s at 24 frames/s (`--fps`) of all 2 animations at once (`--animation` takes one)"
     ));
     let fault = size(&asked(Some(0.0), None, Some("sty"))).unwrap_err().to_string();
     assert!(fault.contains("--animation sty") && fault.contains("did you mean `stay`?"), "{fault}");
