@@ -182,3 +182,62 @@ fn several_animations_move_at_once() {
     let (moving, _) = import::moving(&asset, &ReadOptions::default()).unwrap_or_else(|fault| panic!("{fault}"));
     assert_eq!(moving.motion.expect("it moves").nodes.len(), 2);
 }
+
+/// A polygon that bends may be cut into other triangles, and normals that differ may fall together: what bends it is the same.
+#[test]
+fn a_skin_is_kept_whatever_polygons_are_cut_into() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let asset = folder.path().join("a.usda");
+    std::fs::write(&asset, SKIN).expect("a file");
+    let (found, _) = import::moving(&asset, &ReadOptions::default()).unwrap_or_else(|fault| panic!("{fault}"));
+    let rig = found.meshes[0].rig.as_ref().expect("what bends it");
+    assert_eq!(rig.skin.as_ref().expect("a skin").joints.len(), 2);
+    assert_eq!(found.motion.expect("it moves").rigs.len(), 1);
+    // At rest the corner is at (1, 0), and now inside.
+    assert!(
+        rig.rest.positions.contains(&[1.0, 0.0, 0.0]) && found.meshes[0].mesh.positions.iter().any(|p| p[0] == 0.25)
+    );
+}
+
+const SKIN: &str = r#"#usda 1.0
+(
+    metersPerUnit = 1
+    upAxis = "Y"
+    startTimeCode = 0
+    endTimeCode = 2
+)
+def SkelRoot "Root" (prepend apiSchemas = ["SkelBindingAPI"]) {
+    rel skel:skeleton = </Root/Rig>
+    def Skeleton "Rig" (prepend apiSchemas = ["SkelBindingAPI"]) {
+        uniform token[] joints = ["foot", "foot/corner"]
+        uniform matrix4d[] bindTransforms = [
+            ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)),
+            ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))]
+        uniform matrix4d[] restTransforms = [
+            ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)),
+            ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))]
+        rel skel:animationSource = </Root/Rig/Move>
+        def SkelAnimation "Move" {
+            uniform token[] joints = ["foot", "foot/corner"]
+            float3[] translations = [(0, 0, 0), (-0.75, 0.75, 0)]
+            float3[] translations.timeSamples = {
+                0: [(0, 0, 0), (-0.75, 0.75, 0)], 2: [(0, 0, 0), (0, 0, 0)], }
+            quatf[] rotations = [(1, 0, 0, 0), (1, 0, 0, 0)]
+            half3[] scales = [(1, 1, 1), (1, 1, 1)]
+        }
+    }
+    def Mesh "Square" (prepend apiSchemas = ["SkelBindingAPI"]) {
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        normal3f[] normals = [(0, 0, 1), (0, 0, 1), (0, 0, 1), (0, 0, 1)]
+        int[] primvars:skel:jointIndices = [0, 1, 0, 0] (
+            elementSize = 1
+            interpolation = "vertex")
+        float[] primvars:skel:jointWeights = [1, 1, 1, 1] (
+            elementSize = 1
+            interpolation = "vertex")
+    }
+}
+"#;

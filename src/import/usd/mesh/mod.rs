@@ -3,6 +3,7 @@
 mod carried; // what vertices have beside position and normal
 mod cut; // polygons → faces → triangles
 mod known; // which meshes are one and the same
+mod posed; // what a rig makes of vertices
 mod varied; // what is refined with a subdivision surface
 mod vertices; // points → vertices
 
@@ -23,7 +24,7 @@ use crate::import::gltf::mesh::append;
 use crate::import::gltf::normals::{Settled, are_sound, flat_shaded, settle};
 use crate::import::gltf::primitive::FaceMesh;
 use crate::import::normals::repair;
-use crate::scene::motion::{Rig, Vertices};
+use crate::scene::motion::Vertices;
 use crate::scene::{Mesh, Note, Severity};
 use carried::{Carried, Shelf};
 use cut::Own;
@@ -49,25 +50,33 @@ fn build(reader: &mut Reader, view: &PrimView, below: &Above) -> Result<Option<M
     if reader.rigs != Rigs::No && subdivide::scheme(view)?.0.is_none() {
         // What is wrong was said.
         let said = std::mem::take(&mut reader.ledger.notes);
-        let rig = rigged(reader, view, below, &out.source.mesh);
+        let rigged = rigged(reader, view, below, &out.source);
         reader.ledger.notes = said;
-        out.source.rig = rig?.map(Box::new);
+        if let Some(rigged) = rigged? {
+            out.source = rigged;
+        }
     }
     Ok(Some(out.source))
 }
 
-/// What bends the mesh, as data; none, where only its bent vertices say it.
-fn rigged(reader: &mut Reader, view: &PrimView, below: &Above, bent: &Mesh) -> Result<Option<Rig>> {
+/// The mesh with what bends it, as data; none, where only its bent vertices say it.
+fn rigged(reader: &mut Reader, view: &PrimView, below: &Above, bent: &MeshSource) -> Result<Option<MeshSource>> {
     let Some(polygons) = polygons::read(reader, view)? else { return Ok(None) };
     let Some(rig) = skel::rig(reader, view, &below.handed.skel, polygons.points.len())? else { return Ok(None) };
     let Some(still) = made(reader, view, below, false)? else { return Ok(None) };
-    let mesh = still.source.mesh;
-    // At a frame joints may turn triangles round, or make polygons hollow so that they are cut another way; what bends them
-    // is the same.
-    let fits =
-        reader.rigs == Rigs::Poses || mesh.triangles == bent.triangles && still.sources.len() == bent.positions.len();
+    let mesh = &still.source.mesh;
     let rest = Vertices { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
-    Ok(fits.then(|| rig.of_vertices(rest, &still.sources)))
+    let rig = rig.of_vertices(rest, &still.sources);
+    // Joints may turn triangles round, or make polygons hollow so that they are cut another way, and normals that differ at rest
+    // may fall together; what bends them is the same. At a frame that alone counts.
+    let fits = mesh.triangles == bent.mesh.triangles && still.sources.len() == bent.mesh.positions.len();
+    if fits || reader.rigs == Rigs::Poses {
+        return Ok(Some(MeshSource { rig: Some(Box::new(rig)), ..bent.clone() }));
+    }
+    reader.charge(view.path(), still.sources.len(), 2 * VERTEX)?;
+    let Some(Vertices { positions, normals }) = posed::vertices(&rig) else { return Ok(None) };
+    let mesh = Mesh { positions, normals, ..Mesh::clone(mesh) };
+    Ok(Some(MeshSource { mesh: mesh.into(), rig: Some(Box::new(rig)), ..still.source.clone() }))
 }
 
 /// What all vertices of an implicit shape carry for its material: texture coordinates of two sets, and a colour.
