@@ -109,7 +109,7 @@ impl Glint {
         let [a, b] = self.axes.map(DVec2::from_array);
         let (along, across) = if a.length() >= b.length() { (a, b) } else { (b, a) };
         let count = (2.0 * along.length() / long).ceil().max(1.0);
-        if !(count <= most as f64) {
+        if count.is_nan() || count > most as f64 {
             return Vec::new();
         }
         let piece = |k: f64| {

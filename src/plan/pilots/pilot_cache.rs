@@ -24,6 +24,12 @@ use std::sync::Arc;
 /// Things with what they were made from.
 type Known<K, V> = RefCell<Vec<(K, V)>>;
 
+/// The faces over which connection joins the lamps of light groups with the eye.
+type Trains = Vec<(GroupId, Chain)>;
+
+/// What [`glint_pilot::find`] finds.
+type Images = (Vec<Glint>, Option<Hidden>);
+
 /// Made for one scene, at one wavelength.
 #[derive(Default)]
 pub(crate) struct PilotCache {
@@ -34,7 +40,7 @@ pub(crate) struct PilotCache {
     /// By the paths from the eye, as [`Plan::computes`] tells them.
     branching: Known<Vec<bool>, Branches>,
     /// By the light groups whose lamps rays from the eye look for, or have what others leave of, and the trains that connection has.
-    glints: Known<(Vec<[bool; 2]>, Vec<(GroupId, Chain)>), (Vec<Glint>, Option<Hidden>)>,
+    glints: Known<(Vec<[bool; 2]>, Trains), Images>,
 }
 
 impl PilotCache {
@@ -57,14 +63,14 @@ impl PilotCache {
     }
 
     /// [`glint_pilot::find`], for the lamps that the plan leaves to rays from the eye, and for ways that it leaves to them of others.
-    pub(in crate::plan) fn glints(&self, making: &Planner<'_>, plan: &Plan) -> (Vec<Glint>, Option<Hidden>) {
+    pub(in crate::plan) fn glints(&self, making: &Planner<'_>, plan: &Plan) -> Images {
         let group_of = |lamp: usize| making.world.lamps.all()[lamp].group;
         let by_eye = |group| plan.owner(group, Class::Vision, false) == Some(Estimator::Backward);
         // Where other pilots found no way from the eye to a lamp nothing is looked for.
         let hope = plan.vision_share >= 1.0;
         let left = |group| plan.computes(Estimator::Backward, group, Class::Vision, false);
         let groups = || (0..making.groups()).map(GroupId::from_index);
-        let over: Vec<(GroupId, Chain)> = plan.connections.iter().map(|own| (own.group, own.train.chain())).collect();
+        let over: Trains = plan.connections.iter().map(|own| (own.group, own.train.chain())).collect();
         let kinds = groups().map(|group| [by_eye(group) && hope, left(group)]).collect();
         known(&self.glints, (kinds, over), |(_, over)| {
             let wants = |lamp: usize| hope && by_eye(group_of(lamp));
