@@ -115,8 +115,8 @@ fn a_witness_knows_nothing_of_blocks() {
         tracing.watch(None);
         tracing.step(2);
         let mut gaps = 0;
-        while tracing.films().relative_error().is_none_or(|error| error > 0.004) {
-            tracing.aim(Some(0.004));
+        while tracing.films().relative_error().is_none_or(|error| error > 0.002) {
+            tracing.aim(Some(0.002));
             let films = &tracing.films().films;
             gaps += films.iter().filter(|(_, film, _)| has_gap(film)).count();
             while tracing.missing().is_some() {

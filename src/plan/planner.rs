@@ -4,7 +4,7 @@
 use super::pilots::pilot_cache::PilotCache;
 use super::pilots::{chains, pupil_guide, reached, shared_faces, sky_guide, split_threshold};
 use super::selection::facts::{is_connected, own};
-use super::tuning::planner::{FEWEST_LOOKS, LOOKS, MISSED, SELDOM, SELDOM_UNKNOWN, UNKNOWN};
+use super::tuning::planner::{ARRIVED, FEWEST_LOOKS, LOOKS, MISSED, SELDOM, SELDOM_UNKNOWN, UNKNOWN};
 use super::{Asked, Choice, Guides, pilots};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -108,7 +108,10 @@ impl Planner<'_> {
                 let left = reached::left_to_eye(self.world, plan, self.groups(), &made, self.stop).max(found.left);
                 plan.unknown_share = (UNKNOWN * left).clamp(least, 1.0);
             }
-            leave_unconnected(plan, Class::Vision);
+            leave_unconnected(plan, Class::Vision, Some(&pilot.arrived));
+            if !plan.runs(Estimator::Forward) {
+                break;
+            }
             // What specular connection leaves is not the light that the pilot has found most of.
             let leaves = |row: &Row| matches!(row.verdict, Verdict::Connect { rest: Estimator::Forward, .. });
             let owns = |row: &Row| {
@@ -170,7 +173,7 @@ impl Planner<'_> {
             // train is the photons'. Of weak ones that is not worth finding out.
             let joined = |screen: &Screen| !self.made.screens(self.world, std::slice::from_ref(screen)).is_empty();
             plan.screens.retain(|screen| !pilots::is_strong(screen) || joined(screen));
-            leave_unconnected(plan, Class::Caustic);
+            leave_unconnected(plan, Class::Caustic, None);
         }
         if plan.runs(Estimator::Photon) {
             let pilot = pilots::photon(self.world, plan, self.groups(), (pixel_m, &seen), &self.made, self.stop);
@@ -297,8 +300,9 @@ impl Planner<'_> {
     }
 }
 
-/// Leaves the vision paths of groups for which no train was found to the estimator that would have kept the rest.
-fn leave_unconnected(plan: &mut Plan, class: Class) {
+/// Leaves the vision paths of groups for which no train was found to the estimator that would have kept the rest. `arrived`: by light group,
+/// paths of a pilot from the lamps that found the pupil.
+fn leave_unconnected(plan: &mut Plan, class: Class, arrived: Option<&[u64]>) {
     for row in plan.rows.iter_mut().filter(|row| row.class == class) {
         let Verdict::Connect { rest, .. } = row.verdict else { continue };
         let (found, between) = match class {
@@ -307,10 +311,22 @@ fn leave_unconnected(plan: &mut Plan, class: Class) {
                 (plan.screens.iter().any(|s| s.group == row.group), "lamp to scatterer")
             }
         };
-        if !found {
-            row.verdict =
-                own(rest, format!("a pilot found no train of specular faces from {between} that could be connected"));
+        if found {
+            continue;
         }
+        // What few paths from the lamps bring is missing from nearly every picture: rays from the eye look for it.
+        let few = arrived.is_some_and(|arrived| arrived[row.group.index()] < ARRIVED);
+        row.verdict = match rest {
+            Estimator::Forward if few => own(
+                Estimator::Backward,
+                format!(
+                    "a pilot found no train of specular faces from {between} that could be connected, and few paths from the lamps find the pupil"
+                ),
+            ),
+            Estimator::Forward | Estimator::Backward | Estimator::Photon | Estimator::Manifold => {
+                own(rest, format!("a pilot found no train of specular faces from {between} that could be connected"))
+            }
+        };
     }
 }
 

@@ -58,6 +58,8 @@ pub(super) mod planner {
     /// The least of it, and the fewest pixels of a pass.
     pub const SELDOM_UNKNOWN: f64 = 1.0 / 128.0;
     pub const FEWEST_LOOKS: f64 = 4.0;
+    /// Light tracing without connection is given vision only if so many paths of a pilot found the pupil.
+    pub const ARRIVED: u64 = 64;
     /// Of a lamp whose images were looked for, or whose caustics a pilot has compared, so much counts as what rays may miss: both may be wrong.
     pub const MISSED: f64 = 1.0 / 64.0;
 }

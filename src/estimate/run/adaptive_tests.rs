@@ -146,7 +146,8 @@ fn single_pixels_get_theirs_in_time() {
 #[test]
 fn nobody_is_left_behind() {
     let mut made = Made::new(3, edge);
-    let still = Film::new(SIZE[0], SIZE[1], made.film().planes.clone(), Components::Luminance, Sampling::PerPass);
+    let mut still = Film::new(SIZE[0], SIZE[1], made.film().planes.clone(), Components::Luminance, Sampling::PerPass);
+    still.passes = 2;
     let mut ledger = Ledger::new(0);
     ledger.work = 2;
     made.films.films.push((Estimator::Photon, still, ledger));
@@ -170,6 +171,7 @@ fn what_may_be_missed_asks_for_passes() {
     let (_, film, ledger) = made.films.films.remove(0);
     let unseen = Unseen::new(480.0, 1.0, &[false; SIZE[0] * SIZE[1]], Vec::new());
     made.films.films.push((Estimator::Backward, film.with_unseen(Some(unseen)), ledger));
+    made.films.passes = 2;
     let stated = |made: &Made| made.films.relative_error().unwrap();
     // 2 · 480 / (480 · passes)
     assert!((stated(&made) - 1.0).abs() < 1e-9, "{}", stated(&made));

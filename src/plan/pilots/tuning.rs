@@ -128,13 +128,15 @@ pub(super) mod glint_pilot {
     /// A step in the pupil, in radii, by which an image is seen to move.
     pub const STEP: f64 = 0.25;
     /// Rays over a guess at an image, and how often a better guess is made of those that meet the lamp.
-    pub const RAYS_TO_FIT: u64 = 256;
+    pub const RAYS_TO_FIT: u64 = 512;
     pub const ROUNDS: u64 = 8;
     /// Fewer rays than this do not tell how an image moves with the pupil, nor that nothing of it lies beyond them.
     pub const FEWEST: usize = 12;
     /// A ray that meets the lamp so far out in a guess, 1 at its rim, says that there may be more; how much wider the next one is.
     pub const AT_RIM: f64 = 0.93;
     pub const GROWN: f64 = 1.6;
+    /// By how much wider a glint is for what so many rays do not know of how it moves: over the root of their number.
+    pub const ASTRAY: f64 = 2.5;
     /// How much wider than all the rays that met the lamp a glint is.
     pub const MARGIN: f64 = 1.15;
     /// Pixels that it is long and wide at the least, half.

@@ -1,7 +1,7 @@
 //! Lamps over specular faces: few rays meet a small lamp in a curved mirror, or a small mirror at all. But rays that pass near a lamp say
 //! where Newton's iteration should start, and some of them are aimed at each specular face of the scene.
 
-use super::fit::{Seen, about, pieces, settle};
+use super::fit::{Moves, Seen, about, pieces, settle};
 use super::{Search, Wants, Way};
 use crate::base::chain::Chain;
 use crate::base::lattice::lattice;
@@ -71,7 +71,9 @@ pub(crate) fn find_by_way(
         let beside: Vec<Seen> = met.get(&way).map_or_else(Vec::new, |rays| {
             rays.iter().filter(|ray| !images.iter().any(|image| image.holds(ray.film, ray.pupil))).copied().collect()
         });
-        images.extend(around(world, &beside, apart).and_then(|guess| settle((world, &optics), &way, guess)));
+        images.extend(
+            around(world, &beside, apart).and_then(|guess| settle((world, &optics), &way, guess, Moves::Unknown)),
+        );
         let glints = images.iter().flat_map(|image| pieces(world, image)).collect::<Vec<Glint>>();
         (way, glints)
     };
@@ -358,7 +360,7 @@ fn images(
             continue;
         }
         let start = Seen { film: *film, pupil: *pupil };
-        match solve((world, optics), way, start).and_then(|image| settle((world, optics), way, image)) {
+        match solve((world, optics), way, start).and_then(|image| settle((world, optics), way, image, Moves::Known)) {
             Some(glint) if !found.iter().any(|known| known.holds(DVec2::from_array(glint.middle), DVec2::ZERO)) => {
                 found.push(glint)
             }

@@ -9,7 +9,7 @@ use crate::estimate::walk::{Travel, Walker};
 use crate::film::glint::Glint;
 use crate::plan::pilots::chains::SEED;
 use crate::plan::pilots::tuning::glint_pilot::{
-    AT_RIM, FEWEST, GROWN, LEAST_PIXELS, LONG, MARGIN, MOST_PIECES, RAYS_TO_FIT, ROUNDS, THIN,
+    ASTRAY, AT_RIM, ENOUGH, FEWEST, GROWN, LEAST_PIXELS, LONG, MARGIN, MOST_PIECES, RAYS_TO_FIT, ROUNDS, THIN,
 };
 use crate::world::World;
 use crate::world::geometry::Ray;
@@ -91,9 +91,18 @@ fn grown(glint: &Glint, by: f64) -> Glint {
     Glint { axes: glint.axes.map(|axis| axis.map(|x| by * x)), ..*glint }
 }
 
+/// How an image moves with the place in the pupil.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Moves {
+    /// As the guess says.
+    Known,
+    /// The rays that meet the lamp are to tell.
+    Unknown,
+}
+
 /// The parallelogram about all of an image of which `guess` holds a part: rays all over it tell where the lamp is met, and it is
 /// drawn closer or wider until none of those lies at its rim. None if not one meets the lamp.
-pub(super) fn settle(tracing: (&World, &Optics<Mono>), way: &Way, guess: Glint) -> Option<Glint> {
+pub(super) fn settle(tracing: (&World, &Optics<Mono>), way: &Way, guess: Glint, moves: Moves) -> Option<Glint> {
     let mut glint = guess;
     let mut found = None;
     for round in 0..ROUNDS {
@@ -101,15 +110,16 @@ pub(super) fn settle(tracing: (&World, &Optics<Mono>), way: &Way, guess: Glint) 
         if seen.is_empty() {
             break;
         }
-        // Few rays tell where the image is, and not how it moves.
-        let moves = DMat2::from_cols_array_2d(&glint.by_pupil);
-        let few = seen.len() < FEWEST || tracing.0.eye.pupil_radius_m() == 0.0;
-        let fitted = about(tracing.0, &seen, few.then_some(moves))?;
+        let count = seen.len() as f64;
+        let told = moves == Moves::Unknown && seen.len() >= FEWEST && tracing.0.eye.pupil_radius_m() > 0.0;
+        let before = DMat2::from_cols_array_2d(&glint.by_pupil);
+        let fitted = about(tracing.0, &seen, (!told).then_some(before))?;
         let at_rim = seen.iter().any(|own| glint.reach_of(own.film, own.pupil) > AT_RIM);
-        let margin = MARGIN + FEWEST as f64 / (2.0 * seen.len() as f64);
+        // Corners are seldom met; and where rays tell how it moves they err by what its width is over the root of their number.
+        let margin = MARGIN + FEWEST as f64 / (2.0 * count) + if told { ASTRAY / count.sqrt() } else { 0.0 };
         glint = grown(&fitted, if at_rim { GROWN * margin } else { margin });
         found = Some(glint);
-        if !at_rim && seen.len() >= FEWEST {
+        if !at_rim && seen.len() >= ENOUGH {
             break;
         }
     }

@@ -1,7 +1,7 @@
 //! Lamps in plain view, or through a hole: points on each lamp are joined to points of the pupil. Few of these ways are free where
 //! a lamp stands behind a hole, so where none is, more are tried.
 
-use super::fit::{Seen, about, alike, meets, pieces, settle};
+use super::fit::{Moves, Seen, about, alike, meets, pieces, settle};
 use super::{Wants, Way};
 use crate::base::chain::Chain;
 use crate::base::lattice::lattice;
@@ -98,7 +98,7 @@ fn glint_of(tracing: (&World, &Optics<Mono>), way: &Way, joined: &Joined) -> Opt
         let by = (long + apart * longest) / long;
         [by * x, by * y]
     };
-    settle(tracing, way, Glint { axes: [wide(0), wide(1)], ..glint })
+    settle(tracing, way, Glint { axes: [wide(0), wide(1)], ..glint }, Moves::Unknown)
 }
 
 /// The corners of a lamp's triangles, from the middle and from the rim of the pupil; none where they are many, or behind the eye.
