@@ -5,7 +5,7 @@ use super::{Format, print};
 use crate::base::Result;
 use crate::base::atomic::check_writable;
 use crate::base::ids::GroupId;
-use crate::estimate::picture::{add_sharpness, add_sums, add_witness};
+use crate::estimate::picture::{add_sharpness, add_stated_error, add_sums, add_witness};
 use crate::estimate::run::Stop;
 use crate::estimate::shard::merge;
 use crate::film::sharpness::Sharpness;
@@ -50,6 +50,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
     let whole = merged.head.total == Some(merged.films.passes) || merged.films.films.is_empty();
     let stop = if whole { Stop::Passes } else { Stop::Asked };
     add_sums(&mut frame, &merged.films, stop, &finished.splits);
+    add_stated_error(&mut frame, merged.films.relative_error());
     let sharpness = frame.text(Sharpness::KEY).and_then(|text| serde_json::from_str::<Sharpness>(text).ok());
     if let Some(mut sharpness) = sharpness {
         sharpness.applied = finished.applied;

@@ -149,11 +149,16 @@ pub fn add_sums(frame: &mut Frame, films: &Films, stop: Stop, splits: &[Split]) 
         put(&format!("paths.{name}"), Meta::Text(ledger.paths.to_string()));
         put(&format!("ledger.{name}"), text(ledger));
     }
-    if let Some(error) = films.relative_error().filter(|error| error.is_finite()) {
-        put(names::STATED_ERROR, Meta::Number(error));
-    }
     put("stop", text(&stop));
     put("splits", text(&splits.to_vec()));
+}
+
+/// Writes into the header the relative error that a run states, asked of its films while they still knew it.
+pub fn add_stated_error(frame: &mut Frame, error: Option<f64>) {
+    match error.filter(|error| error.is_finite()) {
+        Some(error) => frame.meta.insert(names::STATED_ERROR.to_owned(), Meta::Number(error)),
+        None => frame.meta.remove(names::STATED_ERROR),
+    };
 }
 
 /// Writes into the header how sharp diffraction lets the picture be, and whether it was applied.

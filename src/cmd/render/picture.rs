@@ -11,7 +11,7 @@ use crate::estimate::cryptomatte;
 use crate::estimate::data::data_layers;
 use crate::estimate::finishing::Wanted;
 use crate::estimate::motion::motion;
-use crate::estimate::picture::{add_data_layers, add_meta, add_sharpness, add_witness};
+use crate::estimate::picture::{add_data_layers, add_meta, add_sharpness, add_stated_error, add_witness};
 use crate::estimate::run::Stop;
 use crate::estimate::shard;
 use crate::estimate::work_layer::{add_work, work};
@@ -50,6 +50,7 @@ impl Run<'_> {
         frame.meta.insert(COLOR_INTEROP_ID.to_owned(), Meta::Text(args.color.space().interop_id().to_owned()));
         frame.meta.insert("planHash".to_owned(), Meta::Text(frozen.hash.clone()));
         add_meta(&mut frame, scene, plan, &traced.outcome, args.seed_of_passes(), &finished.splits);
+        add_stated_error(&mut frame, traced.error);
         add_sharpness(&mut frame, sharpness);
         add_witness(
             &mut frame,
