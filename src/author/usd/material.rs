@@ -197,6 +197,13 @@ fn inputs(material: &Material) -> Vec<Property> {
             out.push(Property::new("inputs:diffuseColor", Datum::Float3([*r, *g, *b])).typed("color3f"));
         }
     }
+    // Emission of shaders is light: without it the row would be that of a material that somebody has put out.
+    if let Some(nit) = find(&material.mapped, "luminance_cd_m2").and_then(|nit| nit.number()).filter(|nit| *nit > 0.0) {
+        let grey = [nit as f32; 3];
+        if grey[0].is_finite() {
+            out.push(Property::new("inputs:emissiveColor", Datum::Float3(grey)).typed("color3f"));
+        }
+    }
     for (key, input) in [("metallic", "metallic"), ("roughness", "roughness"), ("opacity", "opacity")] {
         if let Some(value) = find(&material.looks, key).as_ref().and_then(Value::number).and_then(single) {
             out.push(Property::new(format!("inputs:{input}"), value));
