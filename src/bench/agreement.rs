@@ -15,6 +15,7 @@ use crate::base::stats::{chi_square_z, normal_tail, sidak_z};
 use crate::estimate::ShouldStop;
 use crate::estimate::run::begin;
 use crate::film::plan::{Estimator, Plan};
+use crate::film::unseen::Doubts;
 use crate::plan::{Choice, plan};
 
 /// Plain sampling takes so many times as long, each of its two pictures.
@@ -134,9 +135,7 @@ fn plain(plan: Plan) -> Plan {
         pupil_guide: None,
         sky_guide: None,
         glints: Vec::new(),
-        brightest_to_miss: None,
-        hidden: None,
-        doubt_of_caustics: 1.0,
+        doubts: Doubts::default(),
         backward_share: 1.0,
         unknown_share: 1.0,
         vision_share: 1.0,

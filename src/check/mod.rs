@@ -22,6 +22,8 @@ pub struct Facts {
     pub scatters: bool,
     /// Some face is specular: polished, a mirror or a slide.
     pub specular: bool,
+    /// Some face sends light on in a bundle: light that scatterers are lit by over it may come from where nobody looks.
+    pub bundles: bool,
     /// The pupil has no area.
     pub pinhole: bool,
     /// Nothing emits.
@@ -102,6 +104,7 @@ pub fn check(scene: &Scene) -> Result<Checked<'_>> {
                         | Finish::Grating { .. }
                 )
         }),
+        bundles: faces().any(|f| f.is_slide() || bundles(f.finish)),
         pinhole: scene.eye.pupil_diameter_m == 0.0,
         no_light: scene.sky.is_none() && faces().all(|f| f.emitter.is_none()) && scene.lights.is_empty(),
     };
@@ -129,6 +132,28 @@ fn scatters(finish: Finish) -> bool {
         | Finish::ReflectivePolariser { .. }
         | Finish::Grating { .. }
         | Finish::Absorber => false,
+    }
+}
+
+/// Whether a finish sends light on in a bundle: what is neither matt nor black.
+fn bundles(finish: Finish) -> bool {
+    match finish {
+        Finish::Polished
+        | Finish::MirrorMetal { .. }
+        | Finish::MirrorIdeal { .. }
+        | Finish::Gauss { .. }
+        | Finish::CosM { .. }
+        | Finish::Rough { .. }
+        | Finish::Abg { .. }
+        | Finish::Measured { .. }
+        | Finish::Polariser { .. }
+        | Finish::Retarder { .. }
+        | Finish::WavePlate { .. }
+        | Finish::CircularPolariser { .. }
+        | Finish::ReflectivePolariser { .. }
+        | Finish::Grating { .. }
+        | Finish::Surface { .. } => true,
+        Finish::None | Finish::Lambert { .. } | Finish::Absorber => false,
     }
 }
 

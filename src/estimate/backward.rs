@@ -24,7 +24,7 @@ use crate::base::rng::Stream;
 use crate::base::warp::Frame;
 use crate::estimate::manifold::seeds::bands::Bands;
 use crate::film::accumulate::{Film, Light};
-use crate::film::unseen::Unseen;
+use crate::film::unseen::{Doubts, Unseen};
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -70,8 +70,8 @@ pub struct Backward<'w, M: Mode> {
     paths: u32,
     /// Share of the pixels that a pass looks at.
     share: f64,
-    /// How much of a lamp's luminance may be missed behind scatterers.
-    doubt_of_caustics: f64,
+    /// What rays may miss.
+    doubts: Doubts,
     /// Where light that lands on scatterers came from, if paths are to know.
     glow: Option<Glow>,
     seed: u64,
@@ -112,7 +112,7 @@ impl<'w, M: Mode> Backward<'w, M> {
             shared: SharedLight::new::<M>(world),
             paths: u64::from(paths).div_ceil(turns) as u32,
             share,
-            doubt_of_caustics: hints.doubt_of_caustics,
+            doubts: hints.doubts,
             glow: None,
             seed,
         }
@@ -170,11 +170,11 @@ impl<'w, M: Mode> Backward<'w, M> {
     /// What rays may not have met of lamps over specular faces, straight from the eye or behind a scatterer, where chance alone leads to
     /// them; none where others own all of that.
     pub fn unseen(&self) -> Option<Unseen> {
-        let seen = self.vision.as_ref().and_then(|vision| vision.brightest(&self.route));
+        let seen = self.vision.as_ref().and_then(|vision| vision.brightest(&self.route, self.doubts.brightest));
         // What comes by narrow lobes, too, is in nobody else's reach: their own choice of a direction leads there.
         let owns = |lamp: &&Lamp| self.route.share(lamp.group, Class::Caustic, true).is_some();
         let caustic = self.world.lamps.all().iter().filter(owns).map(Lamp::brightest).reduce(f64::max);
-        let caustic = caustic.map(|brightest| brightest * self.doubt_of_caustics);
+        let caustic = caustic.map(|brightest| brightest * self.doubts.of_caustics);
         let caustic = caustic
             .filter(|_| self.paths > 0)
             .map(|brightest| (brightest, (u64::from(self.paths) * self.turns) as f64));
@@ -185,8 +185,9 @@ impl<'w, M: Mode> Backward<'w, M> {
         let in_vision = |pixel: u64| self.vision.as_ref().is_some_and(|vision| vision.knows(pixel));
         let known: Vec<bool> = (0..(width * height) as u64).map(|k| in_vision(k) || over_sky(k)).collect();
         let aimed = self.vision.as_ref().map_or_else(Vec::new, Vision::aimed);
-        let hidden = self.vision.as_ref().and_then(Vision::hidden);
-        Some(Unseen::new(brightest, looks * self.share, &known, aimed).beside(hidden))
+        let hidden = self.vision.as_ref().and(self.doubts.hidden);
+        let before = looks * self.doubts.glances as f64 / (width * height) as f64;
+        Some(Unseen::new(brightest, looks * self.share, &known, aimed).beside(hidden).after(before))
     }
 
     /// Adds passes `first .. first + count` to the film, one eye path per pixel and pass, row by row in parallel.

@@ -27,7 +27,7 @@ use crate::film::accumulate::Light;
 use crate::film::glint::Glint;
 use crate::film::guide::{ApertureGuide, Portals};
 use crate::film::plan::Plan;
-use crate::film::unseen::Hidden;
+use crate::film::unseen::Doubts;
 use crate::world::World;
 use crate::world::geometry::Ray;
 use crate::world::interior::Interior;
@@ -48,12 +48,8 @@ use std::sync::Arc;
 pub struct Hints<'p> {
     /// Small images of them.
     pub glints: &'p [Glint],
-    /// The brightest lamp that rays may miss, cd/m², if a search tells.
-    pub brightest: Option<f64>,
-    /// Lamps that something hides, perhaps not all of them.
-    pub hidden: Option<Hidden>,
-    /// How much of a lamp's luminance may be missed where paths behind scatterers meet it by chance alone.
-    pub doubt_of_caustics: f64,
+    /// What rays may miss.
+    pub doubts: Doubts,
     /// Through a pupil that is no point.
     pub pupil: Option<&'p ApertureGuide>,
     /// Through which windows scatterers see the sky.
@@ -65,22 +61,14 @@ pub struct Hints<'p> {
 impl<'p> Hints<'p> {
     /// For paths that scatter alone.
     pub fn of_sky(windows: Option<&'p Portals>) -> Hints<'p> {
-        Hints { glints: &[], brightest: None, hidden: None, doubt_of_caustics: 1.0, pupil: None, windows, share: 1.0 }
+        Hints { glints: &[], doubts: Doubts::default(), pupil: None, windows, share: 1.0 }
     }
 
     pub fn of(plan: &'p Plan) -> Hints<'p> {
         let (pupil, windows) = (plan.pupil_guide.as_ref(), plan.sky_guide.as_ref());
         // Of the pixels that are looked at anyway.
         let share = (plan.vision_share / plan.backward_share).min(1.0);
-        Hints {
-            glints: &plan.glints,
-            brightest: plan.brightest_to_miss,
-            hidden: plan.hidden,
-            doubt_of_caustics: plan.doubt_of_caustics,
-            pupil,
-            windows,
-            share,
-        }
+        Hints { glints: &plan.glints, doubts: plan.doubts, pupil, windows, share }
     }
 }
 
@@ -94,9 +82,6 @@ pub struct Vision<'w, M: Mode> {
     unknown: Option<Unknown>,
     /// By pixel: the places in it or near it that show lamps.
     glints: HashMap<u64, Vec<Glint>>,
-    /// The brightest lamp that these rays may miss, cd/m², if a search tells.
-    brightest: Option<f64>,
-    hidden: Option<Hidden>,
     pupil: Option<ApertureGuide>,
     /// Footprints of the pixels that have edges of pictures in them, if these are cut.
     footprints: Option<PixelFootprints<M>>,
@@ -157,8 +142,6 @@ impl<'w, M: Mode> Vision<'w, M> {
             share: hints.share,
             unknown: None,
             glints,
-            brightest: hints.brightest,
-            hidden: hints.hidden,
             pupil: hints.pupil.cloned(),
             footprints: None,
             paths: [PATHS, of_a_glint].map(|paths| paths.div_ceil(turns::<M>(world))),
@@ -179,19 +162,14 @@ impl<'w, M: Mode> Vision<'w, M> {
     }
 
     /// Luminance of the brightest lamp that these rays may miss, of those that connection leaves to them, cd/m², and how many rays look for it
-    /// in a pixel and pass. None if there is none. Where pilots have found no way to a lamp, so that few pixels are looked at, it is 0.
-    pub fn brightest(&self, route: &Ownership) -> Option<(f64, f64)> {
+    /// in a pixel and pass. `known`: by a search. None if there is none. Where pilots have found no way to a lamp, so that few pixels are looked at, it is 0.
+    pub fn brightest(&self, route: &Ownership, known: Option<f64>) -> Option<(f64, f64)> {
         let ours = |lamp: &&Lamp| is_seen(route, lamp) && !route.is_connected(lamp.group);
         let lamps = self.world.lamps.all().iter().filter(ours);
         let brightest = lamps.map(Lamp::brightest).reduce(f64::max)?;
-        let brightest = self.brightest.map_or(brightest, |known| known.min(brightest));
+        let brightest = known.map_or(brightest, |known| known.min(brightest));
         let looks = self.share * (self.paths[0] * turns::<M>(self.world)) as f64;
         Some((if self.share < 1.0 { 0.0 } else { brightest }, looks))
-    }
-
-    /// Lamps that something hides, perhaps not all of them.
-    pub fn hidden(&self) -> Option<Hidden> {
-        self.hidden
     }
 
     /// Numbers of the pixels with points about small images of lamps.

@@ -5,7 +5,7 @@ use super::glint::Glint;
 use super::guide::{ApertureGuide, Guide, Portals};
 use super::layer::Layer;
 use super::specular_chain::{Connection, Screen};
-use super::unseen::Hidden;
+use super::unseen::Doubts;
 use crate::base::ids::GroupId;
 use crate::base::path::{Class, Trail};
 
@@ -182,17 +182,9 @@ pub struct Plan {
     /// Places of the picture where lamps are seen, straight or over specular faces, that the backward estimator looks closer at.
     #[serde(default)]
     pub glints: Vec<Glint>,
-    /// Luminance, cd/m², of what rays from the eye may miss: a share of that of the brightest lamp, since images of lamps were looked
-    /// for. None: nobody has looked. Plans without it read as they always did.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub brightest_to_miss: Option<f64>,
-    /// Share of a lamp's luminance that may be missed where paths from the eye meet it behind a scatterer by chance alone: less than 1 where
-    /// pilots have compared these paths with others.
-    #[serde(default = "whole", skip_serializing_if = "is_whole")]
-    pub doubt_of_caustics: f64,
-    /// Lamps within the picture that something hides, perhaps not all of them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub hidden: Option<Hidden>,
+    /// What rays from the eye may miss, as far as pilots tell. Plans without it read as they always did.
+    #[serde(default, skip_serializing_if = "Doubts::is_none")]
+    pub doubts: Doubts,
     pub mode: PathMode,
     /// Whose standard errors are kept.
     pub errors: ErrorDetail,
@@ -235,18 +227,12 @@ impl Plan {
         if self.faintest_branch < LEAST_BRANCH {
             return Err(format!("follows branches down to shares of {}, not {LEAST_BRANCH}", self.faintest_branch));
         }
-        let shares =
-            [self.backward_share, self.unknown_share, self.vision_share, self.faintest_branch, self.doubt_of_caustics];
+        let shares = [self.backward_share, self.unknown_share, self.vision_share, self.faintest_branch];
         if !(shares.iter().all(|share| *share > 0.0 && *share <= 1.0) && self.photon_radii_m.is_valid()) {
             return Err(format!("has shares of {shares:?} and radii of {:?} m", self.photon_radii_m));
         }
-        if let Some(brightest) =
-            self.brightest_to_miss.filter(|brightest| !(*brightest >= 0.0 && brightest.is_finite()))
-        {
-            return Err(format!("says that rays may miss a lamp of {brightest} cd/m²"));
-        }
-        if let Some(hidden) = self.hidden.filter(|hidden| !hidden.is_valid()) {
-            return Err(format!("says that a lamp of {} cd/m² is hidden", hidden.luminance));
+        if !self.doubts.is_valid() {
+            return Err(format!("says of what rays may miss {:?}", self.doubts));
         }
         if let Some(at) = self.glints.iter().position(|glint| !glint.is_valid()) {
             return Err(format!("has a place of a lamp, number {at}, that is no parallelogram of finite size"));
@@ -270,9 +256,7 @@ impl Plan {
             connections: Vec::new(),
             screens: Vec::new(),
             glints: Vec::new(),
-            brightest_to_miss: None,
-            hidden: None,
-            doubt_of_caustics: 1.0,
+            doubts: Doubts::default(),
             forward_guide: None,
             photon_guide: None,
             pupil_guide: None,

@@ -35,6 +35,42 @@ impl Hidden {
     }
 }
 
+/// What a plan knows of what rays from the eye may miss.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Doubts {
+    /// Luminance, cd/m²: a share of that of the brightest lamp, since images of lamps were looked for. None: nobody has looked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub brightest: Option<f64>,
+    /// Lamps within the picture that something hides, perhaps not all of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hidden: Option<Hidden>,
+    /// Share of a lamp's luminance that may be missed where paths meet it behind a scatterer by chance alone: less than 1 where
+    /// pilots have compared these paths with others, 0 where no face sends light on in a bundle.
+    pub of_caustics: f64,
+    /// Pixels all over the picture that a pilot looked at as a pass does, and found no light.
+    pub glances: u64,
+}
+
+impl Default for Doubts {
+    fn default() -> Self {
+        Doubts { brightest: None, hidden: None, of_caustics: 1.0, glances: 0 }
+    }
+}
+
+impl Doubts {
+    /// Nobody has looked.
+    pub fn is_none(&self) -> bool {
+        *self == Doubts::default()
+    }
+
+    /// What may be in a file.
+    pub fn is_valid(&self) -> bool {
+        self.brightest.is_none_or(|brightest| brightest >= 0.0 && brightest.is_finite())
+            && self.hidden.is_none_or(|hidden| hidden.is_valid())
+            && (0.0..=1.0).contains(&self.of_caustics)
+    }
+}
+
 /// What is known of the rays of a film that look for lamps.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Unseen {
@@ -42,6 +78,9 @@ pub struct Unseen {
     pub brightest: f64,
     /// Rays in a pixel and pass.
     pub looks: f64,
+    /// Rays of a pilot in a pixel.
+    #[serde(default)]
+    before: f64,
     /// Lamps that something hides, perhaps not all of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     hidden: Option<Hidden>,
@@ -66,13 +105,19 @@ impl Unseen {
                 *run += 1;
             }
         }
-        Unseen { brightest, looks, hidden: None, known: runs, aimed }
+        Unseen { brightest, looks, before: 0.0, hidden: None, known: runs, aimed }
     }
 
     /// And lamps that something hides, perhaps not all of them.
     #[must_use]
     pub fn beside(self, hidden: Option<Hidden>) -> Unseen {
         Unseen { hidden, ..self }
+    }
+
+    /// After so many rays of a pilot in a pixel, which found nothing.
+    #[must_use]
+    pub fn after(self, before: f64) -> Unseen {
+        Unseen { before, ..self }
     }
 
     /// Whether the numbers of a file fit so many pixels.
@@ -82,7 +127,7 @@ impl Unseen {
         let ascends = self.aimed.is_sorted_by(|a, b| a < b);
         let hidden = self.hidden.is_none_or(|hidden| hidden.is_valid());
         hidden
-            && [self.brightest, self.looks].iter().all(sound)
+            && [self.brightest, self.looks, self.before].iter().all(sound)
             && self.looks > 0.0
             && known == pixels as u64
             && ascends
@@ -96,7 +141,7 @@ impl Unseen {
     /// Sum over pixels of the luminance, cd/m², that rays have missed at the most, a quarter of it (so that four stated errors
     /// cover it). `passes`: the fewest of a pixel.
     pub fn light(&self, passes: u64) -> f64 {
-        let looks = self.looks * passes as f64;
+        let looks = self.before + self.looks * passes as f64;
         let hidden = self.hidden.map_or(0.0, |hidden| hidden.luminance / (hidden.looks + looks));
         if self.brightest > 0.0 || hidden > 0.0 { NEVER * hidden.max(self.brightest / looks) } else { 0.0 }
     }
@@ -105,7 +150,7 @@ impl Unseen {
     pub fn passes_for(&self, light: f64) -> u64 {
         let looks = NEVER * self.brightest / light;
         let for_hidden = self.hidden.map_or(0.0, |hidden| NEVER * hidden.luminance / light - hidden.looks);
-        (looks.max(for_hidden) / self.looks).ceil() as u64
+        ((looks.max(for_hidden) - self.before) / self.looks).max(0.0).ceil() as u64
     }
 
     /// Per pixel, in rows of `width`: the variance that its mean has at least, (cd/m²)². `means`: luminance; `passes`: of a pixel.
@@ -191,6 +236,10 @@ mod tests {
         let unseen = Unseen::new(3e5, 4.0, &[false, true], Vec::new());
         let passes = unseen.passes_for(12.0);
         assert!(unseen.light(passes) <= 12.0 && unseen.light(passes - 1) > 12.0);
+        // What a pilot has looked at counts, and may be enough.
+        let looked = unseen.clone().after(4.0 * 100.0);
+        assert_eq!((looked.passes_for(12.0), looked.light(1)), (passes - 100, unseen.light(101)));
+        assert_eq!(unseen.clone().after(1e6).passes_for(12.0), 0);
         let hidden = Unseen { brightest: 0.0, hidden: Some(Hidden { luminance: 3e5, looks: 1e4 }), ..unseen };
         let passes = hidden.passes_for(12.0);
         assert!(hidden.light(passes) <= 12.0 && hidden.light(passes - 1) > 12.0, "{passes}");

@@ -1,5 +1,5 @@
 //! How much work a relative error takes: passes of a small picture until it states that error or has cost enough, and the square
-//! root law from there on. Even points converge faster than that law has it, which few passes cannot tell. How much less noise the
+//! root law from there on, or until its passes can have missed little enough. Even points converge faster than that law has it, which few passes cannot tell. How much less noise the
 //! pixels of the whole picture have is foretold from a few passes of one in between.
 
 use super::pilots::pilot_resolution::PilotResolution;
@@ -50,7 +50,10 @@ pub fn forecast(scene: &Scene, world: &World, plan: &Plan) -> Result<Forecast> {
     Ok(Forecast {
         error_of_a_pass: first.or_else(|| of_a_pass(films)).map(|error| error * larger),
         paths_of_a_pass: paths as f64 / films.passes as f64 / small.share,
-        passes: of_a_pass(films).map(|error| (error * larger / AIM).powi(2).ceil().max(1.0)),
+        passes: of_a_pass(films).map(|error| {
+            let by_noise = (error * larger / AIM).powi(2).ceil().max(1.0);
+            by_noise.max(films.passes_to_miss(AIM, small.share) as f64)
+        }),
         pilot_passes: films.passes,
     })
 }

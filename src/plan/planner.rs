@@ -4,7 +4,7 @@
 use super::pilots::pilot_cache::PilotCache;
 use super::pilots::{chains, pupil_guide, reached, shared_faces, sky_guide, split_threshold};
 use super::selection::facts::{is_connected, own};
-use super::tuning::planner::{ARRIVED, FEWEST_LOOKS, LOOKS, MISSED, SELDOM, SELDOM_UNKNOWN, UNKNOWN};
+use super::tuning::planner::{ARRIVED, FEWEST_LOOKS, LOOKS, MANY_LOOKS, MISSED, SELDOM, SELDOM_UNKNOWN, UNKNOWN};
 use super::{Asked, Choice, Guides, pilots};
 use crate::base::ids::GroupId;
 use crate::base::path::Class;
@@ -203,12 +203,12 @@ impl Planner<'_> {
     fn eye_paths(&self, plan: &mut Plan) {
         let guided = self.asked.guides == Guides::On;
         if guided && plan.runs(Estimator::Backward) && !self.stopped() {
-            (plan.glints, plan.hidden) = self.made.glints(self, plan);
+            (plan.glints, plan.doubts.hidden) = self.made.glints(self, plan);
             let by_eye = |lamp: &&Lamp| plan.owner(lamp.group, Class::Vision, false) == Some(Estimator::Backward);
             let brightest = self.world.lamps.all().iter().filter(by_eye).map(Lamp::brightest).fold(0.0, f64::max);
-            plan.brightest_to_miss = Some(MISSED * brightest);
+            plan.doubts.brightest = Some(MISSED * brightest);
             if self.asked.choice == Choice::Auto {
-                plan.doubt_of_caustics = MISSED;
+                plan.doubts.of_caustics = MISSED;
             }
             if !plan.glints.is_empty() {
                 plan.notes.push(format!(
@@ -216,6 +216,9 @@ impl Planner<'_> {
                     plan.glints.len()
                 ));
             }
+        }
+        if !self.checked.facts().bundles {
+            plan.doubts.of_caustics = 0.0;
         }
         if plan.pupil_guide.is_some() {
             plan.notes.push("backward looks for lamps through the parts of the pupil that a pilot saw lit".to_owned());
@@ -227,10 +230,14 @@ impl Planner<'_> {
         {
             let route = Ownership::new(plan, self.groups(), Estimator::Backward);
             let backward = Backward::<Mono>::new(self.world, route, (1, 1.0), Hints::of(plan), pilots::SEED);
-            if !backward.finds_light(LOOKS, self.stop) {
+            // Where a bright lamp could be, few looks say little.
+            let may_miss = backward.unseen().is_some_and(|unseen| unseen.light(1) > 0.0);
+            let looks = if may_miss { MANY_LOOKS } else { LOOKS };
+            if !backward.finds_light(LOOKS, self.stop) && !(may_miss && backward.finds_light(looks, self.stop)) {
                 plan.backward_share = SELDOM;
+                plan.doubts.glances = looks;
                 plan.notes.push(format!(
-                    "backward looks at 1 pixel in {:.0} a pass: {LOOKS} paths of a pilot found no light of its own",
+                    "backward looks at 1 pixel in {:.0} a pass: {looks} paths of a pilot found no light of its own",
                     1.0 / SELDOM
                 ));
                 return;

@@ -52,6 +52,8 @@ pub(super) mod planner {
     /// Paths of the pilot that looks whether rays from the eye find anything, and how many pixels are looked at if not.
     pub const LOOKS: u64 = 2048;
     pub const SELDOM: f64 = 1.0 / 64.0;
+    /// And where a lamp that they may miss is bright.
+    pub const MANY_LOOKS: u64 = 1 << 17;
     /// Looks per pixel and pass for lamps over trains that connection does not know, over their share of the light as far as a
     /// pilot has seen it.
     pub const UNKNOWN: f64 = 64.0;
